@@ -114,18 +114,18 @@ def shapes_at(tree: Tree, frequency: FloatArray) -> Shapes:
 
 
 def _in_blocks(tree: Tree, frequency: FloatArray) -> Shapes:
-    """`_free_shapes`, in blocks of columns, so that memory stays bounded."""
+    """`free_shapes`, in blocks of columns, so that memory stays bounded."""
     block = max(_LEAST_COLUMNS, _LARGEST_BLOCK // tree.size)
     if len(frequency) <= block:
-        return _free_shapes(tree, frequency)
+        return free_shapes(tree, frequency)
     whole = Shapes.empty(tree, len(frequency))
     for begin in range(0, len(frequency), block):
         part = slice(begin, begin + block)
-        whole.put(part, _free_shapes(tree, frequency[part]))
+        whole.put(part, free_shapes(tree, frequency[part]))
     return whole
 
 
-def _free_shapes(tree: Tree, w: FloatArray) -> Shapes:
+def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
     """The shape at each frequency `w` (m,) rad/s, from the station where the residual |Z| / J is least."""
     if not tree.is_ready:
         raise ValueError("shapes_at takes a tree whose stations are numbered layer by layer")
@@ -134,7 +134,7 @@ def _free_shapes(tree: Tree, w: FloatArray) -> Shapes:
         start, column = _least_residual(tree, sides.total), np.arange(len(w))
         angle, torque, product, is_toward_root = spread(tree, sides, start)
         passed = np.add.reduce(np.abs(product, product), axis=0)
-        mass = tree.moving_inertia @ np.multiply(angle, angle, product[: tree.size])
+        mass = _weighted(tree.moving_inertia, np.multiply(angle, angle, product[: tree.size]))
         inner = outer = angle[:0]
         if tree.shafts is not None and isinstance(sides, TwoSides) and is_toward_root is not None:
             inner, outer = _end_torques(tree, tree.shafts.node, sides, angle, torque, is_toward_root)
@@ -146,10 +146,17 @@ def _free_shapes(tree: Tree, w: FloatArray) -> Shapes:
     return shapes
 
 
+def _weighted(inertia: FloatArray, square: FloatArray) -> FloatArray:
+    """Sum (m,) of an inertia (stations,) or (stations, m) times squared angles (stations, m)."""
+    if inertia.ndim == 1:
+        return np.asarray(inertia @ square)
+    return np.add.reduce(np.multiply(square, inertia, out=square), axis=0)
+
+
 def _least_residual(tree: Tree, total: FloatArray) -> IntArray:
     """Station (m,) with inertia at which |Z| / J is least."""
     residual = np.abs(total)
-    residual *= (1.0 / tree.static.moving_inertia)[:, None]  # infinite without inertia, or not a number
+    residual *= 1.0 / tree.static.inertia_columns  # infinite without inertia, or not a number
     if not tree.is_plain:
         undetermined = np.isnan(residual)
         if undetermined.any():

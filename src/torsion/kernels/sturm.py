@@ -101,9 +101,9 @@ def _negative(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
         square = square * (1.0 + lean * of_square)
     station, size = tree.own_stiffness(square), tree.size
     if margin is not None and tree.is_chain and tree.shafts is None:
-        return _bound_in_chain(station, tree.flexibility[:, None], margin)
+        return _bound_in_chain(station, tree.flexibility_columns, margin)
     passed = np.empty((size + 1, len(square)))
-    passed[:size] = tree.flexibility[:, None]
+    passed[:size] = tree.flexibility_columns
     passed[size] = 0.0
     if tree.shafts is not None:
         flexibility, inner, outer = tree.shafts.at(of_laws)

@@ -23,7 +23,8 @@ class Tree:
 
     Everything is referred to one speed, so gear ratios are no longer seen. A spring to ground is a span to a
     fixed leaf. A fixed station does not move; it is a root or a leaf. The law of a span is a constant flexibility, or
-    that of a distributed shaft.
+    that of a distributed shaft. Trains of one layout stand side by side where flexibility and inertia have a column
+    for each (stations, m): sweeps then take one frequency a column.
     """
 
     parent: IntArray  # (stations,), -1 at a root
@@ -79,7 +80,17 @@ class Tree:
     @cached_property
     def moving_inertia(self) -> FloatArray:
         """Inertia (stations,) kg m2, 0 where fixed."""
-        return np.where(self.held, 0.0, self.inertia) if self.holds else self.inertia
+        return np.where(self.held, 0.0, self.inertia.T).T if self.holds else self.inertia
+
+    @cached_property
+    def flexibility_columns(self) -> FloatArray:
+        """(stations, 1) or (stations, m) rad/(N m)."""
+        return self.flexibility.reshape(self.size, -1)
+
+    @cached_property
+    def inertia_columns(self) -> FloatArray:
+        """`moving_inertia` as (stations, 1) or (stations, m) kg m2."""
+        return self.moving_inertia.reshape(self.size, -1)
 
     @cached_property
     def holds(self) -> bool:
@@ -91,7 +102,7 @@ class Tree:
 
         Infinite where fixed; written as a difference, so that a zero is positive.
         """
-        own: FloatArray = np.multiply.outer(self.moving_inertia, square)
+        own: FloatArray = self.inertia_columns * square
         np.subtract(0.0, own, out=own)
         if self.holds:
             own[self.held] = np.inf
@@ -105,7 +116,10 @@ class Tree:
     @cached_property
     def is_plain(self) -> bool:
         """One root, no rigid span, no distributed shaft, and every station moves and has inertia."""
-        rigid, roots = self.size - int(np.count_nonzero(self.flexibility[1:])), self.parents.count(-1)
+        rigid, roots = (
+            self.size - int(np.count_nonzero(self.flexibility_columns[1:].all(axis=1))),
+            self.parents.count(-1),
+        )
         return rigid == roots == 1 and not self.holds and self.shafts is None and bool(self.inertia.min() > 0.0)
 
     @cached_property

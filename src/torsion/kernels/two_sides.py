@@ -220,7 +220,7 @@ def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
     size, columns = own.shape
     total, to_leaves, to_root, rest = own.copy(), *np.empty((3, size, columns))
     passed, returned = np.empty((size + 1, columns)), np.empty((size, columns))
-    passed[:size] = tree.flexibility[:, None]
+    passed[:size] = tree.flexibility_columns
     returned[:] = passed[:size]
     passed[size] = 0.0
     roots = slice(0, tree.parents.count(-1))
@@ -261,7 +261,7 @@ def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
     size, columns = own.shape
     behind, (inverse, through) = np.empty((size, 2 * columns)), np.empty((2, size - 1, 2 * columns))
     behind[:, :columns], behind[:, columns:] = own[::-1], own
-    through[:, :columns], through[:, columns:] = tree.flexibility[:0:-1, None], tree.flexibility[1:, None]
+    through[:, :columns], through[:, columns:] = tree.flexibility_columns[:0:-1], tree.flexibility_columns[1:]
     add, reciprocal, rows = np.add, np.reciprocal, list(behind)
     here = rows[0]
     for turned, seen, there in zip(inverse, through, rows[1:], strict=True):

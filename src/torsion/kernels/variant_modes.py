@@ -1,0 +1,167 @@
+"""Natural frequencies of many trains of one layout, side by side: a column of inertias and flexibilities for each.
+
+From the modes of one train, the geometric middle of all, every other begins at what the shares of energy say of a
+change of its figures: d ln f/d ln k is half the share of a span in the elastic energy, -d ln f/d ln J that of a
+station in the kinetic one. Rayleigh's steps and the counts that enclose a frequency are the sweeps of one train, with a
+train in each column. A column without proof (modes that are close, or far from the middle) is solved as one train.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.mode_shapes import free_shapes
+from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.sturm import count_below, expected_width
+from torsion.kernels.tree import Rerooted, Tree, by_layers, rerooted_at_middle
+
+_COLUMNS = 2048  # trains at once: arrays of a sweep stay in the cache (measured)
+_LARGEST = 2**19  # stations times trains at once
+_STEPS = 6  # of Rayleigh; 2 are usual
+_SETTLED = 1e-8  # relative step after which the next one is below rounding: each squares the error
+_FARTHEST = 0.3  # relative step beyond which one has left its mode
+_WIDENED = (1.0, 4.0)  # times the width in which a proof is expected
+
+
+@dataclass(frozen=True)
+class VariantModes:
+    """Elastic modes of every train, ascending."""
+
+    frequency: FloatArray  # (modes, trains) rad/s
+    lower: FloatArray  # (modes, trains) rad/s, proven to be no more
+    upper: FloatArray  # (modes, trains) rad/s, proven to be no less
+    alone: int  # frequencies that had to be found train by train
+
+
+def variant_modes(tree: Tree, flexibility: FloatArray, inertia: FloatArray, count: int) -> VariantModes:
+    """The lowest `count` elastic modes of the trains in the columns of `flexibility` and `inertia` (stations, trains).
+
+    tree: their layout, and which stations are fixed. A flexibility or inertia that is 0 in one train is 0 in all.
+    Raises ValueError for arrays of other shapes, or fewer modes than `count`; SolveError as `tree_modes` does.
+
+    >>> two = Tree(np.array([-1, 0]), np.zeros(2), np.zeros(2), np.zeros(2, dtype=bool))
+    >>> stiffness = np.array([1e4, 2e4, 4e4])
+    >>> found = variant_modes(two, np.stack([0 * stiffness, 1 / stiffness]), np.ones((2, 3)), 1)
+    >>> found.frequency.round(8)  # sqrt(2 k/J)
+    array([[141.42135624, 200.        , 282.84271247]])
+    """
+    if not flexibility.shape == inertia.shape == (tree.size, flexibility.shape[-1]):
+        raise ValueError(f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}")
+    middle = replace(tree, flexibility=_middle(flexibility), inertia=_middle(inertia))
+    known = tree_modes(middle, count)
+    if len(known.frequency) < count:
+        raise ValueError(f"the trains have {len(known.frequency)} elastic modes, not {count}")
+    numbered, square = _numbered(middle), known.frequency**2
+    by_flexibility = -0.5 * middle.flexibility[:, None] * known.torque**2 / square
+    by_inertia = -0.5 * middle.moving_inertia[:, None] * known.angle**2
+    bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
+    for part in _parts(tree.size, flexibility.shape[1]):
+        h, j = flexibility[:, part], inertia[:, part]
+        start = np.log(known.frequency)[:, None] + by_flexibility.T @ _changes(h, middle.flexibility)
+        start += by_inertia.T @ _changes(j, middle.moving_inertia)
+        trains = _side_by_side(numbered, h, j)
+        bounds[:, :, part], proven = _modes(trains, np.exp(start), known.rigid)
+        if not proven.all() and trains.is_plain:
+            left = np.flatnonzero(~proven)
+            some = _columns(trains, left)
+            bounds[:, :, part.start + left], proven[left] = _modes(some, _values(some)[:count], known.rigid)
+        for column in np.flatnonzero(~proven).tolist():
+            one = tree_modes(replace(tree, flexibility=h[:, column], inertia=j[:, column]), count)
+            bounds[:, :, part.start + column] = one.frequency, one.lower, one.upper
+            alone += 1
+    return VariantModes(*bounds, alone)
+
+
+def _middle(values: FloatArray) -> FloatArray:
+    """Geometric mean (stations,) over the trains; 0 where all are 0, or not used."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.exp(np.log(values).mean(axis=1)))
+
+
+def _changes(values: FloatArray, middle: FloatArray) -> FloatArray:
+    """ln of each of `values` (stations, trains) over the middle; 0 of what is 0."""
+    used = (middle > 0.0) & np.isfinite(middle)
+    return np.asarray(np.log(np.where(used[:, None], values, 1.0) / np.where(used, middle, 1.0)[:, None]))
+
+
+def _numbered(tree: Tree) -> Rerooted:
+    """The layout as sweeps take it."""
+    moved = rerooted_at_middle(tree)
+    return moved if moved.tree.is_ready else by_layers(tree)
+
+
+def _parts(size: int, trains: int) -> Iterator[slice]:
+    width = max(1, min(_COLUMNS, _LARGEST // size))
+    return (slice(begin, min(begin + width, trains)) for begin in range(0, trains, width))
+
+
+def _side_by_side(numbered: Rerooted, flexibility: FloatArray, inertia: FloatArray) -> Tree:
+    """The trains in the numbering of the sweeps."""
+    order, span = np.argsort(numbered.station), np.argsort(numbered.span)
+    return replace(numbered.tree, flexibility=flexibility[span], inertia=inertia[order])
+
+
+def _columns(trains: Tree, chosen: IntArray | BoolArray) -> Tree:
+    return replace(trains, flexibility=trains.flexibility[:, chosen], inertia=trains.inertia[:, chosen])
+
+
+def _values(trains: Tree) -> FloatArray:
+    """Elastic frequencies (modes, trains) rad/s to begin with: singular values of K^1/2 J^-1/2, of all at once."""
+    size = trains.size
+    factor, span, parent = np.zeros((trains.inertia.shape[1], size - 1, size)), np.arange(1, size), trains.parent[1:]
+    for sign, station in ((1.0, parent), (-1.0, span)):
+        factor[:, span - 1, station] = (sign / np.sqrt(trains.flexibility[span] * trains.inertia[station])).T
+    return np.asarray(np.linalg.svd(factor, compute_uv=False).T[::-1])
+
+
+def _modes(trains: Tree, start: FloatArray, rigid: int) -> tuple[FloatArray, BoolArray]:
+    """Frequencies and bounds (3, modes, trains) rad/s from `start` (modes, trains), and which trains are proven."""
+    settled = [_settled(trains, one) for one in start]
+    frequency = np.stack([one for one, _ in settled])
+    order = np.argsort(frequency, axis=0)
+    frequency = np.take_along_axis(frequency, order, axis=0)
+    passed = np.take_along_axis(np.stack([one for _, one in settled]), order, axis=0)
+    bounds, proven = np.stack([frequency] * 3), np.ones(start.shape[1], dtype=np.bool_)
+    for mode, one in enumerate(frequency):
+        bounds[1:, mode], is_proven = _enclosed(trains, one, passed[mode], mode + rigid)
+        proven &= is_proven
+    return bounds, proven
+
+
+def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Frequency (trains,) rad/s after Rayleigh's steps, and the sum of |torque| |angle at the parent| of its shape."""
+    frequency, passed, left, some = start.copy(), np.zeros(len(start)), np.arange(len(start)), trains
+    for _ in range(_STEPS):
+        here = frequency[left]
+        shapes = free_shapes(some, here)
+        with np.errstate(all="ignore"):
+            share = shapes.correction / here**2
+            change = share / (1.0 + np.sqrt(1.0 + share))
+        change[~(np.abs(change) <= _FARTHEST)] = 0.0
+        frequency[left] = here * (1.0 + change)
+        passed[left] = shapes.passed
+        going = np.abs(change) > _SETTLED
+        if not going.any():
+            break
+        left = left[going]
+        some = _columns(trains, left)
+    return frequency, np.where(np.isfinite(passed), passed, 0.0)
+
+
+def _enclosed(trains: Tree, frequency: FloatArray, passed: FloatArray, mode: int) -> tuple[FloatArray, BoolArray]:
+    """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
+    bounds, left, some = np.stack([frequency] * 2), np.arange(len(frequency)), trains
+    half = expected_width(trains, frequency, passed)
+    for times in _WIDENED:
+        bounds[0, left], bounds[1, left] = (frequency[left] * (1.0 + sign * times * half[left]) for sign in (-1, 1))
+        below = count_below(some, bounds[0, left], bound=1) <= mode
+        proven = below & (count_below(some, bounds[1, left], bound=-1) > mode)
+        left = left[~proven]
+        if not left.size:
+            break
+        some = _columns(trains, left)
+    is_proven = np.ones(len(frequency), dtype=np.bool_)
+    is_proven[left] = False
+    return bounds, is_proven
