@@ -132,7 +132,7 @@ def _one(study: Study, only: Collection[str], progress: Progress) -> Findings:
     """The findings of a study, without its cases."""
     names = _with_needs(only) if only else list(ANALYSES)
     judged = replace(study, rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)))
-    work = Work(judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement)
+    work = Work(judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement, solve=run)
     for name, _ in study.rules:
         if name not in dict(judged.rules):
             work.log.without(f"the rule {name}", "what it reads is not requested")

@@ -2,9 +2,9 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -206,6 +206,17 @@ def case_folder(name: str) -> str:
     return re.sub(r"[^\w+]+", "-", name).strip("-") or "case"
 
 
+class Variation(Protocol):
+    """Figures of a file that vary, and the studies of other values; made by the reader of files."""
+
+    @property
+    def figures(self) -> Sequence[Any]:
+        """What varies: name, law, column of the samples."""
+
+    def study(self, factor: Sequence[float]) -> "Study":
+        """The study with every figure times its factor."""
+
+
 @dataclass(frozen=True)
 class Study:
     """A scene: everything that a file says."""
@@ -224,6 +235,7 @@ class Study:
     memory: float = MEMORY  # bytes that a response may need
     document: FrontMatter | None = None
     logo: str = ""  # its picture as a data URI
+    variation: "Variation | None" = field(default=None, repr=False, compare=False)  # figures that a sweep varies
     case: Case | None = None  # which one of another study it is
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
 

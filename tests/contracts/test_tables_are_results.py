@@ -207,6 +207,11 @@ def moved(found: Found, row: Row) -> Iterator[float]:
             yield (high - low) / f
 
 
+def swept(name: str) -> Values:
+    """Of every check over the variants, and of any."""
+    return key(f"sweep.checks[].{name}", f"sweep.any_fails.{name}")
+
+
 RPM, HZ = "speed_rad_per_s", "frequency_Hz"
 COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the figures that may stand there
     ("Checks against", "Value / limit"): of_check("value", "limit"),
@@ -269,6 +274,21 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Stiffness with which", "Stiffness /"): key("tolerances.aims[].factor"),
     ("Stiffness with which", "Without it"): key("tolerances.aims[].softest_Hz"),
     ("Stiffness with which", "Rigid"): key("tolerances.aims[].stiffest_Hz"),
+    ("What varies", "Varies as one"): key("sweep.figures[].together"),
+    ("Natural frequencies of all variants", "Mode"): modes_counted,
+    ("Natural frequencies of all variants", "As in"): key("sweep.nominal_Hz"),
+    ("Natural frequencies of all variants", "Mean"): key("sweep.mean_Hz"),
+    ("Natural frequencies of all variants", "Standard"): key("sweep.deviation_Hz"),
+    ("Natural frequencies of all variants", "2.5 %"): key("sweep.low_Hz", "sweep.high_Hz"),
+    ("Natural frequencies of all variants", "Least"): key("sweep.least_Hz"),
+    ("Natural frequencies of all variants", "Greatest"): key("sweep.greatest_Hz"),
+    ("Probability that a check fails", "Variants"): swept("failing"),
+    ("Probability that a check fails", "Probability"): swept("probability"),
+    ("Probability that a check fails", "From"): swept("lower"),
+    ("Probability that a check fails", "To"): swept("upper"),
+    ("Probability that a check fails", "Median"): swept("median"),
+    ("Probability that a check fails", "Worst"): swept("worst"),
+    ("Probability that a check fails", "Rank"): swept("correlation"),
     ("Harmonic components", "Order"): key("response.lines[].order"),
     ("Mean torque at", "Mean torque"): key("mean.torque_Nm"),
     ("Mean torque at", "Largest"): lambda found, row: (abs(one) for one in at(found, "mean.torque_Nm")),

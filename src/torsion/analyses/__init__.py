@@ -14,7 +14,7 @@ from torsion.fields import Declared
 if TYPE_CHECKING:
     from torsion.study import Study
 
-UNBUILT = ("sweep",)  # of the format, but not built yet
+UNBUILT = ("design", "fit")  # of the format, but not built yet
 MODELS = ("lumped", "fem", "exact")
 
 
@@ -176,6 +176,10 @@ ANALYSES: dict[str, Analysis] = {
         "motion over time", "torsion.analyses.transient.motion_from_events",
         settings="torsion.analyses.transient.transient_settings:TransientSettings",
         needs=("steady",), results={"transient": "Transients"}, chapters=("motion_over_time",), is_listed=True,
+    ),
+    "sweep": Analysis(
+        "sweep", "torsion.analyses.sweep.sweep_run", settings="torsion.analyses.sweep.sweep_settings:SweepSettings",
+        needs=("modes",), results={"sweep": "torsion.analyses.sweep.sweep_results:Sweep"}, chapters=("sweep",),
     ),
     "check": Analysis(
         "comparison of the models", "torsion.analyses.compare.side_by_side", "run_check", settings="CheckSettings",

@@ -150,7 +150,7 @@ def _weighted(inertia: FloatArray, square: FloatArray) -> FloatArray:
     """Sum (m,) of an inertia (stations,) or (stations, m) times squared angles (stations, m)."""
     if inertia.ndim == 1:
         return np.asarray(inertia @ square)
-    return np.add.reduce(np.multiply(square, inertia, out=square), axis=0)
+    return np.asarray(np.add.reduce(np.multiply(square, inertia, out=square), axis=0))
 
 
 def _least_residual(tree: Tree, total: FloatArray) -> IntArray:

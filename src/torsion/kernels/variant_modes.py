@@ -3,7 +3,7 @@
 From the modes of one train, the geometric middle of all, every other begins at what the shares of energy say of a
 change of its figures: d ln f/d ln k is half the share of a span in the elastic energy, -d ln f/d ln J that of a
 station in the kinetic one. Rayleigh's steps and the counts that enclose a frequency are the sweeps of one train, with a
-train in each column. A column without proof (modes that are close, or far from the middle) is solved as one train.
+train in each column. A train that counts do not confirm (close modes, or far from the middle) is solved by itself.
 """
 
 from collections.abc import Iterator
@@ -22,7 +22,7 @@ _LARGEST = 2**19  # stations times trains at once
 _STEPS = 6  # of Rayleigh; 2 are usual
 _SETTLED = 1e-8  # relative step after which the next one is below rounding: each squares the error
 _FARTHEST = 0.3  # relative step beyond which one has left its mode
-_WIDENED = (1.0, 4.0)  # times the width in which a proof is expected
+_WIDENED = (1.0, 4.0)  # times the width in which counts are expected to enclose it
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,8 @@ def variant_modes(tree: Tree, flexibility: FloatArray, inertia: FloatArray, coun
             one = tree_modes(replace(tree, flexibility=h[:, column], inertia=j[:, column]), count)
             bounds[:, :, part.start + column] = one.frequency, one.lower, one.upper
             alone += 1
-    return VariantModes(*bounds, alone)
+    frequency, lower, upper = bounds
+    return VariantModes(frequency, lower, upper, alone)
 
 
 def _middle(values: FloatArray) -> FloatArray:

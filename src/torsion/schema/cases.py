@@ -228,7 +228,7 @@ def _tolerances(one: _Requested, overlay: Overlay) -> None:
             message = f"a tolerance of {float(100 * tolerance):g} % leaves '{part.name}' no stiffness"
             overlay.faults.append(Fault((*part.path, "tolerance"), message, "less than 100 %"))
             continue
-        for path in _stiffnesses(overlay, part):
+        for path in stiffness_paths(overlay, part):
             node = node_at(overlay.source.root, path)
             by = 1 / factor if path[-1] == "flexibility" else factor
             made = None if node is None else multiplied(node.value, by)
@@ -240,7 +240,7 @@ def _tolerances(one: _Requested, overlay: Overlay) -> None:
                 overlay.put(path, Node(made, at.line, at.column), (at.line, at.column))
 
 
-def _stiffnesses(overlay: Overlay, part: Part) -> Iterator[Path]:
+def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
     """Where the file states the stiffnesses, or the flexibility, of a coupling."""
     for keys in (*STIFFNESSES, ("flexibility",)):
         if node_at(overlay.source.root, (*part.path, *keys)) is not None:

@@ -107,6 +107,10 @@ def _study(source: Source) -> Study:
 
             study = with_logo(study, study.document.logo, faults)
         faults += study_faults(study, _faulty(faults))
+        if "sweep" in study.analyses and not faults:
+            from torsion.schema.variation import with_variation
+
+            study = with_variation(study, source, _study, faults)
     if faults or study is None:
         raise input_error(faults, source)
     if study.train.has_tables_over("mean torque"):

@@ -57,7 +57,7 @@ def _criticals(findings: Findings, found: Tolerances) -> Iterator[Block]:
         return
     bands = zip(critical.crossings, found.critical_lower.tolist(), found.critical_upper.tolist(), strict=True)
     met = [one for one in bands if one[1] <= speeds.last and one[2] >= speeds.first]
-    rows = [
+    rows: list[tuple[object, ...]] = [
         (
             rpm(low), rpm(c.speed), rpm(high), order(c.order), c.mode, c.line.named(reference(findings)),
             "" if c.is_inside else "only within the tolerances",

@@ -1,0 +1,162 @@
+"""Variants of a file: each as the file with its figures written in; probabilities of closed forms; faults."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.sweep import sweep_run
+from torsion.analyses.sweep.sampling import probability
+from torsion.analyses.sweep.sweep_results import Sweep
+from torsion.errors import InputError, SolveError
+from torsion.rules.verdict_line import Checks
+from torsion.study import Study
+
+TWO = """name: two discs
+train:
+  - disc: {inertia: 1.2}
+  - coupling: {stiffness: 20000}
+  - disc: {inertia: 0.8}
+analyses: {modes: {count: 1}, sweep: {%s}}
+"""
+DRIVE = """name: drive
+operation: {speeds: {from: 300 rpm, to: 1500 rpm, steps: 61}, rated: {speed: 1500 rpm, power: 100 kW}}
+train:
+  - motor: {inertia: 1.2, ripple: [{order: 2, torque: 2 %%}]}
+  - coupling: {name: rubber, stiffness: %r, psi: %r, tolerance: 10 %%, vibratory_torque: 76 N*m, rated_torque: 1 kN*m}
+  - disc: {inertia: %r}
+  - shaft: {name: tail, length: %r, diameter: %r, density: 0}
+  - gear: {ratio: 2, mesh_stiffness: 1e8}
+  - propeller: {inertia: 0.95, blades: 4, excitation: [{blade_order: 1, torque: 5 %%}]}
+materials: {steel-2: {shear_modulus: 79.3 GPa, density: 0}}
+analyses: {modes: {count: 3}, response: %s}
+rules: [coupling-maker]
+"""
+BASE = (20000.0, 0.8, 0.35, 0.8, 0.06)
+NAMES = ("rubber.stiffness", "rubber.psi", "disc-1.inertia", "tail.length", "tail.diameter")
+VARIED = "{" + ", ".join(f"{name}: {{uniform: 10 %}}" for name in NAMES) + "}"
+
+
+def drive(figures=BASE, sweep: str = "") -> Study:
+    text = DRIVE % (*figures, f", sweep: {{{sweep}}}" if sweep else "")
+    return torsion.parse(text.replace(", density: 0}\n  - gear", ", material: steel-2}\n  - gear"))
+
+
+def written(factor: np.ndarray) -> tuple[float, ...]:
+    return tuple(own * one for own, one in zip(BASE, factor.tolist(), strict=True))
+
+
+def swept(study: Study) -> Sweep:
+    return torsion.run(study).need(Sweep)
+
+
+def test_probability_that_a_frequency_lies_in_a_band_is_that_of_the_closed_form() -> None:
+    found = swept(torsion.parse(TWO % "vary: {coupling-1.stiffness: {uniform: +-15 %}}"))
+    (frequency,) = found.frequency
+    share, low, high = probability((frequency > 33.0) & (frequency < 34.5), "sobol")
+    assert low <= 0.319775182595295219 <= high
+    assert share == pytest.approx(0.319775182595295219, abs=5e-4)
+    assert frequency.min() > 29.9518721757622193
+    assert frequency.max() < 34.8388195224164355
+
+
+def test_frequencies_of_every_variant_are_the_closed_form() -> None:
+    vary = (
+        "vary: {coupling-1.stiffness: {lognormal: 10 %}, disc-1.inertia: {normal: 4 %}, disc-2.inertia: {normal: 4 %}}"
+    )
+    found = swept(torsion.parse(TWO % f"{vary}, together: [[disc-1.inertia, disc-2.inertia]], samples: 1024"))
+    k, one, other = found.factor.T
+    assert np.array_equal(one, other)
+    exact = np.sqrt(20000 * k * (1 / (1.2 * one) + 1 / (0.8 * other))) / (2 * pi)
+    assert found.frequency[0] == pytest.approx(exact, rel=1e-14)
+    assert found.mean[0] == pytest.approx(exact.mean(), rel=1e-14)
+    assert found.high[0] == pytest.approx(np.quantile(exact, 0.975), rel=1e-12)
+    assert [figure.together for figure in found.figures] == [1, 2, 2]
+
+
+def test_variants_side_by_side_are_the_file_with_the_figures_written_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    study = drive(sweep=f"vary: {VARIED}, samples: 128, results: [modes]")
+    monkeypatch.setattr(sweep_run, "_each", lambda *given: pytest.fail("solved one by one"))
+    found = swept(study)
+    for variant in (0, 31, 127):
+        figures = written(found.factor[variant])
+        alone = torsion.run(drive(figures), only=["modes"]).results["modes"].frequency
+        assert found.frequency[:, variant] == pytest.approx(alone, rel=1e-13)
+
+
+def test_variants_that_are_judged_are_those_files_too() -> None:
+    found = swept(drive(sweep=f"vary: {VARIED}, samples: 128"))
+    fails = np.zeros(128, dtype=bool)
+    (check,) = (one for one in found.checks if one.clause == "T_KW")
+    for variant in (0, 1, 64, 127):
+        figures = written(found.factor[variant])
+        alone = torsion.run(drive(figures))
+        (line,) = (one for one in alone.need(Checks).lines if one.clause == "T_KW")
+        assert check.utilisation[variant] == pytest.approx(line.utilisation, rel=1e-12)
+        assert check.fails[variant] == line.fails
+        fails[variant] = alone.need(Checks).fails
+        assert found.any_fails is not None
+        assert found.any_fails.fails[variant] == fails[variant]
+    assert 0 < check.failing < 128
+    assert check.failing == (check.utilisation > 1.0).sum()
+    assert check.decides == "rubber.stiffness"
+    ranks = [np.argsort(np.argsort(one)) for one in (check.utilisation, found.factor[:, 0])]
+    assert check.correlation == pytest.approx(np.corrcoef(ranks)[0, 1], rel=1e-12)
+
+
+def test_figures_that_enter_as_a_sum_are_solved_one_by_one() -> None:
+    text = TWO.replace("stiffness: 20000", "stiffness: 20000, inertia: [0.1, 0.2]")
+    found = swept(torsion.parse(text % "vary: {coupling-1.inertia.2: {uniform: 20 %}}, samples: 128"))
+    exact = np.sqrt(20000 * (1 / 1.3 + 1 / (0.8 + 0.2 * found.factor[:, 0]))) / (2 * pi)
+    assert found.frequency[0] == pytest.approx(exact, rel=1e-13)
+
+
+def test_a_variant_without_an_answer_counts_as_failing(monkeypatch: pytest.MonkeyPatch) -> None:
+    study, solve = drive(sweep="vary: {rubber.psi: {uniform: 1 %}}, samples: 128"), torsion.run
+    made = study.variation.study
+
+    def one_in_four(factor: list[float]) -> Study:
+        if factor[0] > 1.005:
+            raise SolveError("no answer here")
+        return made(factor)
+
+    object.__setattr__(study.variation, "study", one_in_four)
+    found = solve(study).need(Sweep)
+    assert found.unsolved == (found.factor[:, 0] > 1.005).sum() == 32
+    assert found.faults == ("no answer here",)
+    assert found.any_fails.failing >= 32
+
+
+def test_tolerances_are_the_default() -> None:
+    (figure,) = swept(drive(sweep="samples: 128, results: [modes]")).figures
+    assert (figure.name, figure.law) == ("rubber.stiffness", "uniform ±10 %")
+
+
+@pytest.mark.parametrize(
+    ("sweep", "place", "words"),
+    [
+        ("vary: {coupling-2.stiffness: {uniform: 5 %}}", "6:46", "no component"),
+        ("vary: {coupling-1.psi: {uniform: 5 %}}", "6:46", "does not give"),
+        ("vary: {coupling-1.stiffness: {}}", "6:68", "needs a law"),
+        ("vary: {coupling-1.stiffness: {uniform: 5 %, normal: 2 %}}", "6:91", "laws of one figure"),
+        ("vary: {coupling-1.stiffness: {normal: 5 %, within: 4 %}}", "6:90", "`within`"),
+        ("vary: {coupling-1.stiffness: {uniform: 120 %}}", "6:78", "out of range"),
+        ('vary: {"*.mass": {uniform: 5 %}}', "6:46", "no component has a key `mass`"),
+        ('vary: {"*.inertia": {uniform: 5 %}}, together: [[disc-1.inertia, disc-3.inertia]]', "6:87", "disc-3"),
+        ("vary: {coupling-1.stiffness: {uniform: 5 %}}, samples: 1000", "6:94", "512 or 1024"),
+        ("samples: 128", "6:38", "no figure of the file varies"),
+    ],
+)
+def test_faults_of_a_sweep_are_located(sweep: str, place: str, words: str) -> None:
+    with pytest.raises(InputError) as caught:
+        torsion.parse(TWO % sweep)
+    (fault,) = caught.value.faults
+    assert words in f"{fault.message} ({fault.hint})"
+    assert f"{fault.line}:{fault.column}" == place
+
+
+def test_a_range_that_leaves_the_limits_of_its_key_is_refused() -> None:
+    text = TWO.replace("coupling: {stiffness: 20000}", "shaft: {length: 1 m, diameter: 60 mm, bore: 50 mm}")
+    with pytest.raises(InputError, match=r"shaft-1\.diameter times 0\.7"):
+        torsion.parse(text % "vary: {shaft-1.diameter: {uniform: 30 %}}")
