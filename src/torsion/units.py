@@ -229,8 +229,7 @@ def _converted(amount: Fraction, written: str, unit: str, text: str) -> Fraction
     if unit == "rad/s" and found == _container("1/min"):
         found = _container("rpm")
     if dimension(found) != dimension(expected):
-        kinds = (words for kind, (words, _) in _KINDS.items() if dimension(_container(kind)) == dimension(found))
-        said = f"is {next(kinds, f'in {written}')}"
+        said = f"is {_kinds().get(dimension(found), f'in {written}')}"
         raise UnitFault(f"{_quoted(text)} {said}, {_expected(unit)} is expected", _remedy(text, found, unit))
     if unit == "K" and found in (_container("degC"), _container("degF")):
         raise UnitFault(f"{_quoted(text)} is a temperature, {_expected(unit)} is expected", _remedy(text, found, unit))
@@ -252,10 +251,24 @@ def _remedy(text: str, found: "UnitsContainer", unit: str) -> str:
     return f"for example '{_KINDS[unit][1]}'" if unit in _KINDS else ""
 
 
-def _similar(name: str) -> str:
+@cache
+def _kinds() -> "dict[UnitsContainer, str]":
+    """What is measured, by its dimension."""
+    dimension = _registry().get_dimensionality
+    return {dimension(_container(kind)): words for kind, (words, _) in reversed(_KINDS.items())}
+
+
+@cache
+def _spelled() -> tuple[str, ...]:
+    """The names of units that others are compared with."""
     registry = _registry()
     plain = (spelling for spelling in registry if spelling.isalpha() and not registry.parse_unit_name(spelling)[0][0])
-    near = nearest(name, (*plain, *_TRADE))
+    return (*plain, *_TRADE)
+
+
+@cache
+def _similar(name: str) -> str:
+    near = nearest(name, _spelled())
     return f"did you mean '{near}'?" if near else "units are written like kN*m/rad, kg*m**2, rpm"
 
 

@@ -15,12 +15,10 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from torsion.findings import Findings
 from torsion.output.blocks import Heading
-from torsion.output.document import Document, document
+from torsion.output.document import Document
 from torsion.output.figures.figure import Figure
 from torsion.output.renderers import OUTPUTS
-from torsion.output.results_json import results
 
 ROOT = Path(__file__).parents[2]
 DIGITS = 6  # of a figure's or a file's numbers, of the largest in their list
@@ -59,9 +57,9 @@ def _rounded(value: Any) -> Any:
     return [f"{largest:.{DIGITS}g}", np.nan_to_num(near).tolist()]
 
 
-def of_pages(findings: Findings) -> dict[str, dict[str, str]]:
+def of_pages(whole: Document, every: dict[str, Any]) -> dict[str, dict[str, str]]:
     """Digests by chapter of the report and name of the block, of the terminal's texts, and of the keys of the JSON."""
-    whole, found, chapter = document(findings), dict[str, dict[str, str]](), ""
+    found, chapter = dict[str, dict[str, str]](), ""
     for item in whole.body:
         block = item.block
         chapter = block.text if isinstance(block, Heading) else chapter
@@ -69,9 +67,9 @@ def of_pages(findings: Findings) -> dict[str, dict[str, str]]:
             blocks = found.setdefault(chapter, {})
             name = getattr(block, "caption", "") or type(block).__name__
             blocks[f"{len(blocks)} {name}"] = digest(block.panels if isinstance(block, Figure) else asdict(block))
-    if findings.results.get("check") is None:
+    if every["check"] is None:
         found["terminal"] = {"all": digest(terminal(whole))}
-    made = _kept(results(findings))
+    made = _kept(every)
     made["cases"] = {name: _kept(one) for name, one in made["cases"].items()}
     return found | {"results.json": {key: digest(one) for key, one in made.items()}}
 

@@ -191,14 +191,20 @@ def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("instead", [None, 7, -1, "x", [], {}, [[]], True, "inf", "nan", "\ud800", "\x1b[31m"])
+@pytest.mark.parametrize(
+    ("begin", "instead"), list(enumerate([None, 7, -1, "x", [], {}, [[]], True, "inf", "nan", "\ud800", "\x1b[31m"]))
+)
 def test_whatever_stands_in_its_place_there_is_a_report_or_a_refusal(
-    instead: Any, bare: Findings, tmp_path: Path
+    begin: int, instead: Any, bare: Findings, tmp_path: Path
 ) -> None:
-    """Every place of a report in turn holds something else, with the checksum of that: it is drawn, or refused."""
+    """Places of a report in turn hold something else, with the checksum of that: it is drawn, or refused.
+
+    The places of one value lie between those of the others.
+    """
     kept, drawn, refused = kept_in(tmp_path, document(bare)), 0, 0
     every = list(places(kept["content"]))
-    for path in every[:: max(1, len(every) // 150)]:
+    step_on = len(every) // 60
+    for path in every[begin * step_on // 12 :: step_on]:
         changed = json.loads(json.dumps(kept["content"]))
         inside = changed
         for step in path[:-1]:
@@ -214,8 +220,8 @@ def test_whatever_stands_in_its_place_there_is_a_report_or_a_refusal(
             drawn += 1
         except torsion.InputError:
             refused += 1
-    assert drawn + refused >= 100
-    assert refused > 10
+    assert drawn + refused >= 60
+    assert refused > 4
 
 
 def test_nothing_of_a_foreign_report_is_anything_but_text(nasty: str, tmp_path: Path) -> None:

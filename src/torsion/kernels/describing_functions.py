@@ -16,6 +16,7 @@ from torsion.arrays import ComplexArray, FloatArray
 STEPS = 80  # of Newton's method between bounds that are halved at least
 SMALL = 1.0  # rad, below which sin(theta) - theta cos(theta) is a series; ten terms err by 21/23! = 8e-22
 SERIES = [(-1.0) ** (n + 1) * 2 * n / math.factorial(2 * n + 1) for n in range(1, 11)]
+UNKNOWN = 2.2e-16  # share of a torque that rounding of the twist leaves open: nearer to the mean there is nothing
 OPEN = 1e-12  # share of its stiffness that stands for a spring without contact: any smaller changes nothing
 
 
@@ -139,7 +140,8 @@ class PiecewiseCoupling:
         """(columns,) rad, the mean twist at which the mean torque (columns,) N m >= 0 is carried; 0 for none."""
         total = sum(stiffness for _, stiffness in self.springs)
         rest = (mean + sum(begin * stiffness for begin, stiffness in self.springs)) / total
-        low, high = np.zeros(len(mean)), np.maximum(rest, amplitude + max(begin for begin, _ in self.springs))
+        widest = max(begin for begin, _ in self.springs)
+        low, high = np.zeros(len(mean)), np.maximum(rest, amplitude + widest)
         if not (self.half or self.stages):
             return np.asarray(mean / total)
         at = np.where(
@@ -156,9 +158,9 @@ class PiecewiseCoupling:
             inside = (step > low[todo]) & (step < high[todo])
             new = np.where(inside, step, 0.5 * (low[todo] + high[todo]))
             moved = np.abs(new - at[todo]) > 4e-16 * (np.abs(new) + amplitude[todo])
-            exact = over == 0.0
-            at[todo] = np.where(exact, at[todo], new)
-            todo = todo[moved & ~exact]
+            held = np.abs(over) <= UNKNOWN * total * (np.abs(at[todo]) + amplitude[todo] + widest)
+            at[todo] = np.where(held, at[todo], new)
+            todo = todo[moved & ~held]
             if not todo.size:
                 break
         return at

@@ -48,7 +48,10 @@ def one_disc(inertia: float, found: Sequence[Law], duration: float, speed: float
     return answer, lambda time: speed + moved.at(np.array([time]))[1][0, 0] * shape[0, 0]
 
 
-@pytest.mark.parametrize("root", [0.001j, -1 + 3j, 15.9j, 16.1j, -20 + 0j, -10 + 1e4j, -1e6 + 1e8j])
+@pytest.mark.parametrize("root", [
+    0.001j, 0.999j, -0.999 + 0j, -1 + 3j, 3.99j, -3.99 + 0j, 15.9j, -15.9 + 0j, 16.1j, -20 + 0j, -10 + 1e4j,
+    -1e6 + 1e8j,
+])  # fmt: skip
 @pytest.mark.parametrize("share", [0.01, 0.3, 1.0])
 def test_the_answer_to_a_polynomial_is_the_convolution(root: complex, share: float) -> None:
     series = SERIES @ (np.exp(-0.3 * NODES) * np.cos(2.0 * NODES))
