@@ -5,6 +5,7 @@ import pytest
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.transient.transient_motion import Transients
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Checks
@@ -112,3 +113,35 @@ def test_half_ranges_at_any_phase_are_sums_of_magnitudes() -> None:
     angle = np.abs(found.need(Response).angle[:, :, -1]) * (2 * np.pi * found.need(Response).frequency)
     (speed,) = (one for one in found.need(Checks).lines if one.clause == "fluctuation")
     assert speed.value == pytest.approx(angle.sum(axis=1).max() * 30 / np.pi, rel=1e-12)
+
+
+LOADS = "{tables: [{torque: 10 N*m, rows: [[2, 100 N*m, 0 deg]]}, {torque: TOP N*m, rows: [[2, 400 N*m, 0 deg]]}]}"
+
+
+def test_a_load_that_tables_do_not_cover_is_refused_of_each_of_several_engines() -> None:
+    text = TWO.replace("{table: FIRST}", "{table: [[1, 5 N*m, 0 deg]]}").replace("PHASE", "90 deg, power: 60 kW")
+    text = text.replace("inertia: 0.5,", "inertia: 0.5, power: 140 kW,").replace("{table: SECOND}", LOADS)
+    most = 200e3 / (1500 * np.pi / 30) * 0.3  # N m of the second engine, at the highest speed
+    torsion.parse(text.replace("TOP", f"{most * 1.001}"))
+    with pytest.raises(torsion.InputError, match=rf"'two' cover 10 to 300 N m .* 137\.\d+ to {most:.5g} "):
+        torsion.parse(text.replace("TOP", "300"))
+
+
+def test_the_order_table_at_the_rated_speed_is_covered_too() -> None:
+    gas = DIESEL.partition("gas: ")[2].partition("\n")[0]
+    text = DIESEL.replace("STATE", "").replace(gas, LOADS.replace("TOP", "500"))
+    with pytest.raises(torsion.InputError, match=r"'diesel' cover 2\.5 to 125 N m .* to 143\.24 "):
+        torsion.parse(text.replace("to: 1500 rpm", "to: 1000 rpm"))
+
+
+def test_a_motion_over_time_counts_its_orders_from_the_engine_that_the_operation_names() -> None:
+    text = DIESEL.replace("STATE", "").replace("rules: [coupling-maker]", "analyses: {transient: {duration: 0.1 s}}")
+    found = torsion.run(torsion.parse(text))
+    assert len(found.need(Transients).each) == 1
+
+
+def test_a_single_throw_takes_no_stiffness_between_throws() -> None:
+    single = TWO.replace("PHASE", "0 deg").replace("FIRST", EACH[0]).replace("SECOND", EACH[1])
+    torsion.parse(single)
+    with pytest.raises(torsion.InputError, match="`stiffness` has 1 values, and there are 0 spans"):
+        torsion.parse(single.replace("inertia: 0.5,", "inertia: 0.5, stiffness: 1 MN*m/rad,"))
