@@ -145,3 +145,14 @@ def test_a_single_throw_takes_no_stiffness_between_throws() -> None:
     torsion.parse(single)
     with pytest.raises(torsion.InputError, match="`stiffness` has 1 values, and there are 0 spans"):
         torsion.parse(single.replace("inertia: 0.5,", "inertia: 0.5, stiffness: 1 MN*m/rad,"))
+
+
+BY_TORQUE = "table: {over: mean torque, at: [0, 900], stiffness: [9e3, 30e3], psi: [1, 1]}"
+
+
+def test_misfires_are_not_superposed_where_the_mean_torque_sets_the_stiffness() -> None:
+    plain = DIESEL.replace("STATE", "")
+    assert len(torsion.run(torsion.parse(plain)).results["engines"].each[0].misfires) == 5
+    found = torsion.run(torsion.parse(plain.replace("stiffness: 18 kN*m/rad, psi: 1.1", BY_TORQUE)))
+    assert found.results["engines"].each[0].misfires == ()
+    assert "the stiffness of a coupling changes" in dict(found.plan.left_out)["misfire of each cylinder of diesel"]

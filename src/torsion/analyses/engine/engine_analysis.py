@@ -17,7 +17,7 @@ from torsion.analyses.engine.engine_results import (
     MisfireFound,
     VaryingInertia,
 )
-from torsion.analyses.engine.misfires import misfires
+from torsion.analyses.engine.misfires import misfires, without_answer
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.steady import flow, mean_torque, steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -165,7 +165,11 @@ def _misfires(work: Work, engine: EngineRecord) -> list[MisfireFound]:
         one.number for one in engine.cylinders if one.state == "motored"
     ):
         return []
-    return [] if response is None or len(engine.cylinders) == 1 else misfires(work.study, response, engine)
+    if response is None or len(engine.cylinders) == 1:
+        return []
+    if why := without_answer(response):
+        work.log.without(f"misfire of each cylinder of {work.study.train.parts[engine.part].name}", why)
+    return misfires(work.study, response, engine)
 
 
 def engine_faults(study: Study) -> Iterator[Fault]:
