@@ -26,22 +26,41 @@ def run(
 ) -> Findings:
     """Compute everything that the study requests, and its cases, or of it `only` those analyses and what they need.
 
-    As `run_once`; where every cylinder of an engine is to misfire in turn, once for each: the checks are the worst of
-    all with the barred ranges of all, no analysis without an answer is dropped, and all else is of the cylinder with
-    the worst of these.
+    An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
+    raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
+    file) and SolveError. memory: bytes, or text such as "4 GB", that a response may need (default: 2 GB).
+    """
+    if memory is not None:
+        study = replace(study, memory=bytes_of(memory))
+    if not study.cases:
+        return _tried(study, only, progress)
+    total = 1 + len(study.cases)
+    found = _tried(study, only, _part_of(progress, NORMAL, (0, total)))
+    cases = {}
+    for place, (name, case) in enumerate(study.cases.items(), start=1):
+        part = _part_of(progress, name, (place, total))
+        part("", 0.0)
+        try:
+            cases[name] = _tried(replace(case, memory=study.memory), only, part)
+        except (InputError, SolveError) as error:
+            cases[name] = _without_answer(case, error)
+    return replace(found, cases=cases)
+
+
+def _tried(study: Study, only: Collection[str], progress: Progress) -> Findings:
+    """The findings of a study or of a case; once for every cylinder where one of an engine is to misfire in turn.
+
+    The checks are then the worst of all with the barred ranges of all, no analysis without an answer is dropped, and
+    all else is of the cylinder with the worst of these.
     """
     if not any(part.engine is not None and part.engine.tries_all for part in study.train.parts):
-        return run_once(study, only=only, memory=memory, progress=progress)
+        return _one(study, only, progress)
     from torsion.components.engine.misfire_cases import misfire_cases
 
-    cases = {
-        words: run_once(
-            replace(study, train=replace(study.train, parts=parts, torques=torques)),
-            only=only, memory=memory, progress=progress,
-        )
+    return _worst({
+        words: _one(replace(study, train=replace(study.train, parts=parts, torques=torques)), only, progress)
         for words, parts, torques in misfire_cases(study.train.parts, study.train.torques)
-    }  # fmt: skip
-    return _worst(cases)
+    })  # fmt: skip
 
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
@@ -62,47 +81,21 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
         for _, words, check in lines.values()
     ]  # fmt: skip
     worst = max(lines.values(), key=lambda line: line[0])[1] if lines else next(iter(cases))
-    table, found = next(iter(cases.values())).results["engines"], cases[worst]
-    each = (
-        replace(own, misfires=first.misfires)
-        for own, first in zip(found.results["engines"].each, table.each, strict=True)
-    )
+    found = cases[worst]
     unanswered = {one.analysis: one for case in cases.values() for one in case.plan.unanswered}
     left_out = dict.fromkeys((*found.plan.left_out, *((one.what, one.words) for one in unanswered.values())))
     plan = replace(found.plan, unanswered=tuple(unanswered.values()), left_out=tuple(left_out))
-    whole = replace(found, plan=plan)
-    return whole.having(checks=Checks(tuple(named)), engines=replace(table, each=tuple(each)))
+    whole = replace(found, plan=plan).having(checks=Checks(tuple(named)))
+    first = next(iter(cases.values())).results.get("engines")  # that which has the misfires
+    if first is None:
+        return whole
+    pairs = zip(found.results["engines"].each, first.each, strict=True)
+    return whole.having(engines=replace(first, each=tuple(replace(own, misfires=one.misfires) for own, one in pairs)))
 
 
 def _key(check: Check) -> tuple[str, str, str]:
     """What a check is about."""
     return check.rule, check.what, check.where
-
-
-def run_once(
-    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
-) -> Findings:
-    """Compute everything that the study requests, or of it `only` those analyses and what they need.
-
-    An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
-    raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
-    file) and SolveError. memory: bytes, or text such as "4 GB", that a response may need (default: 2 GB).
-    """
-    if memory is not None:
-        study = replace(study, memory=bytes_of(memory))
-    if not study.cases:
-        return _one(study, only, progress)
-    total = 1 + len(study.cases)
-    found = _one(study, only, _part_of(progress, NORMAL, (0, total)))
-    cases = {}
-    for place, (name, case) in enumerate(study.cases.items(), start=1):
-        part = _part_of(progress, name, (place, total))
-        part("", 0.0)
-        try:
-            cases[name] = _one(replace(case, memory=study.memory), only, part)
-        except (InputError, SolveError) as error:
-            cases[name] = _without_answer(case, error)
-    return replace(found, cases=cases)
 
 
 def _part_of(progress: Progress, name: str, place: tuple[int, int]) -> Progress:

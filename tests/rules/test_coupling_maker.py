@@ -198,3 +198,24 @@ def test_order_of_the_line_is_exact_in_the_note(study, evidence) -> None:
     half_order = Line(Fraction(21, 8), None, ("screw",))
     seen = evidence(study(line(vibratory_torque=9.0)), [300.0], half={"rubber": [1.0]}, line=half_order)
     assert "2.625 × screw" in coupling.CouplingMaker().check(seen, coupling.CouplingSettings())[0].note
+
+
+WARM = {"now": 30.0, "stiffness": [[30.0, 1.0], [90.0, 0.7]], "rise": 60.0, "at": 100.0, "to": 90.0}
+TABLE = {"over": "frequency", "at": [1.0, 400.0], "stiffness": [STIFFNESS, STIFFNESS]}
+
+
+@pytest.mark.parametrize(
+    ("given", "key"),
+    [
+        ({"psi": None, "heat_limit": 80.0}, "heat_limit"),
+        ({"psi": None, "temperature": WARM, "vibratory_torque": 80.0}, "temperature"),
+        ({"psi": None, "stiffness": None, "table": TABLE, "heat_limit": 80.0}, "heat_limit"),
+        ({"psi": 0.0, "heat_limit": 80.0}, ""),
+        ({"psi": None, "stiffness": None, "table": {**TABLE, "psi": [1.0, 1.0]}, "heat_limit": 80.0}, ""),
+    ],
+    ids=["plain", "warming", "table", "none is stated", "table with psi"],
+)
+def test_heat_of_a_coupling_whose_damping_nothing_says_is_not_judged_as_none(study, given, key) -> None:
+    found = coupling.CouplingMaker().faults(study(line(**given)), coupling.CouplingSettings())
+    lossless = [one for one in found if "whose damping is not given" in one.message]
+    assert [one.path[-1] for one in lossless] == ([key] if key else [])

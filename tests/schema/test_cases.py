@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import torsion
@@ -322,6 +322,7 @@ CASE_NAMES = st.sampled_from(["a", "b", "c", "from", "soft", "normal", ""])
 
 
 @settings(max_examples=300, deadline=None)
+@example({"a": {"based_on": "soft", "rules": ["gear-hammer"]}, "soft": "tolerances"})  # based on one that is at fault
 @given(st.dictionaries(CASE_NAMES, CASE | VALUES | st.just("tolerances"), min_size=1, max_size=3))
 def test_no_case_ends_in_a_traceback(cases: dict[str, Any]) -> None:
     import yaml

@@ -73,7 +73,7 @@ class _Heat:
     span: int
     found: Sequence[Excitation]
     w: Sequence[FloatArray]  # of each harmonic component: (speeds,) rad/s
-    forces: Sequence[Sources]
+    forces: Sequence[Sequence[Sources]]  # of each: those whose magnitudes are added
     ground: FloatArray  # (stations, speeds)
     stiffness: Sequence[dict[int, ComplexArray]]  # of each: of spans with a table, and of the coupling, as cold
 
@@ -88,13 +88,14 @@ class _Heat:
         return total
 
     def _component(self, k: int, case: IntArray, temperature: FloatArray) -> FloatArray:
-        w, force = self.w[k][case], self.forces[k]
+        w, ground = self.w[k][case], self.ground[:, case]
         stiffness = {span: values[case] for span, values in self.stiffness[k].items()}
         own = stiffness[self.span] = self.warming.complex_stiffness(stiffness[self.span], temperature)
-        twist = None if force.twist is None else force.twist[:, case]
-        acting = Sources(force.force[:, case], twist)
-        torque = answer(self.system, w, acting, self.ground[:, case], stiffness=stiffness).torque[:, self.span]
-        return np.asarray(0.5 * w * own.imag * np.abs(torque / own) ** 2)
+        torque = np.zeros(len(case))
+        for each in self.forces[k]:
+            acting = Sources(each.force[:, case], None if each.twist is None else each.twist[:, case])
+            torque += np.abs(answer(self.system, w, acting, ground, stiffness=stiffness).torque[:, self.span])
+        return np.asarray(0.5 * w * own.imag * (torque / np.abs(own)) ** 2)
 
 
 def coupling_temperature(study: Study, response: Response, part: Part, warming: Warming) -> CouplingTemperature:
@@ -113,7 +114,7 @@ def coupling_temperature(study: Study, response: Response, part: Part, warming: 
     each_w = [one.line.circular_frequency(speed) for one in found]
     cold = 1.0 / system.flexibility[span] * (1.0 + 1j * system.loss_factor[span])
     stiffness = [{span: cold + 1j * w * system.viscous[span], **complex_stiffness(system, w, mean)} for w in each_w]
-    forces = [sources(system, one, speed, known) for one in found]
+    forces = [[sources(system, each, speed, known) for each in one.apart] for one in found]
     heat = _Heat(system, warming, span, found, each_w, forces, ground_damping(system, speed, known), stiffness)
     case, temperature = equilibria(warming, heat.power, len(speed))
     count = np.bincount(case, minlength=len(speed))

@@ -41,11 +41,21 @@ class CouplingMaker(RuleOverSpeed):
         found = self.continuous_faults(study, settings)
         if any(ratings.limit_vibration for _, ratings in judged):
             found += judgement.vibration_faults(self, study, settings)
+        found += self._lossless(study)
         means = [part for part, ratings in judged if (ratings.rated_torque, ratings.max_torque) != (None, None)]
         if means and not study.operation.has_mean_torque:
             message = f"the mean torque is not known, and {self.name} compares that of '{means[0].name}'"
             found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found
+
+    def _lossless(self, study: Study) -> Iterator[Fault]:
+        """Couplings whose heat is judged and of which nothing says what they lose: that they lose none is no answer."""
+        by_table = {one.part for one in study.train.springs if one.table is not None and one.table.damps}
+        for number, part, ratings in _couplings(study):
+            key = "heat_limit" if ratings.heat_limit is not None else "temperature" if part.warming is not None else ""
+            if key and part.damping is None and part.nonlinear is None and number not in by_table:
+                message = f"{self.name} judges the heat of '{part.name}', whose damping is not given"
+                yield Fault((*part.path, key), message, "its `psi`, or another damping; `psi: 0` if it has none")
 
     def left_out(self, study: Study, settings: CouplingSettings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""

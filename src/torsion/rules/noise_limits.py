@@ -58,6 +58,9 @@ class NoiseLimits(RuleOverSpeed):
             near = nearest(settings.at, names)
             hint = f"did you mean '{near}'?" if near else f"there is {', '.join(names)}"
             return [*found, Fault((*where, "at"), f"no component is called '{settings.at}'", hint)]
+        if not study.train.part(settings.at).stations:
+            points = ", ".join(part.name for part in study.train.parts if part.is_point)
+            return [*found, Fault((*where, "at"), f"'{settings.at}' has no one speed", f"points: {points}")]
         ratio, excited = study.train.stations[_station(study, settings)].ratio, excited_orders(study.train)
         if settings.order is not None and settings.order * ratio not in excited:
             own = ", ".join(str(order / ratio) for order in excited)

@@ -66,3 +66,8 @@ def test_magnification_is_the_greatest_of_the_equations_of_motion(
 def test_ring_without_damping_magnifies_without_end() -> None:
     assert magnification(0.2, 0.9, 0.0) == math.inf
     assert magnification(0.2, 0.0, 0.0, 0.3) == math.inf
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_seized_ring_magnifies_without_limit_and_without_a_warning() -> None:
+    assert magnification(0.2, 0.0, 1e12) > 1e6

@@ -17,14 +17,14 @@ from torsion.analyses.engine.engine_results import (
     MisfireFound,
     VaryingInertia,
 )
-from torsion.analyses.engine.misfires import misfires
+from torsion.analyses.engine.misfires import misfires, without_answer
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.steady import mean_torque, steady_if_known
+from torsion.analyses.steady import flow, mean_torque, steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.components.engine.record import EngineRecord
 from torsion.components.lowering import Part
-from torsion.errors import Fault
+from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.study import Study
 
@@ -165,7 +165,11 @@ def _misfires(work: Work, engine: EngineRecord) -> list[MisfireFound]:
         one.number for one in engine.cylinders if one.state == "motored"
     ):
         return []
-    return [] if response is None or len(engine.cylinders) == 1 else misfires(work.study, response, engine)
+    if response is None or len(engine.cylinders) == 1:
+        return []
+    if why := without_answer(response):
+        work.log.without(f"misfire of each cylinder of {work.study.train.parts[engine.part].name}", why)
+    return misfires(work.study, response, engine)
 
 
 def engine_faults(study: Study) -> Iterator[Fault]:
@@ -187,25 +191,27 @@ def engine_faults(study: Study) -> Iterator[Fault]:
 
 def _uncovered(study: Study, part: Part, engine: EngineRecord) -> Iterator[Fault]:
     """The gas torque is not known at some load or speed."""
-    law, speeds = engine.gas, study.operation.speeds
-    if law is None or speeds is None:
+    law, operation = engine.gas, study.operation
+    if law is None or operation.speeds is None:
         return
-    own = np.array([speeds.first, speeds.last])
+    rated = [] if operation.rated is None else [operation.rated.speed]
+    speed = np.append(operation.speeds.values(), rated)
     if law.over == "speed":
-        ratio = abs(float(part.ratio))
-        if not law.covers(own * ratio):
-            yield _beyond(part, own * ratio * 30.0 / math.pi, law.at * 30.0 / math.pi, "rpm")
-    elif law.over == "load" and study.operation.has_mean_torque and len(_engines(study)) == 1:
-        load = mean_torque(study.operation, speeds.values()) / abs(float(part.ratio))
-        each = load / len(engine.cylinders) / engine.efficiency
+        own = speed * abs(float(part.ratio))
+        if not law.covers(own):
+            yield _beyond(part, own * 30.0 / math.pi, law.at * 30.0 / math.pi, "rpm")
+    elif law.over == "load" and operation.has_mean_torque:
+        station, of_mean = engine.load_says
+        try:
+            share = flow(study.train, operation)[0][station] / study.train.stations[station].ratio
+            each = mean_torque(operation, speed) * float(share) * of_mean
+        except InputError:
+            return  # the mean torque is at fault, and reported as that
         if not law.covers(each):
-            known = law.at if engine.cylinder is None else engine.cylinder.imep(1.0) * law.at * 1e-5
-            wanted = each if engine.cylinder is None else engine.cylinder.imep(1.0) * each * 1e-5
-            yield _beyond(part, wanted, known, "N m of a cylinder" if engine.cylinder is None else "`bar` imep")
-
-
-def _engines(study: Study) -> list[Part]:
-    return [part for part in study.train.parts if part.engine is not None or part.kind == "motor"]
+            unit = 1.0 if engine.cylinder is None else engine.cylinder.imep(1.0) * 1e-5
+            yield _beyond(
+                part, unit * each, unit * law.at, "N m of a cylinder" if engine.cylinder is None else "`bar` imep"
+            )
 
 
 def _beyond(part: Part, wanted: FloatArray, known: FloatArray, unit: str) -> Fault:

@@ -22,6 +22,7 @@ from torsion.primitives import Torque
 from torsion.study import Study
 
 MOST_SPEEDS = 101  # of those requested; to them come the peaks of every order in every element
+STATED = "`misfire: worst` solves the train for every cylinder"
 APART = 3e-3  # relative: nearer peaks stand for each other
 
 
@@ -34,10 +35,8 @@ class Answers:
 
 
 def misfires(study: Study, found: Response, engine: EngineRecord) -> list[MisfireFound]:
-    """With no cylinder motored, then each alone; empty where the train is not linear or the motored torque unknown."""
-    if engine.gas is None or engine.gas.motored is None or found.balanced is not None or not found.lines:
-        return []
-    if found.by_magnitude:
+    """With no cylinder motored, then each alone; empty where the motored torque is unknown or nothing excites."""
+    if engine.gas is None or engine.gas.motored is None or not found.lines or without_answer(found):
         return []
     at = _speeds(found)
     system, speed = found.system, found.speed[at]
@@ -60,6 +59,17 @@ def misfires(study: Study, found: Response, engine: EngineRecord) -> list[Misfir
         case = replace(found, torque=torque, mean=found.mean[at], status=found.status[at])
         made.append(MisfireFound(number, speed, synthesis(case).half_range))
     return made
+
+
+def without_answer(found: Response) -> str:
+    """Why nothing can be superposed; empty where it can."""
+    if found.balanced is not None:
+        return f"the train is not linear; {STATED}"
+    if found.by_magnitude:
+        return f"phases of engines to each other are any; {STATED}"
+    if found.system.tables_over("mean torque"):
+        return f"a misfire takes mean torque, and with it the stiffness of a coupling changes; {STATED}"
+    return ""
 
 
 def _torques(found: Response, engine: EngineRecord) -> list[tuple[int, int, Torque]]:

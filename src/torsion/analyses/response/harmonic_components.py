@@ -78,11 +78,21 @@ class Excitation:
         """What is added by its magnitude alone: engines whose phase is any; all else together, first."""
         of: dict[int, list[Torque]] = {-1: []}
         for torque in self.torques:
-            law = torque.cylinder
-            of.setdefault(law.engine if law is not None and law.by_chance else -1, []).append(torque)
+            of.setdefault(_by_chance(torque), []).append(torque)
         rest = [replace(self, torques=tuple(of.pop(-1)))]
         found = rest if self.errors or rest[0].torques else []
         return found + [replace(self, torques=tuple(each), errors=()) for each in of.values()] or rest
+
+    @property
+    def by_chance(self) -> frozenset[int]:
+        """Engines that take part and whose phase is any; -1 stands for all else."""
+        return frozenset([*map(_by_chance, self.torques), *(-1 for _ in self.errors)])
+
+
+def _by_chance(torque: Torque) -> int:
+    """The engine whose torque it is, where its phase is any, else -1."""
+    law = torque.cylinder
+    return law.engine if law is not None and law.by_chance else -1
 
 
 @dataclass(frozen=True)

@@ -202,7 +202,7 @@ def _solved(
     each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
     return Response(
         speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system, balanced=whole,
-        by_magnitude=any(len(one.apart) > 1 for one in found),
+        by_magnitude=len(frozenset().union(*(one.by_chance for one in found if one.line.order))) > 1,
     )  # fmt: skip
 
 

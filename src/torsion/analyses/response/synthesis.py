@@ -61,7 +61,7 @@ def half_range(response: Response, phasors: ComplexArray) -> FloatArray:
     turns, harmonics = common_cycle([line.order for line in response.lines if line.order is not None])
     ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
     found = np.abs(phasors[:, ~ordered]).sum(axis=1)
-    if turns == 0:
+    if turns == 0 or response.by_magnitude:
         found = found + np.abs(phasors[:, ordered]).sum(axis=1)
     else:
         highest, lowest = extremes(phasors[:, ordered], harmonics)

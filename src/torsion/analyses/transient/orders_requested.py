@@ -3,6 +3,7 @@
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import excitations
+from torsion.analyses.steady import reference_station
 from torsion.analyses.transient.order_tracking import ABOVE, HIGHEST, Tracked
 from torsion.analyses.transient.resonances_passed import mean_speed
 from torsion.analyses.transient.transient_settings import TransientSettings
@@ -30,7 +31,8 @@ def orders_requested(
     """
     given = settings.orders
     name = (given.reference if given else None) or study.operation.at or study.train.parts[0].name
-    station = study.train.part(name).stations[0]
+    is_point = given is not None and given.reference is not None
+    station = study.train.part(name).stations[0] if is_point else reference_station(study.train, study.operation)
     orders = np.array(given.track if given else (), dtype=float)
     if not orders.size:
         orders = _exciting(study, system, settings) / abs(float(system.speed_ratio[station]))

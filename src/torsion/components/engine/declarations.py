@@ -19,6 +19,7 @@ Crankcase = Annotated[float, Quantity("Pa", at_least=0, usual=(5e3, 5e8), slip=(
 Turned = Annotated[float, Quantity("rad", above=0)]
 Share = Annotated[float, Quantity("1", at_least=0, usual=(0.5, 1.5), slip=("%",))]
 ROW = "[order, amplitude, phase], for example [1.5, 420 N*m, -80 deg], or {order: 1.5, a: 70 N*m, b: 410 N*m}"
+MOST_ORDER = 48  # of the crankshaft
 Row = tuple[Fraction, complex, str]  # order; amplitude in N m of one cylinder, or Pa; which of the two
 
 
@@ -131,6 +132,13 @@ def _amount(value: object) -> tuple[float, str]:
     return Quantity("N*m").read(value), "N*m"
 
 
+def _order(value: object) -> Fraction:
+    order = fields.read_exact(value)
+    if order > MOST_ORDER:
+        raise refuse(f"order {order} is above {MOST_ORDER}", "orders count by revolution of the crankshaft")
+    return order
+
+
 def _row(value: object) -> Row:
     """One order of a table."""
     if isinstance(value, dict):
@@ -139,14 +147,14 @@ def _row(value: object) -> Row:
         (a, unit), (b, other) = _amount(value["a"]), _amount(value["b"])
         if unit != other:
             raise refuse("`a` and `b` are of one unit", ROW)
-        return fields.read_exact(value["order"]), complex(a, -b), unit
+        return _order(value["order"]), complex(a, -b), unit
     if not isinstance(value, list | tuple) or len(value) != 3:
         raise refuse(f"{shown(value)} is no row of harmonics", ROW)
     size, unit = _amount(value[1])
     if size < 0:
         raise refuse("an amplitude is not negative", "turn its phase by 180 deg")
     phase = Quantity("rad").read(value[2])
-    return fields.read_exact(value[0]), cmath.rect(size, phase), unit
+    return _order(value[0]), cmath.rect(size, phase), unit
 
 
 def _rows(value: Any) -> tuple[Row, ...]:

@@ -14,6 +14,7 @@ from pydantic import Field
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.engine.declarations import (
+    MOST_ORDER,
     Gas,
     Geometry,
     Journal,
@@ -81,7 +82,7 @@ class Engine(Component, keyword="engine", sort="line"):
         "list of [cylinder, its heat / that of the others]: [[1, 105 %], [6, 95 %]]", ()
     )
     keep_power: bool = given("true: the other cylinders make up for `misfire` and `cut_out`", False)
-    orders: Annotated[int, Field(ge=1, le=48)] | None = given(
+    orders: Annotated[int, Field(ge=1, le=MOST_ORDER)] | None = given(
         "highest order of the crankshaft (default: 12, of two strokes 15, or the highest of the tables)"
     )
 
@@ -158,7 +159,7 @@ class Engine(Component, keyword="engine", sort="line"):
         for key, most in (("inertia", number), ("crank_inertia", number), ("damping", number),
                           ("stiffness", number - 1)):  # fmt: skip
             values = getattr(self, key)
-            if len(values) not in (0, 1, most):
+            if len(values) not in (0, 1, most) or len(values) > most:
                 what = "throws" if most == number else "spans between them"
                 raise refuse(
                     f"`{key}` has {len(values)} values, and there are {most} {what}", "one value, or each", key
@@ -181,8 +182,10 @@ class Engine(Component, keyword="engine", sort="line"):
         if twice is not None:
             raise refuse(f"cylinder {twice} is named by two of `misfire`, `cut_out` and `imbalance`", "one of them",
                          "cut_out" if twice in self.cut_out else "misfire")  # fmt: skip
-        if len(set(out)) + (self.misfire == "worst") >= self.cylinders:
-            raise refuse("no cylinder is left that fires", "leave one", "misfire" if self.misfire else "cut_out")
+        cold = {number for number, heat in self.imbalance if not heat}
+        if len({*out, *cold}) + (self.misfire == "worst") >= self.cylinders:
+            key = "misfire" if self.misfire else "cut_out" if self.cut_out else "imbalance"
+            raise refuse("no cylinder is left that fires", "leave one", key)
         if (out or self.misfire or self.imbalance) and self.gas is None:
             raise refuse("without `gas` there is nothing to misfire", "give `gas`", named[0][0] if out else "imbalance")
         gas = self.gas

@@ -52,4 +52,5 @@ def magnification(ratio: float, tuning: float, damping: float, loss_factor: floa
     below = ((1.0 - x) * (square - x) - ratio * square * x) ** 2 + (imaginary * (1.0 - x - ratio * x)) ** 2
     roots = (above.deriv() * below - above * below.deriv()).roots()
     real = np.append(roots[(np.abs(roots.imag) < 1e-6 * np.abs(roots)) & (roots.real > 0)].real, 1.0)
-    return float(np.sqrt(np.max(above(real) / below(real))))
+    with np.errstate(divide="ignore"):  # of a seized ring, whose damping is less than rounding
+        return float(np.sqrt(np.max(above(real) / below(real))))
