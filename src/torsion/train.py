@@ -180,7 +180,8 @@ def name_fault(name: str, path: Path, known: Mapping[str, tuple[str, bool]], *, 
         return None
     listed = f"points: {', '.join(names)}" if point else "the name of a component"
     if name in known:
-        return Fault(path, f"'{name}' is a {known[name][0]}, not a point", listed)
+        kind = known[name][0]
+        return Fault(path, f"'{name}' is a{'n' * (kind[0] in 'aeiou')} {kind}, not a point", listed)
     near = nearest(name, names)
     return Fault(path, f"no component is called '{name}'", f"did you mean '{near}'?" if near else listed)
 

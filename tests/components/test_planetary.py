@@ -113,6 +113,7 @@ def test_meshes_yield_by_the_energy_of_their_torques(fixed: str, driving: str) -
         ({}, {"teeth": [20, 40]}, "exclude each other"),
         ({}, {"inertia": [1, 2]}, "exclude each other"),
         ({"sun": 0}, {}, "sun"),
+        ({"planet": 12}, {}, "a planet of 12 teeth does not fit"),
     ],
 )
 def test_what_cannot_be_is_refused(tmp_path: Any, given: dict[str, Any], gear: dict[str, Any], words: str) -> None:

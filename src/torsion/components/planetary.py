@@ -12,6 +12,7 @@ from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, require
 Member = Literal["sun", "ring", "carrier"]
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Radius = Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm",))]
+PROFILE_SHIFT = 2, 0.1  # teeth, and share of the teeth that fit, by which profile shift may change those of a planet
 Mass = Annotated[float, Quantity("kg", at_least=0)]
 
 
@@ -52,6 +53,10 @@ class Planetary(Declared):
         if not self.planet and (self.ring - self.sun) % 2:
             hint = f"ring - sun = {self.ring - self.sun} is odd: give `planet`"
             raise refuse("the teeth of the planets do not follow", hint, "ring")
+        between = (self.ring - self.sun) / 2.0
+        if len(self.planet) == 1 and abs(self.planet[0] - between) > max(PROFILE_SHIFT[0], PROFILE_SHIFT[1] * between):
+            hint = f"near (ring - sun)/2 = {between:g}; of a stepped planet [with the sun, with the ring]"
+            raise refuse(f"a planet of {self.planet[0]} teeth does not fit between sun and ring", hint, "planet")
         if self.planet_mass and self.radius is None:
             raise refuse("`planet_mass` moves on a circle whose `radius` is missing", "give `radius`", "planet_mass")
 

@@ -278,6 +278,10 @@ class Gas(Declared):
         if self.tables and (len(self.tables) < 2 or len({one.key for one in self.tables}) > 1):
             raise refuse("`tables` are two or more, all by one of `imep`, `torque` and `speed`", "", "tables")
         speeds = [one.speed for one in self.diagram]
+        if len(speeds) == 1 and speeds[0] is not None:
+            raise refuse("one diagram stands for every speed", "leave its `speed` out, or give several", "diagram")
+        if len(speeds) > 1 and self.imep is not None:
+            raise refuse("`imep` is compared with that of one diagram, and there are several", "leave it out", "imep")
         if len(speeds) > 1 and None in speeds and any(one is not None for one in speeds):
             raise refuse("of several diagrams all have a speed, or none", "over speed, or over load", "diagram")
         at = [getattr(one, one.key) for one in self.tables] or [one for one in speeds if one is not None]

@@ -86,6 +86,8 @@ def _harmonics(rows: Sequence[Row], frame: Frame, mean: float, key: str) -> Comp
     """(harmonics + 1,) N m of the rows of a table up to the highest order."""
     found = np.zeros(frame.harmonics + 1, dtype=np.complex128)
     found[0] = mean
+    if all(order > frame.highest for order, _, _ in rows):
+        raise GasFault(f"every row lies above order {frame.highest}, the highest of `orders`", "raise `orders`", key)
     for order, amplitude, unit in rows:
         number = order * frame.revolutions
         if number.denominator != 1:
