@@ -1,7 +1,7 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 from torsion import rules
@@ -9,7 +9,7 @@ from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import NORMAL, Findings, Plan, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.verdict_line import Check, Checks
+from torsion.rules.verdict_line import BarredRange, Check, Checks
 from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
 
@@ -26,27 +26,51 @@ def run(
 ) -> Findings:
     """Compute everything that the study requests, and its cases, or of it `only` those analyses and what they need.
 
-    As `run_once`; where every cylinder of an engine is to misfire in turn, once for each: the checks are the worst of
+    An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
+    raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
+    file) and SolveError. memory: bytes, or text such as "4 GB", that a response may need (default: 2 GB).
+    """
+    if memory is not None:
+        study = replace(study, memory=bytes_of(memory))
+    if not study.cases:
+        return _misfires(study, only, progress)
+    total = 1 + len(study.cases)
+    found = _misfires(study, only, _part_of(progress, f"case {NORMAL}", (0, total)))
+    cases = {}
+    for place, (name, case) in enumerate(study.cases.items(), start=1):
+        part = _part_of(progress, f"case {name}", (place, total))
+        part("", 0.0)
+        try:
+            cases[name] = _misfires(replace(case, memory=study.memory), only, part)
+        except (InputError, SolveError) as error:
+            cases[name] = _without_answer(case, error)
+    return replace(found, cases=cases)
+
+
+def _misfires(study: Study, only: Collection[str], progress: Progress) -> Findings:
+    """The findings of a study, without its cases.
+
+    Where every cylinder of an engine is to misfire in turn, it is computed once for each: the checks are the worst of
     all with the barred ranges of all, no analysis without an answer is dropped, and all else is of the cylinder with
     the worst of these.
     """
     if not any(part.engine is not None and part.engine.tries_all for part in study.train.parts):
-        return run_once(study, only=only, memory=memory, progress=progress)
+        return _one(study, only, progress)
     from torsion.components.engine.misfire_cases import misfire_cases
 
-    cases = {
-        words: run_once(
+    each = list(misfire_cases(study.train.parts, study.train.torques))
+    return _worst({
+        words: _one(
             replace(study, train=replace(study.train, parts=parts, torques=torques)),
-            only=only, memory=memory, progress=progress,
+            only, _part_of(progress, words, (place, len(each))),
         )
-        for words, parts, torques in misfire_cases(study.train.parts, study.train.torques)
-    }  # fmt: skip
-    return _worst(cases)
+        for place, (words, parts, torques) in enumerate(each)
+    })  # fmt: skip
 
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
     """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
-    lines: dict[tuple[str, str, str], tuple[tuple[bool, float], str, Check]] = {}
+    lines: dict[tuple[str, str, str, str], tuple[tuple[bool, float], str, Check]] = {}
     for words, found in cases.items():
         for check in found.need(Checks).lines:
             used = check.utilisation
@@ -56,8 +80,8 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
     every = [check for found in cases.values() for check in found.need(Checks).lines]
     named = [
         replace(
-            check, note="; ".join(filter(None, (words, check.note))),
-            barred=tuple(dict.fromkeys(band for one in every if _key(one) == _key(check) for band in one.barred)),
+            check, misfire=words, note="; ".join(filter(None, (words, check.note))),
+            barred=_united(band for one in every if _key(one) == _key(check) for band in one.barred),
         )
         for _, words, check in lines.values()
     ]  # fmt: skip
@@ -74,41 +98,29 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
     return whole.having(checks=Checks(tuple(named)), engines=replace(table, each=tuple(each)))
 
 
-def _key(check: Check) -> tuple[str, str, str]:
+def _key(check: Check) -> tuple[str, str, str, str]:
     """What a check is about."""
-    return check.rule, check.what, check.where
+    return check.rule, check.clause, check.what, check.where
 
 
-def run_once(
-    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
-) -> Findings:
-    """Compute everything that the study requests, or of it `only` those analyses and what they need.
-
-    An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
-    raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
-    file) and SolveError. memory: bytes, or text such as "4 GB", that a response may need (default: 2 GB).
-    """
-    if memory is not None:
-        study = replace(study, memory=bytes_of(memory))
-    if not study.cases:
-        return _one(study, only, progress)
-    total = 1 + len(study.cases)
-    found = _one(study, only, _part_of(progress, NORMAL, (0, total)))
-    cases = {}
-    for place, (name, case) in enumerate(study.cases.items(), start=1):
-        part = _part_of(progress, name, (place, total))
-        part("", 0.0)
-        try:
-            cases[name] = _one(replace(case, memory=study.memory), only, part)
-        except (InputError, SolveError) as error:
-            cases[name] = _without_answer(case, error)
-    return replace(found, cases=cases)
+def _united(bands: Iterable[BarredRange]) -> tuple[BarredRange, ...]:
+    """Barred ranges of a shaft, those of one order that overlap as one, from the lowest to the highest speed."""
+    found: list[BarredRange] = []
+    for band in sorted(bands, key=lambda one: (one.shaft, one.order or 0, one.lower)):
+        last = found[-1] if found else None
+        if last is None or (last.shaft, last.order) != (band.shaft, band.order) or band.lower > last.upper:
+            found.append(band)
+            continue
+        ends = [min(last.lower, band.lower), max(last.upper, band.upper)]
+        formula = [min(last.formula_lower, band.formula_lower), max(last.formula_upper, band.formula_upper)]
+        found[-1] = replace(last, lower=ends[0], upper=ends[1], formula_lower=formula[0], formula_upper=formula[1])
+    return tuple(found)
 
 
 def _part_of(progress: Progress, name: str, place: tuple[int, int]) -> Progress:
-    """The progress of one case as a share of that of all."""
+    """The progress of one of several runs as a share of that of all."""
     at, total = place
-    return lambda what, share: progress(f"case {name}{': ' if what else ''}{what}", (at + share) / total)
+    return lambda what, share: progress(f"{name}{': ' if what else ''}{what}", (at + share) / total)
 
 
 def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
@@ -129,7 +141,7 @@ def _message(fault: Fault, study: Study) -> str:
 
 
 def _one(study: Study, only: Collection[str], progress: Progress) -> Findings:
-    """The findings of a study, without its cases."""
+    """The findings of a study with its cylinders as they are, without its cases."""
     names = _with_needs(only) if only else list(ANALYSES)
     judged = replace(study, rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)))
     work = Work(judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement)
