@@ -52,8 +52,11 @@ def required(meaning: str, **limits: Any) -> Any:
     return Field(description=meaning, **limits)
 
 
-def refuse(message: str, hint: str = "", key: str = "") -> PydanticCustomError:
-    """The error that a reader of values raises; the hint says what would be right, the key which entry is at fault."""
+def refuse(message: str, hint: str = "", key: str | tuple[str | int, ...] = "") -> PydanticCustomError:
+    """The error that a reader of values raises; the hint says what would be right, the key which entry is at fault.
+
+    key: that of a mapping, or the steps to what stands deeper.
+    """
     text = "{message} ({hint})" if hint else "{message}"
     return PydanticCustomError("fault", text, {"message": message, "hint": hint, "key": key})
 

@@ -1,7 +1,7 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 from torsion import rules
@@ -9,7 +9,7 @@ from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import NORMAL, Findings, Plan, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.verdict_line import Check, Checks
+from torsion.rules.verdict_line import BarredRange, Check, Checks
 from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
 
@@ -33,39 +33,44 @@ def run(
     if memory is not None:
         study = replace(study, memory=bytes_of(memory))
     if not study.cases:
-        return _tried(study, only, progress)
+        return _misfires(study, only, progress)
     total = 1 + len(study.cases)
-    found = _tried(study, only, _part_of(progress, NORMAL, (0, total)))
+    found = _misfires(study, only, _part_of(progress, f"case {NORMAL}", (0, total)))
     cases = {}
     for place, (name, case) in enumerate(study.cases.items(), start=1):
-        part = _part_of(progress, name, (place, total))
+        part = _part_of(progress, f"case {name}", (place, total))
         part("", 0.0)
         try:
-            cases[name] = _tried(replace(case, memory=study.memory), only, part)
+            cases[name] = _misfires(replace(case, memory=study.memory), only, part)
         except (InputError, SolveError) as error:
             cases[name] = _without_answer(case, error)
     return replace(found, cases=cases)
 
 
-def _tried(study: Study, only: Collection[str], progress: Progress) -> Findings:
-    """The findings of a study or of a case; once for every cylinder where one of an engine is to misfire in turn.
+def _misfires(study: Study, only: Collection[str], progress: Progress) -> Findings:
+    """The findings of a study, without its cases.
 
-    The checks are then the worst of all with the barred ranges of all, no analysis without an answer is dropped, and
-    all else is of the cylinder with the worst of these.
+    Where every cylinder of an engine is to misfire in turn, it is computed once for each: the checks are the worst of
+    all with the barred ranges of all, no analysis without an answer is dropped, and all else is of the cylinder with
+    the worst of these.
     """
     if not any(part.engine is not None and part.engine.tries_all for part in study.train.parts):
         return _one(study, only, progress)
     from torsion.components.engine.misfire_cases import misfire_cases
 
+    each = list(misfire_cases(study.train.parts, study.train.torques))
     return _worst({
-        words: _one(replace(study, train=replace(study.train, parts=parts, torques=torques)), only, progress)
-        for words, parts, torques in misfire_cases(study.train.parts, study.train.torques)
+        words: _one(
+            replace(study, train=replace(study.train, parts=parts, torques=torques)),
+            only, _part_of(progress, words, (place, len(each))),
+        )
+        for place, (words, parts, torques) in enumerate(each)
     })  # fmt: skip
 
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
     """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
-    lines: dict[tuple[str, str, str], tuple[tuple[bool, float], str, Check]] = {}
+    lines: dict[tuple[str, str, str, str], tuple[tuple[bool, float], str, Check]] = {}
     for words, found in cases.items():
         for check in found.need(Checks).lines:
             used = check.utilisation
@@ -75,8 +80,8 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
     every = [check for found in cases.values() for check in found.need(Checks).lines]
     named = [
         replace(
-            check, note="; ".join(filter(None, (words, check.note))),
-            barred=tuple(dict.fromkeys(band for one in every if _key(one) == _key(check) for band in one.barred)),
+            check, misfire=words, note="; ".join(filter(None, (words, check.note))),
+            barred=_united(band for one in every if _key(one) == _key(check) for band in one.barred),
         )
         for _, words, check in lines.values()
     ]  # fmt: skip
@@ -93,15 +98,29 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
     return whole.having(engines=replace(first, each=tuple(replace(own, misfires=one.misfires) for own, one in pairs)))
 
 
-def _key(check: Check) -> tuple[str, str, str]:
+def _key(check: Check) -> tuple[str, str, str, str]:
     """What a check is about."""
-    return check.rule, check.what, check.where
+    return check.rule, check.clause, check.what, check.where
+
+
+def _united(bands: Iterable[BarredRange]) -> tuple[BarredRange, ...]:
+    """Barred ranges of a shaft, those of one order that overlap as one, from the lowest to the highest speed."""
+    found: list[BarredRange] = []
+    for band in sorted(bands, key=lambda one: (one.shaft, one.order or 0, one.lower)):
+        last = found[-1] if found else None
+        if last is None or (last.shaft, last.order) != (band.shaft, band.order) or band.lower > last.upper:
+            found.append(band)
+            continue
+        ends = [min(last.lower, band.lower), max(last.upper, band.upper)]
+        formula = [min(last.formula_lower, band.formula_lower), max(last.formula_upper, band.formula_upper)]
+        found[-1] = replace(last, lower=ends[0], upper=ends[1], formula_lower=formula[0], formula_upper=formula[1])
+    return tuple(found)
 
 
 def _part_of(progress: Progress, name: str, place: tuple[int, int]) -> Progress:
-    """The progress of one case as a share of that of all."""
+    """The progress of one of several runs as a share of that of all."""
     at, total = place
-    return lambda what, share: progress(f"case {name}{': ' if what else ''}{what}", (at + share) / total)
+    return lambda what, share: progress(f"{name}{': ' if what else ''}{what}", (at + share) / total)
 
 
 def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
@@ -122,7 +141,7 @@ def _message(fault: Fault, study: Study) -> str:
 
 
 def _one(study: Study, only: Collection[str], progress: Progress) -> Findings:
-    """The findings of a study, without its cases."""
+    """The findings of a study with its cylinders as they are, without its cases."""
     names = _with_needs(only) if only else list(ANALYSES)
     judged = replace(study, rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)))
     work = Work(judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement, solve=run)

@@ -11,6 +11,8 @@ import torsion
 from torsion.analyses.engine.engine_results import Engines
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.findings import Findings
+from torsion.output.chapters.engine_states import states
+from torsion.output.chapters.first_page import worst_line
 from torsion.rules.verdict_line import Checks
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
@@ -44,3 +46,21 @@ def test_the_ship_fails_with_a_misfire_and_passes_without() -> None:
     cases = out.need(Engines).each[0].misfires
     assert max(cases[6].half_range[:, span]) == pytest.approx(out.need(Synthesis).half_range[:, span].max(), rel=1e-9)
     assert max(cases[0].half_range[:, span]) == pytest.approx(whole.need(Synthesis).half_range[:, span].max(), rel=5e-3)
+
+
+def test_the_slow_engine_bars_order_6_of_its_first_mode_and_names_the_cylinder_of_its_worst_misfire() -> None:
+    found = torsion.run(torsion.read(SCENES / "two_stroke_ship.yaml"))
+    out = found.cases["misfire"]
+    for one in (found, out):
+        bars = [band for check in one.need(Checks).lines for band in check.barred]
+        assert {(band.shaft, band.order) for band in bars} == {("intermediate shaft", 6), ("propeller shaft", 6)}
+        assert len(bars) == 2
+        assert all(band.lower < 2 * math.pi * 4.938974 / 6 < band.upper for band in bars)
+    least = [
+        [check.limit for check in one.need(Checks).lines if check.clause == "minimum diameter"] for one in (found, out)
+    ]
+    assert least[0] == pytest.approx(least[1], rel=1e-12)  # of the rated power, with a cylinder out too
+    ((_, line),) = worst_line(out)
+    assert "with cylinder 1 of main engine motored" in line
+    (words,) = states(out)
+    assert words.startswith("main engine with cylinder 1 motored (misfire), all others with 120 % of the heat, every")

@@ -92,6 +92,12 @@ def scene(study: Study) -> Scene:
     )
 
 
+def diagram_files(study: Study) -> list[str]:
+    """The files of indicator diagrams, as the scene names them."""
+    named = (part.engine.files for part in study.train.parts if part.engine is not None)
+    return list(dict.fromkeys(name for files in named for name in files))
+
+
 def checksum(study: Study) -> str | None:
     """SHA-256 of the input as read, in UTF-8: the scene and its tables one behind the other; None without a text.
 

@@ -104,7 +104,10 @@ class M68(ShaftStress):
         if every is None:
             return None
         factor = m68_shafts.drive_factor(shaft.role, smooth=settings.drive != "other")
-        load = float(np.max(every[judgement.spans_of(evidence.system, shaft.part)])) * KW_PER_RPM
+        engines = [part.engine for part in evidence.study.train.parts if part.engine is not None]
+        firing = min((sum(share for _, share in one.drives) for one in engines if one.drives), default=1.0)
+        mean = float(np.max(every[judgement.spans_of(evidence.system, shaft.part)]))
+        load = mean / min(firing, 1.0) * KW_PER_RPM  # rated power is that of all cylinders
         ends = [
             (outer, m68_shafts.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
             for outer, bore in shaft.ends

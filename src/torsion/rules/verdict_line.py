@@ -88,6 +88,7 @@ class Check:
     times: tuple[BarredTime, ...] = result(
         "", (), "motions over time within these, or within unstable ranges", default=()
     )
+    misfire: str = ""  # the cylinder without heat at its worst, where every one is tried in turn
     parts: tuple[int, ...] = ()  # positions of the components it is about, the worst first; none: that of the name
 
     @property

@@ -1,7 +1,7 @@
 """Tables of CSV files in the place of the lists of a scene: `train: {table: line.csv}`, `- table: line.csv`.
 
 One row stands for one entry, as if it were written there: of a train a component, of `excitations`, `ripple` and
-`excitation` a mapping, of `load` and `torque` a pair of speed and torque. The first row names the keys, with units.
+`excitation` a mapping, of `load` and `torque` speed and torque, of `gas` an order. The first row names the keys.
 """
 
 import re
@@ -31,6 +31,16 @@ MAPPINGS = {  # lists of mappings: key, what declares an entry
 }
 PAIRS = ("load", "torque")  # lists of [speed, torque]
 SPEED_AND_TORQUE = {"speed": ("rad/s",), "torque": ("N*m", "1")}
+BY_POLAR, BY_PARTS = ("order", "amplitude", "phase"), ("order", "a", "b")  # of a harmonic
+HARMONIC = {"order": ("1",), "amplitude": ("N*m", "Pa"), "phase": ("rad",), "a": ("N*m", "Pa"), "b": ("N*m", "Pa")}
+LOADS = {"imep": ("Pa",), "torque": ("N*m",), "speed": ("rad/s",)}  # at which a table of harmonics stands
+OF_GAS = {  # what of an engine's gas may be the name of a file, by the key before it and its own
+    ("gas", "table"): "harmonics", ("gas", "motored"): "harmonics", ("tables", "rows"): "harmonics",
+    ("gas", "tables"): "harmonics by load",
+}  # fmt: skip
+FIGURES: dict[str, dict[str, tuple[str, ...]]] = {  # of lists without a declaration: columns with their units
+    **dict.fromkeys(PAIRS, SPEED_AND_TORQUE), "harmonics": HARMONIC, "harmonics by load": HARMONIC | LOADS,
+}  # fmt: skip
 _HEAD = re.compile(r"(.*?)\s*[\[(](.+)[\])]")  # inertia [kg*m**2]
 _FIRST = "kind"  # the column of a train that says the kind of every row
 
@@ -84,11 +94,14 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         parts: list[Node] = []
         for part in node.parts.values():
             is_table = key == "train" and table_name(part.value)
-            parts += _table(part, key, reading) if is_table else [_spliced(part, "", reading)]
+            parts += _table(part, key, reading) if is_table else [_spliced(part, key * (key == "tables"), reading)]
         return node if parts == list(node.parts.values()) else _list(node, parts)
     if isinstance(node.value, dict):
-        last = {step: str(step).rpartition(".")[2] for step in node.parts}  # a case writes `operation.load`
-        inner = {step: _spliced(part, last[step], reading) for step, part in node.parts.items()}
+        inner = {}
+        for step, part in node.parts.items():
+            before, last = f"{key}.{step}".split(".")[-2:]  # a case writes `operation.load`
+            name = OF_GAS.get((before, last)) if isinstance(part.value, str) else None
+            inner[step] = _list(part, _table(part, name, reading)) if name else _spliced(part, last, reading)
         if inner != node.parts:
             value = node.value | {step: part.value for step, part in inner.items()}
             return replace(node, value=value, parts=inner)
@@ -101,8 +114,8 @@ def _list(node: Node, parts: list[Node]) -> Node:
 
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     """The rows of the table that a node names, as entries of the list at `key`."""
-    name = node.value["table"]
-    where = node.parts["table"]
+    where = node if isinstance(node.value, str) else node.parts["table"]
+    name = where.value
     if name not in reading.tables:
         file = FilePath(reading.source.name).parent / name
         fault: Fault | None = None
@@ -146,8 +159,10 @@ class _Rows:
             self.numbers = self._read_signs()
             ended = self._head_is_faulty()
         found = [] if ended else [node for row in self.rows[1:] if (node := self._row(row)) is not None]
+        if found and self.key == "harmonics by load":
+            found = self._by_load(found)
         reading.faults += [replace(fault, file=self.source.name) for fault in self.faults]
-        reading.is_ended |= ended
+        reading.is_ended |= ended or (self.key in FIGURES and self.key not in PAIRS and bool(self.faults))
         return found
 
     def fault(self, cell: Cell, message: str, hint: str = "") -> None:
@@ -156,6 +171,8 @@ class _Rows:
     def _example(self) -> str:
         if self.key == "train":
             return "`kind`, `name`, `inertia [kg*m**2]`, ..."
+        if self.key.startswith("harmonics"):
+            return "`imep [bar]`, " * ("load" in self.key) + "`order`, `amplitude [bar]`, `phase [deg]`"
         return "`speed [rpm]`, `torque [N*m]`" if self.key in PAIRS else "`order`, `torque [N*m]`, `phase [deg]`, ..."
 
     def _column(self, cell: Cell) -> Column | None:
@@ -187,14 +204,48 @@ class _Rows:
                 self.fault(cell, f"the column `{column.key}` stands twice", "a list is one cell: [0.9, 0.6]")
             first.setdefault((column.of, column.key), cell)
             self._unit_is_sound(place, cell, column)
-        needed = {"train": (_FIRST,)}.get(self.key, tuple(SPEED_AND_TORQUE) if self.key in PAIRS else ())
-        for key in needed:
+        for key in self._needed(first):
             if ("", key) not in first:
                 hint = f"{', '.join(KINDS)}: what each row is" if key == _FIRST else self._example()
                 self.fault(head[0], f"the column `{key}` is missing", hint)
         return len(self.faults) > before or any(
             column is None and cell.text for cell, column in zip(head, self.columns, strict=True)
         )
+
+    def _needed(self, there: Mapping[tuple[str, str], Cell]) -> tuple[str, ...]:
+        """The columns that the table must have, with what it has."""
+        if self.key in PAIRS or self.key == "train":
+            return (_FIRST,) if self.key == "train" else tuple(SPEED_AND_TORQUE)
+        if self.key not in FIGURES:
+            return ()
+        loads = ([key for key in LOADS if ("", key) in there] or ["imep"])[: "load" in self.key]
+        return (*loads, *(BY_PARTS if {("", "a"), ("", "b")} & there.keys() else BY_POLAR))
+
+    def _harmonic(self, body: Node) -> Node:
+        """A row from its cells: [order, amplitude, phase], or a mapping where the table has `a` and `b`."""
+        keys = BY_PARTS if any(column and column.key in ("a", "b") for column in self.columns) else BY_POLAR
+        if lacking := [key for key in keys if key not in body.parts]:
+            self.fault(Cell("", body.line, body.column), f"the row has no `{lacking[0]}`", f"it has {', '.join(keys)}")
+        found = [body.parts[key] for key in keys if key in body.parts]
+        return body if keys == BY_PARTS else _list(replace(body), found)
+
+    def _by_load(self, rows: list[Node]) -> list[Node]:
+        """Rows of the same load, or speed, as one table."""
+        found: dict[str, tuple[Node, list[Node]]] = {}
+        key = next(column.key for column in self.columns if column is not None and column.key in LOADS)
+        for row in rows:
+            load = row.parts.pop(key, None)
+            if load is None:
+                self.fault(Cell("", row.line, row.column), f"the row has no `{key}`", "every order stands at one")
+            else:
+                found.setdefault(str(row.value.pop(key)), (load, []))[1].append(self._harmonic(row))
+        made = []
+        for load, each in found.values():
+            parts: dict[str | int, Node] = {key: load, "rows": _list(replace(load), each)}
+            value = {step: part.value for step, part in parts.items()}
+            places = dict.fromkeys(map(str, parts), (load.line, load.column))
+            made.append(replace(load, value=value, parts=parts, keys=places))
+        return made
 
     def _unit_is_sound(self, place: int, cell: Cell, column: Column) -> None:
         """Note a unit that no such quantity has, and one that is missing where numbers stand below."""
@@ -248,6 +299,8 @@ class _Rows:
         if self.key in PAIRS:
             pair = [body.parts.get(key, self._node(None, begin)) for key in SPEED_AND_TORQUE]
             return _list(self._node([], begin), pair)
+        if self.key == "harmonics":
+            return self._harmonic(body)
         if kind is None:
             return body
         word = kind.text.casefold()
@@ -328,8 +381,8 @@ class _Key:
 @cache
 def _keys(key: str) -> dict[tuple[str, str], _Key]:
     """Every key of the entries of a list, with the kind of component that it is of."""
-    if key in PAIRS:
-        return {("", name): _Key(expected, False) for name, expected in SPEED_AND_TORQUE.items()}
+    if key in FIGURES:
+        return {("", name): _Key(expected, False) for name, expected in FIGURES[key].items()}
     if key in MAPPINGS:
         return {("", name): found for name, found in _declared(resolve_name(MAPPINGS[key])).items()}
     return {(kind, name): found for kind in KINDS for name, found in _declared(component(kind)).items()}

@@ -155,8 +155,9 @@ def _fault(kind: type[BaseModel], detail: ErrorDetails, body: dict[str, Any]) ->
     context: dict[str, Any] = detail.get("ctx", {})
     match detail["type"]:
         case "fault":
-            holds = isinstance(below, dict) and context["key"] in below
-            return path, Fault((*path, context["key"]) if holds else path, context["message"], context["hint"])
+            key = context["key"]
+            more, _ = _path(key if isinstance(key, tuple) else (key,), below)
+            return path, Fault((*path, *more), context["message"], context["hint"])
         case "missing" if isinstance(detail["loc"][-1], str):
             key = str(detail["loc"][-1])
             where = (*path, key)

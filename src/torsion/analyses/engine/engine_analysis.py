@@ -56,7 +56,8 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
     balanced = None if running is None or running.mean is None or not share else running.mean / share
     gas_mean = None if balanced is None else balanced / len(engine.cylinders) / engine.efficiency
     size, law = engine.cylinder, engine.gas
-    stated = None if size is None or law is None or law.stated is None else size.imep(law.stated)
+    at_one = law is not None and law.goes_on  # load
+    stated = None if size is None or law is None or law.stated is None or not at_one else size.imep(law.stated)
     return EngineFound(
         name=part.name, gas_words=engine.gas_words, speed=None if running is None else running.speed,
         mean_torque=None if running is None else running.mean, balanced_torque=balanced, gas_mean=gas_mean,

@@ -1,9 +1,10 @@
 """What the file says within an engine: geometry, masses, journals, and the gas torque of a cylinder."""
 
 import cmath
+from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
@@ -15,11 +16,13 @@ from torsion.kernels.round_sections import section_modulus
 
 Length = Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm",))]
 Pressure = Annotated[float, Quantity("Pa", above=0, usual=(5e3, 5e8), slip=("bar", "MPa"))]
+Pressures = Annotated[tuple[Pressure, ...], OneOrMany]  # one value, or one a load
 Crankcase = Annotated[float, Quantity("Pa", at_least=0, usual=(5e3, 5e8), slip=("bar", "MPa"))]
 Turned = Annotated[float, Quantity("rad", above=0)]
 Share = Annotated[float, Quantity("1", at_least=0, usual=(0.5, 1.5), slip=("%",))]
 ROW = "[order, amplitude, phase], for example [1.5, 420 N*m, -80 deg], or {order: 1.5, a: 70 N*m, b: 410 N*m}"
 MOST_ORDER = 48  # of the crankshaft
+Found = TypeVar("Found")
 Row = tuple[Fraction, complex, str]  # order; amplitude in N m of one cylinder, or Pa; which of the two
 
 
@@ -144,17 +147,27 @@ def _row(value: object) -> Row:
     if isinstance(value, dict):
         if set(value) != {"order", "a", "b"}:
             raise refuse("a row by cosine and sine has the keys `order`, `a` and `b`", ROW)
-        (a, unit), (b, other) = _amount(value["a"]), _amount(value["b"])
+        (a, unit), (b, other) = _item(value, "a", _amount), _item(value, "b", _amount)
         if unit != other:
             raise refuse("`a` and `b` are of one unit", ROW)
-        return _order(value["order"]), complex(a, -b), unit
+        return _item(value, "order", _order), complex(a, -b), unit
     if not isinstance(value, list | tuple) or len(value) != 3:
         raise refuse(f"{shown(value)} is no row of harmonics", ROW)
-    size, unit = _amount(value[1])
+    size, unit = _item(value, 1, _amount)
     if size < 0:
-        raise refuse("an amplitude is not negative", "turn its phase by 180 deg")
-    phase = Quantity("rad").read(value[2])
-    return _order(value[0]), cmath.rect(size, phase), unit
+        raise refuse("an amplitude is not negative", "turn its phase by 180 deg", (1,))
+    phase = _item(value, 2, Quantity("rad").read)
+    return _item(value, 0, _order), cmath.rect(size, phase), unit
+
+
+def _item(whole: Any, step: str | int, read: Callable[[Any], Found]) -> Found:
+    """What a reader makes of one item, which is named where it is at fault."""
+    try:
+        return read(whole[step])
+    except PydanticCustomError as error:
+        context = error.context or {}
+        message, hint = str(context.get("message", error)), str(context.get("hint", ROW))
+        raise refuse(message, hint, (step, *(context.get("key") or ()))) from None
 
 
 def _rows(value: Any) -> tuple[Row, ...]:
@@ -162,31 +175,27 @@ def _rows(value: Any) -> tuple[Row, ...]:
         raise refuse(f"{shown(value)} is no table of harmonics", f"rows {ROW}")
     if all(isinstance(row, tuple) and len(row) == 3 and isinstance(row[1], complex) for row in value):
         return tuple(value)
-    read = tuple(_read_row(number, row) for number, row in enumerate(value, 1))
+    read = tuple(_item(value, place, _row) for place in range(len(value)))
     orders = [order for order, _, _ in read]
-    twice = next((order for order in orders if orders.count(order) > 1), None)
+    twice = next((place for place, order in enumerate(orders) if order in orders[:place]), None)
     if twice is not None:
-        raise refuse(f"order {twice} stands twice in the table", "one row an order")
+        raise refuse(f"order {orders[twice]} stands twice in the table", "one row an order", (twice,))
     return read
 
 
-def _read_row(number: int, row: object) -> Row:
-    """A row, its number named where it is at fault."""
-    try:
-        return _row(row)
-    except PydanticCustomError as error:
-        context = error.context or {}
-        raise refuse(f"row {number}: {context.get('message', error)}", str(context.get("hint", ROW))) from None
-
-
 _TABLE = {
-    "type": "array", "minItems": 1,
-    "items": {
-        "anyOf": [
-            {"type": "array", "minItems": 3, "maxItems": 3},
-            {"type": "object", "required": ["order", "a", "b"]},
-        ]
-    },
+    "anyOf": [
+        {"type": "string", "description": "name of a CSV file"},
+        {
+            "type": "array", "minItems": 1,
+            "items": {
+                "anyOf": [
+                    {"type": "array", "minItems": 3, "maxItems": 3},
+                    {"type": "object", "required": ["order", "a", "b"]},
+                ]
+            },
+        },
+    ]
 }  # fmt: skip
 Rows = Annotated[tuple[Any, ...], BeforeValidator(_rows), WithJsonSchema(_TABLE)]
 
@@ -244,16 +253,18 @@ class Gas(Declared):
                                "that counts from firing top dead centre; torques, or tangential pressures")  # fmt: skip
     at: Stated | None = given("load of the `table`: {imep} or {torque}; without it the same at every load")
     motored: Rows | None = given("rows of a cylinder without fuel, of `table` and `tables`; needed for a misfire")
-    tables: tuple[TableAt, ...] = given("list of {imep | torque | speed, rows}, interpolated as complex numbers", ())
+    tables: tuple[TableAt, ...] = given("list of {imep | torque | speed, rows}, interpolated as complex numbers; or a "
+                                        "CSV file with a column of that", ())  # fmt: skip
     diagram: Diagrams = given("file of the pressure over the crank angle, {file, speed}, or a list of them", ())
     tdc: fields.Angle | None = given("angle in the file at which the cylinder is at firing top dead centre")
     absolute: bool | None = given("true: pressures of the file are absolute; false: above that of the surroundings")
     cycle: Literal["wiebe"] | None = given("closed cycle computed from the figures below, heat by a Wiebe function")
     compression_ratio: Annotated[float, Quantity("1", above=1, usual=(3.0, 40.0))] | None = given("of the `cycle`")
-    charge: Pressure | None = given("absolute pressure when compression begins, and of the intake")
-    exhaust: Pressure | None = given("absolute pressure of the exhaust stroke (four strokes)")
-    imep: Pressure | None = given("indicated mean effective pressure of the `cycle`; beside a `diagram`, to compare")
-    p_max: Pressure | None = given("peak pressure, absolute")
+    charge: Pressures = given("absolute pressure when compression begins, and of the intake; one value, or by load", ())
+    exhaust: Pressures = given("absolute pressure of the exhaust stroke (four strokes); one value, or by load", ())
+    imep: Pressures = given("indicated mean effective pressure of the `cycle`, one or a rising list of loads; beside a "
+                            "`diagram`, to compare", ())  # fmt: skip
+    p_max: Pressures = given("peak pressure, absolute; one value, or by load", ())
     gamma: Annotated[float, Quantity("1", above=1, usual=(1.2, 1.67))] = given("ratio of heats", 1.35)
     shape: Annotated[float, Quantity("1", at_least=0, usual=(0.1, 5.0))] = given(
         "m of the Wiebe function: 0.5 to 1.2 of diesel engines, 2 to 3 of spark ignition (to be verified)", 1.0
@@ -272,15 +283,22 @@ class Gas(Declared):
         wrong = [key for key in ALL_KEYS if key not in own and key in self.model_fields_set]
         if wrong:
             raise refuse(f"`{wrong[0]}` does not go with `{found[0]}`", f"with it go {', '.join(own)}", wrong[0])
-        lacking = [key for key in NEEDED[found[0]] if getattr(self, key) is None]
+        lacking = [key for key in NEEDED[found[0]] if getattr(self, key) in (None, ())]
         if lacking:
             raise refuse(f"`{lacking[0]}` is missing", type(self).model_fields[lacking[0]].description or "")
         if self.tables and (len(self.tables) < 2 or len({one.key for one in self.tables}) > 1):
             raise refuse("`tables` are two or more, all by one of `imep`, `torque` and `speed`", "", "tables")
+        loads = len(self.imep) if self.cycle else 1
+        by_load = [key for key in BY_LOAD if len(getattr(self, key)) > 1]
+        if odd := next((key for key in by_load if len(getattr(self, key)) != loads), None):
+            many = len(getattr(self, odd))
+            raise refuse(f"`{odd}` has {many} values, and `imep` {loads}", "one value, or one a load", odd)
+        if any(before >= after for before, after in pairwise(self.imep)):
+            raise refuse("the loads of `imep` do not rise", "lowest first", "imep")
         speeds = [one.speed for one in self.diagram]
         if len(speeds) == 1 and speeds[0] is not None:
             raise refuse("one diagram stands for every speed", "leave its `speed` out, or give several", "diagram")
-        if len(speeds) > 1 and self.imep is not None:
+        if len(speeds) > 1 and self.imep:
             raise refuse("`imep` is compared with that of one diagram, and there are several", "leave it out", "imep")
         if len(speeds) > 1 and None in speeds and any(one is not None for one in speeds):
             raise refuse("of several diagrams all have a speed, or none", "over speed, or over load", "diagram")
@@ -289,6 +307,7 @@ class Gas(Declared):
             raise refuse("several tables or diagrams stand in rising order", "", "tables" if self.tables else "diagram")
 
 
+BY_LOAD = ("charge", "exhaust", "imep", "p_max")
 OF_EACH = {
     "table": ("at", "motored"), "tables": ("motored",),
     "diagram": ("tdc", "absolute", "imep", "crankcase"),

@@ -232,7 +232,7 @@ class Engine(Component, keyword="engine", sort="line"):
         try:
             return law_of(self.gas, frame)
         except GasFault as fault:
-            build.fault(fault.message, fault.hint, "gas", *([fault.key] if fault.key else []))
+            build.fault(fault.message, fault.hint, "gas", *fault.key)
             return None
 
     @property
@@ -322,6 +322,7 @@ class Engine(Component, keyword="engine", sort="line"):
             over_angle, cylinder, () if law is None else law.curves, modulus, self.keep_power, self.phase is not None,
             self.phase == "worst", self.misfire == "worst",
             tuple(self._words(slider)), () if law is None else law.remarks,
+            () if self.gas is None else tuple(one.file for one in self.gas.diagram),
         )  # fmt: skip
 
     def _each(self, stations: tuple[int, ...]) -> Iterator[CylinderRecord]:
@@ -381,9 +382,8 @@ class Engine(Component, keyword="engine", sort="line"):
         there = np.abs(record.inertia) > 0
         if record.gas is not None:
             there |= (np.abs(record.gas.firing) > 0).any(axis=0)
-        path = build.parts[owner].path
+        path, name = build.parts[owner].path, build.parts[owner].name
         for one in record.cylinders:
-            name = build.stations[one.station].name
             for harmonic in np.flatnonzero(there[1:]).tolist():
                 order = Fraction(harmonic + 1, record.revolutions)
                 law = CylinderOrder(

@@ -37,9 +37,9 @@ class Law:
 
 
 class GasFault(ValueError):
-    """What is wrong with the gas torque: message, hint, and the key of `gas` at fault."""
+    """What is wrong with the gas torque: message, hint, and the steps from `gas` to what is at fault."""
 
-    def __init__(self, message: str, hint: str = "", key: str = "") -> None:
+    def __init__(self, message: str, hint: str = "", *key: str | int) -> None:
         self.message, self.hint, self.key = message, hint, key
         super().__init__(message)
 
@@ -82,18 +82,18 @@ def law_of(gas: Gas, frame: Frame) -> Law:
     return _of_diagrams(gas, frame) if gas.diagram else _of_cycle(gas, frame)
 
 
-def _harmonics(rows: Sequence[Row], frame: Frame, mean: float, key: str) -> ComplexArray:
-    """(harmonics + 1,) N m of the rows of a table up to the highest order."""
+def _harmonics(rows: Sequence[Row], frame: Frame, mean: float, *key: str | int) -> ComplexArray:
+    """(harmonics + 1,) N m of the rows of a table, which stands at `key`, up to the highest order."""
     found = np.zeros(frame.harmonics + 1, dtype=np.complex128)
     found[0] = mean
     if all(order > frame.highest for order, _, _ in rows):
-        raise GasFault(f"every row lies above order {frame.highest}, the highest of `orders`", "raise `orders`", key)
-    for order, amplitude, unit in rows:
+        raise GasFault(f"every row lies above order {frame.highest}, the highest of `orders`", "raise `orders`", *key)
+    for place, (order, amplitude, unit) in enumerate(rows):
         number = order * frame.revolutions
         if number.denominator != 1:
             least = Fraction(1, frame.revolutions)
             kind = "four" if frame.revolutions == 2 else "two"
-            raise GasFault(f"order {order} is no multiple of {least}", f"those of {kind} strokes are", key)
+            raise GasFault(f"order {order} is no multiple of {least}", f"those of {kind} strokes are", *key, place)
         size = frame.known("a tangential pressure").tangential if unit == "Pa" else 1.0
         if number <= frame.harmonics:
             found[int(number)] = amplitude * size
@@ -126,10 +126,14 @@ def _of_tables(gas: Gas, frame: Frame) -> Law:
                        "tables")  # fmt: skip
     if key == "speed":
         at = np.array([one.speed for one in gas.tables], dtype=np.float64)
-        firing = np.stack([_harmonics(one.rows, frame, 0.0, "tables") for one in gas.tables])
+        each = enumerate(gas.tables)
+        firing = np.stack([_harmonics(one.rows, frame, 0.0, "tables", place, "rows") for place, one in each])
         return Law(GasLaw("speed", at, firing, motored), "tables over the speed, each with its own load")
     loads = [frame.load(one) for one in gas.tables]
-    rows = [_harmonics(one.rows, frame, load, "tables") for one, load in zip(gas.tables, loads, strict=True)]
+    rows = [
+        _harmonics(one.rows, frame, load, "tables", place, "rows")
+        for place, (one, load) in enumerate(zip(gas.tables, loads, strict=True))
+    ]
     if motored is not None:
         loads, rows = [0.0, *loads], [motored[0], *rows]
     law = GasLaw("load", np.array(loads), np.stack(rows), motored, stated=loads[-1])
@@ -168,7 +172,7 @@ def _of_diagrams(gas: Gas, frame: Frame) -> Law:
     curves = tuple(
         PressureCurve(
             given.file, one.angle, one.pressure, other.pressure, cylinder.imep(row[0].real),
-            gas.imep if len(found) == 1 else None, around,
+            gas.imep[0] if gas.imep and len(found) == 1 else None, around,
         )
         for given, one, other, row in zip(gas.diagram, found, motored, firing, strict=True)
     )  # fmt: skip
@@ -187,7 +191,7 @@ def _of_diagrams(gas: Gas, frame: Frame) -> Law:
     return Law(law, "indicator diagram, at other loads in a straight line from the motored one", curves, remarks)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=32)
 def _cycle(cycle: Cycle, imep: float, peak: float) -> Cycle:
     return fitted(cycle, imep, peak)
 
@@ -196,37 +200,56 @@ def _of_cycle(gas: Gas, frame: Frame) -> Law:
     cylinder, needed = frame.known("a cycle"), ("exhaust",) if frame.revolutions == 2 else ("exhaust_opens",)
     ports = gas.exhaust_opens or math.pi, gas.scavenge_opens or gas.exhaust_opens or math.pi
     for key in ("exhaust",) if frame.revolutions == 1 else ("exhaust_opens", "scavenge_opens"):
-        if getattr(gas, key) is not None:
+        if getattr(gas, key):
             strokes = "two" if frame.revolutions == 1 else "four"
             raise GasFault(f"an engine of {strokes} strokes has no `{key}`", f"give `{needed[0]}`", key)
-    if getattr(gas, needed[0]) is None:
+    if not getattr(gas, needed[0]):
         raise GasFault(f"`{needed[0]}` is missing", Gas.model_fields[needed[0]].description or "")
     if not 0 < ports[0] <= ports[1] <= math.pi:
         raise GasFault("the exhaust opens before the scavenge ports and bottom dead centre", "below 180 deg",
                        "exhaust_opens")  # fmt: skip
-    imep, peak, charge = gas.imep or 0.0, gas.p_max or 0.0, gas.charge or 0.0
+    made = [_fitted(gas, cylinder, load, ports) for load in range(len(gas.imep))]
+    firing, none = (
+        np.stack([one.torque(frame.harmonics, gas.crankcase) for one in each])
+        for each in (made, [one.motored for one in made])
+    )
+    several = len(made) > 1
+    angle: FloatArray = np.linspace(made[0].closes, made[0].closes + cylinder.period, DRAWN)
+    curves = tuple(
+        PressureCurve(f"cycle at {imep / BAR:.4g} `bar` imep" if several else "cycle", angle, one.pressure(angle),
+                      one.motored.pressure(angle), imep, imep, gas.crankcase)
+        for one, imep in zip(made, gas.imep, strict=True)
+    )  # fmt: skip
+    at, rows = np.append(none[0, 0].real, firing[:, 0].real), np.concatenate([none[:1], firing])
+    if at[0] >= at[1]:
+        raise GasFault("the imep is below that of the motored cycle", "the cycle would take heat away", "imep")
+    motored = np.concatenate([none[:1], none]) if several else none
+    law = GasLaw("load", at, rows, motored, not several, float(at[-1]))
+    ends = dict.fromkeys((made[0], made[-1]))
+    heat = " to ".join(f"{one.heat / 1e3:.5g} kJ" for one in ends)
+    start = " to ".join(f"{math.degrees(one.start):.4g}" for one in ends)
+    words = f"closed cycle, heat from {start} deg on, {heat}; at other loads with the same timing, linear in the heat"
+    if several:
+        words = f"closed cycles at {len(made)} loads, heat from {start} deg on, {heat}; at others straight lines"
+    return Law(law, words, curves)
+
+
+def _fitted(gas: Gas, cylinder: Cylinder, load: int, ports: tuple[float, float]) -> Cycle:
+    """The cycle at one of the loads; raises GasFault."""
+    charge, exhaust, imep, peak = (
+        None if not values else values[min(load, len(values) - 1)]
+        for values in (gas.charge, gas.exhaust, gas.imep, gas.p_max)
+    )
     plain = Cycle(
-        cylinder, gas.compression_ratio or 0.0, charge, gas.exhaust or charge, gas.gamma, gas.shape,
+        cylinder, gas.compression_ratio or 0.0, charge or 0.0, exhaust or charge or 0.0, gas.gamma, gas.shape,
         gas.duration or 0.0, *ports,
     )  # fmt: skip
     try:
-        made = _cycle(plain, imep, peak)
+        return _cycle(plain, imep or 0.0, peak or 0.0)
     except UnreachablePressure as error:
         reach = f"{error.lowest / BAR:.5g} to {error.highest / BAR:.5g} `bar`"
-        message = f"no begin of the heat release gives a peak of {peak / BAR:.5g} `bar`"
+        place = f" at {(imep or 0.0) / BAR:.4g} `bar` imep" if len(gas.imep) > 1 else ""
+        message = f"no begin of the heat release gives a peak of {(peak or 0.0) / BAR:.5g} `bar`{place}"
         raise GasFault(message, f"with these figures it can be {reach}", "p_max") from None
     except ValueError:
         raise GasFault("with these figures the cycle has no answer", "is the duration too long?", "duration") from None
-    firing, none = (one.torque(frame.harmonics, gas.crankcase) for one in (made, made.motored))
-    angle: FloatArray = np.linspace(made.closes, made.closes + cylinder.period, DRAWN)
-    curve = PressureCurve("cycle", angle, made.pressure(angle), made.motored.pressure(angle), imep, imep,
-                          gas.crankcase)  # fmt: skip
-    at = np.array([none[0].real, firing[0].real])
-    if at[0] >= at[1]:
-        raise GasFault("the imep is below that of the motored cycle", "the cycle would take heat away", "imep")
-    law = GasLaw("load", at, np.stack([none, firing]), none[None, :], True, float(at[1]))
-    words = (
-        f"closed cycle, heat from {math.degrees(made.start):.4g} deg on, {made.heat / 1e3:.5g} kJ; at other loads with "
-        "the same timing, linear in the heat"
-    )
-    return Law(law, words, (curve,))

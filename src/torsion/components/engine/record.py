@@ -69,6 +69,7 @@ class EngineRecord:
     tries_all: bool  # every cylinder misfires in turn, and the worst is meant
     words: tuple[tuple[str, str], ...]  # figures of the data sheet: label, value with unit
     remarks: tuple[str, ...]
+    files: tuple[str, ...]  # of indicator diagrams, as the scene names them
 
     @property
     def drives(self) -> tuple[tuple[int, float], ...]:

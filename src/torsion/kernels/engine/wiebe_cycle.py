@@ -158,10 +158,13 @@ def fitted(cycle: Cycle, imep: float, peak: float) -> Cycle:
     """
     starts = np.arange(EARLIEST, LATEST, STEP)
     starts = starts[starts + cycle.duration < cycle.opens]
-    over = np.array([timed(cycle, imep, start).peak for start in starts.tolist()]) - peak
-    falling = np.flatnonzero((over[:-1] >= 0) & (over[1:] < 0))
-    if not falling.size:
+    over = np.empty(len(starts))
+    for place in reversed(range(len(starts))):
+        over[place] = timed(cycle, imep, starts[place]).peak - peak
+        if over[place] >= 0 and place + 1 < len(starts) and over[place + 1] < 0:
+            break
+    else:
         raise UnreachablePressure(float(over.min()) + peak, float(over.max()) + peak)
-    low, high = starts[falling[-1]], starts[falling[-1] + 1]
+    low, high = starts[place], starts[place + 1]
     root = brentq(lambda x: timed(cycle, imep, x).peak - peak, low, high, xtol=1e-13)
     return timed(cycle, imep, float(root))

@@ -84,7 +84,7 @@ def _balance(engine: EngineFound) -> Iterator[Block]:
             "The operation names no mean torque: the gas torque is that of the file at every speed.", "note"
         )
     for curve in engine.curves:
-        if curve.stated is not None and curve.name != "cycle":
+        if curve.stated is not None and curve.name.partition(" at ")[0] != "cycle":
             text = (
                 f"{curve.name}: the diagram has an imep of {_bar(curve.imep)} `bar`, stated are {_bar(curve.stated)}."
             )
@@ -110,7 +110,7 @@ def _bar(pressure: float | None) -> str:
 
 def _diagram(engine: EngineFound, place: int) -> Block:
     curves = [
-        (one.name, np.degrees(one.angle), one.pressure * BAR, one.motored * BAR, one.tangential * BAR)
+        (one.name.replace("`", ""), np.degrees(one.angle), one.pressure * BAR, one.motored * BAR, one.tangential * BAR)
         for one in engine.curves
     ]
     caption = f"Pressure of a cylinder of {engine.name}, and tangential pressure of its gas (torque / A r)"

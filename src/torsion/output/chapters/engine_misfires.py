@@ -28,7 +28,8 @@ def misfires(findings: Findings, engine: EngineFound, place: int) -> Iterator[Bl
     yield Heading(f"Misfire of each cylinder of {engine.name}", 2)
     yield Paragraph(
         "One cylinder after the other is motored: it compresses, has no heat, and its masses go on; all others fire "
-        "alike. Half ranges of the synthesis of all orders, over the speeds requested and around every peak."
+        "alike, with the heat that they had, and damping that follows the mean torque stays as it was. Half ranges of "
+        "the synthesis of all orders, over the speeds requested and around every peak."
     )
     yield _by_element(engine, each, unit)
     yield _by_cylinder(engine, [one for one in each if one.kind == "crank"] or each, unit)

@@ -109,6 +109,7 @@ def worst_line(findings: Findings) -> Iterator[tuple[str, str]]:
     used = "" if share is None or np.isinf(share) else f", {check_words.percent(share)} of the limit"
     at = "" if check.speed is None else f", at {rpm(check.speed)} rpm"
     order = "" if check.order is None else f", mostly order {contributing(findings, check.order)}"
+    order += f", with {check.misfire}" if check.misfire else ""
     clause = f"{symbols(check.clause)}, {check.rule}; limit: {check.standing}"
     title = "Worst check" if check.fails else "Largest use"
     yield title, f"{check.where}: {check.what} {against}{used}{at}{order} ({clause})"

@@ -1,14 +1,15 @@
 """Chapters: what was computed, how and in what time, what was left out and why; and the input as read."""
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim, table
 from torsion.output.numbers import number
-from torsion.output.scene import checksum
+from torsion.output.scene import checksum, diagram_files
 from torsion.primitives import SectionMesh
+from torsion.results import listed
 
 
 def steps(findings: Findings) -> Iterator[Block]:
@@ -28,9 +29,11 @@ def input_file(findings: Findings) -> Iterator[Block]:
     text, bars = findings.study.text, findings.study.train.bars
     if not text:
         return
+    folder, diagrams = Path(findings.study.file).parent, diagram_files(findings.study)
     files = dict.fromkeys(bar.section.file for bar in bars if isinstance(bar.section, SectionMesh))
-    meshes = "".join(f"; {file}, SHA-256 {hashlib.sha256(Path(file).read_bytes()).hexdigest()}" for file in files)
-    also = f" and the meshes that it names{meshes}." if meshes else "."
+    meshes = _sums((file, Path(file)) for file in files) + _sums((name, folder / name) for name in diagrams)
+    what = listed([word for word, some in (("meshes", files), ("indicator diagrams", diagrams)) if some])
+    also = f" and the {what} that it names{meshes}." if meshes else "."
     study = findings.study
     behind = " (of this text and of its tables behind it)" if study.tables else ""
     words = f"{study.file or 'Input'}, SHA-256 {checksum(study)}{behind}. The whole report was computed from this text"
@@ -41,3 +44,8 @@ def input_file(findings: Findings) -> Iterator[Block]:
     for name, table_text in study.tables:
         yield Paragraph(f"Table {name}, SHA-256 {hashlib.sha256(table_text.encode()).hexdigest()}:")
         yield Verbatim(table_text)
+
+
+def _sums(files: Iterable[tuple[str, Path]]) -> str:
+    """The checksum of every file behind its name."""
+    return "".join(f"; {name}, SHA-256 {hashlib.sha256(file.read_bytes()).hexdigest()}" for name, file in files)

@@ -8,6 +8,7 @@ from torsion.arrays import FloatArray
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
 from torsion.output.figures.ranges import span
 
+MOST_NAMED = 3  # diagrams whose motored pressures have names of their own
 Curve = tuple[str, FloatArray, FloatArray, FloatArray, FloatArray]  # name; deg; absolute, motored, tangential [bar]
 
 
@@ -20,8 +21,8 @@ def diagram(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
         line
         for k, (own, at, firing, motored, _) in enumerate(curves)
         for line in (
-            Line(f"{own}, firing" if several else "firing", at, firing, k, weight=1.5),
-            Line(f"{own}, motored" if several else "motored", at, motored, "pale"),
+            Line(own if several else "firing", at, firing, k, weight=1.5),
+            Line(f"{own}, motored" if 1 < len(curves) <= MOST_NAMED else "motored", at, motored, "pale"),
         )
     ]
     lower = [Line(own if several else "firing", at, t, k, weight=1.5) for k, (own, at, _, _, t) in enumerate(curves)]
