@@ -1,5 +1,6 @@
 """torsion beside openTorsion and ROSS: `python -m benchmarks.peers` writes reports/peers.md in about six minutes.
 
+Its last section is put by `python -m benchmarks.peers_engines`, to be run after it.
 `--quick` takes a minute, leaves the largest trains out and prints without writing.
 """
 
