@@ -9,6 +9,7 @@ from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim
 from torsion.output.numbers import number
 from torsion.output.scene import checksum
 from torsion.primitives import SectionMesh
+from torsion.study import Study
 
 
 def steps(findings: Findings) -> Iterator[Block]:
@@ -24,14 +25,17 @@ def steps(findings: Findings) -> Iterator[Block]:
 
 
 def input_file(findings: Findings) -> Iterator[Block]:
-    """Appendix with the text and the checksums of the meshes; left out where the scene did not come from a file."""
-    text, bars = findings.study.text, findings.study.train.bars
+    """Appendix with the text and the checksums of the files; left out where the scene did not come from a file."""
+    study = findings.study
+    text, kinds = study.text, _files(study)
     if not text:
         return
-    files = dict.fromkeys(bar.section.file for bar in bars if isinstance(bar.section, SectionMesh))
-    meshes = "".join(f"; {file}, SHA-256 {hashlib.sha256(Path(file).read_bytes()).hexdigest()}" for file in files)
-    also = f" and the meshes that it names{meshes}." if meshes else "."
-    study = findings.study
+    meshes = "".join(
+        f" and the {kind} that it names" + "".join(f"; {file}, SHA-256 {_sha256(file)}" for file in files)
+        for kind, files in kinds.items()
+        if files
+    )
+    also = f"{meshes}."
     behind = " (of this text and of its tables behind it)" if study.tables else ""
     words = f"{study.file or 'Input'}, SHA-256 {checksum(study)}{behind}. The whole report was computed from this text"
     words += ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
@@ -41,3 +45,16 @@ def input_file(findings: Findings) -> Iterator[Block]:
     for name, table_text in study.tables:
         yield Paragraph(f"Table {name}, SHA-256 {hashlib.sha256(table_text.encode()).hexdigest()}:")
         yield Verbatim(table_text)
+
+
+def _files(study: Study) -> dict[str, list[str]]:
+    """Paths of the files behind the text, but for its tables."""
+    train, folder = study.train, Path(study.file or "").parent
+    meshes = (bar.section.file for bar in train.bars if isinstance(bar.section, SectionMesh))
+    records = (record for part in train.parts for record in (part.engine, part.compressor) if record is not None)
+    pressures = (str(folder / file) for record in records for file in record.files)
+    return {"meshes": list(dict.fromkeys(meshes)), "pressures": list(dict.fromkeys(pressures))}
+
+
+def _sha256(file: str) -> str:
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
