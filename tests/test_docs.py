@@ -15,6 +15,7 @@ from torsion.schema.manual import EXAMPLES, manual
 from torsion.schema.scene_reader import Scene
 
 ROOT = Path(__file__).parents[1]
+SCENES = ROOT / "shafting_specs"  # whose files examples name
 PAGES = [ROOT / "README.md", ROOT / "shafting_specs" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 LINKED = [*PAGES, ROOT / "CHANGELOG.md", *sorted((ROOT / "reports").glob("*.md")),
           *sorted((ROOT / "reports" / "papers").glob("*.md"))]  # fmt: skip
@@ -53,13 +54,15 @@ def test_the_manual_has_every_section_and_kind() -> None:
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
-def test_the_example_of_a_kind_is_read_without_faults(kind: str) -> None:
+def test_the_example_of_a_kind_is_read_without_faults(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(SCENES)
     train = torsion.parse(AROUND.format(EXAMPLES[kind])).train
     assert kind in {part.kind for part in train.parts}
 
 
 @pytest.mark.parametrize(("page", "text"), scenes(), ids=lambda value: value if value.endswith(".md") else "")
-def test_a_scene_in_a_document_is_read_without_faults(page: str, text: str) -> None:
+def test_a_scene_in_a_document_is_read_without_faults(page: str, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(SCENES)
     assert torsion.parse(text, page).name
 
 

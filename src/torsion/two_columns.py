@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -23,6 +24,7 @@ class Columns:
     row: str
     meant: str  # what a row must be: "a finite torque at a finite time"
     least: float = -math.inf  # value of the first column
+    is_loop: bool = False  # the first column rises and falls
 
     @property
     def both(self) -> str:
@@ -30,27 +32,48 @@ class Columns:
         return " and ".join(self.names)
 
 
-@lru_cache(maxsize=8)
 def pairs(file: Path, columns: Columns) -> tuple[tuple[float, float], ...]:
-    """Both values of every row in SI, those of the first column ascending.
+    """Both values of every row in SI, those of the first column ascending but for a loop.
 
     Raises ValueError with two arguments, what is wrong and what would be right, where it is no such file.
     """
     try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
+        text = file.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise ValueError(f"'{file}' cannot be read: {getattr(error, 'strerror', error)}", "give a text file") from None
+    return _pairs(file, text, columns)
+
+
+@lru_cache(maxsize=8)
+def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, float], ...]:
+    """Those of a text; a file that has changed is read anew."""
+    lines = text.splitlines()
     numbered = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
     if not 3 <= len(numbered) <= MOST_ROWS + 1:
         raise ValueError(f"'{file}' has {max(len(numbered) - 1, 0)} rows", f"2 to {MOST_ROWS} rows below the units")
     factors = _factors(file, numbered[0][1], columns)
     rows = [_row(file, number, line, factors, columns) for number, line in numbered[1:]]
     first = columns.names[0]
-    for place in range(1, len(rows)):
+    for place in range(1, 0 if columns.is_loop else len(rows)):
         if rows[place][0] <= rows[place - 1][0]:
             message = f"'{file}', line {numbered[place + 1][0]}: the {first} does not rise"
             raise ValueError(message, f"{first}s ascend")
     return tuple(rows)
+
+
+def named(file: Path, choices: Sequence[Columns]) -> Columns:
+    """The one whose units the first line of a file names; where none is, the first: its faults then say so."""
+    try:
+        header = next((line for line in file.read_text(encoding="utf-8-sig").splitlines() if line.strip()), "")
+    except (OSError, ValueError):
+        return choices[0]
+    for columns in choices:
+        try:
+            _factors(file, header, columns)
+        except ValueError:
+            continue
+        return columns
+    return choices[0]
 
 
 def _factors(file: Path, header: str, columns: Columns) -> tuple[float, float]:

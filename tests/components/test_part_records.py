@@ -33,6 +33,7 @@ train:
       {inertia: 4, entrained: 25 %, blades: 3, diameter: 1500 mm, damping: {model: frahm, factor: 3}}
   - branch: {train: [{coupling: {stiffness: 1e3, viscous: 7}}, {disc: {inertia: 1}}, {propeller: {inertia: 1}}]}
   - engine: {cylinders: 1, strokes: 2, inertia: 1, power: 9 kW, gas: {table: [[1, 5 N*m, 0 deg]]}}
+  - compressor: {stroke: 0.1, rod_length: 0.3, inertia: 1, throws: [{angle: 0 deg, bore: 0.1, reciprocating: 1}]}
 analyses: {modes: }
 """
 

@@ -27,6 +27,7 @@ Values = Callable[[Found, Row], Iterable[Any]]
 SI = {
     "rpm": math.pi / 30.0, "deg": math.pi / 180.0, "%": 0.01, "1/min": 1.0 / 60.0, "N/mm²": 1e6, "µm": 1e-6, "mm": 1e-3,
     "kN m": 1e3, "MN m": 1e6, "kW": 1e3, "kN": 1e3, "bar": 1e5, "ms": 1e-3, "deg/min": math.pi / 180.0 / 60.0,
+    "cm²": 1e-4,
 }  # fmt: skip
 NUMBER = re.compile(r"[−\d][\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*")
 PAIR = re.compile(r"(\S+) / (?:≥ )?(\S+)")
@@ -194,13 +195,34 @@ def misfires(per: str = "", times: float = 1.0) -> Values:
 
 
 def balance(found: Found, row: Row) -> Iterator[float]:
+    for compressor in found.get("compressors") or []:
+        yield from (compressor[name] for name in ("indicated_torque_Nm", "needed_Nm", "mean_torque_Nm"))
     size = 1e-5 if row["Unit"] == "bar" else 1.0
     names = (
         ("imep_Pa", "stated_imep_Pa")
         if row["Unit"] == "bar"
         else ("mean_torque_Nm", "balanced_torque_Nm", "gas_mean_Nm")
     )
-    return (engine[name] * size for engine in found["engines"] for name in names if engine[name] is not None)
+    for engine in found.get("engines") or []:
+        yield from (engine[name] * size for name in names if engine[name] is not None)
+
+
+def throws(found: Found, row: Row) -> Iterator[float]:
+    for compressor in found["compressors"]:
+        rigid = [complex(*one) for one in compressor["sum_of_throws_Nm"]]
+        yield from (size for one in rigid for size in (abs(one), cmath.phase(one)))
+        yield from (
+            abs(complex(*one[what]))
+            for throw in compressor["throws"]
+            for one in throw["harmonics"]
+            for what in ("gas_Nm", "masses_Nm", "total_Nm")
+        )
+
+
+def of_ends(how: Callable[[list[float]], float]) -> Values:
+    return lambda found, row: (
+        how(end["pressure_Pa"]) for one in found["compressors"] for throw in one["throws"] for end in throw["ends"]
+    )
 
 
 def modes_counted(found: Found, row: Row) -> Iterator[float]:
@@ -244,6 +266,8 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("The cases", "Highest utilisation"): of_cases("checks[].utilisation"),
     ("Natural frequencies of the cases", "Mode"): of_cases("modes.frequency_Hz"),
     ("Damped natural frequencies of the cases", "Mode"): of_cases("damped_modes.frequency_Hz"),
+    ("Critical speeds of the cases", "Mode"): of_cases("critical_speeds[].mode"),
+    ("Critical speeds of the cases", ""): of_cases("critical_speeds[].speed_rad_per_s"),
     ("Ranges barred for continuous operation in", "From"): of_cases("checks[].barred[].lower_rad_per_s"),
     ("Ranges barred for continuous operation in", "To"): of_cases("checks[].barred[].upper_rad_per_s"),
     ("Components", "Speed ratio"): key("stations[].speed_ratio"),
@@ -446,12 +470,29 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Sums of phasors", "Order"): key("engines[].harmonics[].order"),
     ("Sums of phasors", "Rigid"): key("engines[].harmonics[].rigid"),
     **{("Sums of phasors", word): key("engines[].harmonics[].by_mode") for word in ("First", "Second", "Third")},
-    ("Varying inertia", "Harmonic"): key("engines[].varying[].harmonic"),
-    ("Varying inertia", "Variation"): key("engines[].varying[].share"),
-    ("Varying inertia", "From"): key("engines[].varying[].lower_rad_per_s"),
-    ("Varying inertia", "To"): key("engines[].varying[].upper_rad_per_s"),
-    ("Varying inertia", "Damping ratio of"): key("engines[].varying[].damping"),
-    ("Varying inertia", "Damping ratio that"): key("engines[].varying[].share", times=0.25),
+    ("Varying inertia", "Harmonic"): key("engines[].varying[].harmonic", "compressors[].varying[].harmonic"),
+    ("Varying inertia", "Variation"): key("engines[].varying[].share", "compressors[].varying[].share"),
+    ("Varying inertia", "From"): key("engines[].varying[].lower_rad_per_s", "compressors[].varying[].lower_rad_per_s"),
+    ("Varying inertia", "To"): key("engines[].varying[].upper_rad_per_s", "compressors[].varying[].upper_rad_per_s"),
+    ("Varying inertia", "Damping ratio of"): key("engines[].varying[].damping", "compressors[].varying[].damping"),
+    ("Varying inertia", "Damping ratio that"): key(
+        "engines[].varying[].share", "compressors[].varying[].share", times=0.25
+    ),
+    ("Throws of", "Throw"): key("compressors[].throws[].number"),
+    ("Throws of", "Outer dead centre"): key("compressors[].throws[].angle_rad"),
+    ("Throws of", "Moving masses"): key("compressors[].throws[].inertia_kgm2"),
+    ("Throws of", "Mean torque"): key("compressors[].throws[].mean_torque_Nm"),
+    ("Ends of the cylinders", "Throw"): key("compressors[].throws[].number"),
+    ("Ends of the cylinders", "Area"): key("compressors[].throws[].ends[].area_m2"),
+    ("Ends of the cylinders", "Clearance"): key("compressors[].throws[].ends[].clearance"),
+    ("Ends of the cylinders", "Lowest"): of_ends(min),
+    ("Ends of the cylinders", "Highest"): of_ends(max),
+    ("Ends of the cylinders", "imep"): key("compressors[].throws[].ends[].imep_Pa"),
+    ("Ends of the cylinders", "Indicated"): key("compressors[].throws[].ends[].power_W"),
+    ("Harmonics of", "Order"): key("compressors[].throws[].harmonics[].order"),
+    ("Harmonics of", "Throw"): throws,
+    ("Harmonics of", "All throws"): throws,
+    ("Harmonics of", "Its phase"): throws,
     ("Misfire of one", "All fire"): misfires(),
     ("Misfire of one", "Worst misfire"): misfires(),
     ("Misfire of one", "At"): key(f"engines[].misfires[].{RPM}"),

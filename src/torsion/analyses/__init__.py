@@ -172,6 +172,12 @@ ANALYSES: dict[str, Analysis] = {
         wanted=lambda study: any(part.engine is not None for part in study.train.parts), chapters=("engine",),
         place=("train",),
     ),
+    "compressor": Analysis(
+        "compressors", "torsion.analyses.compressor.compressor_analysis", needs=("response", "damped"),
+        results={"compressors": "torsion.analyses.compressor.compressor_results:Compressors"},
+        wanted=lambda study: any(part.compressor is not None for part in study.train.parts), chapters=("compressor",),
+        place=("train",),
+    ),
     "transient": Analysis(
         "motion over time", "torsion.analyses.transient.motion_from_events",
         settings="torsion.analyses.transient.transient_settings:TransientSettings",

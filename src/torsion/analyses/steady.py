@@ -106,24 +106,29 @@ SAME_SPEED = 1e-9  # relative: a speed that lies outside a table by less was wri
 def flow(train: Train, operation: Operation) -> tuple[Shares, str]:
     """(stations,) shares of the power, in positive and out negative, and where it enters and leaves in a sentence.
 
-    It enters at the motors and engines, in proportion to their power, and leaves at the propellers, in equal parts.
+    It enters at the motors and engines, in proportion to their power, and leaves at the propellers, in equal parts, or
+    at the throws of compressors, in proportion to what their pressures absorb.
     Without a motor it enters at the first station, without a propeller it leaves at the last station of the main line;
     where the power leaves (enters) there already, at the other end. Of an engine every cylinder that fires has its
-    share; where one does not, that of the loads falls with it. Raises InputError where both ends are taken, or only
-    some of the motors have a power.
+    share; where one does not, that of the loads falls with it. Raises InputError where both ends are taken, only some
+    of the motors have a power, or propellers stand beside compressors.
     """
     motors = [part for part in train.parts if part.kind == "motor" or part.engine is not None]
     propellers = [part for _, part in train.of_kind("propeller")]
     main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
     first, last = 0, main[-1].stations[-1]
-    driving_shares, loads = _driving(motors), _equally(propellers)
+    compressors = [part for part in train.parts if part.compressor is not None]
+    driving_shares, loads = _driving(motors), _equally(propellers) or _absorbing(compressors)
     drives = [at for part, share in driving_shares for at in _within(part, share)]
-    driving, loading = _names(motors), _names(propellers)
+    driving, loading = _names(motors), _names(propellers or compressors)
+    if propellers and compressors:
+        message = f"'{propellers[0].name}' and '{compressors[0].name}' both absorb, in shares that are not known"
+        raise InputError([Fault(propellers[0].path, message, "make the lesser of both a `disc`, or a compressor")])
     if not motors:
         drives, driving = _at_an_end((first, last), loads, ("motor", "propeller"), train, operation)
     elif len(motors) > 1:
         driving += " in equal parts" if motors[0].power is None else " in proportion to their power"
-    if not propellers:
+    if not loads:
         loads, loading = _at_an_end((last, first), drives, ("propeller", "motor"), train, operation)
     elif len(propellers) > 1:
         loading += " in equal parts"
@@ -181,6 +186,18 @@ def _shares_alone(motors: list[Part], operation: Operation) -> str:
     together = "The power of the motor" if len(given) == 1 else "The powers of the motors, together"
     used = "is not used" if len(given) == 1 else "say their shares alone"
     return f" {together} ({sum(given) / 1e3:.6g} kW) {used}: the torque follows from the rated {rated / 1e3:.6g} kW."
+
+
+def _absorbing(compressors: list[Part]) -> Shared:
+    """Throws with their shares of the power, by the mean torque that their pressures absorb."""
+    power = [
+        (station, Fraction(torque) * abs(part.ratio) / Fraction(part.compressor.efficiency))
+        for part in compressors
+        if part.compressor is not None
+        for station, torque in part.compressor.absorbs
+    ]
+    whole = sum((one for _, one in power), Fraction(0))
+    return [(station, one / whole) for station, one in power]
 
 
 def _equally(parts: list[Part]) -> Shared:

@@ -15,6 +15,7 @@ KINDS = {
     "branch": "torsion.components.branch:Branch",
     "joint": "torsion.components.joint:Joint",
     "engine": "torsion.components.engine.engine:Engine",
+    "compressor": "torsion.components.compressor.compressor:Compressor",
 }
 
 

@@ -12,6 +12,7 @@ from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, require
 from torsion.primitives import Inertia, Primitive, Spring, Station
 
 if TYPE_CHECKING:
+    from torsion.components.compressor.record import CompressorRecord
     from torsion.components.engine.record import EngineRecord
     from torsion.kernels.warming import Warming
 
@@ -169,6 +170,7 @@ class Part:
     propeller: PropellerRecord | None = None
     nonlinear: NonlinearRecord | None = None  # of a coupling that modes take as linear
     engine: "EngineRecord | None" = None
+    compressor: "CompressorRecord | None" = None
     warming: "Warming | None" = None  # of a coupling whose temperature is computed
 
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:

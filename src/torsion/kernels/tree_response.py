@@ -14,6 +14,7 @@ from torsion.kernels.distributed.span_laws import Pi
 from torsion.kernels.sweeps import EPS, Equations, Layout, layout, solve, values_or_rows
 from torsion.kernels.tree import Tree
 
+CANCELLED = 1e-6  # of the largest: rounding of it, 1e-14, is then what NEAR_SINGULAR_LOSS allows of a smaller one
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
 CHUNK_VALUES = 2**18  # stations times columns treated at once, whose rows stay in the cache
 BLOCK_VALUES = 2**14  # of which the residual is found at once: 256 KiB of each array
@@ -314,7 +315,8 @@ def equilibrium_residual(plan: Layout, given: Equations, angle: ComplexArray, to
     """Worst relative residual, (columns,), over every station that is not fixed and every span.
 
     Computed from the answer alone, so that it also sees what the sweeps could not know. An equation whose terms are
-    all zero is satisfied.
+    all zero is satisfied. Terms count as no less than CANCELLED of the largest torque (of a span: angle) of the column:
+    where two sources cancel exactly, what is beyond them is rounding, which has no accuracy of its own.
     """
     size, columns = angle.shape
     angles, torques, worst = (angle, np.abs(angle)), (torque, np.abs(torque)), np.zeros(columns)
@@ -326,8 +328,9 @@ def equilibrium_residual(plan: Layout, given: Equations, angle: ComplexArray, to
     for start in range(0, size, height):
         block = slice(start, min(start + height, size))
         error, scale, relative = (part[: block.stop - start] for part in (errors, scales, sizes))
-        for balance in (stations, spans):
+        for balance, floor in ((stations, torques), (spans, angles)):
             balance.put(block, error, scale)
+            np.maximum(scale, CANCELLED * floor[1].max(axis=0), out=scale)
             np.abs(error, out=relative)
             np.divide(relative, scale, out=relative)
             relative[balance.without[block]] = 0

@@ -92,10 +92,10 @@ def scene(study: Study) -> Scene:
     )
 
 
-def diagram_files(study: Study) -> list[str]:
-    """The files of indicator diagrams, as the scene names them."""
-    named = (part.engine.files for part in study.train.parts if part.engine is not None)
-    return list(dict.fromkeys(name for files in named for name in files))
+def pressure_files(study: Study) -> list[str]:
+    """The files of the pressures of engines and compressors, as the scene names them."""
+    known = (record for part in study.train.parts for record in (part.engine, part.compressor) if record is not None)
+    return list(dict.fromkeys(name for record in known for name in record.files))
 
 
 def checksum(study: Study) -> str | None:

@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 
 from torsion import fields
-from torsion.analyses.response.harmonic_components import lines
+from torsion.analyses.response.harmonic_components import in_runs, lines
 from torsion.analyses.undamped_modes import Modes, ModesSettings
 from torsion.errors import Fault
 from torsion.fields import Declared, given
@@ -134,9 +134,9 @@ def _excited(evidence: Results, settings: MarginSettings, standard: Margins) -> 
     orders, fixed = dict[Fraction, tuple[float, str]](), dict[float, str]()
     for line in lines(evidence.system):
         if line.order is not None:
-            orders[line.order] = standard.other, ", ".join(dict.fromkeys(line.sources))
+            orders[line.order] = standard.other, in_runs(dict.fromkeys(line.sources))
         elif line.frequency is not None:
-            fixed[line.frequency] = ", ".join(dict.fromkeys(line.sources))
+            fixed[line.frequency] = in_runs(dict.fromkeys(line.sources))
     ratios = sorted({abs(station.ratio) for station in evidence.study.train.stations if not station.is_ground})
     for ratio in ratios:
         for multiple in range(1, standard.multiples + 1):

@@ -1,9 +1,11 @@
 """The cases of a file: each an overlay of the same file, read, validated and planned as a file of its own."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Any
+
+import numpy as np
 
 from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError, Path, nearest, printable
@@ -250,7 +252,7 @@ def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
         yield (*part.path, "stages", step, "stiffness")
 
 
-def _effect(study: Study) -> str:
+def _effect(study: Study) -> Any:
     """Everything of a study that a result can follow from: without names, notes and sources, and places of the file.
 
     Ratings have an effect where a rule or a motion over time reads them.
@@ -263,4 +265,17 @@ def _effect(study: Study) -> str:
     torques = [replace(torque, path=(), source=None) for torque in train.torques]
     rest = (train.stations, train.inertias, train.springs, train.bars, train.constraints, train.dampers)
     settings = (study.operation, study.model, study.fem, dict(study.analyses), study.rules, train.modal_damping)
-    return repr((parts, torques, rest, settings, dict(train.materials)))
+    return _content((parts, torques, rest, settings, dict(train.materials)))
+
+
+def _content(value: Any) -> Any:
+    """What compares as equal where every value within is: of arrays, in which `repr` leaves values out, all bytes."""
+    if isinstance(value, np.ndarray):
+        return value.shape, value.dtype.str, value.tobytes()
+    if isinstance(value, list | tuple):
+        return tuple(map(_content, value))
+    if isinstance(value, dict):
+        return tuple((key, _content(one)) for key, one in value.items())
+    if is_dataclass(value):
+        return type(value), tuple(_content(getattr(value, one.name)) for one in fields(value))
+    return repr(value)

@@ -64,6 +64,21 @@ EXAMPLES = {
     gas: {cycle: wiebe, compression_ratio: 17, charge: 2.4 bar, exhaust: 2 bar, imep: 18 bar, p_max: 150 bar,
           duration: 60 deg}
     misfire: 3""",
+    "compressor": """\
+- compressor:
+    name: compressor
+    stroke: 180 mm
+    rod_length: 430 mm
+    throws:
+    - {angle: 0 deg, bore: 400 mm, piston_rod: 60 mm, reciprocating: 128 kg,
+       head_end: reciprocating_compressor_1_head.csv, crank_end: reciprocating_compressor_1_crank.csv}
+    - {angle: 0 deg, bore: 235 mm, piston_rod: 60 mm, reciprocating: 128 kg,
+       head_end: reciprocating_compressor_2_head.csv, crank_end: 3.1 bar}
+    absolute: true
+    mechanical_efficiency: 94 %
+    crank_inertia: 1.4 kg*m**2
+    stiffness: 5 MN*m/rad
+    loss_factor: 1 %""",
 }
 SETTINGS = {  # an example of every analysis and rule
     "modes": "modes: {count: 8}",
@@ -182,6 +197,18 @@ NOTES = {  # what the keys of a kind need of each other
     "for `keep_power: true`. Several engines in one train need a `phase` each, but for one. "
     "Where that is by chance, as behind a clutch, `phase: worst` adds magnitudes to those of all else, order by order; "
     "half ranges are then sums of the magnitudes of all orders.",
+    "compressor": "It is a list of points and links: throws are points called `compressor throw 1`, crank spans are "
+    "links called `compressor crank 1-2`. The mean torque leaves at its throws, in proportion to what their pressures "
+    "absorb; its size follows from `operation`, and the report sets both beside each other. The harmonics are those of "
+    "the pressures at every speed and load: another load is a case with its own pressures.\n\nThe pressures of an end "
+    "are a text file of two columns whose first line names their units, or one constant pressure, as of an end whose "
+    "valves are kept open. The first column is the volume of that end (`volume [dm3]`), the travel of the piston from "
+    "the dead centre of that end (`travel [mm]`, or `stroke [%]`), or the angle of the crank (`angle [deg]`, with "
+    "`tdc`). Of volume and travel the rows go once around as the piston moves, expansion and suction, compression and "
+    "discharge, from any of them on, the last repeating the first; smallest and largest value are the dead centres, "
+    "and must agree with bore, rods and stroke within 1 %. They become crank angles exactly, by crank and connecting "
+    "rod; between rows the pressure is straight over the angle. Give `inertia`, or `crank_inertia` to which the mean "
+    "of `reciprocating` is added; the torque of the moving masses is exact in the ratio of crank and rod.",
 }
 
 

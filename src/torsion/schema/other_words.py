@@ -5,7 +5,7 @@ import re
 ABSORBS = "`propeller` for what absorbs the power, `motor` for what drives"
 KIND_FOR = {
     "generator": ABSORBS, "alternator": ABSORBS, "pump": ABSORBS, "fan": ABSORBS, "impeller": ABSORBS,
-    "compressor": ABSORBS, "turbine": ABSORBS, "flywheel": "`disc: {inertia: ...}`",
+    "turbine": ABSORBS, "flywheel": "`disc: {inertia: ...}`",
     "spring": "`coupling: {stiffness: ...}`", "clutch": "`coupling: {stiffness: ..., capacity: ...}`",
     "table": "`- table: line.csv` names a file alone",
     "gearbox": "`gear: {ratio: ...}`", "cardan": "`joint: {angle: ...}`",

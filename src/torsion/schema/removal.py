@@ -113,7 +113,7 @@ def _keep_names(overlay: Overlay, gone: dict[str, Part]) -> None:
     """Give components that have none the names that their kind and number gave them with all components there."""
     kinds = {part.kind for part in gone.values()}
     for part in overlay.parts:
-        if part.kind in kinds and not part.is_named and part.name not in gone:
+        if part.path[-1] == part.kind in kinds and not part.is_named and part.name not in gone:
             at = node_at(overlay.source.root, part.path) or overlay.source.root
             overlay.put(
                 (*part.path, "name"), Node(part.name, at.line, at.column, source=at.source), (at.line, at.column)

@@ -1,7 +1,7 @@
 """Engines of the train: harmonics at the rated speed, sums of phasors by mode, varying inertia, misfires; faults."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -21,7 +21,7 @@ from torsion.analyses.engine.misfires import misfires, without_answer
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.steady import flow, mean_torque, steady_if_known
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import FloatArray
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.components.engine.record import EngineRecord
 from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
@@ -73,7 +73,7 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
         harmonics=tuple(_harmonics(work, engine, running, gas_mean)),
         curves=tuple(_curves(engine)), inertia=float(engine.inertia_over_angle[0].real),
         inertia_harmonics=tuple(engine.inertia_over_angle[1 : VARYING + 1].tolist()),
-        varying=tuple(_varying(work, part, engine)), misfires=tuple(_misfires(work, engine)),
+        varying=tuple(_varying(work, engine)), misfires=tuple(_misfires(work, engine)),
         stress_modulus=engine.modulus, words=engine.words, remarks=engine.remarks,
     )  # fmt: skip
 
@@ -137,19 +137,29 @@ def _curves(engine: EngineRecord) -> Iterator[CurveFound]:
         yield CurveFound(curve.name, curve.angle, curve.pressure, curve.motored, tangential, curve.imep, curve.stated)
 
 
-def _varying(work: Work, part: Part, engine: EngineRecord) -> Iterator[VaryingInertia]:
-    """Of every mode with its largest harmonic: J_0 (1 + e cos k angle) is unstable about 2 w/k +- e/4 of that.
+def _varying(work: Work, engine: EngineRecord) -> Iterator[VaryingInertia]:
+    """Of all cylinders alike."""
+    numbers = range(1, min(VARYING, len(engine.inertia_over_angle) - 1) + 1)
+    over = engine.inertia_over_angle[1 : len(numbers) + 1]
+    return varying_inertia(work, [
+        (one.station, over * np.array([one.phasor(k * engine.revolutions) for k in numbers]))
+        for one in engine.cylinders
+    ])  # fmt: skip
+
+
+def varying_inertia(work: Work, cylinders: Sequence[tuple[int, ComplexArray]]) -> Iterator[VaryingInertia]:
+    """Of cylinders with their stations and (harmonics,) kg m2 of their inertia over a revolution, phasors included.
+
+    Of every mode with its largest harmonic: J_0 (1 + e cos k angle) is unstable about 2 w/k +- e/4 of that.
 
     With the damping ratio z of the mode it is stable for e < 4 z (first order in e; an estimate).
     """
     modes, damped = work.get(Modes), work.get(DampedModes)
-    over = engine.inertia_over_angle
-    if modes is None or len(over) < 2 or not np.abs(over[1:]).any():
+    over = np.array([own for _, own in cylinders]).T
+    if modes is None or not over.any():
         return
-    stations = [one.station for one in engine.cylinders]
-    phase = np.array([[one.phasor(k * engine.revolutions) for one in engine.cylinders] for k in range(1, VARYING + 1)])
-    square = modes.shape[stations] ** 2  # mass-normalised: of a whole of 1 kg m2 of the mode
-    found = np.abs(over[1 : VARYING + 1, None] * (phase @ square))
+    square = modes.shape[[station for station, _ in cylinders]] ** 2  # of 1 kg m2 of the mode: mass-normalised
+    found = np.abs(over @ square)
     for mode in range(min(modes.shape.shape[1], 2 * MOST_MODES)):
         best = int(found[:, mode].argmax())
         share = float(found[best, mode])

@@ -59,6 +59,7 @@ def half_range(response: Response, phasors: ComplexArray) -> FloatArray:
     Infinite where the status of a line is not ok.
     """
     turns, harmonics = common_cycle([line.order for line in response.lines if line.order is not None])
+    turns = Fraction(0) if response.by_magnitude else turns
     ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
     found = np.abs(phasors[:, ~ordered]).sum(axis=1)
     if turns == 0 or response.by_magnitude:

@@ -13,6 +13,7 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.components.component import Component
+from torsion.components.engine.crankshaft import Crankshaft, of
 from torsion.components.engine.declarations import (
     MOST_ORDER,
     Gas,
@@ -37,7 +38,7 @@ from torsion.kernels.engine.crank_slider import CrankSlider, Rod
 from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
 from torsion.kernels.engine.gas_law import CylinderOrder
 from torsion.kernels.engine.gas_torque import Cylinder
-from torsion.primitives import Damper, Spring, Torque
+from torsion.primitives import Torque
 
 TWICE = 1e-9  # rad: firing angles that differ by less are one
 VARYING = 8  # harmonics of the inertia over a revolution that are kept
@@ -266,27 +267,12 @@ class Engine(Component, keyword="engine", sort="line"):
 
     def _throws_and_spans(self, build: Lowering, slider: CrankSlider | None) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Lower the crankshaft: stations of the throws and parts of the spans, both from its first end."""
-        number, engine = len(self.lanes), build.parts[-1]
-        stations, cranks = dict[int, int](), dict[int, int]()
-        way = range(number - 1, -1, -1) if self.reverse else range(number)
-        for place, throw in enumerate(way):
-            if place:
-                span = min(throw, throw + 1 if self.reverse else throw - 1)
-                build.member(engine, f"crank {span + 1}-{span + 2}", "crank", is_point=False)
-                cranks[span] = build.part
-                driving, driven = build.link()
-                flexibility = 1.0 / build.own(_of(self.stiffness, span))
-                build.add(Spring(build.name, build.part, driving, driven, flexibility, 0.0, self.loss_factor))
-                if (size := weakest(self.journal, self.pin)) is not None:
-                    build.record(shaft=ShaftRecord(self.material, "crank", (), (), journal=(size.diameter, size.bore)))
-                if self.loss_factor:
-                    build.record(damping=("loss_factor", self.loss_factor))
-            build.member(engine, self._named(throw), "throw", is_point=True)
-            stations[throw] = here = build.point()
-            self._masses(build, here, throw, slider)
-            if damping := _of(self.damping or (0.0,), throw):
-                build.add(Damper(here, constant=build.own(damping)))
-        return tuple(stations[k] for k in range(number)), tuple(cranks[k] for k in range(number - 1))
+        size, shaft = weakest(self.journal, self.pin), None
+        if size is not None:
+            shaft = ShaftRecord(self.material, "crank", (), (), journal=(size.diameter, size.bore))
+        names = tuple(self._named(throw) for throw in range(len(self.lanes)))
+        crankshaft = Crankshaft(names, self.stiffness, self.damping, self.loss_factor, shaft, self.reverse)
+        return crankshaft.lower(build, lambda here, throw: self._masses(build, here, throw, slider))
 
     def _named(self, throw: int) -> str:
         lane = self.lanes[throw]
@@ -295,9 +281,9 @@ class Engine(Component, keyword="engine", sort="line"):
     def _masses(self, build: Lowering, here: int, throw: int, slider: CrankSlider | None) -> None:
         """The inertia of a throw, with the mean of its moving masses where they are to be added."""
         if self.inertia:
-            build.inertia(here, _of(self.inertia, throw))
+            build.inertia(here, of(self.inertia, throw))
             return
-        build.inertia(here, _of(self.crank_inertia, throw), "crank")
+        build.inertia(here, of(self.crank_inertia, throw), "crank")
         if slider is not None:
             mass, correction, turning = self._moving(slider)
             mean = slider.inertia_harmonics(0, mass, correction)[0].real + turning
@@ -322,7 +308,6 @@ class Engine(Component, keyword="engine", sort="line"):
             over_angle, cylinder, () if law is None else law.curves, modulus, self.keep_power, self.phase is not None,
             self.phase == "worst", self.misfire == "worst",
             tuple(self._words(slider)), () if law is None else law.remarks,
-            () if self.gas is None else tuple(one.file for one in self.gas.diagram),
         )  # fmt: skip
 
     def _each(self, stations: tuple[int, ...]) -> Iterator[CylinderRecord]:
@@ -391,8 +376,3 @@ class Engine(Component, keyword="engine", sort="line"):
                     load, one.state, one.share, owner, record.by_chance,
                 )  # fmt: skip
                 build.add(Torque(name, one.station, order, path=path, source=self.source, cylinder=law))
-
-
-def _of(values: tuple[float, ...], place: int) -> float:
-    """The value of a place; one value stands for all."""
-    return values[place] if len(values) > 1 else values[0]

@@ -172,7 +172,7 @@ def _of_diagrams(gas: Gas, frame: Frame) -> Law:
     curves = tuple(
         PressureCurve(
             given.file, one.angle, one.pressure, other.pressure, cylinder.imep(row[0].real),
-            gas.imep[0] if gas.imep and len(found) == 1 else None, around,
+            gas.imep[0] if gas.imep and len(found) == 1 else None, around, True,
         )
         for given, one, other, row in zip(gas.diagram, found, motored, firing, strict=True)
     )  # fmt: skip

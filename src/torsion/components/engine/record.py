@@ -21,6 +21,7 @@ class PressureCurve:
     imep: float  # Pa, found
     stated: float | None  # Pa, as the file says it
     around: float  # Pa, under the piston
+    is_file: bool = False  # else a cycle
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,11 @@ class EngineRecord:
     tries_all: bool  # every cylinder misfires in turn, and the worst is meant
     words: tuple[tuple[str, str], ...]  # figures of the data sheet: label, value with unit
     remarks: tuple[str, ...]
-    files: tuple[str, ...]  # of indicator diagrams, as the scene names them
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Of its indicator diagrams, as the file names them."""
+        return tuple(curve.name for curve in self.curves if curve.is_file)
 
     @property
     def drives(self) -> tuple[tuple[int, float], ...]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
@@ -14,7 +15,7 @@ from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Box, Column, Heading, Paragraph, Table, head, table, texts
 from torsion.output.chapters import first_page
-from torsion.output.chapters.first_page import Head, Kind, worst, worst_line
+from torsion.output.chapters.first_page import Head, Kind, strongest, worst, worst_line
 from torsion.output.figures import case_curves
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE, RPM, counted, exact, number, rpm, symbols
@@ -113,6 +114,7 @@ def _all(cases: Cases) -> Iterator[Block]:
     yield from _checks(cases)
     yield from _barred(cases)
     yield from _frequencies(cases)
+    yield from _critical(cases)
     yield from _loads(cases)
     changes = [(name, one.what, one.before, one.after) for name, f in cases.items() for one in _changes(f)]
     titles = "< Case | < What | < In the file | < In this case"
@@ -234,16 +236,44 @@ def _checks(cases: Cases) -> Iterator[Table]:
     rows = side_by_side(cases)
     if not rows:
         return
-    names = list(cases)
-    for first in range(0, len(names), MOST_COLUMNS):
-        shown = names[first : first + MOST_COLUMNS]
+    for shown, part in _columns(cases):
         columns = map(texts, ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case"))
-        part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}" if len(names) > MOST_COLUMNS else ""
         yield table(
             tuple(columns), [_cells(row, shown) for row in rows],
             "Checks side by side, each at its worst point: value, at which speed of the reference, and in brackets the "
             f"order that contributes most; where the limit differs by case, value / limit{part}",
             marks=[row.each[row.worst].verdict for row in rows],
+        )  # fmt: skip
+
+
+def _columns(cases: Cases) -> Iterator[tuple[list[str], str]]:
+    """Names of the cases that stand beside each other in one table, and which of all they are, for its caption."""
+    names = list(cases)
+    for first in range(0, len(names), MOST_COLUMNS):
+        shown = names[first : first + MOST_COLUMNS]
+        part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}" if len(names) > MOST_COLUMNS else ""
+        yield shown, part
+
+
+def _critical(cases: Cases) -> Iterator[Table]:
+    """Of the strongest critical speeds of every case where they lie in each; nothing where no case has any."""
+    found = {name: one.get(CriticalSpeeds) for name, one in cases.items() if one.is_answered}
+    at = {
+        name: {(one.order, one.mode): one for one in each.crossings if one.is_inside}
+        for name, each in found.items()
+        if each is not None
+    }
+    rows = sorted({(one.order, one.mode) for name in at for one in strongest(cases[name])})
+    for shown, part in _columns(cases) if rows else ():
+        columns = (texts("Excited by"), Column("Mode"), *(Column(name, "rpm") for name in shown))
+        cells = [
+            (next(each[key] for each in at.values() if key in each).line.named(), key[1],
+             *(rpm(own.speed) if (own := at.get(name, {}).get(key)) else None for name in shown))
+            for key in rows
+        ]  # fmt: skip
+        yield table(
+            columns, cells, "Critical speeds of the cases, in their speed ranges: those with the largest torque in any "
+            f"of them{part}",
         )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from torsion.analyses.compressor.compressor_results import CompressorFound
 from torsion.analyses.engine.engine_results import EngineFound, Engines, HarmonicFound
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Table, table
@@ -41,7 +42,7 @@ def _one(findings: Findings, engine: EngineFound, place: int) -> Iterator[Block]
         yield _harmonics(engine)
         yield _spectrum(engine, place)
         yield _sums(engine)
-    yield from _varying(engine)
+    yield from varying(engine)
     yield from misfires(findings, engine, place)
     if engine.remarks:
         yield Paragraph(" ".join(engine.remarks), "note")
@@ -171,7 +172,7 @@ def _sums(engine: EngineFound) -> Table:
     )  # fmt: skip
 
 
-def _varying(engine: EngineFound) -> Iterator[Block]:
+def varying(engine: EngineFound | CompressorFound) -> Iterator[Block]:
     """The estimate of parametric resonance, of modes that vary at all."""
     known = [one for one in engine.varying if one.share > SMALL]
     if not known:

@@ -26,6 +26,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _torques(findings)
     if engines := ", ".join(part.name for part in train.parts if part.engine is not None):
         yield Paragraph(f"Cylinders of {engines}: their torques stand in the chapter on engines.")
+    if compressors := ", ".join(part.name for part in train.parts if part.compressor is not None):
+        yield Paragraph(f"Throws of {compressors}: their torques stand in the chapter on compressors.")
     if angled:
         names = listed([f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled])
         yield Paragraph(f"Joints that excite by their angle, by order of their driving shaft: {names}.")

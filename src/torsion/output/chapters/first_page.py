@@ -296,7 +296,7 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     response, unknown = findings.get(Response), tuple[Band, ...]()
     if response is not None and np.any(unreliable(findings)):
         _, unknown = unanswered(response.speed * RPM, unreliable(findings))
-    critical = [(one.speed * RPM, one.line.named().partition(" (")[0]) for one in _strongest(findings)]
+    critical = [(one.speed * RPM, one.line.named().partition(" (")[0]) for one in strongest(findings)]
     caption = (
         f"Speeds of {reference(findings)}: what is barred or unstable"
         + (f", and the {counted(len(critical), 'critical speed')} with the largest torque" if critical else "")
@@ -307,7 +307,7 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     ))  # fmt: skip
 
 
-def _strongest(findings: Findings) -> list[CriticalSpeed]:
+def strongest(findings: Findings) -> list[CriticalSpeed]:
     """The critical speeds in the range at which their order has the largest torque, by speed."""
     found = findings.get(CriticalSpeeds)
     inside = [] if found is None else [one for one in found.crossings if one.is_inside]

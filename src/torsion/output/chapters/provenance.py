@@ -1,15 +1,15 @@
 """Chapters: what was computed, how and in what time, what was left out and why; and the input as read."""
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim, table
 from torsion.output.numbers import number
-from torsion.output.scene import checksum, diagram_files
+from torsion.output.scene import checksum, pressure_files
 from torsion.primitives import SectionMesh
-from torsion.results import listed
+from torsion.study import Study
 
 
 def steps(findings: Findings) -> Iterator[Block]:
@@ -25,16 +25,17 @@ def steps(findings: Findings) -> Iterator[Block]:
 
 
 def input_file(findings: Findings) -> Iterator[Block]:
-    """Appendix with the text and the checksums of the meshes; left out where the scene did not come from a file."""
-    text, bars = findings.study.text, findings.study.train.bars
+    """Appendix with the text and the checksums of the files; left out where the scene did not come from a file."""
+    study = findings.study
+    text, kinds = study.text, _files(study)
     if not text:
         return
-    folder, diagrams = Path(findings.study.file).parent, diagram_files(findings.study)
-    files = dict.fromkeys(bar.section.file for bar in bars if isinstance(bar.section, SectionMesh))
-    meshes = _sums((file, Path(file)) for file in files) + _sums((name, folder / name) for name in diagrams)
-    what = listed([word for word, some in (("meshes", files), ("indicator diagrams", diagrams)) if some])
-    also = f" and the {what} that it names{meshes}." if meshes else "."
-    study = findings.study
+    meshes = "".join(
+        f" and the {kind} that it names" + "".join(f"; {file}, SHA-256 {_sha256(file)}" for file in files)
+        for kind, files in kinds.items()
+        if files
+    )
+    also = f"{meshes}."
     behind = " (of this text and of its tables behind it)" if study.tables else ""
     words = f"{study.file or 'Input'}, SHA-256 {checksum(study)}{behind}. The whole report was computed from this text"
     words += ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
@@ -46,6 +47,13 @@ def input_file(findings: Findings) -> Iterator[Block]:
         yield Verbatim(table_text)
 
 
-def _sums(files: Iterable[tuple[str, Path]]) -> str:
-    """The checksum of every file behind its name."""
-    return "".join(f"; {name}, SHA-256 {hashlib.sha256(file.read_bytes()).hexdigest()}" for name, file in files)
+def _files(study: Study) -> dict[str, list[str]]:
+    """Paths of the files behind the text, but for its tables."""
+    folder = Path(study.file or "").parent
+    meshes = (bar.section.file for bar in study.train.bars if isinstance(bar.section, SectionMesh))
+    pressures = [str(folder / file) for file in pressure_files(study)]
+    return {"meshes": list(dict.fromkeys(meshes)), "pressures": pressures}
+
+
+def _sha256(file: str) -> str:
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()

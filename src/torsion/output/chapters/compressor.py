@@ -1,0 +1,120 @@
+"""Chapter: reciprocating compressors: data sheet, balance of torque, pressures of their ends, harmonics of throws."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsion.analyses.compressor.compressor_results import CompressorFound, Compressors
+from torsion.findings import Findings
+from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Table, table
+from torsion.output.chapters.engine import varying
+from torsion.output.figures import compressor_curves
+from torsion.output.numbers import degrees, given, number, rpm, scale, settled
+
+BAR = 1e-5  # of 1 Pa
+SAME_LOAD = 0.05  # relative: how far the torque of the pressures may be from that of the operation
+
+
+def chapter(findings: Findings) -> Iterator[Block]:
+    """Nothing without a compressor."""
+    found = findings.get(Compressors)
+    if found is None or not found.each:
+        return
+    yield Heading("Compressor" if len(found.each) == 1 else "Compressors")
+    for place, compressor in enumerate(found.each):
+        if len(found.each) > 1:
+            yield Heading(compressor.name, 2)
+        yield from _one(compressor, place)
+
+
+def _one(found: CompressorFound, place: int) -> Iterator[Block]:
+    words = (("Compressor", found.name), *found.words, ("Mechanical efficiency", f"{given(100 * found.efficiency)} %"))
+    yield KeyValues(words)
+    yield _throws(found)
+    if any(one.ends for one in found.throws):
+        yield _ends(found)
+        yield from _balance(found)
+        yield compressor_curves.pressures(f"compressor-{place + 1}-pressure", f"Pressures of {found.name}", [
+            (f"throw {one.number}, {end.end}", np.degrees(end.angle), end.pressure * BAR)
+            for one in found.throws
+            for end in one.ends
+        ])  # fmt: skip
+    unit = scale("N m", [float(np.abs(found.effort).max())])
+    each = {f"throw {one.number}": own * unit.factor for one, own in zip(found.throws, found.effort, strict=True)}
+    caption = f"Torque that {found.name} takes from the crankshaft{_at(found)}, gas and moving masses"
+    yield compressor_curves.effort(
+        f"compressor-{place + 1}-effort", caption, np.degrees(found.turned), each, unit.unit
+    )  # fmt: skip
+    yield _harmonics(found)
+    yield from varying(found)
+
+
+def _at(found: CompressorFound) -> str:
+    return "" if found.speed is None else f" at {rpm(found.speed)} rpm"
+
+
+def _throws(found: CompressorFound) -> Table:
+    rows = [(one.number, one.station, degrees(one.angle), one.inertia, one.mean_torque) for one in found.throws]
+    return table(
+        "< Throw | < Station | Outer dead centre at [deg] | Moving masses, mean inertia [kg m²] | "
+        "Mean torque of its gas [N m]",
+        rows, f"Throws of {found.name}; the gas absorbs the mean torque",
+    )  # fmt: skip
+
+
+def _ends(found: CompressorFound) -> Table:
+    rows = [
+        (one.number, end.end, end.given, end.area * 1e4, None if end.clearance is None else 100 * end.clearance,
+         float(end.pressure.min()) * BAR, float(end.pressure.max()) * BAR, end.imep * BAR,
+         None if end.power is None else end.power / 1e3)
+        for one in found.throws
+        for end in one.ends
+    ]  # fmt: skip
+    return table(
+        "< Throw | < End | < Pressures | Area [cm²] | Clearance [%] | Lowest [bar] | Highest [bar] | imep [bar] | "
+        "Indicated power [kW]",
+        rows, f"Ends of the cylinders of {found.name}; absolute pressures; imep positive where the gas takes work",
+    )  # fmt: skip
+
+
+def _balance(found: CompressorFound) -> Iterator[Block]:
+    """The torque of the pressures beside that of the operation."""
+    rows = [
+        ("Mean torque that the gas absorbs", found.indicated, "N m"),
+        ("Torque at its shaft for that, with the mechanical efficiency", found.needed, "N m"),
+        ("Mean torque that the operation has it absorb", found.mean_torque, "N m"),
+    ]
+    yield table("< Quantity | Value | < Unit", [row for row in rows if row[1] is not None],
+                f"Balance of mean torque of {found.name}{_at(found)}")  # fmt: skip
+    if found.mean_torque is None:
+        yield Paragraph("The operation names no mean torque: that of the pressures stands beside no other.", "note")
+        return
+    off = found.mean_torque / found.needed - 1.0 if found.needed else math.inf
+    more = "more" if off > 0 else "less"
+    words = f"The operation has it absorb {abs(100 * off):.3g} % {more} than its pressures need"
+    if abs(off) > SAME_LOAD:
+        yield Paragraph(f"{words}: the harmonics are those of the pressures as given, the mean torques those of the "
+                        "operation. One of the two is of another load.", "note")  # fmt: skip
+    else:
+        yield Paragraph(f"{words}.")
+
+
+def _harmonics(found: CompressorFound) -> Table:
+    """Gas, masses and sum of every throw; the sum of all throws as phasors."""
+    largest = max(abs(one.total) for throw in found.throws for one in throw.harmonics)
+    several = len(found.throws) > 1
+    rows = []
+    for place, (order, rigid) in enumerate(enumerate(found.rigid, 1)):
+        each = [throw.harmonics[place] for throw in found.throws]
+        sizes = [settled(abs(part), largest) for one in each for part in (one.gas, one.masses, one.total)]
+        size = settled(abs(rigid), largest)
+        phase = degrees(float(np.angle(rigid)), 5) if size else "–"
+        rows.append((order, *map(number, sizes), *([number(size), phase] if several else [])))
+    titles = "Order" + "".join(
+        f" | Throw {one.number}, gas [N m] | Throw {one.number}, masses [N m] | Throw {one.number}, both [N m]"
+        for one in found.throws
+    )
+    whole = " | All throws [N m] | Its phase [deg]" if several else ""
+    caption = f"Harmonics of {found.name}{_at(found)}: amplitudes by throw"
+    return table(titles + whole, rows, caption + (", sum as phasors from reference angle zero" if several else ""))
