@@ -456,7 +456,11 @@ def test_the_worst_misfire_is_the_worst_of_every_check_with_its_cylinder() -> No
 
 def test_the_worst_misfire_of_a_case_is_that_of_the_file() -> None:
     """And checks of one rule that differ in their clause alone stay two."""
-    changed = {"response: }": "response: }\nrules: [kr: {duty: generator set}]\nROOM"}
+    changed = {
+        "response: }": "response: }\nrules: [kr: {duty: generator set}]\nROOM",
+        "  load: [[1000 rpm, 0 N*m], [3000 rpm, 2039.07372 N*m]]": "  rated: {speed: 2000 rpm, power: 250 kW}",
+        "from: 1990 rpm": "from: 1700 rpm",
+    }
     journal = "journal: {diameter: 90 mm}"
     alone = solved(state=f"{journal}\n      misfire: worst", **changed, ROOM="")
     cases = solved(state=journal, **changed, ROOM="cases: {out: {set: {main engine.misfire: worst}}}").cases["out"]
