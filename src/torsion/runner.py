@@ -46,7 +46,7 @@ def run(
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
     """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
-    lines: dict[tuple[str, str, str], tuple[tuple[bool, float], str, Check]] = {}
+    lines: dict[tuple[str, ...], tuple[tuple[bool, float], str, Check]] = {}
     for words, found in cases.items():
         for check in found.need(Checks).lines:
             used = check.utilisation
@@ -74,9 +74,9 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
     return whole.having(checks=Checks(tuple(named)), engines=replace(table, each=tuple(each)))
 
 
-def _key(check: Check) -> tuple[str, str, str]:
+def _key(check: Check) -> tuple[str, ...]:
     """What a check is about."""
-    return check.rule, check.what, check.where
+    return check.rule, check.clause, check.what, check.where
 
 
 def run_once(

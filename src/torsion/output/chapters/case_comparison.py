@@ -15,12 +15,14 @@ from torsion.output import check_words
 from torsion.output.blocks import Block, Box, Column, Heading, Paragraph, Table, head, table, texts
 from torsion.output.chapters import first_page
 from torsion.output.chapters.first_page import Head, Kind, worst, worst_line
+from torsion.output.check_words import SIGNS
 from torsion.output.figures import case_curves
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE, RPM, counted, exact, number, rpm, symbols
 from torsion.output.reported_values import band_words, barred_rpm, responds, synthesis
 from torsion.output.selection import elements, highest, torques
 from torsion.results import listed
+from torsion.rules import RULES
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
 from torsion.study import Change
 
@@ -28,9 +30,10 @@ MOST_COLUMNS = 4  # cases beside each other in one table
 MOST_MODES = 8
 MOST_NAMED = 4  # cases in the headline
 HEADS = 8  # rows of the first page for the heads of the box, of the table and of the chapter
-WORST = "✗!?–✓"  # signs of headlines, from the worst
-RANK = {"fail": 0, "not kept": 1, "outside": 2, "pass": 3}  # from the worst
-NO_ANSWER, BY_CASE = "no answer", "by case"
+WORST = "✗!?–~✓"  # signs of headlines, from the worst
+RANK = {"fail": 0, "not kept": 1, "in part": 2, "outside": 3, "pass": 4}  # from the worst
+BAD = "fail", "not kept"
+NO_ANSWER, BY_CASE, NOT_JUDGED = "no answer", "by case", "not judged"
 Cases = Mapping[str, Findings]
 Loads = dict[str, dict[str, case_curves.Curve]]  # by component, by case
 Key = tuple[str, str, str, str, int]  # rule, clause, component, what, which of several
@@ -72,7 +75,7 @@ def box(cases: Cases) -> Box:
         name = min(found, key=lambda name: check_words.rank(found[name]))
         lines += [(title, f"case {name}, {text}") for title, text in worst_line(cases[name])]
     unknown = [f"{name}: {one.what}, because {one.words}" for name, f in cases.items() for one in f.plan.unanswered]
-    bands = {name: barred_rpm(one) for name, one in cases.items() if _restricts(one)}
+    bands = {name: barred_rpm(one) for name, one in _judged(cases).items() if _restricts(one)}
     if bands:
         each = (f"{name}: {', '.join(map(band_words, found))}" for name, found in bands.items())
         lines.append(("Barred ranges", "; ".join(each)))
@@ -96,7 +99,11 @@ def headline(cases: Cases) -> tuple[Head, Kind]:
     some = "" if len(of) == len(each) else f"{len(of)} of "
     which = f" ({listed(of, most=MOST_NAMED)})" if some else ""
     first = next(iter(of.values()))[0].partition(":")[0]
-    more = dict.fromkeys(part for parts in of.values() for part in parts[1:])
+    parts = {part: [name for name in of if part in of[name][1:]] for one in of.values() for part in one[1:]}
+    more = [part + (f" ({listed(names, most=MOST_NAMED)})" if len(names) < len(of) else "")
+            for part, names in parts.items()]  # fmt: skip
+    said = of if sign == SIGNS["outside"] else {}  # without a verdict at all
+    more += [f"{listed(rules)} NOT JUDGED in {name}" for name, rules in _left_out(cases).items() if name not in said]
     return (sign, ", ".join([f"{first} in {some}{all_or_some} judged{which}", *more])), kind
 
 
@@ -132,31 +139,48 @@ def _lines(findings: Findings) -> tuple[Check, ...]:
 
 
 def verdict(findings: Findings) -> str:
-    """The worst verdict of a case: fail, not kept, outside, pass, no answer, or empty where nothing judged."""
-    if not findings.is_answered or any(one.is_named for one in findings.plan.unanswered):
-        return NO_ANSWER
-    return min((check.verdict for check in _lines(findings)), key=RANK.__getitem__, default="")
+    """The worst verdict of a case, of which a failure is worse than no answer; empty where nothing judged."""
+    worst = min((check.verdict for check in _lines(findings)), key=RANK.__getitem__, default="")
+    lacks = not findings.is_answered or any(one.is_named for one in findings.plan.unanswered)
+    return NO_ANSWER if lacks and worst not in BAD else worst
 
 
 def _conclusion(cases: Cases) -> str:
     """The verdict over all cases that are judged, in a sentence."""
     judged = {name: verdict(one) for name, one in cases.items() if one.is_judged}
-    doubt = _to_be_verified(cases)
-    bad = [name for name, one in judged.items() if one in ("fail", "not kept")]
+    doubt, left = _to_be_verified(cases), "".join(f"; {words}" for words in _limits(cases))
+    bad = [name for name, one in judged.items() if one in BAD]
     none = [name for name, one in judged.items() if one == NO_ANSWER]
     number_of = counted(len(judged), "case")
     if bad or none:
         words = [f"the train does not satisfy what is judged in {', '.join(bad)}"] if bad else []
         words += [f"there is no answer to {', '.join(none)}"] if none else []
-        return f"Of {number_of} judged, {' and '.join(words)}.{doubt}"
+        return f"Of {number_of} judged, {' and '.join(words)}{left}.{doubt}"
     if not any(judged.values()):
         return f"No rule judges any of {number_of}: the report gives results without a verdict."
     if all(one == "pass" for one in judged.values()):
-        restricted = ", with the restrictions of speed below" if any(map(_restricts, cases.values())) else ""
-        return f"Every check of every case that is judged passed ({number_of}){restricted}.{doubt}"
+        restricted = ", with the restrictions of speed below" if any(map(_restricts, _judged(cases).values())) else ""
+        return f"Every check of every case that is judged passed ({number_of}){restricted}{left}.{doubt}"
     unjudged = ", ".join(name for name, one in judged.items() if not one)
     more = f"; nothing judges {unjudged}" if unjudged else ""
-    return f"No check of {number_of} judged failed, but not all are within the range of a rule{more}.{doubt}"
+    return f"No check of {number_of} judged failed, but not all are within the range of a rule{more}{left}.{doubt}"
+
+
+def _left_out(cases: Cases) -> dict[str, tuple[str, ...]]:
+    """By case that is judged the rules that others of these have and it has not; none of a case that has them all."""
+    rules = {name: [rule for rule, _ in one.study.rules] for name, one in _judged(cases).items()}
+    every = dict.fromkeys(rule for named in rules.values() for rule in named)
+    found = {name: tuple(rule for rule in every if rule not in named) for name, named in rules.items()}
+    return {name: lacking for name, lacking in found.items() if lacking}
+
+
+def _limits(cases: Cases) -> Iterator[str]:
+    """What is not judged in which case: rules that it leaves out, and speeds."""
+    for name, rules in _left_out(cases).items():
+        yield f"{listed(rules)} not judged in {name}"
+    for name, one in _judged(cases).items():
+        if one.is_answered and (reached := check_words.reached(one)):
+            yield f"{name} judged {reached}"
 
 
 def _to_be_verified(cases: Cases) -> str:
@@ -173,6 +197,7 @@ def _restricts(findings: Findings) -> bool:
 def _overview(cases: Cases) -> Table:
     """One row a case."""
     rows, marks = list[tuple[object, ...]](), list[str]()
+    without = {name: f", without {listed(rules)}" for name, rules in _left_out(cases).items()}
     for name, found in cases.items():
         lines, word = _lines(found), verdict(found)
         used = [check for check in lines if check.utilisation is not None]
@@ -185,7 +210,7 @@ def _overview(cases: Cases) -> Table:
             name, file, len(lines), failing,
             NONE if most is None else number(100.0 * (most.utilisation or 0.0), 4),
             NONE if most is None else f"{most.where}: {symbols(most.clause)}",
-            text if found.is_judged else f"{text} (information)",
+            (text + without.get(name, "")) if found.is_judged else f"{text} (information)",
         ))  # fmt: skip
         marks.append(("fail" if word == NO_ANSWER else word) if found.is_judged else "")
     columns = head(
@@ -240,22 +265,27 @@ def _checks(cases: Cases) -> Iterator[Table]:
         columns = map(texts, ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case"))
         part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}" if len(names) > MOST_COLUMNS else ""
         yield table(
-            tuple(columns), [_cells(row, shown) for row in rows],
+            tuple(columns), [_cells(cases, row, shown) for row in rows],
             "Checks side by side, each at its worst point: value, at which speed of the reference, and in brackets the "
             f"order that contributes most; where the limit differs by case, value / limit{part}",
             marks=[row.each[row.worst].verdict for row in rows],
         )  # fmt: skip
 
 
-def _cells(row: Row, shown: Sequence[str]) -> tuple[str, ...]:
+def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
     first = next(iter(row.each.values()))
     limits = {check_words.limit(check) for check in row.each.values()}
     limit = limits.pop() if len(limits) == 1 else BY_CASE
-    each = [_cell(row.each[name], with_limit=limit == BY_CASE) if name in row.each else NONE
+    each = [_cell(row.each[name], with_limit=limit == BY_CASE) if name in row.each else _lacking(cases[name], first)
             for name in shown]  # fmt: skip
     most = row.each[row.worst].verdict
     return (f"{first.what} ({first.rule})", first.where, symbols(first.clause), limit, symbols(first.unit), *each,
             f"{row.worst}: {most.upper()}")  # fmt: skip
+
+
+def _lacking(findings: Findings, check: Check) -> str:
+    """Of a case that has not such a check: that it names not the rule of it, else nothing."""
+    return NOT_JUDGED if check.rule in RULES and check.rule not in dict(findings.study.rules) else NONE
 
 
 def _cell(check: Check, *, with_limit: bool) -> str:
