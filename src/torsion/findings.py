@@ -161,6 +161,11 @@ class Findings(Displayed, Results):
         return any(getattr(found, "fails", False) for found in self.results.values())
 
     @property
+    def is_partial(self) -> bool:
+        """A rule was not judged over all that it demands."""
+        return any(getattr(found, "is_partial", False) for found in self.results.values())
+
+    @property
     def exit_status(self) -> int:
         """What a command ends with that printed them: of several cases the worst that is judged."""
         judged = [one for one in self.each.values() if one.is_judged or not self.cases]
@@ -169,7 +174,7 @@ class Findings(Displayed, Results):
             return BAD_INPUT
         if any(one.is_named for one in unanswered):
             return REFUSED
-        return FAILED_CHECK if any(one.failed for one in judged) else SOLVED
+        return FAILED_CHECK if any(one.failed or one.is_partial for one in judged) else SOLVED
 
     @property
     def without_answer(self) -> tuple[str, ...]:

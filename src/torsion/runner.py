@@ -70,7 +70,7 @@ def _misfires(study: Study, only: Collection[str], progress: Progress) -> Findin
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
     """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
-    lines: dict[tuple[str, str, str, str], tuple[tuple[bool, float], str, Check]] = {}
+    lines: dict[tuple[str, ...], tuple[tuple[bool, float], str, Check]] = {}
     for words, found in cases.items():
         for check in found.need(Checks).lines:
             used = check.utilisation
@@ -98,7 +98,7 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
     return whole.having(engines=replace(first, each=tuple(replace(own, misfires=one.misfires) for own, one in pairs)))
 
 
-def _key(check: Check) -> tuple[str, str, str, str]:
+def _key(check: Check) -> tuple[str, ...]:
     """What a check is about."""
     return check.rule, check.clause, check.what, check.where
 

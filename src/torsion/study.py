@@ -192,6 +192,11 @@ class Case:
     source: Any = field(default=None, repr=False, compare=False)  # the values of the file, changed, with their places
 
     @property
+    def has_own_speeds(self) -> bool:
+        """It changes the range of speeds: it is meant for no others."""
+        return any(one.what.startswith("operation.speeds") for one in self.changes)
+
+    @property
     def folder(self) -> str:
         """The folder of its report, in that of the others."""
         return case_folder(self.name)

@@ -37,7 +37,10 @@ def faults_of(text: str):
 
 def test_good_file_of_the_table_is_good_and_has_every_kind():
     study = parse(GOOD)
-    assert {part.kind for part in study.train.parts} == set(KINDS) - {"engine", "compressor"}  # which have files of their own
+    assert {part.kind for part in study.train.parts} == set(KINDS) - {
+        "engine",
+        "compressor",
+    }  # with files of their own
 
 
 @pytest.mark.parametrize(("place", "good", "bad", "words"), rows())

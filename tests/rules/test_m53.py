@@ -18,8 +18,8 @@ GIVEN = {"pin": 0.2, "journal": 0.2, "pin_fillet": 0.012, "journal_fillet": 0.01
 STEEL = {"m": Material(shear_modulus=79e9, density=7850.0, tensile_strength=800e6)}
 
 
-def line(order=12):
-    ripple = [{"order": 1, "torque": 10.0}, {"order": order, "torque": 10.0}]
+def line(orders=tuple(Fraction(k, 2) for k in range(1, 25))):
+    ripple = [{"order": order, "torque": 10.0} for order in orders]
     crank = {"name": "crank", "length": 0.3, "diameter": 0.2, "role": "crank", "segments": 1, "material": "m"}
     return [("motor", {"inertia": 3.0, "ripple": ripple}), ("shaft", crank), ("disc", {"inertia": 2.0})]
 
@@ -75,10 +75,33 @@ def test_a_grain_flow_does_not_help_at_the_oil_bore(judged) -> None:
 
 
 def test_orders_that_are_not_given_are_named(study) -> None:
-    for order, strokes, missing in ((12, 4, False), (11, 4, True), (12, 2, True), (15, 2, False)):
+    halves, whole = [Fraction(k, 2) for k in range(1, 25)], list(range(1, 16))
+    for orders, strokes, missing in (
+        (halves, 4, ""), (halves[:-1], 4, "12"), ([*halves[:5], *halves[6:]], 4, "3"), (halves, 2, "13, 14, 15"),
+        (whole, 2, ""), (whole, 4, "1/2, 3/2, 5/2, 7/2, 9/2, 11/2 and 6 more"), ([3], 2, "1, 2, 4, 5, 6, 7 and 8 more"),
+    ):  # fmt: skip
         given = settings("iacs-m53").model_validate({**GIVEN, "strokes": strokes})
-        left = dict(not_judged(study(line(order), [("iacs-m53", given)], materials=STEEL)))
-        assert (f"iacs-m53: orders above {Fraction(order)}" in left) == missing
+        left = dict(not_judged(study(line(orders), [("iacs-m53", given)], materials=STEEL)))
+        assert [what for what in left if what.startswith("iacs-m53: orders")] == (
+            [f"iacs-m53: orders {missing}"] if missing else []
+        )
+
+
+def test_a_crank_without_the_orders_that_the_rule_wants_passes_in_part_alone(study, evidence) -> None:
+    for orders, verdict in (([Fraction(k, 2) for k in range(1, 25)], "pass"), ([1, 12], "in part")):
+        given = settings("iacs-m53").model_validate({**GIVEN, "additional": 0.0})
+        scene = study(line(orders), [("iacs-m53", given)], materials=STEEL)
+        found = verdicts(evidence(scene, [900.0], half={"crank": 30e6 * W_P}))
+        assert {one.verdict for one in found} == {verdict}
+        assert all(("do not excite" in one.note) == (verdict == "in part") for one in found)
+        worse = verdicts(evidence(scene, [900.0], half={"crank": 90e6 * W_P}))
+        assert {one.verdict for one in worse} == {"not kept"}
+
+
+def test_a_crank_without_any_stress_has_no_acceptability_factor(study, evidence) -> None:
+    still = {"additional": 0.0, "bending": 0.0, "shear": 0.0, "bore_bending": 0.0}
+    scene = study(line(), [("iacs-m53", settings("iacs-m53").model_validate({**GIVEN, **still}))], materials=STEEL)
+    assert {one.value for one in verdicts(evidence(scene, [900.0], half={}))} == {0.0}
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
+from torsion.components.coupling_limits import MISFIRE, MisfireLimit, PowerLimit, VibratoryLimit, heat_ratings
 from torsion.components.elastic_element import (
     DAMPINGS,
     MAGNIFIER,
@@ -82,7 +83,10 @@ class Coupling(Component, keyword="coupling", sort="link"):
     psi: Psi | None = given(PSI)
     magnifier: Magnifier | None = given(MAGNIFIER)
     rated_torque: fields.Torque | None = given("T_KN of the maker")
-    vibratory_torque: fields.Torque | None = given("T_KW of the maker: permissible vibratory torque, half range")
+    vibratory_torque: VibratoryLimit | None = given(
+        "T_KW of the maker: permissible vibratory torque, half range; over frequency {torque, at, above}, or rows "
+        "[frequency, torque]"
+    )
     max_torque: fields.Torque | None = given(
         "T_Kmax of the maker; where it gives two, T_Kmax1: of normal operation, as starts, resonances, clutching, ice"
     )
@@ -92,7 +96,10 @@ class Coupling(Component, keyword="coupling", sort="link"):
     max_torque_range: fields.Torque | None = given(
         "dT_max of the maker: range of the torque, from peak to peak, in a motion of normal operation"
     )
-    heat_limit: fields.Power | None = given("P_KW of the maker: permissible power loss")
+    heat_limit: PowerLimit | None = given(
+        "P_KW of the maker: permissible power loss; over frequency rows [frequency, power]"
+    )
+    heat_limit_misfire: MisfireLimit | None = given(MISFIRE)
     tolerance: fields.Tolerance | None = given("tolerance of the stiffness, for example 15 %")
     clearance: Clearance | None = given(
         "play: the whole angle, or {angle, stiffness, viscous} with those of the contact"
@@ -124,13 +131,16 @@ class Coupling(Component, keyword="coupling", sort="link"):
         if self.max_torque_rare is not None and self.max_torque_rare < (self.max_torque or 0.0):
             message = f"{self.max_torque_rare:g} N m is below the {self.max_torque:g} N m of `max_torque`"
             raise refuse(message, "T_Kmax2 of rare events is at least T_Kmax1", "max_torque_rare")
+        heat_ratings(self.heat_limit, self.heat_limit_misfire)
         _refuse_nonlinear_clashes(self)
 
     def lower(self, build: Lowering) -> None:
+        vibratory, over = (None, None) if self.vibratory_torque is None else self.vibratory_torque.lowered()
         ratings = CouplingRatings(
-            self.rated_torque, self.vibratory_torque, self.max_torque, self.heat_limit, self.tolerance,
-            self.max_torque_rare, self.max_torque_range,
-            None if self.temperature is None else self.temperature.to - self.temperature.now,
+            self.rated_torque, vibratory, self.max_torque, tolerance=self.tolerance,
+            max_torque_rare=self.max_torque_rare, max_torque_range=self.max_torque_range,
+            temperature_rise=None if self.temperature is None else self.temperature.to - self.temperature.now,
+            vibratory_over_frequency=over, **heat_ratings(self.heat_limit, self.heat_limit_misfire),
         )  # fmt: skip
         damping = given_damping(self)
         build.record(ratings=ratings, damping=damping)

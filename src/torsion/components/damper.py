@@ -4,6 +4,7 @@ import math
 
 from torsion import fields
 from torsion.components.component import Component
+from torsion.components.coupling_limits import MISFIRE, MisfireLimit, PowerLimit, heat_ratings
 from torsion.components.elastic_element import MAGNIFIER, PSI, Magnifier, Psi, given_damping, loss_factor
 from torsion.components.lowering import CouplingRatings, Lowering
 from torsion.fields import given, refuse, required
@@ -22,7 +23,8 @@ class RingDamper(Component, keyword="damper", sort="point"):
     loss_factor: fields.LossFactor | None = given("loss factor eta of that stiffness, of rubber: k (1 + i eta)")
     psi: Psi | None = given(PSI)
     magnifier: Magnifier | None = given(MAGNIFIER)
-    heat_limit: fields.Power | None = given("permissible power loss of the maker")
+    heat_limit: PowerLimit | None = given("permissible power loss of the maker; over frequency rows [frequency, power]")
+    heat_limit_misfire: MisfireLimit | None = given(MISFIRE)
 
     def refuse_clashes(self) -> None:
         lost = given_damping(self, BY_HYSTERESIS)
@@ -31,11 +33,12 @@ class RingDamper(Component, keyword="damper", sort="point"):
         if lost is None and self.damping is None:
             hint = "give `damping` of oil or silicone, or `stiffness` and `loss_factor` of rubber"
             raise refuse("nothing takes energy out: `damping` is missing", hint)
+        heat_ratings(self.heat_limit, self.heat_limit_misfire)
 
     def lower(self, build: Lowering) -> None:
         lost = given_damping(self, BY_HYSTERESIS)
         viscous = ("damping", self.damping) if self.damping is not None else None
-        ratings = CouplingRatings(None, None, None, self.heat_limit, None)
+        ratings = CouplingRatings(**heat_ratings(self.heat_limit, self.heat_limit_misfire))
         build.record(damping=lost or viscous, ratings=ratings)
         here = build.point()
         ring = build.station(f"{build.name} ring")

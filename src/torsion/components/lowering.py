@@ -13,6 +13,7 @@ from torsion.primitives import Inertia, Primitive, Spring, Station
 
 if TYPE_CHECKING:
     from torsion.components.compressor.record import CompressorRecord
+    from torsion.components.coupling_limits import HeatInMisfire, OverFrequency
     from torsion.components.engine.record import EngineRecord
     from torsion.kernels.warming import Warming
 
@@ -55,22 +56,28 @@ class Support(Declared):
 class CouplingRatings:
     """Limits of a coupling's maker; None where the file gives none."""
 
-    rated_torque: float | None  # N m, T_KN
-    vibratory_torque: float | None  # N m, T_KW, half range
-    max_torque: float | None  # N m, T_Kmax, or T_Kmax1 of normal operation
-    heat_limit: float | None  # W, P_KW
-    tolerance: float | None  # of the stiffness
+    rated_torque: float | None = None  # N m, T_KN
+    vibratory_torque: float | None = None  # N m, T_KW, half range
+    max_torque: float | None = None  # N m, T_Kmax, or T_Kmax1 of normal operation
+    heat_limit: float | None = None  # W, P_KW
+    tolerance: float | None = None  # of the stiffness
     max_torque_rare: float | None = None  # N m, T_Kmax2
     max_torque_range: float | None = None  # N m, dT_max
     temperature_rise: float | None = None  # K, from the surroundings to the highest permissible temperature
+    vibratory_over_frequency: "OverFrequency | None" = None  # T_KW in place of `vibratory_torque`
+    heat_over_frequency: "OverFrequency | None" = None  # P_KW in place of `heat_limit`
+    heat_in_misfire: "HeatInMisfire | None" = None  # while a cylinder does not fire
+
+    @property
+    def limit_heat(self) -> bool:
+        """There is a limit of the heat."""
+        return any((self.heat_limit, self.heat_over_frequency, self.heat_in_misfire))
 
     @property
     def limit_vibration(self) -> bool:
         """There is a limit of the vibratory or the greatest torque, of the heat, or of the temperature."""
-        return any(
-            limit is not None
-            for limit in (self.vibratory_torque, self.max_torque, self.heat_limit, self.temperature_rise)
-        )
+        limits = self.vibratory_torque, self.vibratory_over_frequency, self.max_torque, self.temperature_rise
+        return self.limit_heat or any(limit is not None for limit in limits)
 
     @property
     def limit_anything(self) -> bool:

@@ -56,7 +56,7 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
-    marks: tuple[str, ...] = ()  # "", "pass", "fail", "not kept", "outside", "note"
+    marks: tuple[str, ...] = ()  # "", "pass", "fail", "not kept", "outside", "in part", "note"
     short: str = ""  # its title on the terminal; '' where it does not stand there
 
     def __post_init__(self) -> None:

@@ -10,11 +10,13 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.figures.figure import Grade, Use
-from torsion.output.numbers import given, number, order, symbols
+from torsion.output.numbers import given, given_rpm, number, order, symbols
 from torsion.output.reported_values import reference
-from torsion.rules.verdict_line import Check
+from torsion.results import listed
+from torsion.rules.judgement import BEGINS, reach_words
+from torsion.rules.verdict_line import Check, Checks
 
-SIGNS = {"pass": "✓", "fail": "✗", "not kept": "!", "outside": "–"}
+SIGNS = {"pass": "✓", "fail": "✗", "not kept": "!", "outside": "–", "in part": "~"}
 STRESS, TORQUE = "N/mm2", "N m"  # units of the checks of a stress and of a torque
 GRADES: tuple[tuple[float, Grade], ...] = ((0.5, "low"), (0.8, "middle"), (math.inf, "high"))  # of a pass, below
 NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none over it reads 100 %
@@ -27,7 +29,7 @@ def rank(check: Check) -> tuple[float, ...]:
     A limit that is not kept and of which no share is known, as of 0, is infinitely exceeded: by falling excess.
     """
     used, excess = check.utilisation, abs(check.value - check.limit)
-    order = {"fail": 0.0, "not kept": 1.0}.get(check.verdict, 2.0)
+    order = {"fail": 0.0, "not kept": 1.0, "in part": 1.5}.get(check.verdict, 2.0)
     if used is None:
         used = math.inf if check.fails else -math.inf
     return order, -used, -excess if math.isinf(used) and not math.isnan(excess) else 0.0
@@ -62,6 +64,31 @@ def limit(check: Check) -> str:
 def percent(used: float) -> str:
     """The share of a limit: '63.2 %', '0 %'; no share above 1 reads 100 %, and none below it."""
     return f"{number(100.0 * used, 5 if NEAR[0] <= used <= NEAR[1] else 3)} %"
+
+
+def reached(findings: Findings) -> str:
+    """Which speeds the checks of a study stand on, where a rule demands more; empty where none does."""
+    known = [check.reach for check in findings.need(Checks).lines if check.reach is not None]
+    point = findings.study.operation.rated
+    if not known or point is None:
+        return ""
+    if reach_words(least := min(known, key=lambda one: one.last), point.speed).startswith(BEGINS):
+        return f"from {given_rpm(least.first)} rpm only"
+    return f"up to {given_rpm(least.last)} rpm only"
+
+
+def unreached(findings: Findings) -> str:
+    """What rules demand and was not judged, as a sentence; empty where nothing is."""
+    point, demanded = findings.study.operation.rated, dict[str, list[str]]()
+    for check in findings.need(Checks).lines:
+        if check.reach is not None and point is not None:
+            first, last, end = map(given_rpm, (check.reach.first, check.reach.last, check.reach.demanded))
+            begins = reach_words(check.reach, point.speed).startswith(BEGINS)
+            ends = f"below {first}" if begins else f"{last} to {end}"
+            rules = demanded.setdefault(f"{ends} rpm", [])
+            rules += [check.rule] if check.rule not in rules else []
+    each = "; ".join(f"{ends} ({listed(rules)})" for ends, rules in demanded.items())
+    return f"Not judged, though the rules demand it: {each}." if demanded else ""
 
 
 def unit(check: Check) -> str:

@@ -12,7 +12,14 @@ from torsion.output.drawing.svg import svg
 from torsion.output.drawing.text import SUBSCRIPT
 from torsion.output.figures.figure import Figure
 
-COLOURS = {"fail": "#b3261e", "pass": "#14693f", "not kept": "#b3261e", "outside": "#8a6500", "note": "#8a6500"}
+COLOURS = {
+    "fail": "#b3261e",
+    "pass": "#14693f",
+    "not kept": "#b3261e",
+    "outside": "#8a6500",
+    "in part": "#8a6500",
+    "note": "#8a6500",
+}
 WIDE = 8  # columns from which a table is set smaller
 
 

@@ -28,7 +28,7 @@ REPORTS = {
     "solve": Report(
         "Torsional vibration calculation",
         (
-            "case_comparison:over_all", "verdict", "case_comparison", "plant", "data_sheets", "mass_elastic", "@modes",
+            "case_verdict:over_all", "verdict", "case_comparison", "plant", "data_sheets", "mass_elastic", "@modes",
             "twisted_train", "@critical", "@tolerances", "excitations", "@engine", "damping_given", "@*", "closing",
             "provenance:steps", "verdict:remarks", "provenance:input_file",
         ),

@@ -21,7 +21,14 @@ from torsion.output.blocks import Box, Heading, Paragraph, Points, Table
 from torsion.output.document import Document
 from torsion.output.renderers import OUTPUTS
 
-COLOURS = {"pass": "green", "fail": "bold red", "not kept": "bold red", "outside": "yellow", "note": "yellow"}
+COLOURS = {
+    "pass": "green",
+    "fail": "bold red",
+    "not kept": "bold red",
+    "outside": "yellow",
+    "in part": "yellow",
+    "note": "yellow",
+}
 MOST_ROWS = 12
 LONGEST_WORD = 12  # letters that a column of words keeps on a narrow terminal
 

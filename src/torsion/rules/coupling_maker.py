@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.synthesis import half_range as half_range_of
 from torsion.analyses.steady import Steady
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
@@ -16,6 +18,9 @@ from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, Curve, RuleOverSpeed, curve_of
 from torsion.study import Study
+
+if TYPE_CHECKING:
+    from torsion.components.coupling_limits import OverFrequency
 
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 
@@ -60,7 +65,17 @@ class CouplingMaker(RuleOverSpeed):
     def left_out(self, study: Study, settings: CouplingSettings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         silent = (part.name for _, part, ratings in _couplings(study) if not ratings.limit_anything)
-        return tuple((f"{self.name} for {name}", "its maker's limits are not given") for name in silent)
+        found = [(f"{self.name} for {name}", "its maker's limits are not given") for name in silent]
+        for _, part, ratings in _couplings(study):
+            if ratings.heat_in_misfire is None:
+                continue
+            if not any(map(misfires, (study, *study.cases.values()))):
+                words = "every cylinder fires: compute a misfire, as a case"
+                found.append((f"{self.name}: heat of {part.name} in misfire", words))
+            elif part.kind == "coupling" and not (study.cases or study.case or part.warming):
+                words = "one calculation has one stiffness: compute the cold and the warm coupling as cases"
+                found.append((f"{self.name}: heat of {part.name} in misfire, cold and warm", words))
+        return tuple(found)
 
     def clauses(self, evidence: Results, settings: CouplingSettings) -> Iterator[Clause]:
         """Of every coupling, as far as its limits are given.
@@ -97,13 +112,18 @@ def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
-    """(speeds,) W: mean power that spans turn into heat, all lines together.
+    """(speeds,) W: mean power that spans turn into heat, all lines together."""
+    return np.asarray(np.sum(harmonic_heat(response, system, spans), axis=1))
+
+
+def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatArray:
+    """(speeds, lines) W: mean power that spans turn into heat.
 
     Of each line omega Im K |twist|^2/2 with twist = torque/K and K = k (1 + i eta) + i omega c, of a coupling with
     play, friction or stages as harmonic balance has it; with damping by hysteresis alone it is
     psi omega T_el^2/(4 pi k) of the elastic torque T_el. A rigid span loses nothing.
     """
-    omega, power = 2.0 * math.pi * response.frequency, np.zeros_like(response.speed)
+    omega, power = 2.0 * math.pi * response.frequency, np.zeros(response.frequency.shape)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[system.flexibility[spans] > 0]:
         stiffness, loss = system.elastic(span, omega, response.mean[:, span, None])
@@ -113,7 +133,7 @@ def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
             stiffness = one.share[:, None] * stiffness + one.extra.real[:, None]
         size, dynamic = np.abs(response.torque[:, :, span]), np.hypot(stiffness, loss)
         twist = np.divide(size, dynamic, out=np.zeros_like(omega), where=loss > 0)
-        power += np.sum(0.5 * omega * loss * twist**2, axis=1)
+        power += 0.5 * omega * loss * twist**2
     return power
 
 
@@ -129,19 +149,82 @@ def _vibration(
     response, synthesis, tolerance = evidence.need(Response), evidence.need(Synthesis), ratings.tolerance
     use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
     half_range, peak = synthesis.half_range[:, spans[0]], synthesis.peak[:, spans[0]]
-    power = heat(response, evidence.system, spans)
-    if evidence.study.train.has_nonlinear_couplings:
-        from torsion.rules.beside_exact_motion import surplus
-
-        power *= surplus(evidence)[0][:, spans].max(axis=1) ** 2
-        power[~np.isfinite(half_range)] = np.inf  # no exact motion is known
     varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
-    rows = (
-        ("T_KW", "vibratory torque, synthesis", "N m", ratings.vibratory_torque, half_range, use, in_use),
-        ("P_KW", "power loss, sum of all harmonic components", "W", ratings.heat_limit, power, use, in_use),
-        ("T_Kmax", "greatest torque, mean and vibration", "N m", ratings.max_torque, peak, use | True, ""),
-    )
-    for clause, what, unit, limit, value, judged, where in rows:
-        if limit is not None:
-            curve, notes = curve_of(response, value, limit), (where, MOSTLY, varied)
-            yield Clause(clause, part.name, what, "maker", curve, judged, unit, notes, spans)
+
+    def clause(name: str, what: str, unit: str, curve: Curve, judged: BoolArray, where: str, *more: Any) -> Clause:
+        words, *size = more or ("",)
+        return Clause(name, part.name, what, "maker", curve, judged, unit, (where, MOSTLY, words, varied), spans, *size)
+
+    if (limit := ratings.vibratory_torque) is not None:
+        yield clause("T_KW", "vibratory torque, synthesis", "N m", curve_of(response, half_range, limit), use, in_use)
+    if ratings.vibratory_over_frequency is not None:
+        for curve, what, size in _over_frequency(evidence, ratings.vibratory_over_frequency, spans):
+            yield clause("T_KW(f)", what, "N m", curve, use, in_use, "", size)
+    if (of_heat := _heat_limit(evidence.study, ratings)) is not None:
+        name, what, most, words = of_heat
+        power = _nonlinear(evidence, spans, harmonic_heat(response, evidence.system, spans), power=2)
+        at = np.full(power.shape, most) if isinstance(most, float) else most.at(response.frequency)
+        least = float(at.min())  # of a limit over frequency every share counts as one of the least
+        yield clause(
+            name, what, "W", curve_of(response, np.sum(power * (least / at), axis=1), least), use, in_use, words
+        )
+    if (limit := ratings.max_torque) is not None:
+        curve = curve_of(response, peak, limit)
+        yield clause("T_Kmax", "greatest torque, mean and vibration", "N m", curve, use | True, "")
+
+
+def _heat_limit(study: Study, ratings: CouplingRatings) -> "tuple[str, str, float | OverFrequency, str] | None":
+    """Clause, what is compared, the limit and a remark; None where there is none but for a misfire, and none is."""
+    case = "" if study.case is None else f"case {study.case.name}"
+    if misfires(study) and ratings.heat_in_misfire is not None:
+        time = ratings.heat_in_misfire.time
+        what = "power loss in misfire" + ("" if time is None else f", for {time / 60.0:.4g} min at most")
+        return "P_KW misfire", what, ratings.heat_in_misfire.power, case
+    words = f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation" * misfires(study)
+    if ratings.heat_over_frequency is not None:
+        what = "power loss, each harmonic component times the least P_KW / P_KW at its frequency"
+        return "P_KW(f)", what, ratings.heat_over_frequency, words
+    if ratings.heat_limit is None:
+        return None
+    return "P_KW", "power loss, sum of all harmonic components", ratings.heat_limit, words
+
+
+def _over_frequency(
+    evidence: Results, limit: "OverFrequency", spans: IntArray
+) -> Iterator[tuple[Curve, str, FloatArray]]:
+    """Every harmonic component by itself, and all together, against a torque that depends on the frequency of each.
+
+    Together each counts times the limit of the lowest frequency of the maker's data / that of its own; of these the
+    half range, and the root of the sum of squares where that is larger, which stands for the heat.
+    """
+    response = evidence.need(Response)
+    own, known = limit.at(response.frequency), limit.rows[0]
+    phasors = response.torque[:, :, spans[0]]
+    share = _nonlinear(evidence, spans, np.abs(phasors)) / own
+    at, rows = np.argmax(np.nan_to_num(share, nan=np.inf), axis=1), np.arange(len(share))
+    alone = curve_of(response, (share * own)[rows, at], own[rows, at])
+    yield alone, "vibratory torque, the harmonic component nearest to T_KW at its frequency", share
+    weighted = phasors * (known[1] / own)
+    squares = np.sqrt(np.sum(np.abs(weighted) ** 2, axis=1))
+    value = np.maximum(half_range_of(response, weighted), squares)
+    together = curve_of(response, _nonlinear(evidence, spans, value), known[1])
+    what = f"vibratory torque, synthesis of the components each times T_KW({known[0]:g} Hz) / T_KW(f)"
+    yield together, what, share
+
+
+def misfires(study: Study) -> bool:
+    """A cylinder of an engine does not fire."""
+    engines = [part.engine for part in study.train.parts if part.engine is not None]
+    return any(one.state != "firing" for engine in engines for one in engine.cylinders)
+
+
+def _nonlinear(evidence: Results, spans: IntArray, values: FloatArray, power: int = 1) -> FloatArray:
+    """Values (speeds, ...) of a torque to that power, as large as exact motions beside harmonic balance have them."""
+    if not evidence.study.train.has_nonlinear_couplings:
+        return values
+    from torsion.rules.beside_exact_motion import surplus
+
+    factor = surplus(evidence)[0][:, spans].max(axis=1) ** power
+    unknown = ~np.isfinite(evidence.need(Synthesis).half_range[:, spans[0]])  # no exact motion is known
+    shape = (-1, *(1,) * (values.ndim - 1))
+    return np.where(unknown.reshape(shape), np.inf, values * factor.reshape(shape))

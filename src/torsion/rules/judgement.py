@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,15 @@ from torsion.errors import Fault
 from torsion.fields import Declared, required
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
+from torsion.primitives import Torque
 from torsion.rules import of_study
-from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
+from torsion.rules.verdict_line import Check, Reach, Rule, Standing, verdict_of
 from torsion.study import Operation, Range, Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
 RATED = "rated: {speed: 1500 rpm, power: 100 kW}"  # what to write into the file
+BEGINS = "judged from"  # a speed above the rated one
 MOSTLY = "mostly"  # note that stands for the harmonic component of the greatest torque
 
 
@@ -38,9 +40,9 @@ class Curve:
     status: IntArray  # (speeds,) kernels.tree_response.Status of the worst line
 
     def utilisation(self) -> FloatArray:
-        """(speeds,) value / limit; infinite where the response is not ok, 0 where both are nothing."""
+        """(speeds,) value / limit; infinite where the response is not ok or the limit negative, 0 where both are 0."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = self.value / self.limit
+            share = np.where(self.limit < 0, np.inf, self.value / self.limit)
         share[(self.value == 0) & (self.limit == 0)] = 0.0
         return np.where((self.status != Status.OK) | ~np.isfinite(self.value), np.inf, share)
 
@@ -65,6 +67,7 @@ class RuleOverSpeed(Rule):
     """Base of the rules whose clauses each judge the worst point of a value over speed, some in continuous use."""
 
     needs: tuple[str, ...] = ("steady", "response")
+    scope: float = 1.0  # speed ratio up to which it is to be judged
 
     def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
         """What it judges."""
@@ -72,8 +75,14 @@ class RuleOverSpeed(Rule):
 
     def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """A verdict for every clause that has a speed."""
-        found = (judge(self.name, clause, evidence) for clause in self.clauses(evidence, settings))
-        return tuple(line for line in found if line is not None)
+        found, use = list[Check](), getattr(settings, "continuous", None)
+        for clause in self.clauses(evidence, settings):
+            line, speed = judge(self.name, clause, evidence), clause.curve.speed
+            if line is not None:
+                found.append(
+                    within_reach(line, evidence.study, self.scope, speed, None if clause.within.all() else use)
+                )
+        return tuple(found)
 
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
         """rad/s: the rated speed and the ends of continuous use."""
@@ -93,6 +102,41 @@ class RuleOverSpeed(Rule):
         computed = f"computed: {in_rpm(speeds.first)} to {in_rpm(speeds.last)}"
         path = (*self.path(study, settings), self.name, "continuous")
         return [Fault(path, "the speeds of continuous use leave operation.speeds", computed)]
+
+
+def within_reach(
+    check: Check, study: Study, scope: float = 1.0, speed: FloatArray | None = None, use: "Continuous | None" = None
+) -> Check:
+    """The check with its reach where that ends below a share `scope` of the rated speed, or begins above that speed.
+
+    Where the speeds of the operation, and those (speeds,) rad/s that were looked at, do not hold the rated speed, a
+    pass is one in part, but of a case that has speeds of its own. use: what a setting of the rule says is all of it.
+    """
+    rated, speeds = study.operation.rated, study.operation.speeds
+    if rated is None or speeds is None or check.verdict not in ("pass", "outside"):
+        return check
+    ends = [speeds.first, speeds.last, *([] if speed is None else speed.tolist())]
+    has_rated = min(ends) <= rated.speed * (1 + SAME_SPEED) and not coverage(max(ends), rated.speed)
+    reach = Reach(min(ends), max(ends), scope * rated.speed)
+    if has_rated and use is not None and coverage(use.last, rated.speed):
+        reach = Reach(use.first, use.last, rated.speed)
+    if not reach_words(reach, rated.speed):
+        return check
+    found = replace(check, reach=reach)
+    if has_rated or (study.case is not None and study.case.has_own_speeds):
+        return found
+    words = reach_words(reach, rated.speed)
+    known = "judged up to" in check.note  # of a limit that ends elsewhere
+    return replace(found, verdict="in part", note=check.note if known else "; ".join(filter(None, (check.note, words))))
+
+
+def reach_words(reach: Reach | None, rated: float) -> str:
+    """Which speeds were judged, where the rule demands more; empty where it does not."""
+    if reach is None:
+        return ""
+    if reach.first > rated * (1 + SAME_SPEED):
+        return f"{BEGINS} {in_rpm(reach.first)} only, {reach.first / rated:.3g} of the rated speed"
+    return coverage(reach.last, rated, reach.demanded / rated)
 
 
 def curve_of(found: Response | Steady, value: FloatArray, limit: float | FloatArray) -> Curve:
@@ -253,6 +297,24 @@ def rated_torque(evidence: Results) -> FloatArray | None:
     return np.asarray(np.abs(np.array(rows)))
 
 
+def full_torque(evidence: Results) -> FloatArray | None:
+    """(spans,) N m at the rated speed, of the rated power at least: what the train carries with less is scaled up.
+
+    A table of the load may give less, and an engine with a cylinder that does not fire. Where nothing is carried there,
+    every span has the whole rated power.
+    """
+    every, steady, rated = rated_torque(evidence), evidence.get(Steady), evidence.study.operation.rated
+    if every is None or steady is None or rated is None or rated.power is None:
+        return every
+    at = int(np.argmin(np.abs(steady.speed - rated.speed)))
+    ratios = np.array([abs(float(station.ratio)) for station in evidence.system.stations])[: len(steady.applied)]
+    carried = float(np.maximum(steady.applied[:, at], 0.0) @ ratios) * rated.speed
+    whole = rated.power / rated.speed / np.abs(evidence.system.span_ratio)
+    if carried > 0:
+        return every * max(1.0, rated.power / carried)
+    return every if np.any(every) else np.asarray(whole)
+
+
 def share_of_rated(operation: Operation) -> float:
     """Rated torque over what a table of load gives at the rated speed, at most 1: a larger load is no better rating."""
     rated, load = operation.rated, operation.load
@@ -263,11 +325,8 @@ def share_of_rated(operation: Operation) -> float:
 
 
 def knows_rated_torque(study: Study) -> bool:
-    """The mean torque at the rated speed is known, which lies in the speeds that are computed."""
-    speeds, rated = study.operation.speeds, study.operation.rated
-    if speeds is None or rated is None or not study.operation.has_mean_torque:
-        return False
-    return bool(within(speeds, np.array([rated.speed])).all())
+    """The mean torque at the rated speed is known."""
+    return study.operation.rated is not None and study.operation.has_mean_torque
 
 
 def rated_speed(study: Study) -> float:
@@ -283,12 +342,18 @@ def vibration_faults(rule: Rule, study: Study, settings: Declared) -> list[Fault
     if study.operation.speeds is None:
         hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
         found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule.name} judges a speed range", hint))
-    if not study.excites:
-        message = (
-            f"nothing excites the train by order or at a frequency of its own, so {rule.name} has nothing to judge"
-        )
+    if not study.excites or not (any(map(_acts, study.train.torques)) or any(m.error for m in study.train.constraints)):
+        what = "every excitation of the train is 0" if study.excites else "nothing excites the train by order or at a "
+        what += "" if study.excites else "frequency of its own"
+        message = f"{what}, so {rule.name} has nothing to judge"
         found.append(Fault(rule.path(study, settings), message, "give an excitation, or leave the rule out"))
     return found
+
+
+def _acts(torque: Torque) -> bool:
+    """A torque by order or at a frequency has an amplitude."""
+    of_speed = any(row[1] for row in torque.table)
+    return torque.cylinder is not None or of_speed or bool(torque.torque or torque.of_mean)
 
 
 def coverage(last: float, rated: float, needed: float = 1.0) -> str:

@@ -6,6 +6,7 @@ are the engine maker's. Q = fatigue strength / equivalent alternating stress is 
 
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from typing import Annotated, Literal
 
 import numpy as np
@@ -18,14 +19,16 @@ from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
+from torsion.results import listed
 from torsion.rules import judgement, m53_factors
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.m53_factors import RANGES, Throw
 from torsion.rules.shaft_limits import MM, PA, with_role
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Verdict
 from torsion.study import Study
 
 LEAST_Q = 1.15
+MOST_ORDERS = 6  # stated one by one
 LAST_ORDER = {4: 12, 2: 15}  # of the crankshaft, up to which the rule wants the synthesis
 SIZES = (
     "pin", "journal", "pin_fillet", "journal_fillet", "web_thickness", "web_width", "radius", "bending", "shear",
@@ -108,13 +111,9 @@ class M53(RuleOverSpeed):
         found = [(f"{self.name}: bored pins and journals, recesses", "the throw is taken as solid")]
         if settings.oil_bore is None:
             found.append((f"{self.name}: outlet of the oil bore", "`oil_bore` is not given"))
-        cranks = list(with_role(study.train, "crank"))
-        if cranks and settings.strokes is not None:
-            ratio, last = cranks[0][1].ratio, LAST_ORDER[settings.strokes]
-            highest = max((order / abs(ratio) for order in excited_orders(study.train)), default=0)
-            if highest < last:
-                words = f"the rule wants orders up to {last}, and the highest that excites is {highest}"
-                found.append((f"{self.name}: orders above {highest}", words))
+        if lacking := _lacking(study, settings):
+            words = f"the rule wants orders up to {LAST_ORDER[settings.strokes or 4]}, and these do not excite"
+            found.append((f"{self.name}: orders {listed(map(str, lacking), most=MOST_ORDERS)}", words))
         return tuple(found)
 
     def clauses(self, evidence: Results, settings: M53Settings) -> Iterator[Clause]:
@@ -132,9 +131,26 @@ class M53(RuleOverSpeed):
                 yield Clause(place, part.name, what, TO_BE_VERIFIED, curve, use, "N/mm2", notes, spans)
 
     def check(self, evidence: Results, settings: M53Settings) -> tuple[Check, ...]:
-        """With the acceptability factor of each."""
-        found = super().check(evidence, settings)
-        return tuple(replace(one, note=f"Q = {LEAST_Q * one.limit / one.value:.4g}; {one.note}") for one in found)
+        """With the acceptability factor of each; where an order that the rule wants lacks, a pass in part at most."""
+        lacking, found = _lacking(evidence.study, settings), list[Check]()
+        without = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite" if lacking else ""
+        for one in super().check(evidence, settings):
+            factor = f"Q = {LEAST_Q * one.limit / one.value:.4g}" if one.value else ""
+            verdict: Verdict = "in part" if lacking and one.verdict == "pass" else one.verdict
+            note = "; ".join(filter(None, (factor, one.note, without)))
+            found.append(replace(one, verdict=verdict, note=note))
+        return tuple(found)
+
+
+def _lacking(study: Study, settings: M53Settings) -> list[Fraction]:
+    """Orders of the crankshaft that the rule wants in the synthesis, and that nothing excites."""
+    cranks = list(with_role(study.train, "crank"))
+    if not cranks or settings.strokes is None:
+        return []
+    step = Fraction(2, settings.strokes)  # an order a cycle of the engine
+    excited = {order / abs(cranks[0][1].ratio) for order in excited_orders(study.train)}
+    wanted = [step * k for k in range(1, int(LAST_ORDER[settings.strokes] / step) + 1)]
+    return [order for order in wanted if order not in excited]
 
 
 def _places(settings: M53Settings, torque: FloatArray, strength: float) -> Iterator[tuple[str, FloatArray, float]]:

@@ -100,7 +100,7 @@ class M68(ShaftStress):
 
     def _diameter(self, evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> Check | None:
         """The less favourable end against its least diameter, for the rated mean torque."""
-        every = judgement.rated_torque(evidence)
+        every = judgement.full_torque(evidence)
         if every is None:
             return None
         factor = m68_shafts.drive_factor(shaft.role, smooth=settings.drive != "other")

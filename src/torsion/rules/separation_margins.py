@@ -17,7 +17,7 @@ from torsion.analyses.undamped_modes import Modes, ModesSettings
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
-from torsion.rules.judgement import Continuous, in_rpm
+from torsion.rules.judgement import Continuous, in_rpm, within_reach
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, verdict_of
 from torsion.study import Study
 
@@ -97,7 +97,8 @@ class SeparationMargins(Rule):
         count = (requested if isinstance(requested, ModesSettings) else ModesSettings()).count
         is_whole = modes.frequency.size < count
         found = (self._of(one, modes, is_whole=is_whole) for one in _excited(evidence, settings, self.standard))
-        return tuple(line for line in found if line is not None)
+        study, use = evidence.study, settings.continuous
+        return tuple(within_reach(line, study, use=use) for line in found if line is not None)
 
     def _of(self, one: Excited, modes: Modes, *, is_whole: bool) -> Check | None:
         """Of one excitation; None where the train has no elastic mode. is_whole: there are no more modes than these."""

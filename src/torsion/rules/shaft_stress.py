@@ -25,6 +25,7 @@ from torsion.rules.judgement import (
     in_rpm,
     judge,
     rated_speed,
+    within_reach,
     worst_of,
 )
 from torsion.rules.shaft_limits import BARRED_BELOW, LimitedShaft, Mark, barred_range, may_be_barred, nominal_stress
@@ -117,8 +118,10 @@ class ShaftStress(RuleOverSpeed):
 
     def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """Stress in continuous use, while barred ranges are passed, and above the last limit; of every shaft."""
-        every = self.stressed(evidence, settings)
-        found = [line for one in every for line in self.stresses(evidence, one, settings)]
+        found = list[Check]()
+        for one in self.stressed(evidence, settings):
+            lines = self.stresses(evidence, one, settings)
+            found += [within_reach(line, evidence.study, self.scope) for line in lines]
         return (*found, *super().check(evidence, settings))
 
     def stresses(self, evidence: Results, one: Stressed, settings: Any) -> Iterator[Check]:

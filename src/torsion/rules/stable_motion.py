@@ -14,7 +14,7 @@ from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.rules.barred_time import barred_times, unstable_words
-from torsion.rules.judgement import within
+from torsion.rules.judgement import within, within_reach
 from torsion.rules.verdict_line import BarredRange, Check, Rule
 from torsion.study import Operation
 
@@ -36,7 +36,7 @@ class StableMotion(Rule):
         line = stability_check(found, evidence.study.operation)
         times = barred_times(evidence, tuple(BarredRange(one.first, one.last, one.at, WHOLE) for one in found.ranges))
         note = "; ".join(word for word in (line.note, unstable_words(times)) if word)
-        return (replace(line, note=note, times=times),)
+        return (within_reach(replace(line, note=note, times=times), evidence.study),)
 
 
 def stability_check(found: Stability, operation: Operation) -> Check:
@@ -115,7 +115,8 @@ class StableBending(Rule):
 
     def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of every shaft that bends."""
-        return bending_checks(evidence.need(Lateral), evidence.study.operation)
+        found = bending_checks(evidence.need(Lateral), evidence.study.operation)
+        return tuple(within_reach(line, evidence.study) for line in found)
 
 
 def bending_checks(found: Lateral, operation: Operation) -> tuple[Check, ...]:
@@ -147,7 +148,9 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
     notes = ["nothing damps it"] if abs(least) <= ROUNDING else []
     value = 0.0 if notes else least
     notes += [] if is_whole else [PART]
-    return _check("whirl", name, what, value, "", float(speed[row]), notes, kept=is_whole and value >= 0, at_least=True)
+    return _check(
+        "whirl", name, what, value, "", float(speed[row]), notes, kept=is_whole and 0 <= value < np.inf, at_least=True
+    )
 
 
 def _tilting(name: str, found: Tilting, operation: Operation) -> Check:
@@ -165,4 +168,5 @@ def _tilting(name: str, found: Tilting, operation: Operation) -> Check:
         growth, where = worst.rate, min(max(worst.worst, first), last)
     notes = [] if found.is_damped else ["its supports do not damp it in both directions"]
     notes += [] if is_whole else [PART]
-    return _check("tilting", name, what, growth, "1/s", where, notes, kept=is_whole and not unstable)
+    kept = is_whole and not unstable and bool(np.isfinite(growth))
+    return _check("tilting", name, what, growth, "1/s", where, notes, kept=kept)

@@ -231,8 +231,8 @@ def _published(settings: JointRuleSettings, key: str) -> Limit:
 
 
 def _speed(study: Study) -> float | None:
-    """The highest speed of the range, else the rated one, rad/s of the reference."""
+    """The highest speed of the range or the rated one, which is higher, rad/s of the reference; of a case its own."""
     speeds, rated = study.operation.speeds, study.operation.rated
-    if speeds is not None:
+    if speeds is not None and study.case is not None and study.case.has_own_speeds:
         return speeds.last
-    return None if rated is None else rated.speed
+    return max((one for one in (speeds and speeds.last, rated and rated.speed) if one), default=None)

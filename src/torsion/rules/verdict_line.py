@@ -13,7 +13,13 @@ from torsion.findings import Results
 from torsion.results import derived, reported, result
 from torsion.study import Study
 
-Verdict = Literal["pass", "fail", "not kept", "outside"]  # not kept: a limit to be verified is exceeded
+Verdict = Literal[
+    "pass",
+    "fail",
+    "not kept",  # a limit to be verified is exceeded
+    "outside",  # the rule has no limit there
+    "in part",  # kept where it was judged, and that is not all that the rule demands
+]
 Standing = Literal[
     "rule text",  # compared with the published text of the rule
     "to be verified",  # from memory or a handbook: against the edition in force
@@ -61,6 +67,15 @@ class BarredTime:
 
 
 @reported
+class Reach:
+    """The speeds that a check stands on, where its rule demands more; rad/s of the reference station."""
+
+    first: float = result("rad/s", (), "lowest speed that was judged, reference speed")
+    last: float = result("rad/s", (), "highest speed that was judged")
+    demanded: float = result("rad/s", (), "speed up to which the rule is to be judged")
+
+
+@reported
 class Check:
     """One line of the verdict table."""
 
@@ -71,7 +86,11 @@ class Check:
     value: float = result("", (), "worst value; null where the response has none")
     limit: float = result("", (), "null where the rule has none")
     unit: str = result("", (), "of value and limit")
-    verdict: Verdict = result("", (), "pass, fail, not kept (a limit to be verified is exceeded) or outside")
+    verdict: Verdict = result(
+        "", (),
+        "pass, fail, not kept (a limit to be verified is exceeded), outside (the rule has no limit), or in part (kept "
+        "where it was judged, which is not all that the rule demands: the exit status is then 1)",
+    )  # fmt: skip
     standing: Standing = result(
         "", (), "where the limit is from: rule text, to be verified, maker, setting or by definition"
     )
@@ -89,6 +108,9 @@ class Check:
         "", (), "motions over time within these, or within unstable ranges", default=()
     )
     misfire: str = ""  # the cylinder without heat at its worst, where every one is tried in turn
+    reach: Reach | None = result(
+        "", (), "speeds that were judged, where the rule demands more; null where they are all", default=None
+    )
     parts: tuple[int, ...] = ()  # positions of the components it is about, the worst first; none: that of the name
 
     @property
@@ -115,6 +137,11 @@ class Checks:
     def fails(self) -> bool:
         """A limit is not kept."""
         return any(check.fails for check in self.lines)
+
+    @property
+    def is_partial(self) -> bool:
+        """A rule was not judged over all that it demands."""
+        return any(check.verdict == "in part" for check in self.lines)
 
 
 class Rule:

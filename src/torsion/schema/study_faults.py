@@ -45,7 +45,7 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
     if study.train.has_nonlinear_couplings and len(study.train.modal_damping) > 1:
         message = "a clutch, play or friction changes the modes, so that a list of ratios by mode says nothing"
         yield Fault(("damping",), message, "one ratio for all, or give the components their damping")
-    limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.heat_limit]
+    limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.limit_heat]
     if limited and any(rule == "coupling-maker" for rule, _ in study.rules):
         message = f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"
         yield Fault(("damping",), message, "give the components their damping, or leave `heat_limit` out")

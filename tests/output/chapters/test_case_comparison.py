@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +12,16 @@ from tests.contracts.printed import printed
 
 import torsion
 from torsion import commands
-from torsion.findings import NORMAL, Findings
+from torsion.findings import NORMAL, Findings, Unanswered
 from torsion.output.blocks import Box, Heading, Table
-from torsion.output.chapters.case_comparison import chapter, over_all, side_by_side, verdict
+from torsion.output.chapters.case_comparison import chapter
+from torsion.output.chapters.case_verdict import over_all, side_by_side, verdict
 from torsion.output.document import document
 from torsion.output.figures.figure import Figure
 from torsion.output.html import html
 from torsion.output.results_json import MOST_OF_A_CASE, results
 from torsion.output.write import write
-from torsion.rules.verdict_line import Checks
+from torsion.rules.verdict_line import BarredRange, Checks
 
 SCENE = Path(__file__).parents[3] / "shafting_specs" / "ferry_cases.yaml"
 RPM = 30.0 / math.pi
@@ -238,3 +240,59 @@ def test_a_file_without_cases_has_no_such_chapter() -> None:
     text = "name: n\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 9}, disc: {inertia: 1}]\n"
     found = torsion.run(torsion.parse(text, "t.yaml"))
     assert not [*chapter(found), *over_all(found)]
+
+
+GEARED = TRAIN.replace(
+    "  - propeller", "  - gear: {name: box, teeth: [20, 40], inertia: [0.1, 0.6]}\n  - propeller"
+).replace("[coupling-maker]", "[coupling-maker, gear-hammer: {limit: 5}]")
+
+
+def test_a_rule_that_a_case_leaves_out_is_stated_in_headline_and_tables() -> None:
+    """The gear of a case without the rule `gear-hammer` is not judged there, and passes nowhere in silence."""
+    cases = (
+        "cases: {a: {set: {rubber.stiffness: 36 kN*m/rad}, rules: [coupling-maker]}, b: {rules: [coupling-maker]}}\n"
+    )
+    geared = GEARED.replace(
+        "gear-hammer: {limit: 5}", "gear-hammer: {limit: 5, continuous: {from: 700 rpm, to: 900 rpm}}"
+    )
+    found = torsion.run(torsion.parse(geared + cases, "t.yaml"))
+    box, overview = list(over_all(found))[1:3]
+    assert box.text == "PASS in all 3 cases judged, gear-hammer NOT JUDGED in a, gear-hammer NOT JUDGED in b"
+    conclusion = dict(box.lines)["Conclusion"]
+    assert "gear-hammer not judged in a; gear-hammer not judged in b." in conclusion
+    assert [row[-1] for row in overview.rows] == ["PASS", "PASS, without gear-hammer", "PASS, without gear-hammer"]
+    (table,) = tables(list(chapter(found)), "Checks side by side")
+    for row in table.rows:
+        cells = dict(zip([column.title for column in table.columns], row, strict=True))
+        assert ({cells["a"], cells["b"]} == {"not judged"}) == ("gear-hammer" in cells["Check"])
+
+
+def test_a_case_of_fewer_speeds_is_named_with_them() -> None:
+    cases = "cases: {slow: {speeds: {from: 300 rpm, to: 700 rpm}}}\n"
+    found = torsion.run(torsion.parse(TRAIN + cases, "t.yaml"))
+    box = list(over_all(found))[1]
+    assert box.text == "PASS in all 2 cases judged, up to 700 rpm only (slow)"
+    assert "slow judged up to 700 rpm only" in dict(box.lines)["Conclusion"]
+
+
+def test_a_failure_is_worse_than_an_analysis_without_an_answer(ferry: Findings) -> None:
+    failed = ferry.cases["damper seized"]
+    lacking = Unanswered("transient", "motion over time", "why", "", None, True, False, "text")
+    open_too = replace(failed, plan=replace(failed.plan, unanswered=(lacking,)))
+    assert (verdict(failed), verdict(open_too)) == ("fail", "fail")
+    passed = replace(ferry, cases={}, plan=replace(ferry.plan, unanswered=(lacking,)))
+    assert verdict(passed) == "no answer"
+    both = replace(ferry, cases={"seized": replace(open_too, study=replace(open_too.study, case=None))})
+    (table,) = [one for one in over_all(both) if isinstance(one, Table)]
+    assert (table.rows[1][-1], table.marks[1]) == ("FAIL", "fail")
+
+
+def test_barred_ranges_of_a_case_for_information_are_no_restriction(ferry: Findings) -> None:
+    seized = ferry.cases["damper seized"]
+    band = BarredRange(50.0, 60.0, 55.0, "shaft")
+    lines = (replace(seized.need(Checks).lines[0], barred=(band,)), *seized.need(Checks).lines[1:])
+    for judged in (False, True):
+        case = replace(seized.study, case=replace(seized.study.case, is_judged=judged))
+        one = replace(seized, study=case).having(checks=Checks(lines))
+        box = list(over_all(replace(ferry, cases={"damper seized": one})))[1]
+        assert ("Barred ranges" in dict(box.lines)) == judged

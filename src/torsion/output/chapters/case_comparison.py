@@ -1,8 +1,6 @@
 """Chapters: all cases of a file side by side, their checks, frequencies and curves; and what one case changes."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,28 +11,22 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output import check_words
-from torsion.output.blocks import Block, Box, Column, Heading, Paragraph, Table, head, table, texts
-from torsion.output.chapters import first_page
-from torsion.output.chapters.first_page import Head, Kind, strongest, worst, worst_line
+from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, table, texts
+from torsion.output.chapters.case_verdict import Cases, Row, side_by_side
+from torsion.output.chapters.first_page import strongest
 from torsion.output.figures import case_curves
 from torsion.output.figures.figure import Figure
-from torsion.output.numbers import NONE, RPM, counted, exact, number, rpm, symbols
-from torsion.output.reported_values import band_words, barred_rpm, responds, synthesis
+from torsion.output.numbers import NONE, RPM, exact, number, rpm, symbols
+from torsion.output.reported_values import barred_rpm, responds, synthesis
 from torsion.output.selection import elements, highest, torques
-from torsion.results import listed
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
+from torsion.rules import RULES
+from torsion.rules.verdict_line import Check
 from torsion.study import Change
 
 MOST_COLUMNS = 4  # cases beside each other in one table
 MOST_MODES = 8
-MOST_NAMED = 4  # cases in the headline
-HEADS = 8  # rows of the first page for the heads of the box, of the table and of the chapter
-WORST = "✗!?–✓"  # signs of headlines, from the worst
-RANK = {"fail": 0, "not kept": 1, "outside": 2, "pass": 3}  # from the worst
-NO_ANSWER, BY_CASE = "no answer", "by case"
-Cases = Mapping[str, Findings]
+BY_CASE, NOT_JUDGED = "by case", "not judged"
 Loads = dict[str, dict[str, case_curves.Curve]]  # by component, by case
-Key = tuple[str, str, str, str, int]  # rule, clause, component, what, which of several
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -57,59 +49,6 @@ def _one(findings: Findings) -> Iterator[Block]:
         yield table("< What | < In the file | < In this case", rows, "Changes of the input file that make this case")
 
 
-def over_all(findings: Findings) -> Iterator[Block]:
-    """Before all else: the verdict over all cases; nothing of a file without."""
-    if findings.cases:
-        yield Heading("Verdict over all cases", at_end=True)
-        yield box(findings.each)
-        yield _overview(findings.each)
-
-
-def box(cases: Cases) -> Box:
-    """The worst verdict of those that are judged, in which case, why, and what has no answer."""
-    lines = [("Conclusion", _conclusion(cases))]
-    found = {name: check for name, one in _judged(cases).items() if one.is_answered if (check := worst(one))}
-    if found:
-        name = min(found, key=lambda name: check_words.rank(found[name]))
-        lines += [(title, f"case {name}, {text}") for title, text in worst_line(cases[name])]
-    unknown = [f"{name}: {one.what}, because {one.words}" for name, f in cases.items() for one in f.plan.unanswered]
-    bands = {name: barred_rpm(one) for name, one in cases.items() if _restricts(one)}
-    if bands:
-        each = (f"{name}: {', '.join(map(band_words, found))}" for name, found in bands.items())
-        lines.append(("Barred ranges", "; ".join(each)))
-    if unknown:
-        lines.append(("No answer", "; ".join(unknown)))
-    if left := [name for name, one in cases.items() if not one.is_judged]:
-        lines.append(("For information", f"{', '.join(left)}: no part of this verdict"))
-    (sign, words), kind = headline(cases)
-    return Box(sign, words, kind, tuple(lines))
-
-
-def headline(cases: Cases) -> tuple[Head, Kind]:
-    """The worst of the headlines of the cases that are judged, and of which they are; PASS is what all of them read."""
-    each = {
-        name: first_page.headline(one) if one.is_answered else (("?", "INCOMPLETE: no answer"), "note")
-        for name, one in _judged(cases).items()
-    }
-    (sign, _), kind = min(each.values(), key=lambda one: WORST.index(one[0][0]))
-    of = {name: words.split(", ") for name, ((other, words), _) in each.items() if other == sign}
-    all_or_some = f"all {len(each)} cases" if len(of) == len(each) > 1 else counted(len(each), "case")
-    some = "" if len(of) == len(each) else f"{len(of)} of "
-    which = f" ({listed(of, most=MOST_NAMED)})" if some else ""
-    first = next(iter(of.values()))[0].partition(":")[0]
-    more = dict.fromkeys(part for parts in of.values() for part in parts[1:])
-    return (sign, ", ".join([f"{first} in {some}{all_or_some} judged{which}", *more])), kind
-
-
-def _judged(cases: Cases) -> Cases:
-    return {name: one for name, one in cases.items() if one.is_judged}
-
-
-def rows_of_first_page(cases: Cases) -> int:
-    """Rows that the verdict over all cases takes of the first page: of its box, its table, and their heads."""
-    return first_page.rows_of(box(cases)) + len(cases) + HEADS
-
-
 def _all(cases: Cases) -> Iterator[Block]:
     yield from _checks(cases)
     yield from _barred(cases)
@@ -129,108 +68,6 @@ def _changes(findings: Findings) -> tuple[Change, ...]:
     return () if findings.study.case is None else findings.study.case.changes
 
 
-def _lines(findings: Findings) -> tuple[Check, ...]:
-    return findings.need(Checks).lines if findings.is_answered else ()
-
-
-def verdict(findings: Findings) -> str:
-    """The worst verdict of a case: fail, not kept, outside, pass, no answer, or empty where nothing judged."""
-    if not findings.is_answered or any(one.is_named for one in findings.plan.unanswered):
-        return NO_ANSWER
-    return min((check.verdict for check in _lines(findings)), key=RANK.__getitem__, default="")
-
-
-def _conclusion(cases: Cases) -> str:
-    """The verdict over all cases that are judged, in a sentence."""
-    judged = {name: verdict(one) for name, one in cases.items() if one.is_judged}
-    doubt = _to_be_verified(cases)
-    bad = [name for name, one in judged.items() if one in ("fail", "not kept")]
-    none = [name for name, one in judged.items() if one == NO_ANSWER]
-    number_of = counted(len(judged), "case")
-    if bad or none:
-        words = [f"the train does not satisfy what is judged in {', '.join(bad)}"] if bad else []
-        words += [f"there is no answer to {', '.join(none)}"] if none else []
-        return f"Of {number_of} judged, {' and '.join(words)}.{doubt}"
-    if not any(judged.values()):
-        return f"No rule judges any of {number_of}: the report gives results without a verdict."
-    if all(one == "pass" for one in judged.values()):
-        restricted = ", with the restrictions of speed below" if any(map(_restricts, cases.values())) else ""
-        return f"Every check of every case that is judged passed ({number_of}){restricted}.{doubt}"
-    unjudged = ", ".join(name for name, one in judged.items() if not one)
-    more = f"; nothing judges {unjudged}" if unjudged else ""
-    return f"No check of {number_of} judged failed, but not all are within the range of a rule{more}.{doubt}"
-
-
-def _to_be_verified(cases: Cases) -> str:
-    """How many limits are, as a sentence; empty where none is."""
-    rows = [row for row in side_by_side(cases) if row.each[row.worst].standing == TO_BE_VERIFIED]
-    are = "limit is" if len(rows) == 1 else "limits are"
-    return f" {len(rows)} {are} to be verified against the edition in force." if rows else ""
-
-
-def _restricts(findings: Findings) -> bool:
-    return findings.is_answered and bool(barred_rpm(findings))
-
-
-def _overview(cases: Cases) -> Table:
-    """One row a case."""
-    rows, marks = list[tuple[object, ...]](), list[str]()
-    for name, found in cases.items():
-        lines, word = _lines(found), verdict(found)
-        used = [check for check in lines if check.utilisation is not None]
-        most = max(used, key=lambda check: check.utilisation or 0.0, default=None)
-        failing = sum(check.fails for check in lines)
-        text = word.upper() or "not judged"
-        case = found.study.case
-        file = f"{case.folder}/report.html" if case is not None and found.is_answered else NONE
-        rows.append((
-            name, file, len(lines), failing,
-            NONE if most is None else number(100.0 * (most.utilisation or 0.0), 4),
-            NONE if most is None else f"{most.where}: {symbols(most.clause)}",
-            text if found.is_judged else f"{text} (information)",
-        ))  # fmt: skip
-        marks.append(("fail" if word == NO_ANSWER else word) if found.is_judged else "")
-    columns = head(
-        "< Case -> | < Report | Checks | Not passed -> not passed | Highest utilisation [%] -> highest use, % | "
-        "< Of -> | < Verdict ->"
-    )
-    return table(
-        tuple(replace(one, is_files=one.title == "Report") for one in columns), rows,
-        "The cases: checks, those whose limit is not kept, and the highest utilisation of a limit", marks=marks,
-        short="Cases",
-    )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Row:
-    """One check in every case that has it."""
-
-    key: Key
-    each: Mapping[str, Check]  # by name of the case
-    worst: str  # name of the case
-
-    @property
-    def rank(self) -> tuple[float, ...]:
-        """Its place among the rows: the worst first."""
-        return check_words.rank(self.each[self.worst])
-
-
-def side_by_side(cases: Cases) -> list[Row]:
-    """Every check of every case, those that fail first, then by utilisation; the worst is one that is judged."""
-    found: dict[Key, dict[str, Check]] = {}
-    for name, findings in cases.items():
-        seen = Counter[tuple[str, ...]]()
-        for check in _lines(findings):
-            plain = (check.rule, check.clause, check.where, check.what)
-            found.setdefault((*plain, seen[plain]), {})[name] = check
-            seen[plain] += 1
-    rows = []
-    for key, each in found.items():
-        judged = [name for name in each if cases[name].is_judged] or list(each)
-        rows.append(Row(key, each, min(judged, key=lambda name: check_words.rank(each[name]))))
-    return sorted(rows, key=lambda row: row.rank)
-
-
 def _checks(cases: Cases) -> Iterator[Table]:
     """Rows are checks, columns cases, the last the worst case; of many cases several tables."""
     rows = side_by_side(cases)
@@ -239,7 +76,7 @@ def _checks(cases: Cases) -> Iterator[Table]:
     for shown, part in _columns(cases):
         columns = map(texts, ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case"))
         yield table(
-            tuple(columns), [_cells(row, shown) for row in rows],
+            tuple(columns), [_cells(cases, row, shown) for row in rows],
             "Checks side by side, each at its worst point: value, at which speed of the reference, and in brackets the "
             f"order that contributes most; where the limit differs by case, value / limit{part}",
             marks=[row.each[row.worst].verdict for row in rows],
@@ -277,15 +114,20 @@ def _critical(cases: Cases) -> Iterator[Table]:
         )  # fmt: skip
 
 
-def _cells(row: Row, shown: Sequence[str]) -> tuple[str, ...]:
+def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
     first = next(iter(row.each.values()))
     limits = {check_words.limit(check) for check in row.each.values()}
     limit = limits.pop() if len(limits) == 1 else BY_CASE
-    each = [_cell(row.each[name], with_limit=limit == BY_CASE) if name in row.each else NONE
+    each = [_cell(row.each[name], with_limit=limit == BY_CASE) if name in row.each else _lacking(cases[name], first)
             for name in shown]  # fmt: skip
     most = row.each[row.worst].verdict
     return (f"{first.what} ({first.rule})", first.where, symbols(first.clause), limit, symbols(first.unit), *each,
             f"{row.worst}: {most.upper()}")  # fmt: skip
+
+
+def _lacking(findings: Findings, check: Check) -> str:
+    """Of a case that has not such a check: that it names not the rule of it, else nothing."""
+    return NOT_JUDGED if check.rule in RULES and check.rule not in dict(findings.study.rules) else NONE
 
 
 def _cell(check: Check, *, with_limit: bool) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
+from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points
 from torsion.output.check_words import about
 from torsion.output.numbers import RPM, given_rpm, number, order, rpm, symbols
@@ -109,11 +110,17 @@ def overall(findings: Findings) -> Paragraph:
         where = listed(about(bad), most=4)
         return Paragraph(f"{_bad(checks)} ({where}). The train does not satisfy {requested}.{doubt}", "fail")
     if any(check.verdict != "pass" for check in checks):
-        words = {"pass": "passed", "outside": "outside the range for which the rule has a limit"}
+        reached = check_words.reached(findings)
+        words = {
+            "pass": "passed",
+            "in part": " ".join(filter(None, ("passed", reached, "in part, not over all that the rules demand"))),
+            "outside": "outside the range for which the rule has a limit",
+        }  # fmt: skip
         number_of = {text: sum(check.verdict == key for check in checks) for key, text in words.items()}
         counts = ", ".join(f"{n} {text}" for text, n in number_of.items() if n)
         return Paragraph(f"No check failed: {counts}.{doubt}", "note")
     restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
+    restricted += f", {reached}" if (reached := check_words.reached(findings)) else ""
     passed = "The only check" if len(checks) == 1 else f"All {len(checks)} checks"
     return Paragraph(f"{passed} passed: the train satisfies {requested}{restricted}.{doubt}", "pass")
 
@@ -172,6 +179,8 @@ def other_restrictions(findings: Findings, *, is_barred: bool) -> tuple[str, ...
         found += tilt_restrictions(findings)
     if response is not None and np.any(bad):
         found.append(f"At {_listed(response.speed[bad] * RPM)} {UNDAMPED}")
+    if unreached := check_words.unreached(findings):
+        found.append(unreached)
     if not (found or is_barred) and response is not None and findings.need(Checks).lines and not failed(findings):
         found.append("No restriction of speed follows from the checks requested.")
     return tuple(found)

@@ -32,7 +32,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     )
     yield _matrix(found, reference(findings))
     yield _list(found, rated(findings), reference(findings))
-    by_torque, spread = findings.get(FrequenciesOverSpeed), findings.get(Tolerances)
+    by_torque = findings.get(FrequenciesOverSpeed)
     met = {c.order for c in found if c.is_inside}
     shown = sorted(sorted({c.order for c in found}, key=lambda one: (one not in met, one))[:MOST_ORDERS])
     crossings = [
@@ -44,8 +44,13 @@ def chapter(findings: Findings) -> Iterator[Block]:
         orders=[(float(one), f"order {order(one)}") for one in shown], crossings=crossings,
         speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings), barred=barred_rpm(findings),
         curves=None if by_torque is None else (by_torque.speed * RPM, by_torque.frequency),
-        spread=() if spread is None or by_torque is not None else list(zip(spread.lower, spread.upper, strict=True)),
+        spread=() if by_torque is not None else _spread(findings.get(Tolerances)),
     ))  # fmt: skip
+
+
+def _spread(found: Tolerances | None) -> list[tuple[float, float]]:
+    """Hz, the band of each mode."""
+    return [] if found is None else list(zip(found.lower.tolist(), found.upper.tolist(), strict=True))
 
 
 def _inside(inside: int, total: int) -> str:

@@ -81,11 +81,18 @@ def _couplings(findings: Findings) -> Table | None:
             torques = (limits.rated_torque, limits.vibratory_torque, limits.max_torque)
         heat, tolerance = (None, None) if limits is None else (limits.heat_limit, limits.tolerance)
         lost = 2.0 * np.pi * spring.loss_factor
-        if not (any(torques) or heat or tolerance or lost or spring.viscous or spring.table):
+        if not (
+            any(torques) or (limits and limits.limit_anything) or tolerance or lost or spring.viscous or spring.table
+        ):
             continue  # a spring, which the mass-elastic system has
         losses = number(lost) if lost else NONE, _figure(spring.viscous or None)
+        figures = [*map(_figure, torques), _figure(heat)]
+        if limits is not None and limits.vibratory_over_frequency is not None:
+            figures[1] = BY_TABLE
+        if limits is not None and limits.heat_over_frequency is not None:
+            figures[-1] = BY_TABLE
         rows.append((
-            part.name, *map(_figure, torques), _figure(heat), stiffness, _figure(tolerance, 100.0),
+            part.name, *figures, stiffness, _figure(tolerance, 100.0),
             *(losses if spring.table is None else (BY_TABLE, BY_TABLE)), source(findings, k),
         ))  # fmt: skip
     return _sheet(

@@ -86,12 +86,18 @@ def headline(findings: Findings) -> tuple[Head, Kind]:
         return (SIGNS["not kept"], ", ".join(["NOT KEPT (limit to be verified)", *more])), "not kept"
     if unknown:
         return ("?", "INCOMPLETE: an analysis without an answer"), "note"
+    limited = ["with barred ranges of speed"] if barred(findings) else []
+    reached = check_words.reached(findings)
+    if found["in part"]:
+        bare = (one.rule for one in every if one.verdict == "in part" and one.reach is None)
+        lacking = dict.fromkeys(f"data lacking for {rule}" for rule in bare)
+        passes = [f"passes {reached}"] if reached else []
+        return (SIGNS["in part"], ", ".join(["NOT WHOLLY JUDGED", *passes, *lacking, *limited])), "note"
     if not found["pass"]:
         why = "the rules have no limit here" if every else "no rule judges this train"
         return ("–", f"NO VERDICT: {why}"), "note"
-    limited = ["with barred ranges of speed"] if barred(findings) else []
     beyond = ["in part outside the rules"] if found["outside"] else []
-    return (SIGNS["pass"], ", ".join(["PASS", *limited, *beyond])), "pass"
+    return (SIGNS["pass"], ", ".join(["PASS", *limited, *beyond, *([reached] if reached else [])])), "pass"
 
 
 def worst(findings: Findings) -> Check | None:
@@ -148,6 +154,7 @@ def _counts(findings: Findings, checks: tuple[Check, ...]) -> str:
     found = Counter(check.verdict for check in checks)
     doubt = sum(check.standing == TO_BE_VERIFIED for check in checks)
     words = [f"{found['pass']} passed", f"{found['fail']} failed", f"{found['not kept']} not kept",
+             *([f"{found['in part']} in part"] if found["in part"] else []),
              f"{found['outside']} outside the rules"]  # fmt: skip
     unknown = len(findings.plan.unanswered)
     return (

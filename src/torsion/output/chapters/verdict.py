@@ -7,7 +7,7 @@ from functools import partial
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
-from torsion.output.chapters import case_comparison, first_page
+from torsion.output.chapters import case_verdict, first_page
 from torsion.output.check_words import STRESS, contributing, quoted
 from torsion.output.numbers import NONE, counted, number, rpm, symbols
 from torsion.output.reported_values import band_words, barred, barred_rpm, mode_near, rated
@@ -20,7 +20,7 @@ MOST_NAMED = 12  # components without a source that are named on the first page
 def chapter(findings: Findings) -> Iterator[Block]:
     """The verdict on the first page of every report; what it stands on follows."""
     yield Heading(f"Verdict of the case {case}" if (case := first_page.case_name(findings)) else "Verdict", at_end=True)
-    before = case_comparison.rows_of_first_page(findings.each) if findings.cases else 0
+    before = case_verdict.rows_of_first_page(findings.each) if findings.cases else 0
     yield from first_page.blocks(findings, [*_unjudged(findings), _sources(findings)], before)
     yield from _details(findings)
 

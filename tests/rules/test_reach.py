@@ -1,0 +1,128 @@
+"""No rule passes over what it was not judged at: speeds that end below the rated one, or begin above it."""
+
+import math
+
+import pytest
+
+import torsion
+from torsion.output import check_words
+from torsion.output.chapters import first_page
+from torsion.output.results_json import results
+from torsion.rules.judgement import within_reach
+from torsion.rules.verdict_line import Check, Checks
+
+RPM = math.pi / 30.0
+SCENE = """
+name: n
+operation: {speeds: {from: FIRST rpm, to: LAST rpm, steps: 21}, rated: {speed: 1200 rpm, power: 50 kW}, load: LOAD}
+train:
+- motor: {inertia: 2, ripple: [{order: 1, torque: 4 N*m}]}
+- coupling: {name: rubber, stiffness: 2e4, loss_factor: 5 %, heat_limit: 1 kW, rated_torque: 410 N*m}
+- shaft: {name: line, length: 0.5, diameter: 80 mm, role: intermediate}
+- shaft: {name: throw, length: 0.1, diameter: 90 mm, role: crank}
+- gear: {name: mesh, teeth: [20, 40], inertia: [0.1, 0.6], application_factor: 1.35}
+- propeller: {inertia: 6}
+rules: [RULE]
+"""
+OVER_SPEED = {  # rule: share of the rated speed to which it is to be judged
+    "iacs-m68": 1.05, "lr": 1.05, "ccs": 1.05, "kr": 1.2, "gear-hammer": 1.0, "coupling-maker": 1.0,
+    "mil-std-167": 1.0, "engine-maker: {crank_stress: 90 MPa}": 1.0, "nvh: {at: line, acceleration: 9e9}": 1.0,
+}  # fmt: skip
+OF_NO_RANGE = ("minimum diameter", "T_KN", "major critical speed")
+
+
+def solved(rule, first=400, last=1500, load="constant", more=""):
+    text = SCENE.replace("FIRST", str(first)).replace("LAST", str(last)).replace("LOAD", load).replace("RULE", rule)
+    return torsion.run(torsion.parse(text + more))
+
+
+@pytest.mark.parametrize(("rule", "scope"), OVER_SPEED.items())
+def test_a_rule_over_speeds_that_end_below_the_rated_one_does_not_pass(rule, scope) -> None:
+    found = solved(rule, last=800)
+    lines = [one for one in found.need(Checks).lines if one.clause not in OF_NO_RANGE]
+    assert {one.verdict for one in lines} == {"in part"}
+    assert all(one.note.count("judged up to 800 rpm only") == 1 for one in lines)
+    for one in lines:
+        reach = one.reach.first / RPM, one.reach.last / RPM, one.reach.demanded / RPM
+        assert reach == pytest.approx((400, 800, 1200 * scope), rel=1e-12)
+    assert first_page.headline(found) == (("~", "NOT WHOLLY JUDGED, passes up to 800 rpm only"), "note")
+    assert found.exit_status == 1
+    assert {one["verdict"] for one in results(found)["checks"]} <= {"in part", "pass"}
+    words = dict(first_page.box(found).lines)
+    until = f"{1200 * scope:.6g}"
+    assert f"Not judged, though the rules demand it: 800 to {until} rpm" in words["Speeds"]
+    assert "passed up to 800 rpm only" in words["Conclusion"]
+
+
+@pytest.mark.parametrize(("rule", "scope"), OVER_SPEED.items())
+def test_a_rule_judged_at_the_rated_speed_passes_and_states_what_it_demands_above(rule, scope) -> None:
+    found = solved(rule, last=1200)
+    assert {one.verdict for one in found.need(Checks).lines} == {"pass"}
+    reached = ", up to 1200 rpm only" if scope > 1 else ""
+    assert first_page.headline(found)[0] == ("✓", f"PASS{reached}")
+    assert found.exit_status == 0
+    whole = solved(rule, last=round(1200 * scope))
+    assert all(one.reach is None for one in whole.need(Checks).lines)
+    assert check_words.reached(whole) == check_words.unreached(whole) == ""
+
+
+def test_speeds_that_begin_above_the_rated_one_do_not_pass() -> None:
+    found = solved("iacs-m68", first=1300, last=1500)
+    assert first_page.headline(found) == (("~", "NOT WHOLLY JUDGED, passes from 1300 rpm only"), "note")
+    assert found.exit_status == 1
+
+
+def test_a_rule_that_fails_below_the_rated_speed_fails() -> None:
+    found = solved("gear-hammer: {limit: 1e-6}", last=800)
+    assert [one.verdict for one in found.need(Checks).lines] == ["fail", "in part"]
+    assert first_page.headline(found)[0] == ("✗", "FAIL")
+
+
+def test_speeds_of_continuous_use_below_the_rated_one_are_stated_beside_the_pass() -> None:
+    found = solved("engine-maker: {crank_stress: 90 MPa, continuous: {from: 500 rpm, to: 800 rpm}}")
+    (line,) = found.need(Checks).lines
+    assert (line.verdict, line.reach.last / RPM) == ("pass", pytest.approx(800))
+    assert first_page.headline(found)[0] == ("✓", "PASS, up to 800 rpm only")
+
+
+def test_a_case_of_fewer_speeds_passes_up_to_these_alone() -> None:
+    cases = "cases: {slow: {speeds: {from: 400 rpm, to: 700 rpm}}}\n"
+    found = solved("iacs-m68", more=cases)
+    assert first_page.headline(found.cases["slow"])[0] == ("✓", "PASS, up to 700 rpm only")
+    assert found.exit_status == 0
+    short = solved("iacs-m68", last=800, more=cases)
+    assert short.exit_status == 1
+
+
+def test_margins_of_frequencies_over_part_of_the_speeds_are_no_pass() -> None:
+    def verdicts(last):
+        return [one.verdict for one in solved("api-617", last=last).need(Checks).lines]
+
+    assert "pass" not in verdicts(1100)
+    assert "in part" in verdicts(1100)
+    assert "in part" not in verdicts(1200)
+
+
+def test_what_fails_stays_so() -> None:
+    study = solved("iacs-m68", last=800).study
+    one = Check("r", "c", "w", "x", 2.0, 1.0, "N m", "fail", "maker")
+    assert within_reach(one, study) == one
+
+
+@pytest.mark.parametrize("load", ["[[0 rpm, 1 N*m], [1500 rpm, 1 N*m]]", "[[0 rpm, 0 N*m], [1500 rpm, 0 N*m]]"])
+def test_a_smaller_load_takes_no_smaller_shaft(load) -> None:
+    def least(law):
+        lines = solved("iacs-m68", load=law).need(Checks).lines
+        return next(one.limit for one in lines if one.clause == "minimum diameter")
+
+    assert least(load) == pytest.approx(least("constant"), rel=1e-12)
+    assert least("[[0 rpm, 3000 N*m], [1500 rpm, 3000 N*m]]") == pytest.approx(
+        least("constant") * (3000 / (50e3 / (1200 * RPM))) ** (1 / 3), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("rule", ["iacs-m68", "gear-hammer", "coupling-maker"])
+def test_excitations_of_nothing_are_no_pass(rule) -> None:
+    text = SCENE.replace("FIRST", "400").replace("LAST", "1500").replace("LOAD", "constant").replace("RULE", rule)
+    with pytest.raises(torsion.InputError, match="every excitation of the train is 0"):
+        torsion.parse(text.replace("torque: 4 N*m", "torque: 0 N*m"))
