@@ -11,8 +11,10 @@ from scipy.linalg import eigvals
 
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
+from torsion.analyses.engine.engine_results import Engines
 from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.pendulums import Pendulums, deflections, effective_inertia
+from torsion.analyses.response.amplitudes import Synthesis
 from torsion.assembly import assemble
 from torsion.components.lowering import PendulumRecord
 from torsion.errors import InputError
@@ -211,3 +213,69 @@ excitations: [{at: a, order: 2, torque: 10}]
     first, second = (torsion.response(each, assemble(each.train), speeds=speeds) for each in (one, other))
     at = [[int(np.argmin(abs(found.speed - speed))) for speed in speeds] for found in (first, second)]
     assert second.angle[at[1], 0, :3] == pytest.approx(first.angle[at[0], 0, :3], rel=1e-11)
+
+
+def test_misfires_of_an_engine_with_a_pendulum_are_those_of_runs_of_their_own() -> None:
+    """The table of misfires has at every speed the pendulum of that speed, far from the rated one too."""
+    scene = """name: one throw
+operation: {speeds: {from: 900 rpm, to: 1100 rpm, steps: 3}, rated: {speed: 3000 rpm, power: 1 kW}}
+train:
+  - engine:
+      name: e
+      cylinders: 2
+      strokes: 4
+      inertia: 0.05
+      firing_angles: [0 deg, 360 deg]
+      stiffness: 2e5
+      STATE
+      gas: {cycle: wiebe, compression_ratio: 10, charge: 1 bar, exhaust: 1 bar, imep: 8 bar, p_max: 50 bar,
+            duration: 60 deg}
+      geometry: {bore: 80 mm, stroke: 80 mm, rod_length: 140 mm}
+      masses: {reciprocating: 0.5 kg}
+  - coupling: {stiffness: 1e5, viscous: 3}
+  - pendulum: {mass: 1, arm: 0.1, order: 1, inertia: 0.1}
+  - coupling: {stiffness: 3e3, viscous: 2}
+  - disc: {inertia: 2}
+analyses: {response: }
+"""
+    (engine,) = torsion.run(torsion.parse(scene.replace("STATE", "imbalance: [[2, 103 %]]"))).need(Engines).each
+    case = next(one for one in engine.misfires if one.cylinder == 1)
+    own = torsion.run(torsion.parse(scene.replace("STATE", "misfire: 1")))
+    speed, half = own.results["response"].speed, own.need(Synthesis).half_range
+    for place, at in enumerate(case.speed):
+        near = np.flatnonzero(abs(speed / at - 1.0) < 1e-12)
+        if near.size:
+            assert case.half_range[place] == pytest.approx(half[near[0]], rel=1e-10)
+    assert sum(bool((abs(speed / at - 1.0) < 1e-12).any()) for at in case.speed) >= 3
+
+
+@pytest.mark.parametrize("analyses", ["{response: }", "{modes: {count: 1}, response: }", "{modes: , response: }"])
+def test_response_has_a_point_at_every_resonance_whatever_modes_are_requested(analyses: str) -> None:
+    """At every positive root of K x = w^2 M x of every order that lies in the range."""
+    coarse = TRAIN.replace("to: 6000 rpm", "to: 6000 rpm, steps: 4")
+    speed = torsion.run(study(coarse + f"analyses: {analyses}\n")).results["response"].speed
+    m, met = NUMBER * MASS * (ARM + LENGTH) ** 2, 0
+    for order in (2.0, 2.5, 4.0):
+        inertia = np.diag([DISCS[0], DISCS[1], HUB + m / (1.0 - order**2 / (ARM / LENGTH)), DISCS[2]])
+        root = eigvals(equations(0.0)[2][:4, :4], inertia)
+        w = np.sqrt(root.real[(abs(root.imag) < 1e-6 * abs(root)) & (root.real > 1.0)])
+        for one in w[(w / order >= 100.0 * RPM) & (w / order <= 6000.0 * RPM)]:
+            assert abs(speed / (one / order) - 1.0).min() < 1e-9
+            met += 1
+    assert met >= 5
+
+
+def test_a_table_that_ends_beside_a_pendulum_leaves_out_the_modes_above_it() -> None:
+    table = "  - coupling: {table: {over: frequency, at: [START, 130], stiffness: [1.9e4, 2e4], loss_factor: [0, 0]}}\n"
+    ends = TRAIN.replace("  - coupling: {stiffness: 20000.0}\n", table).replace("to: 6000 rpm", "to: 1500 rpm")
+    assert ends.count("over: frequency") == 1
+    findings = torsion.run(study(ends.replace("START", "1")))
+    modes = findings.results["modes"].frequency
+    curves = findings.need(FrequenciesOverSpeed).frequency
+    assert 1 <= len(curves) <= len(modes)
+    assert "response" in findings.results
+    fourth = "".join(line for line in ends.splitlines(True) if "order: 2" not in line and "order: 5/2" not in line)
+    below = torsion.run(study(fourth.replace("START", "6.5")))  # at 100 rpm the pendulum's own lies below
+    assert "response" in below.results
+    assert [one.analysis for one in below.plan.unanswered] == ["frequencies over speed"]
+    assert "points of the response at every resonance" in [what for what, _ in below.plan.left_out]

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from torsion.analyses.response.grid import resonances
 from torsion.analyses.steady import steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray
@@ -26,6 +27,7 @@ from torsion.results import reported, result
 from torsion.study import Study
 
 SPEEDS = 61  # at least so many over the range, and the corners of the tables between them
+COUNTED = 5  # speeds at which modes are counted
 FEW_SPEEDS = 31  # of smooth curves that each order meets once at most
 ROUNDING = 1e-13  # relative, of a speed at which an order meets a mode
 
@@ -111,8 +113,21 @@ def frequencies_over_speed(study: Study, system: System, count: int) -> Frequenc
         torque = _mean_torque(study, system, np.array([speed]))[:, 0]
         return modes_as_discretised(taken_under(system, torque, speed), count).frequency
 
-    found = np.array([at(speed) for speed in grid.tolist()]).T
-    return FrequenciesOverSpeed(grid, found, tuple(rows), at)
+    found = [at(speed) for speed in grid.tolist()]
+    number = min(map(len, found))  # a table over frequency may end below a mode
+    return FrequenciesOverSpeed(grid, np.array([one[:number] for one in found]).T, tuple(rows), at)
+
+
+def reaching(study: Study, system: System, known: FrequenciesOverSpeed | None, highest: float) -> FrequenciesOverSpeed:
+    """The known frequencies where they reach a highest one (rad/s) at every speed; else of as many modes as do."""
+    speeds = study.operation.speeds
+    if known is not None and known.frequency.size and 2.0 * math.pi * known.frequency[-1].min() > highest:
+        return known
+    count = 1
+    for speed in np.linspace(speeds.first, speeds.last, COUNTED) if speeds is not None else ():
+        mean = _mean_torque(study, system, np.array([speed]))[:, 0]
+        count = max(count, len(resonances(taken_under(system, mean, speed), highest, None, None).frequency))
+    return frequencies_over_speed(study, system, count)
 
 
 def _mean_torque(study: Study, system: System, speed: FloatArray) -> FloatArray:

@@ -75,7 +75,7 @@ class Silicone(Declared):
         words = f"{silicone} at {self.temperature:g} °C, shape {self.shape:g} m³; "
         if self.viscosity is not None and not STATED[0] <= self.temperature <= STATED[1]:
             words += f"outside the {STATED[0]:g} to {STATED[1]:g} °C that the source of its law covers; "
-        words += f"k = {k:.6g} f^{p:.6g} N m/rad, c = {c:.6g} f^{q - 1.0:.6g} N m s/rad, f in Hz"
+        words += f"k = {k:.6g} f^({p:.6g}) N m/rad, c = {c:.6g} f^({q - 1.0:.6g}) N m s/rad, f in Hz"
         return power_law(
             "frequency", (REACH[0] * of_hertz, REACH[1] * of_hertz),
             (k / of_hertz**p, p), (c / of_hertz ** (q - 1.0), q - 1.0),
