@@ -94,6 +94,11 @@ class Train:
         return any(spring.table is not None and spring.table.over == over for spring in self.springs)
 
     @property
+    def follows_speed(self) -> bool:
+        """A stiffness follows the speed, or the mean torque of a speed."""
+        return self.has_tables_over("mean torque") or self.has_tables_over("speed")
+
+    @property
     def has_nonlinear_couplings(self) -> bool:
         """A coupling has play, friction, stages or a capacity."""
         return any(part.nonlinear is not None for part in self.parts)

@@ -7,7 +7,7 @@ import pytest
 
 import torsion
 from torsion.components import KINDS
-from torsion.components.lowering import CouplingRatings, JointRecord, PropellerRecord
+from torsion.components.lowering import CouplingRatings, JointRecord, PendulumRecord, PropellerRecord
 from torsion.primitives import Bar
 from torsion.train import Train
 
@@ -21,6 +21,7 @@ train:
       {stiffness: 5 kN*m/rad, psi: 0.8, rated_torque: 1 kN*m, vibratory_torque: 300, max_torque: 2.5 kN*m,
        heat_limit: 120 W, tolerance: 15 %}
   - damper: {housing: 1, ring: 2, damping: 3}
+  - pendulum: {mass: 2, arm: 80 mm, length: 20 mm, number: 3}
   - shaft:
       {length: 1, diameter: [60 mm, 50 mm], role: thrust, features: slot, loss_factor: 0.01,
        support: {at: 0.5, stiffness: 1e6}}
@@ -34,6 +35,7 @@ train:
   - branch: {train: [{coupling: {stiffness: 1e3, viscous: 7}}, {disc: {inertia: 1}}, {propeller: {inertia: 1}}]}
   - engine: {cylinders: 1, strokes: 2, inertia: 1, power: 9 kW, gas: {table: [[1, 5 N*m, 0 deg]]}}
   - compressor: {stroke: 0.1, rod_length: 0.3, inertia: 1, throws: [{angle: 0 deg, bore: 0.1, reciprocating: 1}]}
+operation: {speeds: {from: 100 rpm, to: 200 rpm}}
 analyses: {modes: }
 """
 
@@ -50,6 +52,7 @@ def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
     assert (motor.source, motor.note) == ("maker", "as built")
     assert (part("damper-1").is_named, part("damper-1").damping) == (False, ("damping", 3.0))
     assert part("coupling-1").ratings == CouplingRatings(1000.0, 300.0, 2500.0, 120.0, 0.15)
+    assert part("pendulum-1").pendulum == PendulumRecord(2.0, None, pytest.approx(0.06), 5.0)
     assert part("coupling-1").damping == ("psi", 0.8)
     assert part("coupling-3").damping == ("viscous", 7.0)
     assert (part("gear-1").application_factor, part("gear-1").is_point) == (1.3, False)

@@ -89,12 +89,12 @@ ANALYSES: dict[str, Analysis] = {
     "couplings by table": Analysis(
         "couplings by table", "torsion.analyses.coupling_tables", needs=("modes",),
         results={"coupling_tables": "CouplingTables"}, chapters=("coupling_tables",), place=("train",),
-        wanted=lambda study: study.train.has_tables,
+        wanted=lambda study: study.train.has_tables_over("frequency") or study.train.has_tables_over("mean torque"),
     ),
     "frequencies over speed": Analysis(
         "frequencies over the speed", "torsion.analyses.frequencies_by_torque", needs=("couplings by table",),
         results={"frequencies_over_speed": "FrequenciesOverSpeed"}, chapters=("frequencies_by_torque",),
-        wanted=lambda study: study.train.has_tables_over("mean torque"), place=("train",),
+        wanted=lambda study: study.train.follows_speed, place=("train",),
     ),
     "segment groups": Analysis(
         "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,
@@ -112,6 +112,11 @@ ANALYSES: dict[str, Analysis] = {
         "response over speed", "torsion.analyses.response.over_speed", settings="ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
         chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
+    ),
+    "pendulums": Analysis(
+        "pendulums", "torsion.analyses.pendulums", needs=("modes", "response"), results={"pendulums": "Pendulums"},
+        chapters=("pendulums",), place=("train",),
+        wanted=lambda study: any(part.pendulum is not None for part in study.train.parts),
     ),
     "coupling temperatures": Analysis(
         "temperatures of couplings", "torsion.analyses.coupling_temperatures", needs=("response",),

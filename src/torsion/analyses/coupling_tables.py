@@ -1,4 +1,4 @@
-"""What couplings with tables have at each mode, what the modes lose in the train, and what takes no table."""
+"""What couplings and dampers with tables have at each mode, what the modes lose, and what takes no table."""
 
 import math
 from collections.abc import Iterator
@@ -11,23 +11,26 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import WORDS, table_path
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
+from torsion.kernels.power_law import PowerLaw
 from torsion.results import reported, result
 from torsion.study import Study
 
-HINT = "give the coupling a `stiffness` at a frequency that you choose"
+HINT = "give a `stiffness` at a frequency that you choose in its place"
+WHAT = {"": "pendulum", "silicone": "silicone damper"}  # by the key that gives it; else a table
 
 
 @reported
 class Table:
-    """A table of a coupling, and the certificate that it leaves each mode one frequency."""
+    """A table of a coupling or damper, and the certificate that it leaves each mode one frequency."""
 
-    coupling: str = result("", (), "its name")
+    coupling: str = result("", (), "name of the coupling or damper")
     over: str = result("", (), "what the table is over: frequency, or mean torque of the coupling")
     at: FloatArray = result("", ("point",), "its points, Hz or N m")
     stiffness: FloatArray = result("N*m/rad", ("point",), "dynamic stiffness at each, at the coupling's own speed")
     loss_factor: FloatArray = result("1", ("point",), "loss factor of hysteresis at each")
     viscous: FloatArray = result("N*m*s/rad", ("point",), "viscous damping at each")
     holds: bool = result("", (), "the values at its ends hold beyond them", key="holds_beyond")
+    law: str | None = result("", (), "law that the points stand for; null: linear between them")
     steepest: float = result(
         "1", (), "largest d ln k/d ln x on any piece; over frequency below 2: each mode has exactly one frequency"
     )
@@ -35,7 +38,7 @@ class Table:
 
 @reported
 class AtMode:
-    """A coupling with a table at one mode."""
+    """A coupling or damper with a table at one mode."""
 
     coupling: str = result("", (), "its name")
     mode: int = result("", (), "counted from 1")
@@ -47,13 +50,13 @@ class AtMode:
 
 @reported
 class CouplingTables:
-    """The couplings with tables."""
+    """The couplings and dampers with tables."""
 
     tables: tuple[Table, ...] = result("", (), "tables as given")
     speed: float | None = result(
         "rad/s", (), "reference speed whose mean torque the modes take; null without a table over mean torque"
     )
-    at_modes: tuple[AtMode, ...] = result("", (), "couplings at the modes")
+    at_modes: tuple[AtMode, ...] = result("", (), "couplings and dampers at the modes")
     modal_loss_factor: FloatArray = result(
         "1", ("mode",), "sum over all couplings and shafts of share of the elastic energy times loss factor there"
     )
@@ -76,9 +79,12 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
         total += modes.elastic[span] * loss_factors(system, span, w)
     tables, rows = [], []
     for span, table in sorted(system.tables.items()):
-        name, size = system.spans[span].name, WORDS[table.over][1]
-        at, stiffness, eta, viscous = map(np.array, (table.at, table.stiffness, table.loss_factor, table.viscous))
-        tables.append(Table(name, table.over, at / size, stiffness, eta, viscous, table.holds, table.steepest))
+        if table.over == "speed":
+            continue  # of a pendulum, which has results of its own
+        name, at = system.spans[span].name, np.array(table.points)
+        law = table.words if isinstance(table, PowerLaw) else None
+        printed = at / WORDS[table.over][1], *table.values(at)
+        tables.append(Table(name, table.over, *printed, table.holds, law, table.steepest))
         k, lost = np.broadcast_to(system.elastic(span, w)[0], w.shape), loss_factors(system, span, w)
         each = zip(modes.frequency.tolist(), k.tolist(), lost.tolist(), modes.elastic[span].tolist(), strict=True)
         rows += [AtMode(name, mode, *values) for mode, values in enumerate(each, 1)]
@@ -96,28 +102,39 @@ def run(work: Work) -> None:
 
 
 def refuse_loops(system: System) -> None:
-    """Raise InputError where a coupling by table stands in a train with closed loops, or grounded at several points."""
-    if system.tables and system.condensed.extra.size:
-        path = table_path(system, min(system.tables))
+    """Raise InputError where a coupling by table stands in a train with closed loops, or grounded at several points.
+
+    Rings of dampers and pendulums close no loop.
+    """
+    links = [span for span in system.tables if not system.train.parts[system.spans[span].part].is_point]
+    if links and system.condensed.extra.size:
+        path = table_path(system, min(links))
         message = "a train with closed loops, or grounded behind rigid spans at several points, takes no table"
         raise InputError([Fault(path, message, HINT)])
 
 
 def table_faults(study: Study) -> list[Fault]:
-    """What a train with tables has no answer for, at the first table of its kind; and a mean torque that lacks."""
-    train = study.train
-    paths = {
-        spring.table.over: (*train.parts[spring.part].path, "table")
-        for spring in reversed(train.springs) if spring.table is not None
-    }  # fmt: skip
-    if not paths:
+    """What a train with tables has no answer for, at the first table of its kind; and what it lacks."""
+    train, operation = study.train, study.operation
+    tabled = [(spring, spring.table) for spring in reversed(train.springs) if spring.table is not None]
+    if not tabled:
         return []
-    every = [Fault(min(paths.values(), key=len), why, HINT) for why in _without_table(study)]
+    paths = {
+        table.over: (*train.parts[spring.part].path, *([table.key] if table.key else [])) for spring, table in tabled
+    }
+    path, what = min(paths.values(), key=len), WHAT.get(tabled[-1][1].key, "table")
+    every = [Fault(path, why, HINT) for why in _without_table(study, what)]
     if "frequency" in paths and "transient" in study.analyses:
         message = "motion over time has no stiffness that follows the frequency"
         every.append(Fault(paths["frequency"], message, HINT))
+    if "speed" in paths and "transient" in study.analyses:
+        message = "motion over time takes no pendulum, which is linear about one speed alone"
+        every.append(Fault(paths["speed"], message, "leave the pendulum out of the case with `transient`"))
+    if "speed" in paths and operation.speed is None:
+        hint = "for example `operation: {speeds: {from: 600 rpm, to: 1800 rpm}}`"
+        every.append(Fault(paths["speed"], "the frequencies of a train with a pendulum follow the speed", hint))
     if "mean torque" in paths:
-        path, operation = paths["mean torque"], study.operation
+        path = paths["mean torque"]
         if not operation.has_mean_torque or operation.speed is None:
             hint = "for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
             every.append(Fault(path, "a stiffness over mean torque needs the mean torque, which is not known", hint))
@@ -127,16 +144,17 @@ def table_faults(study: Study) -> list[Fault]:
     return every
 
 
-def _without_table(study: Study) -> Iterator[str]:
+def _without_table(study: Study, what: str) -> Iterator[str]:
     """Why a table of any kind does not go with the rest of the file."""
-    if study.train.has_loops:
-        yield "a train with closed loops takes no table"
+    parts = study.train.parts
+    if study.train.has_loops and any(not parts[one.part].is_point for one in study.train.springs if one.table):
+        yield f"a train with closed loops takes no {what}"
     if study.train.modal_damping:
-        yield "damping by mode is a sum over modes of one stiffness, and a table has many"
+        yield f"damping by mode is a sum over modes of one stiffness, and a {what} has many"
     if study.train.has_nonlinear_couplings:
-        yield "the exact motion of couplings with play, friction or stages takes no table beside them"
+        yield f"the exact motion of couplings with play, friction or stages takes no {what} beside them"
     if study.setting("analyses", "response", "method") == "harmonic-balance":
-        yield "the exact periodic response takes no table"
-    for name, what in (("stability", "stability takes"), ("check", "the comparison of the models takes")):
+        yield f"the exact periodic response takes no {what}"
+    for name, takes in (("stability", "stability takes"), ("check", "the comparison of the models takes")):
         if name in study.analyses:
-            yield f"{what} no table"
+            yield f"{takes} no {what}"

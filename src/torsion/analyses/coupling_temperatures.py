@@ -113,7 +113,9 @@ def coupling_temperature(study: Study, response: Response, part: Part, warming: 
     mean = None if known is None else known.torque
     each_w = [one.line.circular_frequency(speed) for one in found]
     cold = 1.0 / system.flexibility[span] * (1.0 + 1j * system.loss_factor[span])
-    stiffness = [{span: cold + 1j * w * system.viscous[span], **complex_stiffness(system, w, mean)} for w in each_w]
+    stiffness = [
+        {span: cold + 1j * w * system.viscous[span], **complex_stiffness(system, w, mean, speed)} for w in each_w
+    ]
     forces = [[sources(system, each, speed, known) for each in one.apart] for one in found]
     heat = _Heat(system, warming, span, found, each_w, forces, ground_damping(system, speed, known), stiffness)
     case, temperature = equilibria(warming, heat.power, len(speed))

@@ -64,7 +64,7 @@ def critical_speeds(
 def critical_by_torque(
     found: "FrequenciesOverSpeed", lines: tuple[Line, ...], operation: Operation
 ) -> tuple[CriticalSpeed, ...]:
-    """The same within the speed range, of modes whose frequencies follow the mean torque of each speed."""
+    """The same within the speed range, of modes whose frequencies follow the speed."""
     met = [
         CriticalSpeed(mode, line.order, line.sources, hertz, speed, True, _margin(speed, operation), line.own_orders)
         for line in lines if line.order is not None for mode, speed, hertz in found.crossings(line.order)
@@ -88,11 +88,11 @@ def run(work: Work) -> None:
     found: tuple[CriticalSpeed, ...] = ()
     if modes is None or not any(line.order is not None for line in harmonics):
         work.log.without("critical speeds", "no modes" if modes is None else "no order excites")
-    elif work.study.train.has_tables_over("mean torque"):
+    elif work.study.train.follows_speed:
         from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
 
         over_speed = work.get(FrequenciesOverSpeed)
-        work.log.without("critical speeds outside the speed range", "the stiffness follows the mean torque of a speed")
+        work.log.without("critical speeds outside the speed range", "a stiffness follows the speed")
         if over_speed is not None:
             found = critical_by_torque(over_speed, harmonics, work.study.operation)
     else:

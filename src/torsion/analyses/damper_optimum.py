@@ -4,14 +4,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly import rediscretised
 from torsion.assembly.system import System
 from torsion.findings import Work
 from torsion.kernels.damping.ring_damper import magnification, tuned, viscous
-from torsion.primitives import Spring
+from torsion.primitives import Spring, tabled_spring
 from torsion.results import reported, result
 from torsion.train import Train
 
@@ -32,7 +30,9 @@ class DamperOptimum:
     stiffness: float = result("N*m/rad", (), "best stiffness of a ring on a spring")
     damping: float = result("N*m*s/rad", (), "best viscous damping beside that stiffness")
     tuned_peak: float = result("1", (), "greatest magnification of the mode with both")
-    given_peak: float | None = result("1", (), "greatest magnification of the mode as the file gives the ring")
+    given_peak: float | None = result(
+        "1", (), "greatest magnification of the mode as the file gives the ring; of a law with its figures there"
+    )
 
 
 @reported
@@ -68,21 +68,21 @@ def _at_modes(system: System, ring: Spring, count: int) -> Iterator[DamperOptimu
         if ratio < LEAST:
             continue
         omega, plain, best = 2.0 * math.pi * float(frequency), viscous(ratio), tuned(ratio)
-        stiffness = 1.0 / ring.flexibility
+        given = ring if ring.table is None else tabled_spring(ring.name, 0, (0, 0), ring.table, omega)
         yield DamperOptimum(
             train.parts[ring.part].name, mode, float(frequency), float(1.0 / angle**2), ratio,
             2.0 * inertia * omega * plain.damping, plain.magnification,
             inertia * (omega * best.tuning) ** 2, 2.0 * inertia * omega * best.damping, best.magnification,
             magnification(
-                ratio, float(np.sqrt(stiffness / inertia)) / omega, ring.viscous / (2.0 * inertia * omega),
-                ring.loss_factor,
+                ratio, math.sqrt(1.0 / (given.flexibility * inertia)) / omega, given.viscous / (2.0 * inertia * omega),
+                given.loss_factor,
             ),
         )  # fmt: skip
 
 
 def without(train: Train, ring: Spring) -> Train:
     """The train with a ring of no inertia, which then does nothing: its angle is that of the housing."""
-    held = replace(ring, flexibility=ring.flexibility if math.isfinite(ring.flexibility) else 1.0)
+    held = replace(ring, table=None, flexibility=ring.flexibility if math.isfinite(ring.flexibility) else 1.0)
     return replace(
         train, inertias=tuple(one for one in train.inertias if one.station != ring.driven),
         springs=tuple(held if one is ring else one for one in train.springs),

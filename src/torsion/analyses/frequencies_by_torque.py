@@ -1,4 +1,8 @@
-"""Natural frequencies over the speed where the stiffness of a coupling follows its mean torque, and critical speeds."""
+"""Natural frequencies over the speed where a stiffness follows the speed or a mean torque, and critical speeds.
+
+Of a stiffness that follows the square of the speed alone (a pendulum's) no curve rises faster than the speed, as shares
+of the elastic energy are 1 at most: an order meets each curve once at most, and a change of sign misses none.
+"""
 
 import math
 from collections.abc import Callable, Iterator
@@ -9,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from torsion.analyses.response.grid import resonances
 from torsion.analyses.steady import steady
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray
@@ -22,6 +27,8 @@ from torsion.results import reported, result
 from torsion.study import Study
 
 SPEEDS = 61  # at least so many over the range, and the corners of the tables between them
+COUNTED = 5  # speeds at which modes are counted
+FEW_SPEEDS = 31  # of smooth curves that each order meets once at most
 ROUNDING = 1e-13  # relative, of a speed at which an order meets a mode
 
 
@@ -36,7 +43,7 @@ class StiffnessOverSpeed:
 
 @reported
 class FrequenciesOverSpeed:
-    """Natural frequencies at the stiffness that the mean torque of each speed gives."""
+    """Natural frequencies at the stiffness that each speed and its mean torque give."""
 
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     frequency: FloatArray = result("Hz", ("mode", "speed"), "undamped natural frequencies at each speed")
@@ -54,17 +61,20 @@ class FrequenciesOverSpeed:
             def apart(speed: float, row: int = mode) -> float:
                 return float(order) * speed / (2.0 * math.pi) - float(self.at(speed)[row])
 
-            for speed in _roots(apart, self.speed.tolist()):
+            for speed in _roots(apart, self.speed.tolist(), once=not self.couplings):
                 yield mode + 1, speed, float(order) * speed / (2.0 * math.pi)
 
 
-def _roots(distance: Callable[[float], float], points: list[float]) -> Iterator[float]:
-    """Every root that changes of sign between the points show, or between a point and a least value beside it."""
+def _roots(distance: Callable[[float], float], points: list[float], *, once: bool) -> Iterator[float]:
+    """Every root that changes of sign between the points show, or between a point and a least value beside it.
+
+    once: there is one at most.
+    """
     from scipy.optimize import brentq, minimize_scalar
 
     values = [distance(point) for point in points]
     marks = list(zip(points, values, strict=True))
-    for k in range(1, len(points) - 1):
+    for k in range(1, 0 if once else len(points) - 1):
         before, here, after = values[k - 1 : k + 2]
         same = min(before * here, here * after) > 0.0
         if same and abs(here) <= abs(before) and abs(here) <= abs(after):
@@ -89,8 +99,9 @@ def frequencies_over_speed(study: Study, system: System, count: int) -> Frequenc
     if speeds is None:
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
         raise InputError([Fault(("operation", "speeds"), "frequencies over the speed need the speeds", hint)])
-    grid = np.union1d(np.linspace(speeds.first, speeds.last, SPEEDS), _corners(study, system, speeds.values()))
-    mean = steady(study.train, system, study.operation, grid).torque
+    number = SPEEDS if tables else FEW_SPEEDS
+    grid = np.union1d(np.linspace(speeds.first, speeds.last, number), _corners(study, system, speeds.values()))
+    mean = _mean_torque(study, system, grid)
     rows = []
     for span, table in tables.items():
         torque = np.abs(mean[span])
@@ -99,16 +110,36 @@ def frequencies_over_speed(study: Study, system: System, count: int) -> Frequenc
 
     @lru_cache(maxsize=4096)
     def at(speed: float) -> FloatArray:
-        torque = steady(study.train, system, study.operation, np.array([speed])).torque[:, 0]
-        return modes_as_discretised(taken_under(system, torque), count).frequency
+        torque = _mean_torque(study, system, np.array([speed]))[:, 0]
+        return modes_as_discretised(taken_under(system, torque, speed), count).frequency
 
-    found = np.array([at(speed) for speed in grid.tolist()]).T
-    return FrequenciesOverSpeed(grid, found, tuple(rows), at)
+    found = [at(speed) for speed in grid.tolist()]
+    number = min(map(len, found))  # a table over frequency may end below a mode
+    return FrequenciesOverSpeed(grid, np.array([one[:number] for one in found]).T, tuple(rows), at)
+
+
+def reaching(study: Study, system: System, known: FrequenciesOverSpeed | None, highest: float) -> FrequenciesOverSpeed:
+    """The known frequencies where they reach a highest one (rad/s) at every speed; else of as many modes as do."""
+    speeds = study.operation.speeds
+    if known is not None and known.frequency.size and 2.0 * math.pi * known.frequency[-1].min() > highest:
+        return known
+    count = 1
+    for speed in np.linspace(speeds.first, speeds.last, COUNTED) if speeds is not None else ():
+        mean = _mean_torque(study, system, np.array([speed]))[:, 0]
+        count = max(count, len(resonances(taken_under(system, mean, speed), highest, None, None).frequency))
+    return frequencies_over_speed(study, system, count)
+
+
+def _mean_torque(study: Study, system: System, speed: FloatArray) -> FloatArray:
+    """(spans, speeds) N m; 0 where no stiffness follows it."""
+    if not system.tables_over("mean torque"):
+        return np.zeros((len(system.spans), len(speed)))
+    return steady(study.train, system, study.operation, speed).torque
 
 
 def _corners(study: Study, system: System, fine: FloatArray) -> FloatArray:
     """Speeds (rad/s) near which the mean torque of a coupling passes a point of its table: there curves bend."""
-    mean = np.abs(steady(study.train, system, study.operation, fine).torque)
+    mean = np.abs(_mean_torque(study, system, fine))
     found = [fine[:0]]
     for span, table in system.tables_over("mean torque").items():
         piece = np.searchsorted(table.at, mean[span], side="right")
@@ -117,19 +148,23 @@ def _corners(study: Study, system: System, fine: FloatArray) -> FloatArray:
 
 
 def at_operating_point(study: Study) -> Study:
-    """The study whose couplings by mean torque have the stiffness of the rated, else of the highest speed.
+    """The study whose stiffnesses by speed or mean torque are those of the rated, else of the highest speed.
 
     Raises InputError where a table does not cover the mean torque there.
     """
-    if not study.train.has_tables_over("mean torque"):
+    if not study.train.follows_speed:
         return study
-    system = assemble(study.train)
-    mean = steady(study.train, system, study.operation, np.array([study.operation.speed or 0.0])).torque[:, 0]
+    system, speed = assemble(study.train), study.operation.speed or 0.0
+    mean = _mean_torque(study, system, np.array([speed]))[:, 0]
     springs = list(study.train.springs)
-    for span, table in system.tables_over("mean torque").items():
-        refuse_beyond(system, span, np.abs(mean[span]))
+    for span, table in system.tables.items():
+        own, none = np.array(speed), np.zeros(())
+        x = None if table.over == "frequency" else system.followed(span, none, np.asarray(mean[span]), own)
+        if x is None:
+            continue
+        refuse_beyond(system, span, x)
         one = springs[span]
-        springs[span] = tabled_spring(one.name, one.part, (one.driving, one.driven), table, abs(float(mean[span])))
+        springs[span] = tabled_spring(one.name, one.part, (one.driving, one.driven), table, float(x))
     return replace(study, train=replace(study.train, springs=tuple(springs)))
 
 
@@ -139,7 +174,7 @@ def run(work: Work) -> None:
     if modes is None or work.study.operation.speeds is None or not modes.frequency.size:
         work.log.without("frequencies over the speed", "no modes" if modes is None else "`operation` has no speeds")
         return
-    with work.log.step("frequencies over the speed", "a stiffness follows the mean torque") as step:
+    with work.log.step("frequencies over the speed", "a stiffness follows the speed") as step:
         found = frequencies_over_speed(work.study, work.system, modes.frequency.size)
         step.method = "modes at the stiffness of each speed"
         step.size = f"{found.speed.size} speeds"

@@ -113,6 +113,7 @@ class _Search(Generic[Modes]):
         self.system, self.count, self.solve = system, count, solve
         self.tables = system.tables_over("frequency")
         self.at = lru_cache(maxsize=4)(self._at)
+        self.near: float | None = None  # rad/s of the root found last
 
     def _at(self, w: float) -> Modes:
         """All that are requested, at the stiffness of w (rad/s)."""
@@ -120,7 +121,8 @@ class _Search(Generic[Modes]):
 
     def root(self, mode: int, low: float, high: float) -> Modes:
         """The modes at the frequency of the mode, which lies in [low, high] rad/s, its bounds those of the root."""
-        w = min(max(2.0 * math.pi * float(self.at(low).frequency[mode]), low), high)
+        begin = low if self.near is None else self.near
+        w = min(max(2.0 * math.pi * float(self.at(begin).frequency[mode]), low), high)
         for _ in range(MOST_STEPS):
             found = self.at(w)
             excess = math.log(w / (2.0 * math.pi * float(found.frequency[mode])))  # h/2
@@ -132,6 +134,7 @@ class _Search(Generic[Modes]):
             if not low <= w <= high:
                 w = math.sqrt(low * high)
             if abs(w - before) <= ROUNDING / 4.0 * before:
+                self.near = before
                 return self._enclosed(mode, before, found)
         raise SolveError(f"mode {mode + 1} of a train with a table over frequency was not found to rounding")
 

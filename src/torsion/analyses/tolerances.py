@@ -143,9 +143,10 @@ def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims
     train, system, varied = study.train, found.system, _Varied(found)
     spans = {
         train.parts[span.part].name: number for number, span in enumerate(system.own_spans)
-        if train.parts[span.part].ratings is not None and 0.0 < system.flexibility[number] < math.inf
+        if train.parts[span.part].kind == "coupling" and 0.0 < system.flexibility[number] < math.inf
     }  # fmt: skip
-    width = {name: train.part(name).ratings.tolerance or 0.0 for name in spans}  # type: ignore[union-attr]
+    rated = {name: train.part(name).ratings for name in spans}
+    width = {name: (own.tolerance or 0.0) if own is not None else 0.0 for name, own in rated.items()}
     _refuse(aims, found)
 
     def at(factor: Callable[[float], float], *names: str) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -40,7 +40,7 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
         raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
     if tables := system.tables_over("frequency"):
         message = "a stiffness that follows the frequency has no constant matrices"
-        hint = "give the coupling a `stiffness` for the matrices"
+        hint = "give a `stiffness` in its place for the matrices"
         raise InputError([Fault(table_path(system, min(tables)), message, hint)])
     if system.train.modal_damping:
         message = "damping by mode has no matrix beside those of the components"

@@ -177,19 +177,29 @@ class System:
         return {span: table for span, table in self.tables.items() if table.over == over}
 
     def elastic(
-        self, span: int, w: FloatArray, mean: FloatArray | None = None
+        self, span: int, w: FloatArray, mean: FloatArray | None = None, speed: FloatArray | None = None
     ) -> tuple[FloatArray | float, FloatArray | float]:
         """Stiffness (N m/rad) and loss modulus k eta + w c of a span at w (rad/s), any shape; by its table if any.
 
-        mean: N m of that span, of a shape that goes with w.
+        mean: N m of that span, speed: rad/s of the reference station, of a shape that goes with w.
         """
-        table = self.tables.get(span)
-        if table is None or (table.over == "mean torque" and mean is None):
+        x = self.followed(span, w, mean, speed)
+        if x is None:
             k = 1.0 / float(self.flexibility[span])
             return k, k * self.loss_factor[span] + w * self.viscous[span]
-        x = w if table.over == "frequency" or mean is None else np.broadcast_to(np.abs(mean), w.shape)
-        found = table.complex_stiffness(x, w)
+        found = self.tables[span].complex_stiffness(x, w)
         return found.real, found.imag
+
+    def followed(
+        self, span: int, w: FloatArray, mean: FloatArray | None, speed: FloatArray | None
+    ) -> FloatArray | None:
+        """What the table of a span is over, of the shape of w; None without a table, or where that is not known."""
+        table = self.tables.get(span)
+        if table is None or table.over == "frequency":
+            return None if table is None else w
+        if table.over == "speed":
+            return None if speed is None else np.broadcast_to(speed * self.span_ratio[span], w.shape)
+        return None if mean is None else np.broadcast_to(np.abs(mean), w.shape)
 
     def modal_ratios(self, modes: int) -> FloatArray:
         """(modes,) damping ratios given by mode, the last of them for all above; 0 where none is given."""

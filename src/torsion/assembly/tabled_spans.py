@@ -13,7 +13,7 @@ from torsion.errors import Fault, InputError, Path
 if TYPE_CHECKING:
     from torsion.kernels.stiffness_table import StiffnessTable
 
-WORDS = {"frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0)}
+WORDS = {"frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0), "speed": ("rpm", np.pi / 30.0)}
 
 
 def reach(system: System) -> tuple[float, float]:
@@ -30,9 +30,14 @@ def taken_at(system: System, w: float) -> System:
     return _taken(system, dict.fromkeys(system.tables_over("frequency"), w))
 
 
-def taken_under(system: System, mean: FloatArray) -> System:
-    """The same with that of its tables over mean torque under mean torques (spans,) N m."""
-    return _taken(system, {span: abs(float(mean[span])) for span in system.tables_over("mean torque")})
+def taken_under(system: System, mean: FloatArray, speed: float) -> System:
+    """The same with that of its tables over mean torque under mean torques (spans,) N m, and of those over speed.
+
+    speed: rad/s of the reference station.
+    """
+    at = {span: abs(float(mean[span])) for span in system.tables_over("mean torque")}
+    at |= {span: speed * float(system.span_ratio[span]) for span in system.tables_over("speed")}
+    return _taken(system, at)
 
 
 def _taken(system: System, at: dict[int, float]) -> System:
@@ -76,17 +81,19 @@ def with_springs(
     return found
 
 
-def complex_stiffness(system: System, w: FloatArray, mean: FloatArray | None = None) -> dict[int, ComplexArray]:
+def complex_stiffness(
+    system: System, w: FloatArray, mean: FloatArray | None = None, speed: FloatArray | None = None
+) -> dict[int, ComplexArray]:
     """(frequencies,) N m/rad of every span with a table, at circular frequencies w (frequencies,) rad/s.
 
-    mean: (spans, frequencies) N m mean torque; without it the tables over mean torque are left out. Raises InputError
-    where a table does not cover them.
+    mean: (spans, frequencies) N m mean torque; without it the tables over mean torque are left out. speed:
+    (frequencies,) rad/s of the reference station; the same. Raises InputError where a table does not cover them.
     """
     found: dict[int, ComplexArray] = {}
     for span, table in system.tables.items():
-        if table.over == "mean torque" and mean is None:
+        x = system.followed(span, w, None if mean is None else mean[span], speed)
+        if x is None:
             continue
-        x = w if table.over == "frequency" or mean is None else np.abs(mean[span])
         refuse_beyond(system, span, x)
         found[span] = table.complex_stiffness(x, w)
     return found
@@ -109,4 +116,5 @@ def refuse_beyond(system: System, span: int, x: FloatArray) -> None:
 
 def table_path(system: System, span: int) -> Path:
     """The place of the table in the file."""
-    return (*system.train.parts[system.spans[span].part].path, "table")
+    key = system.tables[span].key
+    return (*system.train.parts[system.spans[span].part].path, *([key] if key else []))

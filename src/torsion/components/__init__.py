@@ -9,6 +9,7 @@ KINDS = {
     "motor": "torsion.components.motor:Motor",
     "propeller": "torsion.components.propeller:Propeller",
     "damper": "torsion.components.damper:RingDamper",
+    "pendulum": "torsion.components.pendulum:Pendulum",
     "shaft": "torsion.components.shaft:Shaft",
     "coupling": "torsion.components.coupling:Coupling",
     "gear": "torsion.components.gear:Gear",

@@ -153,6 +153,16 @@ class PropellerRecord:
 
 
 @dataclass(frozen=True)
+class PendulumRecord:
+    """A centrifugal pendulum."""
+
+    order: float  # of its own shaft, to which it is tuned
+    exact: Fraction | None  # the same where the file gives it
+    inertia: float  # kg m2, mass of all bobs times the square of their distance from the axis
+    lever: float  # (R + l)/l, angle of a bob about its pivot / twist of the span that stands for it
+
+
+@dataclass(frozen=True)
 class Part:
     """A component as placed in the train, and what analyses, rules and reports need to know of it."""
 
@@ -176,6 +186,7 @@ class Part:
     joint: JointRecord | None = None
     propeller: PropellerRecord | None = None
     nonlinear: NonlinearRecord | None = None  # of a coupling that modes take as linear
+    pendulum: PendulumRecord | None = None
     engine: "EngineRecord | None" = None
     compressor: "CompressorRecord | None" = None
     warming: "Warming | None" = None  # of a coupling whose temperature is computed

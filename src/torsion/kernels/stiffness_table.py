@@ -25,12 +25,13 @@ class StiffnessTable:
     0.667
     """
 
-    over: str  # "frequency" or "mean torque"
+    over: str  # "frequency", "mean torque", or "speed" of the driving station
     at: tuple[float, ...]  # rad/s, or N m at the driving station's own speed; ascending
     stiffness: tuple[float, ...]  # N m/rad
     loss_factor: tuple[float, ...]
     viscous: tuple[float, ...]  # N m s/rad
     holds: bool = False  # the values at its ends beyond them; else it says nothing there
+    key: str = "table"  # of its component, under which the file gives it; empty: the component itself
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor and viscous damping (N m s/rad) at x, each of the shape of x."""
@@ -49,6 +50,16 @@ class StiffnessTable:
             return 0.0
         rise = (self.stiffness[piece + 1] - self.stiffness[piece]) / (self.at[piece + 1] - self.at[piece])
         return float(rise * x / np.interp(x, self.at, self.stiffness))
+
+    @property
+    def points(self) -> tuple[float, ...]:
+        """Those at which it is printed."""
+        return self.at
+
+    @property
+    def follows(self) -> str:
+        """What stands in place of one value: by table, or by what a law is over."""
+        return "by table" if self.key == "table" else f"by {self.over}"
 
     @property
     def damps(self) -> bool:

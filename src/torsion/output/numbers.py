@@ -19,7 +19,6 @@ SIGNS = (
 )  # fmt: skip
 ROUNDING = 1e-12  # of the largest of a column or curve: a smaller figure may be the rounding of its computation
 LESS = "less than 10⁻¹² of the largest, which may be rounding"
-BY_TABLE = "by table"  # in place of a stiffness or a damping that has no one value
 NONE = "–"
 PREFIXES = ((1e6, "M"), (1e3, "k"))
 RPM = 60.0 / (2.0 * math.pi)

@@ -36,7 +36,9 @@ EXAMPLES = {
     "motor": "- motor: {inertia: 8.5, power: 400 kW, ripple: [{order: 6, torque: 1 %, phase: 30 deg}]}",
     "propeller": "- propeller: {inertia: 42, entrained: 25 %, blades: 4, damping: {model: archer, factor: 30},\n"
     "              excitation: [{blade_order: 1, torque: 6 %}, {blade_order: 2, torque: 2 %}]}",
-    "damper": "- damper: {housing: 1.5, ring: 4, damping: 600 N*m*s/rad}",
+    "damper": "- damper: {housing: 1.5, ring: 4, damping: 600 N*m*s/rad}\n"
+    "- damper: {housing: 1.5, ring: 4, silicone: {viscosity: 0.15 m**2/s, shape: 5 m**3, temperature: 75 degC}}",
+    "pendulum": "- pendulum: {mass: 1.2 kg, number: 4, arm: 80 mm, order: 3, inertia: 0.02}",
     "shaft": "- shaft: {length: 4.5 m, diameter: [150 mm, 140 mm], bore: 40 mm, role: propeller, features: shrink fit}",
     "coupling": "- coupling: {stiffness: 40 kN*m/rad, inertia: [0.9, 0.6], psi: 0.9, vibratory_torque: 1.2 kN*m}\n"
     "- coupling: {stiffness: 70 kN*m/rad, psi: 1.1, max_torque: 15 kN*m, max_torque_rare: 45 kN*m}\n"

@@ -113,7 +113,7 @@ def _study(source: Source) -> Study:
             study = with_variation(study, source, _study, faults)
     if faults or study is None:
         raise input_error(faults, source)
-    if study.train.has_tables_over("mean torque"):
+    if study.train.follows_speed:
         from torsion.analyses.frequencies_by_torque import at_operating_point
 
         try:

@@ -12,7 +12,7 @@ import numpy as np
 from torsion.analyses.engine.engine_results import MisfireFound
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Sources
-from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.response.solver import answer, ground_damping, tabled_stiffness
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import ComplexArray, FloatArray, IntArray
@@ -110,5 +110,6 @@ def _answers(study: Study, found: Response, at: IntArray, own: list[tuple[int, i
         force = np.zeros((condensed.tree.size, len(speed)), dtype=np.complex128)
         force[condensed.node[station]] = system.speed_ratio[station]
         w = found.lines[line].circular_frequency(speed)
-        unit[line, station] = answer(system, w, Sources(force, None), ground).torque
+        stiffness = tabled_stiffness(system, w, found.mean[at].T, speed)
+        unit[line, station] = answer(system, w, Sources(force, None), ground, stiffness=stiffness).torque
     return Answers(speed, unit)

@@ -55,7 +55,7 @@ def frequency_response(
         columns = (1, len(hertz))
         force, w, tiled = Sources(np.tile(drive.force, columns), None), 2.0 * math.pi * hertz, np.tile(ground, columns)
         carried = np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
-        stiffness = tabled_stiffness(system, w, carried)
+        stiffness = tabled_stiffness(system, w, carried, at)
         solve = partial(answer, system, w, force, tiled, stiffness=stiffness)
         balance = balanced(system, [w], carried, lambda added: [solve(added)])
         found = solve({} if balance is None else balance.added)

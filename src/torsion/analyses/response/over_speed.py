@@ -39,7 +39,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly import resolving
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, SolveError
 from torsion.fields import Declared, given, refuse
 from torsion.findings import Progress, Work, silent
 from torsion.kernels.tree_response import Status
@@ -181,14 +181,14 @@ def _solved(
         if system.train.has_nonlinear_couplings:
             from torsion.analyses.response.balanced_couplings import balanced
 
-            solve = partial(_answers, system, each_w, forces, ground, mean[part].T)
+            solve = partial(_answers, system, each_w, forces, ground, (mean[part].T, here))
             if one_block := balanced(system, each_w, mean[part].T, solve):
                 balance.append(one_block)
         added = balance[-1].added if balance else {}
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             w = each_w[k]
-            stiffness = tabled_stiffness(system, w, mean[part].T)
+            stiffness = tabled_stiffness(system, w, mean[part].T, here)
             answered = by_magnitude(
                 [answer(system, w, force, ground, added, stiffness=stiffness) for force in apart[k]]
             )
@@ -207,12 +207,12 @@ def _solved(
 
 
 def _answers(
-    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray, mean: FloatArray,
-    added: "Mapping[int, Secant]",
+    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
+    at: tuple[FloatArray, FloatArray], added: "Mapping[int, Secant]",
 ) -> list[Answer]:  # fmt: skip
-    """Of every harmonic component, with a stiffness added to some spans; mean: (spans, speeds) N m."""
+    """Of every harmonic component, with a stiffness added to some spans; at: (spans, speeds) N m mean, and speeds."""
     return [
-        answer(system, own, force, ground, added, stiffness=tabled_stiffness(system, own, mean))
+        answer(system, own, force, ground, added, stiffness=tabled_stiffness(system, own, *at))
         for own, force in zip(w, forces, strict=True)
     ]
 
@@ -249,13 +249,20 @@ def run(work: Work) -> None:
     work.put(response=found, synthesis=total)
 
 
-def _met_by_torque(work: Work) -> list[float]:
-    """rad/s at which an order meets a mode whose frequency follows the mean torque."""
-    from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+def _met_over_speed(work: Work) -> list[float]:
+    """rad/s at which an order meets a mode whose frequency follows the speed."""
+    from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed, reaching
 
-    if (known := work.get(FrequenciesOverSpeed)) is None:
+    orders = [line.order for line in lines(work.system) if line.order]
+    if not orders or work.study.operation.speeds is None:
         return []
-    return [speed for line in lines(work.system) if line.order for _, speed, _ in known.crossings(line.order)]
+    highest = float(max(orders)) * work.study.operation.speeds.last
+    try:
+        known = reaching(work.study, work.system, work.get(FrequenciesOverSpeed), highest)
+    except SolveError as error:
+        work.log.without("points of the response at every resonance", str(error))
+        return []
+    return [speed for order in orders for _, speed, _ in known.crossings(order)]
 
 
 def _found(work: Work) -> Response:
@@ -263,8 +270,8 @@ def _found(work: Work) -> Response:
     study, log, ruled = work.study, work.log, "response" in work.ruled
     with log.step("response over speed", "requested" if "response" in study.analyses else "something excites") as step:
         also = work.rules.judged_speeds(study) if ruled else np.empty(0)
-        if study.train.has_tables_over("mean torque"):
-            also = np.union1d(also, _met_by_torque(work))
+        if study.train.follows_speed:
+            also = np.union1d(also, _met_over_speed(work))
         found = response(
             study, work.system, modes=work.get(Modes), damped=work.get(DampedModes), also=also, all_orders=ruled,
             progress=work.progress,

@@ -1,4 +1,4 @@
-"""Chapter: couplings whose stiffness and damping follow a table, as given and at the modes."""
+"""Chapter: couplings and dampers whose stiffness and damping follow a table, as given and at the modes."""
 
 from collections.abc import Iterator
 
@@ -36,8 +36,13 @@ UNITS = {"frequency": Axis("frequency", "Hz"), "mean torque": Axis("mean torque 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Tables as given, their figures, and the modes."""
     found = findings.need(CouplingTables)
-    yield Heading("Couplings by table")
-    yield Paragraph(f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in found.tables)}.")
+    yield Heading("Couplings and dampers by table or law")
+    for one in found.tables:
+        if one.law is not None:
+            yield Paragraph(f"{one.coupling}: {one.law}.")
+    linear = [one for one in found.tables if one.law is None]
+    if linear:
+        yield Paragraph(f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in linear)}.")
     steepest = [one.steepest for one in found.tables if one.over == "frequency"]
     if steepest:
         yield Paragraph(BY_FREQUENCY.format(number(max(steepest), 3)))
@@ -62,8 +67,8 @@ def _as_given(found: CouplingTables) -> blocks.Table:
             *(values.tolist() for values in (one.at, one.stiffness, one.loss_factor, one.viscous)), strict=True
         )
     ]  # fmt: skip
-    titles = "< Coupling -> | < Over -> | At -> | k own [N m/rad] -> k | Loss factor η -> η | Viscous c [N m s/rad]"
-    return table(titles, rows, "Couplings by table, as given")
+    titles = "< Element -> | < Over -> | At -> | k own [N m/rad] -> k | Loss factor η -> η | Viscous c [N m s/rad]"
+    return table(titles, rows, "Couplings and dampers by table, as given")
 
 
 def _at_modes(found: CouplingTables) -> blocks.Table:
@@ -76,10 +81,10 @@ def _at_modes(found: CouplingTables) -> blocks.Table:
         for one in sorted(found.at_modes, key=lambda one: one.mode)
     ]  # fmt: skip
     titles = (
-        "Mode -> | Frequency [Hz] -> Hz | < Coupling -> | k own [N m/rad] -> k | Loss factor η -> η | "
+        "Mode -> | Frequency [Hz] -> Hz | < Element -> | k own [N m/rad] -> k | Loss factor η -> η | "
         "Share of the elastic energy [%] -> share, % | Modal loss factor of the train -> modal η"
     )
-    return table(titles, rows, "Couplings by table at the modes")
+    return table(titles, rows, "Couplings and dampers by table at the modes")
 
 
 def _figure(found: CouplingTables, one: Table, name: str) -> Figure:

@@ -10,7 +10,7 @@ from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.numbers import BY_TABLE, NONE, given, given_rpm, number
+from torsion.output.numbers import NONE, given, given_rpm, number
 from torsion.output.reported_values import NOT_STATED, rated
 from torsion.output.selection import damps, elements
 from torsion.results import listed
@@ -61,8 +61,8 @@ def _elements(findings: Findings) -> Table:
     system = findings.system
     rows: list[tuple[float | str, ...]] = []
     for element in elements(system):
-        if element.spans[0] in system.tables:
-            rows.append((element.name, *[BY_TABLE] * 5))
+        if (table_of := system.tables.get(element.spans[0])) is not None:
+            rows.append((element.name, *[table_of.follows] * 5))
         elif damps(system, element):
             eta, viscous = (float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous))
             losses = (eta, 2 * math.pi * eta, 1 / eta) if eta else [NONE] * 3

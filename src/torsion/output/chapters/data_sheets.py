@@ -9,11 +9,12 @@ from torsion.analyses.tooth_forces import ToothForces
 from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.numbers import BY_TABLE, NONE, exact, given, given_rpm, number, scale
+from torsion.output.numbers import NONE, exact, given, given_rpm, number, scale
 from torsion.output.reported_values import mean_torque_at_rated, rated, source
 
 MOST_DIGITS = 8  # significant digits of a figure of the file
 NO_FORCE = "Tooth forces are not stated of {}: the file has no pitch diameter, or no rated torque."
+OVER_FREQUENCY = "over frequency"  # in place of a limit that has no one value
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -75,7 +76,7 @@ def _couplings(findings: Findings) -> Table | None:
         limits, spring = part.ratings, springs[k]
         stiffness = "rigid" if spring.flexibility == 0 else given(1.0 / spring.flexibility, MOST_DIGITS)
         if spring.table is not None:
-            stiffness = BY_TABLE
+            stiffness = spring.table.follows
         torques: tuple[float | None, ...] = (None,) * 3
         if limits is not None:
             torques = (limits.rated_torque, limits.vibratory_torque, limits.max_torque)
@@ -88,12 +89,12 @@ def _couplings(findings: Findings) -> Table | None:
         losses = number(lost) if lost else NONE, _figure(spring.viscous or None)
         figures = [*map(_figure, torques), _figure(heat)]
         if limits is not None and limits.vibratory_over_frequency is not None:
-            figures[1] = BY_TABLE
+            figures[1] = OVER_FREQUENCY
         if limits is not None and limits.heat_over_frequency is not None:
-            figures[-1] = BY_TABLE
+            figures[-1] = OVER_FREQUENCY
         rows.append((
             part.name, *figures, stiffness, _figure(tolerance, 100.0),
-            *(losses if spring.table is None else (BY_TABLE, BY_TABLE)), source(findings, k),
+            *(losses if spring.table is None else (stiffness, stiffness)), source(findings, k),
         ))  # fmt: skip
     return _sheet(
         "< Coupling | T_{KN} [N m] | T_{KW} [N m] | T_{Kmax} [N m] | P_{KW} [W] | k own [N m/rad] | "

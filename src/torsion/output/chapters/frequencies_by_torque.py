@@ -1,4 +1,4 @@
-"""Chapter: natural frequencies over the speed, where the stiffness of a coupling follows its mean torque."""
+"""Chapter: natural frequencies over the speed, where a stiffness follows the speed or the mean torque."""
 
 from collections.abc import Iterator
 
@@ -15,6 +15,10 @@ TEXT = (
     "that a natural frequency is a curve over the speed; an order may meet it nowhere, once or several times. Critical "
     "speeds are sought within the speed range alone."
 )
+OF_PENDULUMS = (
+    "The field that holds a pendulum grows with the square of the speed, so that a natural frequency is a curve over "
+    "the speed, which an order meets once at most. Critical speeds are sought within the speed range alone."
+)
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -23,7 +27,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     chosen = np.unique(np.linspace(0, len(found.speed) - 1, MOST_ROWS).round().astype(int)).tolist()
     unit = scale("N m", [float(one.torque.max()) for one in found.couplings])
     yield Heading("Frequencies over the speed")
-    yield Paragraph(TEXT)
+    yield Paragraph(TEXT if found.couplings else OF_PENDULUMS)
     titles = "Speed [rpm] -> rpm"
     for one in found.couplings:
         titles += f" | Mean torque of {one.coupling} [{unit.unit}] | k of {one.coupling} [N m/rad]"

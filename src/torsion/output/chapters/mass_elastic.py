@@ -10,7 +10,7 @@ from torsion.analyses.discretisation import has_inertia
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.numbers import BY_TABLE, NONE, exact, given, number, scale
+from torsion.output.numbers import NONE, exact, given, number, scale
 from torsion.output.reported_values import source
 from torsion.output.selection import elements
 from torsion.primitives import Bar, Inertia, SectionMesh, Station
@@ -138,12 +138,13 @@ def _springs(findings: Findings) -> Table:
         if 0 < h < math.inf:
             own, referred = given(unit.factor / h, DIGITS), given(unit.factor * element.ratio**2 / h, SUMMED)
         compliances = given(h, DIGITS), given(h / element.ratio**2, SUMMED)
-        if element.spans[0] in system.tables:
-            own = referred = BY_TABLE
-            compliances = BY_TABLE, BY_TABLE
+        tabled = system.tables.get(element.spans[0])
+        if tabled is not None:
+            own = referred = tabled.follows
+            compliances = own, own
         ratio, part = system.stations[first.driving].ratio, system.train.parts[element.part]
         at = ratio if part.referred_to is None else part.referred_to
-        is_given = 0 < h < math.inf and not part.is_bar and own != BY_TABLE  # of a shaft the file gives dimensions
+        is_given = 0 < h < math.inf and not part.is_bar and tabled is None  # of a shaft the file gives dimensions
         figure = _given_columns(findings, unit.factor / h * float(ratio / at) ** 2 if is_given else math.nan, at)
         rows.append((
             element.name, element.kind, f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",

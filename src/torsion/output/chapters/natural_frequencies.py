@@ -46,6 +46,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if taken:
         text = f"Modes take couplings as linear: {listed(taken, '; ')}. How far that holds depends on the amplitude."
         yield Paragraph(text, "note")
+    if findings.study.train.follows_speed and findings.study.operation.speed is not None:
+        yield Paragraph(f"A stiffness follows the speed: modes are those at {rpm(findings.study.operation.speed)} rpm.")
     if len(modes.frequency) == 0:
         return
     yield frequencies(modes)

@@ -17,7 +17,10 @@ WIDEST = 95.0  # px of a unit across, at most
 WEB, PIN = 0.42, 0.3  # units: height of a crank's pin above the axis, and half the way between its webs
 JOINT = 0.24  # units: half width of the area behind a joint
 GRADED, BED = 0.18, 0.27  # units: half thickness of a shaft, and of the area behind a coupling, that has a grade
-FILLS = {"motor": "#bcd5e8", "propeller": "#bfe3d5", "damper": "#ead2e0", "throw": "#e3ddc6", "disc": "#dcdcdc"}
+FILLS = {
+    "motor": "#bcd5e8", "propeller": "#bfe3d5", "damper": "#ead2e0", "pendulum": "#ead2e0", "throw": "#e3ddc6",
+    "disc": "#dcdcdc",
+}  # fmt: skip
 DOTTED = "1.6 2"
 
 

@@ -14,6 +14,7 @@ LENGTHS = {"coupling": 1.2, "joint": 1.0, "gear": 0.5, "motor": 1.3}  # of what 
 THIN = 0.5  # of any other point
 SHARE_OF_SHAFTS = 0.35  # everything without a length is drawn about this long, of the length of all shafts
 FEWEST_RINGS, MOST_RINGS = 16, 200  # along a shaft
+CARRYING = ("damper", "pendulum")  # kinds with a ring of their own
 RING = np.array([(0.1, 1.05, 0.0), (0.1, 1.4, 0.0), (0.9, 1.4, 0.0), (0.9, 1.05, 0.0)])  # its radius in the damper's
 LINKS = {  # place, radius in the diameter of the shafts, share of the angle
     "coupling": np.array([  # two flanges that keep their angle, and what is elastic between them
@@ -144,7 +145,7 @@ def _turned(
 def point(system: System, part: int, spans: list[int], start: float, size: Sizes) -> list[Body]:
     """A point: a disc on a hub, larger by the logarithm of its inertia, or as large as the file says.
 
-    The ring of a damper lies around its housing.
+    The ring of a damper lies around its housing, the bobs of a pendulum around their carrier.
     """
     placed = system.train.parts[part]
     kind, station = placed.kind, placed.stations[0]
@@ -154,7 +155,7 @@ def point(system: System, part: int, spans: list[int], start: float, size: Sizes
     rim = 0.12 if kind == "motor" else 0.25
     profile = _disc(min(0.6 * size.diameter, 0.8 * radius), radius, rim)
     disc = _turned(part, start, length, profile, (station, station), to_scale=bool(given))
-    hanging = [int(system.driven[k]) for k in spans if kind == "damper" and system.driving[k] == station]
+    hanging = [int(system.driven[k]) for k in spans if kind in CARRYING and system.driving[k] == station]
     first, between = start + rim * length, (1 - 2 * rim) * length
     return [disc, *(_turned(part, first, between, RING * (1.0, radius, 1.0), (ring, ring)) for ring in hanging)]
 
