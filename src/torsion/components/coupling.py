@@ -69,9 +69,15 @@ Clearance = Annotated[Play, _plain("angle", Play)]
 Frictions = Annotated[tuple[Annotated[DryFriction, _plain("torque", DryFriction)], ...], OneOrMany]
 
 
+def _text(value: object) -> object:
+    return str(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
 class Coupling(Component, keyword="coupling", sort="link"):
     """An elastic or rigid coupling, or any other massless spring of the train."""
 
+    file: str | None = given("CSV file of a series of couplings, whose row of that `size` gives keys", alias="from")
+    size: Annotated[str, BeforeValidator(_text, str | float)] | None = given("of the series: which row of `from`")
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
     table: CouplingTable | None = given("stiffness and damping over frequency or mean torque, in place of `stiffness`")
@@ -104,6 +110,9 @@ class Coupling(Component, keyword="coupling", sort="link"):
     capacity: Torque | None = given("torque at which it slips; the coupling is then a clutch")
 
     def refuse_clashes(self) -> None:
+        if (self.file is None) != (self.size is None):
+            lacks, has = ("from", "size") if self.file is None else ("size", "from")
+            raise refuse(f"`{has}` needs `{lacks}`", 'for example {from: series.csv, size: "40"}', has)
         named = [key for key in STIFFNESSES if getattr(self, key) is not None]
         if len(named) != 1:
             what = f"{' and '.join(f'`{key}`' for key in named)} exclude each other"

@@ -2,37 +2,28 @@
 
 One row stands for one entry, as if it were written there: of a train a component, of `excitations`, `ripple` and
 `excitation` a mapping, of `load` and `torque` a pair of speed and torque. The first row names the keys, with units.
+Of a library of couplings, `coupling: {from: series.csv, size: "40"}`, the one row of that size stands for its keys.
 """
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path as FilePath
-from pkgutil import resolve_name
 from typing import Any
 
-from pydantic import BaseModel
-
 from torsion import units
-from torsion.components import KINDS, component
+from torsion.components import KINDS
 from torsion.errors import Fault, InputError, nearest, printable
-from torsion.fields import Amount, Quantity, shown
+from torsion.fields import shown
+from torsion.schema.csv_columns import LIBRARY, MAPPINGS, PAIRS, SPEED_AND_TORQUE, columns_of
 from torsion.schema.csv_numbers import Numbers, numbers_of
-from torsion.schema.csv_text import FORMULA_ERROR, Cell, rows_of, table_text
-from torsion.schema.declaration_reader import items_of, keys_of
+from torsion.schema.csv_text import FORMULA_ERROR, Cell, first_comment, rows_of, table_text
 from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.yaml_source import parse_source, resolved
 
-MAPPINGS = {  # lists of mappings: key, what declares an entry
-    "excitations": "torsion.components.harmonic_torques:Excitation",
-    "ripple": "torsion.components.harmonic_torques:Ripple",
-    "excitation": "torsion.components.propeller:BladeTorque",
-}
-PAIRS = ("load", "torque")  # lists of [speed, torque]
-SPEED_AND_TORQUE = {"speed": ("rad/s",), "torque": ("N*m", "1")}
 _HEAD = re.compile(r"(.*?)\s*[\[(](.+)[\])]")  # inertia [kg*m**2]
 _FIRST = "kind"  # the column of a train that says the kind of every row
+_ROW = "size"  # the column of a library that says which row
 
 
 @dataclass(frozen=True)
@@ -86,6 +77,8 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
             is_table = key == "train" and table_name(part.value)
             parts += _table(part, key, reading) if is_table else [_spliced(part, "", reading)]
         return node if parts == list(node.parts.values()) else _list(node, parts)
+    if key == LIBRARY and isinstance(node.value, dict) and {"from", _ROW} <= node.value.keys():
+        return _from_library(node, reading)
     if isinstance(node.value, dict):
         last = {step: str(step).rpartition(".")[2] for step in node.parts}  # a case writes `operation.load`
         inner = {step: _spliced(part, last[step], reading) for step, part in node.parts.items()}
@@ -101,8 +94,14 @@ def _list(node: Node, parts: list[Node]) -> Node:
 
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     """The rows of the table that a node names, as entries of the list at `key`."""
-    name = node.value["table"]
-    where = node.parts["table"]
+    table = _opened(node.value["table"], node.parts["table"], reading)
+    if table is None:
+        return []
+    return [_spliced(entry, "", reading) for entry in _Rows(table, key).nodes(reading)]
+
+
+def _opened(name: str, where: Node, reading: Reading) -> Source | None:
+    """The text of the file that is named there; None, and the reading ended, where there is none."""
     if name not in reading.tables:
         file = FilePath(reading.source.name).parent / name
         fault: Fault | None = None
@@ -112,16 +111,51 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
             is_there = not isinstance(error, FileNotFoundError)
             why = f"cannot be read: {getattr(error, 'strerror', None) or error}" if is_there else "does not exist"
             hint = f"its path counts from the folder of this file, {file.parent.absolute()}"
-            message = f"the table {shown(name)} {why}"
-            reading.faults.append(Fault((), message, hint, line=where.line, column=where.column))
-            reading.is_ended = True
-            return []
+            _end(where, f"the table {shown(name)} {why}", hint, reading)
+            return None
         reading.tables[name] = Source(str(file), text)
         if fault is not None:
             reading.faults.append(replace(fault, file=str(file)))
             reading.is_ended = True
-            return []
-    return _Rows(reading.tables[name], key).nodes(reading)
+            return None
+    return reading.tables[name]
+
+
+def _end(where: Node, message: str, hint: str, reading: Reading) -> None:
+    """Note a fault of the scene, or of the table that a value stands in, after which nothing can be read."""
+    file = "" if where.source is None else where.source.name
+    reading.faults.append(Fault((), message, hint, line=where.line, column=where.column, file=file))
+    reading.is_ended = True
+
+
+def _from_library(node: Node, reading: Reading) -> Node:
+    """A coupling with the figures of its row beside its own keys, which are others."""
+    name, size = node.parts["from"], node.parts[_ROW]
+    if not isinstance(name.value, str) or isinstance(size.value, bool | list | dict | None):
+        return node  # its declaration says what is wrong
+    table = _opened(name.value, name, reading)
+    rows = [] if table is None else _Rows(table, LIBRARY).nodes(reading)
+    if reading.is_ended or table is None:
+        return node
+    sizes = [str(row.value[_ROW]) for row in rows]
+    if (wanted := str(size.value)) not in sizes:
+        near = nearest(wanted, sizes)
+        every = f"there is {', '.join(sizes)}"
+        hint = f"did you mean `{near}`? {every}" if near else every
+        _end(size, f"{shown(name.value)} has no size {shown(wanted)}", hint, reading)
+        return node
+    row = rows[sizes.index(wanted)]
+    for key in node.parts.keys() & row.parts.keys() - {_ROW, "source"}:
+        line, column = node.keys.get(str(key), (size.line, size.column))
+        message = f"`{key}` is given here, and as {shown(row.value[key])} by size {wanted} of {name.value}"
+        _end(Node(None, line, column, source=node.source), message, "keep one; a case may `set` another value", reading)
+    said = row.parts.get("source")
+    origin = f"{name.value}, size {wanted}: {said.value if said else first_comment(table.text) or 'no source stated'}"
+    origin_node = replace(said or row.parts[_ROW], value=origin)
+    parts = row.parts | {"source": origin_node} | node.parts | {_ROW: replace(size, value=wanted)}
+    return replace(
+        node, value={str(step): part.value for step, part in parts.items()}, parts=parts, keys=row.keys | node.keys
+    )
 
 
 class _Rows:
@@ -133,6 +167,7 @@ class _Rows:
         self.separator, self.rows = rows_of(source, self.faults)
         self.columns: list[Column | None] = []
         self.numbers = Numbers()
+        self.sizes: dict[str, int] = {}  # of a library: the lines of the rows so far
 
     def nodes(self, reading: Reading) -> list[Node]:
         """Every row below the first; none where the first is at fault, which ends the reading."""
@@ -156,6 +191,8 @@ class _Rows:
     def _example(self) -> str:
         if self.key == "train":
             return "`kind`, `name`, `inertia [kg*m**2]`, ..."
+        if self.key == LIBRARY:
+            return "`size`, `stiffness [N*m/rad]`, `psi`, ..."
         return "`speed [rpm]`, `torque [N*m]`" if self.key in PAIRS else "`order`, `torque [N*m]`, `phase [deg]`, ..."
 
     def _column(self, cell: Cell) -> Column | None:
@@ -168,7 +205,7 @@ class _Rows:
             return None
         if self.key == "train" and name == _FIRST and not of:
             return Column(_FIRST, "", "", True)
-        known = {key: found for (kind, key), found in _keys(self.key).items() if of in ("", kind)}
+        known = {key: found for (kind, key), found in columns_of(self.key).items() if of in ("", kind)}
         if name not in known:
             near = nearest(name, known)
             every = f"there is {', '.join(known)}" if known else f"there is no kind `{of}`"
@@ -187,7 +224,8 @@ class _Rows:
                 self.fault(cell, f"the column `{column.key}` stands twice", "a list is one cell: [0.9, 0.6]")
             first.setdefault((column.of, column.key), cell)
             self._unit_is_sound(place, cell, column)
-        needed = {"train": (_FIRST,)}.get(self.key, tuple(SPEED_AND_TORQUE) if self.key in PAIRS else ())
+        by_list = {"train": (_FIRST,), LIBRARY: (_ROW,), **dict.fromkeys(PAIRS, tuple(SPEED_AND_TORQUE))}
+        needed = by_list.get(self.key, ())
         for key in needed:
             if ("", key) not in first:
                 hint = f"{', '.join(KINDS)}: what each row is" if key == _FIRST else self._example()
@@ -198,7 +236,7 @@ class _Rows:
 
     def _unit_is_sound(self, place: int, cell: Cell, column: Column) -> None:
         """Note a unit that no such quantity has, and one that is missing where numbers stand below."""
-        known = _keys(self.key)
+        known = columns_of(self.key)
         expected = {unit for (_, key), found in known.items() if key == column.key for unit in found.units}
         if column.unit:
             faults = [fault for unit in sorted(expected) if (fault := _unit_fault(column.unit, unit)) is not None]
@@ -245,6 +283,8 @@ class _Rows:
         for cell, column in filled:
             if column is not None and cell is not kind:
                 self._state(body, cell, column, "" if kind is None else kind.text.casefold())
+        if self.key == LIBRARY and not self._is_new_size(body, begin):
+            return None
         if self.key in PAIRS:
             pair = [body.parts.get(key, self._node(None, begin)) for key in SPEED_AND_TORQUE]
             return _list(self._node([], begin), pair)
@@ -254,6 +294,16 @@ class _Rows:
         entry = self._node({word: body.value}, begin)
         entry.parts[word], entry.keys[word] = body, (kind.line, kind.column)
         return entry
+
+    def _is_new_size(self, body: Node, begin: Cell) -> bool:
+        """Whether a row of a library says of which size it is, of one that no row before it is of."""
+        size = str(body.value.get(_ROW, ""))
+        if not size or size in self.sizes:
+            message = f"size {shown(size)} stands in line {self.sizes[size]} already" if size else "the row has no size"
+            self.fault(begin, message, "one row a size")
+            return False
+        self.sizes[size] = begin.line
+        return True
 
     def _node(self, value: Any, cell: Cell) -> Node:
         """A value with all that is in it, at the place of its cell."""
@@ -315,32 +365,3 @@ def _unit_fault(written: str, unit: str) -> units.UnitFault | None:
     except units.UnitFault as fault:
         return fault
     return None
-
-
-@dataclass(frozen=True)
-class _Key:
-    """What the declaration of a key says of its column."""
-
-    units: tuple[str, ...]
-    is_text: bool
-
-
-@cache
-def _keys(key: str) -> dict[tuple[str, str], _Key]:
-    """Every key of the entries of a list, with the kind of component that it is of."""
-    if key in PAIRS:
-        return {("", name): _Key(expected, False) for name, expected in SPEED_AND_TORQUE.items()}
-    if key in MAPPINGS:
-        return {("", name): found for name, found in _declared(resolve_name(MAPPINGS[key])).items()}
-    return {(kind, name): found for kind in KINDS for name, found in _declared(component(kind)).items()}
-
-
-def _declared(kind: type[BaseModel]) -> dict[str, _Key]:
-    found = {}
-    for key, field in keys_of(kind).items():
-        items = list(items_of(field))
-        expected = {item.unit for item in items if isinstance(item, Quantity)}
-        expected |= {"N*m", "1"} if Amount in items else set()
-        is_text = str in items and not expected and float not in items
-        found[key] = _Key(tuple(sorted(expected)), is_text)
-    return found
