@@ -29,8 +29,11 @@ class Table:
     viscous: FloatArray = result("N*m*s/rad", ("point",), "viscous damping at each")
     holds: bool = result("", (), "the values at its ends hold beyond them", key="holds_beyond")
     steepest: float = result(
-        "1", (), "largest d ln k/d ln x on any piece; over frequency below 2: each mode has exactly one frequency"
-    )
+        "1", (), "largest d ln k/d ln x on any piece, of a law a bound on it; over frequency below 2: each mode has "
+        "exactly one frequency"
+    )  # fmt: skip
+    law: str = result("", (), "table, or prony or fractional: the points are then samples of that law")
+    words: str  # the law with its figures; empty of a table
 
 
 @reported
@@ -78,7 +81,8 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
     for span, table in sorted(system.tables.items()):
         name, size = system.spans[span].name, WORDS[table.over][1]
         at, stiffness, eta, viscous = map(np.array, (table.at, table.stiffness, table.loss_factor, table.viscous))
-        tables.append(Table(name, table.over, at / size, stiffness, eta, viscous, table.holds, table.steepest))
+        values = at / size, stiffness, eta, viscous, table.holds, table.steepest
+        tables.append(Table(name, table.over, *values, table.key, table.words))
         k, lost = np.broadcast_to(system.elastic(span, w)[0], w.shape), loss_factors(system, span, w)
         each = zip(modes.frequency.tolist(), k.tolist(), lost.tolist(), modes.elastic[span].tolist(), strict=True)
         rows += [AtMode(name, mode, *values) for mode, values in enumerate(each, 1)]
@@ -107,7 +111,7 @@ def table_faults(study: Study) -> list[Fault]:
     """What a train with tables has no answer for, at the first table of its kind; and a mean torque that lacks."""
     train = study.train
     paths = {
-        spring.table.over: (*train.parts[spring.part].path, "table")
+        spring.table.over: (*train.parts[spring.part].path, spring.table.key)
         for spring in reversed(train.springs) if spring.table is not None
     }  # fmt: skip
     if not paths:

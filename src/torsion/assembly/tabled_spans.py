@@ -17,7 +17,7 @@ def reach(system: System) -> tuple[float, float]:
     refusing = [table for table in tables if not table.holds]
     if refusing:
         return max(table.at[0] for table in refusing), min(table.at[-1] for table in refusing)
-    return min(table.at[0] for table in tables), max(table.at[-1] for table in tables)
+    return min(table.ends[0] for table in tables), max(table.ends[1] for table in tables)
 
 
 def taken_at(system: System, w: float) -> System:
@@ -89,4 +89,4 @@ def refuse_beyond(system: System, span: int, x: FloatArray) -> None:
 
 def table_path(system: System, span: int) -> Path:
     """The place of the table in the file."""
-    return (*system.train.parts[system.spans[span].part].path, "table")
+    return (*system.train.parts[system.spans[span].part].path, system.tables[span].key)

@@ -4,7 +4,8 @@ Stiffness and loss factor are linear each by itself, so that a value between two
 curve; the loss modulus k eta is then not linear.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -31,6 +32,7 @@ class StiffnessTable:
     loss_factor: tuple[float, ...]
     viscous: tuple[float, ...]  # N m s/rad
     holds: bool = False  # the values at its ends beyond them; else it says nothing there
+    key: str = "table"  # of the coupling, that gives it
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor and viscous damping (N m s/rad) at x, each of the shape of x."""
@@ -49,6 +51,25 @@ class StiffnessTable:
             return 0.0
         rise = (self.stiffness[piece + 1] - self.stiffness[piece]) / (self.at[piece + 1] - self.at[piece])
         return float(rise * x / np.interp(x, self.at, self.stiffness))
+
+    @property
+    def first(self) -> float:
+        """Where its stiffness stands for it where nothing else is said: its first point."""
+        return self.at[0]
+
+    @property
+    def words(self) -> str:
+        """The law that it samples; a table has none."""
+        return ""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Between which it says something by itself."""
+        return self.at[0], self.at[-1]
+
+    def times(self, factor: float) -> Self:
+        """The same with its stiffness multiplied."""
+        return replace(self, stiffness=tuple(k * factor for k in self.stiffness))
 
     @property
     def damps(self) -> bool:

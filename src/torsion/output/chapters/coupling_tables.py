@@ -27,8 +27,13 @@ BY_TORQUE = (
 )
 LOSS = (
     "The modal loss factor is the sum over all elements of their share of the elastic energy times their loss factor; "
-    "half of it is about the damping ratio. A table gives k and η at real frequencies alone, so that there are no "
-    "complex modes."
+    "half of it is about the damping ratio."
+)
+NO_COMPLEX = "A table gives k and η at real frequencies alone, so that there are no complex modes."
+LAW = (
+    "A viscoelastic law holds at every complex s: harmonic components take K(iω) = k (1 + iη), modes their k(ω), and "
+    "damped modes K(s) itself, of relaxing terms with one state more each. The points below are samples of it. In "
+    "N m/rad:"
 )
 UNITS = {"frequency": Axis("frequency", "Hz"), "mean torque": Axis("mean torque of the coupling", "N m")}
 
@@ -37,7 +42,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
     """Tables as given, their figures, and the modes."""
     found = findings.need(CouplingTables)
     yield Heading("Couplings by table")
-    yield Paragraph(f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in found.tables)}.")
+    if given_tables := [one for one in found.tables if not one.words]:
+        yield Paragraph(f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in given_tables)}.")
+    if laws := [one for one in found.tables if one.words]:
+        yield Paragraph(f"{LAW} {'; '.join(f'{one.coupling}: {one.words}' for one in laws)}.")
     steepest = [one.steepest for one in found.tables if one.over == "frequency"]
     if steepest:
         yield Paragraph(BY_FREQUENCY.format(number(max(steepest), 3)))
@@ -47,7 +55,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     for place, one in enumerate(found.tables, 1):
         yield _figure(found, one, f"coupling-table-{place}")
     if found.at_modes:
-        yield Paragraph(LOSS)
+        yield Paragraph(f"{LOSS} {NO_COMPLEX}" if any(not one.words for one in found.tables) else LOSS)
         yield _at_modes(found)
 
 
