@@ -1,6 +1,5 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
-import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
@@ -9,7 +8,7 @@ from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import NORMAL, Findings, Plan, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.verdict_line import Check, Checks
+from torsion.rules.verdict_line import Checks, rank, worst_checks
 from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
 
@@ -46,22 +45,9 @@ def run(
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
     """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
-    lines: dict[tuple[str, str, str], tuple[tuple[bool, float], str, Check]] = {}
-    for words, found in cases.items():
-        for check in found.need(Checks).lines:
-            used = check.utilisation
-            rank = check.fails, -math.inf if used is None and not check.fails else math.inf if used is None else used
-            if (key := _key(check)) not in lines or rank > lines[key][0]:
-                lines[key] = rank, words, check
-    every = [check for found in cases.values() for check in found.need(Checks).lines]
-    named = [
-        replace(
-            check, note="; ".join(filter(None, (words, check.note))),
-            barred=tuple(dict.fromkeys(band for one in every if _key(one) == _key(check) for band in one.barred)),
-        )
-        for _, words, check in lines.values()
-    ]  # fmt: skip
-    worst = max(lines.values(), key=lambda line: line[0])[1] if lines else next(iter(cases))
+    lines = worst_checks({words: found.need(Checks).lines for words, found in cases.items()})
+    named = [replace(check, note="; ".join(filter(None, (words, check.note)))) for words, check in lines.values()]
+    worst = max(lines.values(), key=lambda line: rank(line[1]))[0] if lines else next(iter(cases))
     table, found = next(iter(cases.values())).results["engines"], cases[worst]
     each = (
         replace(own, misfires=first.misfires)
@@ -72,11 +58,6 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
     plan = replace(found.plan, unanswered=tuple(unanswered.values()), left_out=tuple(left_out))
     whole = replace(found, plan=plan)
     return whole.having(checks=Checks(tuple(named)), engines=replace(table, each=tuple(each)))
-
-
-def _key(check: Check) -> tuple[str, str, str]:
-    """What a check is about."""
-    return check.rule, check.what, check.where
 
 
 def run_once(

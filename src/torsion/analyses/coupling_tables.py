@@ -22,7 +22,7 @@ class Table:
     """A table of a coupling, and the certificate that it leaves each mode one frequency."""
 
     coupling: str = result("", (), "its name")
-    over: str = result("", (), "what the table is over: frequency, or mean torque of the coupling")
+    over: str = result("", (), "what the table is over: frequency, mean or vibratory torque of the coupling")
     at: FloatArray = result("", ("point",), "its points, Hz or N m")
     stiffness: FloatArray = result("N*m/rad", ("point",), "dynamic stiffness at each, at the coupling's own speed")
     loss_factor: FloatArray = result("1", ("point",), "loss factor of hysteresis at each")
@@ -120,6 +120,12 @@ def table_faults(study: Study) -> list[Fault]:
     if "frequency" in paths and "transient" in study.analyses:
         message = "motion over time has no stiffness that follows the frequency"
         every.append(Fault(paths["frequency"], message, HINT))
+    if "vibratory torque" in paths:
+        path = paths["vibratory torque"]
+        for what, is_there in (("motion over time", "transient" in study.analyses), ("joints", study.has_joints)):
+            if is_there:
+                message = f"{what}: a stiffness that follows the vibratory torque is of a response over speed alone"
+                every.append(Fault(path, message, HINT))
     if "mean torque" in paths:
         path, operation = paths["mean torque"], study.operation
         if not operation.has_mean_torque or operation.speed is None:

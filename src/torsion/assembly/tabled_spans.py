@@ -1,5 +1,6 @@
 """Spans whose stiffness and damping follow a table: the system at one frequency, and complex stiffness over many."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,9 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 
-WORDS = {"frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0)}
+WORDS = {"frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0), "vibratory torque": ("N m", 1.0)}
+
+NOTHING: Mapping[int, FloatArray] = {}
 
 
 def reach(system: System) -> tuple[float, float]:
@@ -56,17 +59,20 @@ def _taken(system: System, at: dict[int, float]) -> System:
     return found
 
 
-def complex_stiffness(system: System, w: FloatArray, mean: FloatArray | None = None) -> dict[int, ComplexArray]:
+def complex_stiffness(
+    system: System, w: FloatArray, mean: FloatArray | None = None, vibratory: Mapping[int, FloatArray] = NOTHING
+) -> dict[int, ComplexArray]:
     """(frequencies,) N m/rad of every span with a table, at circular frequencies w (frequencies,) rad/s.
 
-    mean: (spans, frequencies) N m mean torque; without it the tables over mean torque are left out. Raises InputError
-    where a table does not cover them.
+    mean: (spans, frequencies) N m mean torque; without it the tables over mean torque are left out. vibratory:
+    (frequencies,) N m of spans whose table is over it; others are left out. Raises InputError where a table does not
+    cover them.
     """
     found: dict[int, ComplexArray] = {}
     for span, table in system.tables.items():
-        if table.over == "mean torque" and mean is None:
+        known = {"frequency": w, "mean torque": None if mean is None else np.abs(mean[span])}
+        if (x := known.get(table.over, vibratory.get(span))) is None:
             continue
-        x = w if table.over == "frequency" or mean is None else np.abs(mean[span])
         refuse_beyond(system, span, x)
         found[span] = table.complex_stiffness(x, w)
     return found

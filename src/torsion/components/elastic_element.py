@@ -21,7 +21,8 @@ Magnifier = Annotated[float, Quantity("1", above=0, usual=(0.5, None), mistaken=
 PSI = "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
 MAGNIFIER = "dynamic magnifier M; eta = 1/M"
 
-OVER = {"frequency": Quantity("Hz", above=0), "mean torque": Quantity("N*m", at_least=0)}
+OVER = {"frequency": Quantity("Hz", above=0)}
+OVER |= dict.fromkeys(("mean torque", "vibratory torque"), Quantity("N*m", at_least=0))
 POINTS = "at: [5 Hz, 10 Hz, 20 Hz], stiffness: [20e3, 24e3, 30e3], loss_factor: [0.12, 0.14, 0.16]"
 
 
@@ -46,8 +47,8 @@ def loss_factor(damping: tuple[str, float] | None) -> float:
 class CouplingTable(Declared):
     """Dynamic stiffness and damping by a table; stiffness and loss factor are linear between its points."""
 
-    over: Literal["frequency", "mean torque"] = required("what the table is over")
-    at: tuple[Any, ...] = required("rising frequencies, or mean torques of the coupling (their size)")
+    over: Literal["frequency", "mean torque", "vibratory torque"] = required("what the table is over")
+    at: tuple[Any, ...] = required("rising frequencies, or torques of the coupling: size of the mean, half range")
     stiffness: tuple[fields.Stiffness, ...] = required(
         "dynamic stiffness at each; over mean torque the tangent of the static curve"
     )

@@ -45,7 +45,7 @@ class SpringLaw(StiffnessTable):
                 power = own * (at * tau) ** self.exponent
                 k = k + power
                 slope = slope + np.divide(self.exponent * power, at, out=np.zeros_like(at), where=at != 0)
-        return k, slope
+        return np.asarray(k), np.asarray(slope)
 
     def poles(self, s: ComplexArray) -> ComplexArray:
         """Sum of tau/(1 + s tau), of its shape: what p'/p of a determinant lacks for the poles of K."""
@@ -54,7 +54,7 @@ class SpringLaw(StiffnessTable):
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor, and no viscous damping, at x (rad/s)."""
-        k = self.at_root(1j * np.asarray(x, dtype=np.float64))[0]
+        k = self.at_root(np.asarray(1j * np.asarray(x, dtype=np.float64), dtype=np.complex128))[0]
         return k.real, k.imag / k.real, np.zeros(k.shape)
 
     def slope(self, x: float) -> float:
@@ -63,7 +63,7 @@ class SpringLaw(StiffnessTable):
         return float(x * (1j * slope).real / k.real)
 
     @cached_property
-    def steepest(self) -> float:  # type: ignore[override]
+    def steepest(self) -> float:
         """An upper bound of the slope, below 2: of one relaxing term the largest itself, of a power its exponent.
 
         With a share of k0 for every term in proportion to its k, the quotient of the sums is at most the largest

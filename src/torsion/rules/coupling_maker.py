@@ -96,7 +96,7 @@ def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
     omega, power = 2.0 * math.pi * response.frequency, np.zeros_like(response.speed)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[system.flexibility[spans] > 0]:
-        stiffness, loss = system.elastic(span, omega, response.mean[:, span, None])
+        stiffness, loss = system.elastic(span, omega, response.carried(span))
         if span in added:
             one = added[span]
             loss = one.share[:, None] * loss + one.extra.imag[:, None]

@@ -18,7 +18,7 @@ KEYS = {key.path: key.meaning for key in documented()}
 NOT_IN_THIS_TRAIN = (
     "frequency_response", "check.", "checks[].barred", "checks[].times", "lateral", "joints.lines[].optimum",
     "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks", "tooth_forces", "dampers", "engines",
-    "coupling_tables", "coupling_temperatures", "frequencies_over_speed",
+    "coupling_tables", "coupling_temperatures", "frequencies_over_speed", "vibratory_torques",
     "files", "report",  # in files alone
 )  # fmt: skip
 LIGHT = """

@@ -12,7 +12,7 @@ import numpy as np
 from torsion.analyses.engine.engine_results import MisfireFound
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Sources
-from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.response.solver import answer, ground_damping, tabled_stiffness
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import ComplexArray, FloatArray, IntArray
@@ -37,7 +37,7 @@ def misfires(study: Study, found: Response, engine: EngineRecord) -> list[Misfir
     """With no cylinder motored, then each alone; empty where the train is not linear or the motored torque unknown."""
     if engine.gas is None or engine.gas.motored is None or found.balanced is not None or not found.lines:
         return []
-    if found.by_magnitude:
+    if found.by_magnitude or found.following is not None:
         return []
     at = _speeds(found)
     system, speed = found.system, found.speed[at]
@@ -100,5 +100,6 @@ def _answers(study: Study, found: Response, at: IntArray, own: list[tuple[int, i
         force = np.zeros((condensed.tree.size, len(speed)), dtype=np.complex128)
         force[condensed.node[station]] = system.speed_ratio[station]
         w = found.lines[line].circular_frequency(speed)
-        unit[line, station] = answer(system, w, Sources(force, None), ground).torque
+        stiffness = tabled_stiffness(system, w, found.mean[at].T)
+        unit[line, station] = answer(system, w, Sources(force, None), ground, stiffness=stiffness).torque
     return Answers(speed, unit)

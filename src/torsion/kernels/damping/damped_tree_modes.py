@@ -72,8 +72,8 @@ def damped_modes(
     """
     flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)
     tree = Tree(tree.parent, flexibility, tree.moving_inertia, tree.held)
-    damping = (_per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
-    train = DampedTree(tree, *damping, laws or {})
+    ground, across, loss = (_per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
+    train = DampedTree(tree, ground, across, loss, laws or {})
     zeros, others = number_of_roots(train)
     if start is None:
         upper, real = _all_roots(train, zeros, others)

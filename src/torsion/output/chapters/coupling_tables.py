@@ -25,6 +25,11 @@ BY_TORQUE = (
     "Over mean torque k is the tangent of the static curve. Every speed of the response has the k of its own mean "
     "torque; modes, and all that does not name a speed, have that of {} rpm."
 )
+BY_VIBRATION = (
+    "Over vibratory torque, half range, k and η of every speed are those of the half range of all harmonic components "
+    "that they lead to. Modes, and all that does not name a speed, have the first stiffness of the table, that of "
+    "small vibration; at the last one they lie elsewhere, and peaks of the response show where."
+)
 LOSS = (
     "The modal loss factor is the sum over all elements of their share of the elastic energy times their loss factor; "
     "half of it is about the damping ratio."
@@ -36,6 +41,7 @@ LAW = (
     "N m/rad:"
 )
 UNITS = {"frequency": Axis("frequency", "Hz"), "mean torque": Axis("mean torque of the coupling", "N m")}
+UNITS["vibratory torque"] = Axis("vibratory torque of the coupling", "N m")
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -51,6 +57,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(BY_FREQUENCY.format(number(max(steepest), 3)))
     if found.speed is not None:
         yield Paragraph(BY_TORQUE.format(rpm(found.speed)))
+    if any(one.over == "vibratory torque" for one in found.tables):
+        yield Paragraph(BY_VIBRATION)
     yield _as_given(found)
     for place, one in enumerate(found.tables, 1):
         yield _figure(found, one, f"coupling-table-{place}")
