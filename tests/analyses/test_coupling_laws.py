@@ -196,3 +196,22 @@ def test_derivative_of_a_law_is_that_of_its_series() -> None:
         step = 1e-6
         ahead, behind = law.at_root(s + step)[0], law.at_root(s - step)[0]
         assert law.at_root(s)[1] == pytest.approx((ahead - behind) / (2 * step), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    "coupling",
+    [
+        PRONY, FRACTIONAL,
+        "table: {over: frequency, at: [5, 40], stiffness: [20e3, 36 kN*m/rad], psi: [1, 1], beyond: hold}",
+        "table: {over: vibratory torque, at: [0, 40], stiffness: [30e3, 22e3], psi: [1, 1], beyond: hold}",
+    ],
+)  # fmt: skip
+def test_the_tolerance_of_a_coupling_is_that_of_all_stiffnesses_of_its_law(coupling: str) -> None:
+    """Soft and stiff have both ends of it at every point, and the same loss factor."""
+    scene = study(f"{coupling}, tolerance: 20 %", "cases: {from: tolerances}\n")
+    (given,) = assemble(scene.train).tables.values()
+    for name, factor in (("soft", 0.8), ("stiff", 1.2)):
+        (varied,) = assemble(scene.cases[name].train).tables.values()
+        at = np.array(given.at)
+        assert varied.values(at)[0] == pytest.approx(factor * given.values(at)[0], rel=1e-14)
+        assert varied.values(at)[1] == pytest.approx(given.values(at)[1], rel=1e-14)

@@ -15,7 +15,7 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.stiffness_table import StiffnessTable
 
 SAMPLES = 13  # points of the law as a table, for readers
-AROUND = 100.0  # times the extreme relaxation times, to either side: between them the law changes
+AROUND = 10.0  # times the extreme relaxation times, to either side: between them the law changes
 FAR = 1e12  # times 1/tau: no train has modes beyond
 
 

@@ -1,6 +1,7 @@
-"""Couplings by table over vibratory torque against closed forms, a dense scan and plain couplings of their stiffness."""
+"""Couplings by table over vibratory torque against closed forms, a dense scan and couplings of their stiffness."""
 
 import math
+from dataclasses import replace
 
 import mpmath as mp
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.over_frequency import frequency_response
+from torsion.analyses.response.synthesis import half_range, synthesis
 from torsion.analyses.vibratory_torques import VibratoryTorques
 from torsion.assembly import assemble
 from torsion.errors import InputError
@@ -154,6 +156,14 @@ def test_every_check_is_the_worst_of_all_solutions() -> None:
     every = [np.abs(one.torque[:, 0, :]) for one in (main, *main.others)]
     for span, where in enumerate(("c", "stiff")):
         assert checks[where].value == pytest.approx(max(one[:, span].max() for one in every), rel=1e-12)
+
+
+def test_half_range_of_any_quantity_adds_magnitudes_where_phases_are_any() -> None:
+    """Engines in any phase to each other: no cycle has a half range above the sum of its magnitudes."""
+    found = replace(response(study(orders=TWO_ORDERS)), by_magnitude=True)
+    size = np.abs(found.torque[:, :, 0]).sum(axis=1)
+    assert half_range(found, found.torque[:, :, 0]) == pytest.approx(size, rel=1e-15)
+    assert half_range(found, found.torque[:, :, 0]) == pytest.approx(synthesis(found).half_range[:, 0], rel=1e-15)
 
 
 def test_what_does_not_settle_has_no_answer_and_fails_its_check(monkeypatch: pytest.MonkeyPatch) -> None:
