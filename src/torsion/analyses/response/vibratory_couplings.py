@@ -25,7 +25,7 @@ ROUNDS, HALF_WAY = 120, 20  # over several couplings; from the second on a torqu
 CHANGED = 1e-12  # relative, of a torque in a round: less than that has settled
 SETTLED = 1e-9  # most residual of what counts as an answer
 SAMPLES = 48  # of a piece of a table, evenly in the logarithm
-FIRST_SAMPLES = 240  # of a first piece that begins at no torque
+FIRST_SAMPLES, FIRST = 24, 0.01  # of a piece that begins at no torque, below that share of it
 SMALLEST = 1e-9  # of the last torque of a table: below it the stiffness is that of no vibration
 
 
@@ -97,22 +97,31 @@ class _Train:
         table, trial = self.tables[span], self.trial(span, torque, at)
         w = np.array([one[at] for one in self.w])
 
-        def half_range(size: FloatArray, point: IntArray) -> FloatArray:
+        def phasors(size: FloatArray, point: IntArray) -> ComplexArray:
             own = np.clip(size, table.at[0], table.at[-1])
-            stiffness = np.array([table.complex_stiffness(own, one[point]) for one in w])
-            return half_range_of(self.orders, trial.at(stiffness, point), by_magnitude=self.by_magnitude)
+            return trial.at(np.array([table.complex_stiffness(own, one[point]) for one in w]), point)
+
+        def half_range(found: ComplexArray) -> FloatArray:
+            return half_range_of(self.orders, found, by_magnitude=self.by_magnitude)
 
         def ratio(size: FloatArray, point: IntArray) -> FloatArray:
+            """Torque over half range; where bounds of that tell the sign of its logarithm, over one of them."""
+            found = phasors(size, point)
+            least, most = np.sqrt((np.abs(found) ** 2).sum(axis=1) / 2.0), np.abs(found).sum(axis=1)
+            of = np.where(size > most, least, most)
+            near = np.flatnonzero((size >= least) & (size <= most))
+            of[near] = half_range(found[near])
             with np.errstate(divide="ignore"):
-                return np.asarray(size / half_range(size, point))
+                return np.asarray(size / of)
 
         every = np.arange(len(at))
-        edges = [max(table.at[0], SMALLEST * table.at[-1]), *table.at[1:]]
-        low, high = (half_range(np.full(len(at), edges[end]), every) for end in (0, -1))
+        begins = [] if table.at[0] > 0 else [SMALLEST * table.at[-1]]
+        edges = [*begins, table.at[0] or FIRST * table.at[1], *table.at[1:]]
+        low, high = (half_range(phasors(np.full(len(at), edges[end]), every)) for end in (0, -1))
         below, above = np.flatnonzero(low <= edges[0]), np.flatnonzero(high > edges[-1])
         found = [(below, low[below]), (above, high[above])]
         for piece, (begin, end) in enumerate(pairwise(edges)):
-            samples = FIRST_SAMPLES if piece == 0 and table.at[0] < begin else SAMPLES
+            samples = FIRST_SAMPLES if piece < len(begins) else SAMPLES
             ends = np.full(len(at), begin), np.full(len(at), end)
             found.append(solutions(ratio, *ends, samples))
         point, size = (np.concatenate(one) for one in zip(*found, strict=True))
