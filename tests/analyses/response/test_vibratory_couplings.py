@@ -13,6 +13,7 @@ from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.response.synthesis import half_range, synthesis
 from torsion.analyses.vibratory_torques import VibratoryTorques
 from torsion.assembly import assemble
+from torsion.assembly.matrices import matrices
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.rules.coupling_maker import heat
@@ -212,3 +213,11 @@ def test_what_takes_no_such_table_is_refused_at_the_table(rest: str, words: str)
     with pytest.raises(InputError, match=words) as error:
         torsion.parse(text)
     assert (4, 59) in {(fault.line, fault.column) for fault in error.value.faults}
+
+
+def test_matrices_and_critical_speeds_of_large_vibration_are_not_given() -> None:
+    scene = study()
+    with pytest.raises(InputError, match="follows the vibratory torque has no constant matrices"):
+        matrices(assemble(scene.train))
+    found = run(replace(scene, analyses={}))
+    assert "critical speeds of large vibration" in dict(found.plan.left_out)
