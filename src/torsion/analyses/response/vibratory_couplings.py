@@ -105,7 +105,7 @@ class _Train:
             return half_range_of(self.orders, found, by_magnitude=self.by_magnitude)
 
         def ratio(size: FloatArray, point: IntArray) -> FloatArray:
-            """Torque over half range; where bounds of that tell the sign of its logarithm, over one of them."""
+            """Torque over half range; where bounds of that decide which is larger, over one of them."""
             found = phasors(size, point)
             least, most = np.sqrt((np.abs(found) ** 2).sum(axis=1) / 2.0), np.abs(found).sum(axis=1)
             of = np.where(size > most, least, most)
