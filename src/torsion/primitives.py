@@ -59,7 +59,7 @@ def tabled_spring(
     name: str, part: int, ends: tuple[int, int], table: "StiffnessTable", at: float | None = None
 ) -> Spring:
     """The spring of a table with its values at one point (rad/s, or N m), by default its first."""
-    k, eta, c = (float(one) for one in table.values(np.array(table.at[0] if at is None else at)))
+    k, eta, c = (float(one) for one in table.values(np.array(table.first if at is None else at)))
     return Spring(name, part, *ends, 1.0 / k, c, eta, table)
 
 

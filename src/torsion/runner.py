@@ -1,6 +1,5 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
-import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
@@ -9,7 +8,7 @@ from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import NORMAL, Findings, Plan, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.verdict_line import BarredRange, Check, Checks
+from torsion.rules.verdict_line import BarredRange, Checks, rank, worst_checks
 from torsion.schema.scene_reader import located
 from torsion.study import Study, bytes_of
 
@@ -70,22 +69,12 @@ def _misfires(study: Study, only: Collection[str], progress: Progress) -> Findin
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
     """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
-    lines: dict[tuple[str, ...], tuple[tuple[bool, float], str, Check]] = {}
-    for words, found in cases.items():
-        for check in found.need(Checks).lines:
-            used = check.utilisation
-            rank = check.fails, -math.inf if used is None and not check.fails else math.inf if used is None else used
-            if (key := _key(check)) not in lines or rank > lines[key][0]:
-                lines[key] = rank, words, check
-    every = [check for found in cases.values() for check in found.need(Checks).lines]
+    lines = worst_checks({words: found.need(Checks).lines for words, found in cases.items()})
     named = [
-        replace(
-            check, misfire=words, note="; ".join(filter(None, (words, check.note))),
-            barred=_united(band for one in every if _key(one) == _key(check) for band in one.barred),
-        )
-        for _, words, check in lines.values()
+        replace(check, misfire=words, note="; ".join(filter(None, (words, check.note))), barred=_united(check.barred))
+        for words, check in lines.values()
     ]  # fmt: skip
-    worst = max(lines.values(), key=lambda line: line[0])[1] if lines else next(iter(cases))
+    worst = max(lines.values(), key=lambda line: rank(line[1]))[0] if lines else next(iter(cases))
     found = cases[worst]
     unanswered = {one.analysis: one for case in cases.values() for one in case.plan.unanswered}
     left_out = dict.fromkeys((*found.plan.left_out, *((one.what, one.words) for one in unanswered.values())))
@@ -96,11 +85,6 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
         return whole
     pairs = zip(found.results["engines"].each, first.each, strict=True)
     return whole.having(engines=replace(first, each=tuple(replace(own, misfires=one.misfires) for own, one in pairs)))
-
-
-def _key(check: Check) -> tuple[str, ...]:
-    """What a check is about."""
-    return check.rule, check.clause, check.what, check.where
 
 
 def _united(bands: Iterable[BarredRange]) -> tuple[BarredRange, ...]:

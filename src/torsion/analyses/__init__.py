@@ -123,6 +123,11 @@ ANALYSES: dict[str, Analysis] = {
         results={"coupling_temperatures": "CouplingTemperatures"}, chapters=("coupling_temperatures",),
         wanted=lambda study: any(part.warming is not None for part in study.train.parts), place=("train",),
     ),
+    "vibratory torques": Analysis(
+        "vibratory torque of couplings by table", "torsion.analyses.vibratory_torques", needs=("response",),
+        results={"vibratory_torques": "VibratoryTorques"}, chapters=("vibratory_torques",),
+        wanted=lambda study: study.train.has_tables_over("vibratory torque"), place=("train",),
+    ),
     "periodic": Analysis(
         "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
         results={"periodic": "torsion.analyses.motion.periodic_orbits:PeriodicResponse"},

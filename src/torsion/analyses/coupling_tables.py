@@ -11,7 +11,7 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import WORDS, table_path
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
-from torsion.kernels.power_law import PowerLaw
+from torsion.kernels.spring_law import SpringLaw
 from torsion.results import reported, result
 from torsion.study import Study
 
@@ -24,7 +24,7 @@ class Table:
     """A table of a coupling or damper, and the certificate that it leaves each mode one frequency."""
 
     coupling: str = result("", (), "name of the coupling or damper")
-    over: str = result("", (), "what the table is over: frequency, or mean torque of the coupling")
+    over: str = result("", (), "what the table is over: frequency, mean or vibratory torque of the coupling")
     at: FloatArray = result("", ("point",), "its points, Hz or N m")
     stiffness: FloatArray = result("N*m/rad", ("point",), "dynamic stiffness at each, at the coupling's own speed")
     loss_factor: FloatArray = result("1", ("point",), "loss factor of hysteresis at each")
@@ -32,8 +32,10 @@ class Table:
     holds: bool = result("", (), "the values at its ends hold beyond them", key="holds_beyond")
     law: str | None = result("", (), "law that the points stand for; null: linear between them")
     steepest: float = result(
-        "1", (), "largest d ln k/d ln x on any piece; over frequency below 2: each mode has exactly one frequency"
-    )
+        "1", (), "largest d ln k/d ln x on any piece, of a law a bound on it; over frequency below 2: each mode has "
+        "exactly one frequency"
+    )  # fmt: skip
+    is_complex: bool = False  # it holds at every complex s
 
 
 @reported
@@ -82,9 +84,18 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
         if table.over == "speed":
             continue  # of a pendulum, which has results of its own
         name, at = system.spans[span].name, np.array(table.points)
-        law = table.words if isinstance(table, PowerLaw) else None
         printed = at / WORDS[table.over][1], *table.values(at)
-        tables.append(Table(name, table.over, *printed, table.holds, law, table.steepest))
+        tables.append(
+            Table(
+                name,
+                table.over,
+                *printed,
+                table.holds,
+                table.words or None,
+                table.steepest,
+                isinstance(table, SpringLaw),
+            )
+        )
         k, lost = np.broadcast_to(system.elastic(span, w)[0], w.shape), loss_factors(system, span, w)
         each = zip(modes.frequency.tolist(), k.tolist(), lost.tolist(), modes.elastic[span].tolist(), strict=True)
         rows += [AtMode(name, mode, *values) for mode, values in enumerate(each, 1)]
@@ -133,6 +144,12 @@ def table_faults(study: Study) -> list[Fault]:
     if "speed" in paths and operation.speed is None:
         hint = "for example `operation: {speeds: {from: 600 rpm, to: 1800 rpm}}`"
         every.append(Fault(paths["speed"], "the frequencies of a train with a pendulum follow the speed", hint))
+    if "vibratory torque" in paths:
+        path = paths["vibratory torque"]
+        for what, is_there in (("motion over time", "transient" in study.analyses), ("joints", study.has_joints)):
+            if is_there:
+                message = f"{what}: a stiffness that follows the vibratory torque is of a response over speed alone"
+                every.append(Fault(path, message, HINT))
     if "mean torque" in paths:
         path = paths["mean torque"]
         if not operation.has_mean_torque or operation.speed is None:

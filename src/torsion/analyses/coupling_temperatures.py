@@ -146,6 +146,8 @@ def _refuse(study: Study, system: System, span: int, part: Part) -> None:
         why = "damping by mode does not follow the stiffness of a coupling that warms"
     elif study.train.has_nonlinear_couplings:
         why = "play, friction or stages of a coupling beside it are not balanced anew as it warms"
+    elif study.train.has_tables_over("vibratory torque"):
+        why = "a stiffness over vibratory torque is not settled anew as it warms"
     elif system.condensed.span[span] < 0:
         why = "it closes a loop"
     if why:

@@ -97,4 +97,7 @@ def run(work: Work) -> None:
             found = critical_by_torque(over_speed, harmonics, work.study.operation)
     else:
         found = critical_speeds(modes, harmonics, work.study.operation)
+        if work.study.train.has_tables_over("vibratory torque"):
+            why = "a stiffness follows the vibratory torque; those found are of small vibration"
+            work.log.without("critical speeds of large vibration", why)
     work.put(critical_speeds=CriticalSpeeds(found))

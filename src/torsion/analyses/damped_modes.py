@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -15,7 +16,11 @@ from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.results import reported, result
 
+if TYPE_CHECKING:
+    from torsion.kernels.spring_law import SpringLaw
+
 MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling to their accuracy
+ONLY_REAL = "a table gives stiffness and damping at real frequencies alone"
 LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
 
 
@@ -58,11 +63,13 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
     own = ground_damping(system, np.array([speed]), steady)[:, 0]
     ground = np.zeros(condensed.tree.size)
     ground[condensed.node] = own * system.speed_ratio**2
-    start = None
-    if condensed.tree.size > LARGEST_FOR_ALL:
+    start, laws = None, _laws(system)
+    if condensed.tree.size > LARGEST_FOR_ALL or any(law.exponent is not None for law in laws.values()):
         start = 2.0 * math.pi * modes_as_discretised(system, count).frequency
+    viscous, loss = condensed.viscous.copy(), condensed.loss_factor.copy()
+    viscous[list(laws)], loss[list(laws)] = 0.0, 0.0
     found = damped_modes(
-        condensed.tree, ground_damping=ground, viscous=condensed.viscous, loss_factor=condensed.loss_factor, start=start
+        condensed.tree, ground_damping=ground, viscous=viscous, loss_factor=loss, start=start, laws=laws
     )
     keep = np.argsort(found.eigenvalue.imag, kind="stable")[:count]
     eigenvalue = found.eigenvalue[keep]
@@ -75,6 +82,17 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         found.real_root,
         speed,
     )
+
+
+def _laws(system: System) -> "dict[int, SpringLaw]":
+    """The springs that follow a law, referred, by the tree station below them; raises SolveError beside a table."""
+    laws = {}
+    for span, table in system.tables_over("frequency").items():
+        if table.key == "table":
+            raise SolveError(f"damped modes: {ONLY_REAL}")
+        law = cast("SpringLaw", table)
+        laws[int(system.condensed.span[span])] = law.times(float(system.span_ratio[span]) ** 2)
+    return laws
 
 
 def _by_mode(found: Modes, speed: float) -> DampedModes:
@@ -97,8 +115,8 @@ def run(work: Work) -> None:
     why = ""
     if settings.damped is False or not system.damps:
         why = "`damped: false`" if settings.damped is False else "nothing in the train damps"
-    elif system.tables_over("frequency"):
-        why = "a table gives stiffness and damping at real frequencies alone; the modal loss factors stand for them"
+    elif any(table.key == "table" for table in system.tables_over("frequency").values()):
+        why = f"{ONLY_REAL}; the modal loss factors stand for them"
     elif system.bars is not None:
         why = f"they are built for `model: lumped`; the response of {system.model} is damped"
     elif system.condensed.extra.size:

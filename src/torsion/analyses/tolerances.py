@@ -7,7 +7,6 @@ says how far one coupling alone can move a mode, and at which stiffness, if any,
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated
 
@@ -134,7 +133,7 @@ def scaled(system: System, factors: Mapping[int, float]) -> System:
     for span in factors.keys() & tables.keys():
         table, factor = tables.pop(span), factors[span]
         if 0.0 < factor < math.inf:
-            tables[span] = replace(table, stiffness=tuple(factor * k for k in table.stiffness))
+            tables[span] = table.times(factor)
     return with_springs(system, values, tables)
 
 

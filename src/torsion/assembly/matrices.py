@@ -38,8 +38,8 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
     if system.bars is not None and system.bars.degree == 0:
         message = "the exact model has no constant matrices: its inertia and stiffness depend on the frequency"
         raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
-    if tables := system.tables_over("frequency"):
-        message = "a stiffness that follows the frequency has no constant matrices"
+    if tables := system.tables_over("frequency") | system.tables_over("vibratory torque"):
+        message = f"a stiffness that follows the {tables[min(tables)].over} has no constant matrices"
         hint = "give a `stiffness` in its place for the matrices"
         raise InputError([Fault(table_path(system, min(tables)), message, hint)])
     if system.train.modal_damping:

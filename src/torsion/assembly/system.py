@@ -173,7 +173,7 @@ class System:
         return given or bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
 
     def tables_over(self, over: str) -> "dict[int, StiffnessTable]":
-        """The tables over frequency, or mean torque, by span."""
+        """The tables over frequency, mean or vibratory torque, by span."""
         return {span: table for span, table in self.tables.items() if table.over == over}
 
     def elastic(
@@ -181,7 +181,8 @@ class System:
     ) -> tuple[FloatArray | float, FloatArray | float]:
         """Stiffness (N m/rad) and loss modulus k eta + w c of a span at w (rad/s), any shape; by its table if any.
 
-        mean: N m of that span, speed: rad/s of the reference station, of a shape that goes with w.
+        mean: N m of that span that its table may be over, mean or vibratory; speed: rad/s of the reference; each of a
+        shape that goes with w.
         """
         x = self.followed(span, w, mean, speed)
         if x is None:

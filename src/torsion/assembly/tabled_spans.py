@@ -13,7 +13,11 @@ from torsion.errors import Fault, InputError, Path
 if TYPE_CHECKING:
     from torsion.kernels.stiffness_table import StiffnessTable
 
-WORDS = {"frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0), "speed": ("rpm", np.pi / 30.0)}
+WORDS = {
+    "frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0), "vibratory torque": ("N m", 1.0),
+    "speed": ("rpm", np.pi / 30.0),
+}  # fmt: skip
+NOTHING: Mapping[int, FloatArray] = {}
 
 
 def reach(system: System) -> tuple[float, float]:
@@ -22,7 +26,7 @@ def reach(system: System) -> tuple[float, float]:
     refusing = [table for table in tables if not table.holds]
     if refusing:
         return max(table.at[0] for table in refusing), min(table.at[-1] for table in refusing)
-    return min(table.at[0] for table in tables), max(table.at[-1] for table in tables)
+    return min(table.ends[0] for table in tables), max(table.ends[1] for table in tables)
 
 
 def taken_at(system: System, w: float) -> System:
@@ -82,16 +86,19 @@ def with_springs(
 
 
 def complex_stiffness(
-    system: System, w: FloatArray, mean: FloatArray | None = None, speed: FloatArray | None = None
-) -> dict[int, ComplexArray]:
+    system: System, w: FloatArray, mean: FloatArray | None = None, speed: FloatArray | None = None,
+    vibratory: Mapping[int, FloatArray] = NOTHING,
+) -> dict[int, ComplexArray]:  # fmt: skip
     """(frequencies,) N m/rad of every span with a table, at circular frequencies w (frequencies,) rad/s.
 
     mean: (spans, frequencies) N m mean torque; without it the tables over mean torque are left out. speed:
-    (frequencies,) rad/s of the reference station; the same. Raises InputError where a table does not cover them.
+    (frequencies,) rad/s of the reference station; the same. vibratory: (frequencies,) N m of spans whose table is over
+    it; others are left out. Raises InputError where a table does not cover them.
     """
     found: dict[int, ComplexArray] = {}
     for span, table in system.tables.items():
-        x = system.followed(span, w, None if mean is None else mean[span], speed)
+        carried = vibratory.get(span) if table.over == "vibratory torque" else None if mean is None else mean[span]
+        x = system.followed(span, w, carried, speed)
         if x is None:
             continue
         refuse_beyond(system, span, x)

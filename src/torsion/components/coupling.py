@@ -1,7 +1,6 @@
 """A coupling: an elastic (or rigid) link with its damping, its limits, and what makes it nonlinear."""
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated
 
@@ -16,7 +15,9 @@ from torsion.components.elastic_element import (
     PSI,
     CouplingTable,
     CouplingWarming,
+    FractionalSpring,
     Magnifier,
+    PronySpring,
     Psi,
     given_damping,
     loss_factor,
@@ -34,7 +35,8 @@ BESIDE_NO_CAPACITY = (
     "clearance", "hysteresis_torque", "stages", "viscous", "loss_factor", "psi", "magnifier"
 )  # fmt: skip
 BESIDE_NO_TABLE = (*DAMPINGS, "clearance", "hysteresis_torque", "stages", "capacity")
-STIFFNESSES = ("stiffness", "flexibility", "table")
+TABLES = ("table", "prony", "fractional")  # what gives stiffness and damping over something
+STIFFNESSES = ("stiffness", "flexibility", *TABLES)
 STIFF = 100.0  # times the stiffness beside it: that of a friction whose own stiffness the file does not give
 
 
@@ -70,12 +72,20 @@ Clearance = Annotated[Play, _plain("angle", Play)]
 Frictions = Annotated[tuple[Annotated[DryFriction, _plain("torque", DryFriction)], ...], OneOrMany]
 
 
+def _text(value: object) -> object:
+    return str(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
 class Coupling(Component, keyword="coupling", sort="link"):
     """An elastic or rigid coupling, or any other massless spring of the train."""
 
+    file: str | None = given("CSV file of a series of couplings, whose row of that `size` gives keys", alias="from")
+    size: Annotated[str, BeforeValidator(_text, str | float)] | None = given("of the series: which row of `from`")
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
     table: CouplingTable | None = given("stiffness and damping over frequency or mean torque, in place of `stiffness`")
+    prony: PronySpring | None = given("relaxing springs beside a static one, in place of `stiffness` and damping")
+    fractional: FractionalSpring | None = given("a power of the frequency beside a static spring, in place of both")
     temperature: CouplingWarming | None = given("what its own heat takes of its stiffness, and how far it may warm")
     inertia: Pair | None = given("[driving, driven] halves")
     viscous: fields.Damping | None = given("viscous damping")
@@ -111,18 +121,22 @@ class Coupling(Component, keyword="coupling", sort="link"):
     capacity: Torque | None = given("torque at which it slips; the coupling is then a clutch")
 
     def refuse_clashes(self) -> None:
+        if (self.file is None) != (self.size is None):
+            lacks, has = ("from", "size") if self.file is None else ("size", "from")
+            raise refuse(f"`{has}` needs `{lacks}`", 'for example {from: series.csv, size: "40"}', has)
         named = [key for key in STIFFNESSES if getattr(self, key) is not None]
         if len(named) != 1:
             what = f"{' and '.join(f'`{key}`' for key in named)} exclude each other"
             what = what if named else "`stiffness` or `flexibility` is missing"
-            raise refuse(what, "give one of `stiffness`, `flexibility` (0 = rigid) and `table`", *named[1:2])
+            hint = "give one of `stiffness`, `flexibility` (0 = rigid), `table`, `prony` and `fractional`"
+            raise refuse(what, hint, *named[1:2])
         if self.temperature is not None:
             _refuse_beside_temperature(self)
-        if self.table is not None:
+        if named[0] in TABLES:
             beside = [key for key in BESIDE_NO_TABLE if getattr(self, key) not in (None, ())]
             if beside:
-                hint = "the table gives the damping" if beside[0] in DAMPINGS else "give a `stiffness` in its place"
-                raise refuse(f"`table` and `{beside[0]}` exclude each other", hint, beside[0])
+                hint = f"`{named[0]}` gives the damping" if beside[0] in DAMPINGS else "give a `stiffness` in its place"
+                raise refuse(f"`{named[0]}` and `{beside[0]}` exclude each other", hint, beside[0])
         if (found := given_damping(self)) and self.flexibility == 0:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
         if self.max_torque_rare is not None and self.max_torque is None:
@@ -149,9 +163,8 @@ class Coupling(Component, keyword="coupling", sort="link"):
         warming, factor, lost = (None, 1.0, None) if self.temperature is None else self.temperature.lowered()
         if warming is not None:
             build.record(warming=warming, damping=damping if lost is None else ("loss_factor", lost))
-        if self.table is not None:
-            table = self.table.lowered(scale)
-            table = replace(table, stiffness=tuple(one * factor for one in table.stiffness))
+        if (given_table := self.table or self.prony or self.fractional) is not None:
+            table = given_table.lowered(scale).times(factor)
             build.add(tabled_spring(build.name, build.part, (driving, driven), table))
             return
         flexibility = given * scale if given is not None else 1.0 / build.own(self.stiffness or 1.0)
@@ -174,7 +187,7 @@ def _refuse_beside_temperature(coupling: Coupling) -> None:
         what = "a rigid coupling makes no heat" if rigid else f"`temperature` and `{key}` exclude each other"
         raise refuse(what, "leave `temperature` out", key)
     lost = [key for key in DAMPINGS[1:] if warming is not None and getattr(warming, key) is not None]
-    own = [key for key in (*DAMPINGS[1:], "table") if getattr(coupling, key) is not None]
+    own = [key for key in (*DAMPINGS[1:], *TABLES) if getattr(coupling, key) is not None]
     if lost and own:
         hint = f"`temperature` gives it as `{lost[0]}`"
         raise refuse(f"`{own[0]}` and `temperature` both say what the coupling loses", hint, own[0])

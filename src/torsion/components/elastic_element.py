@@ -11,6 +11,7 @@ from torsion import fields
 from torsion.fields import Declared, LossFactor, Power, Quantity, given, refuse, required
 
 if TYPE_CHECKING:
+    from torsion.kernels.spring_law import SpringLaw
     from torsion.kernels.stiffness_table import StiffnessTable
     from torsion.kernels.warming import Warming
 
@@ -20,7 +21,8 @@ Magnifier = Annotated[float, Quantity("1", above=0, usual=(0.5, None), mistaken=
 PSI = "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
 MAGNIFIER = "dynamic magnifier M; eta = 1/M"
 
-OVER = {"frequency": Quantity("Hz", above=0), "mean torque": Quantity("N*m", at_least=0)}
+OVER = {"frequency": Quantity("Hz", above=0)}
+OVER |= dict.fromkeys(("mean torque", "vibratory torque"), Quantity("N*m", at_least=0))
 POINTS = "at: [5 Hz, 10 Hz, 20 Hz], stiffness: [20e3, 24e3, 30e3], loss_factor: [0.12, 0.14, 0.16]"
 
 
@@ -45,8 +47,8 @@ def loss_factor(damping: tuple[str, float] | None) -> float:
 class CouplingTable(Declared):
     """Dynamic stiffness and damping by a table; stiffness and loss factor are linear between its points."""
 
-    over: Literal["frequency", "mean torque"] = required("what the table is over")
-    at: tuple[Any, ...] = required("rising frequencies, or mean torques of the coupling (their size)")
+    over: Literal["frequency", "mean torque", "vibratory torque"] = required("what the table is over")
+    at: tuple[Any, ...] = required("rising frequencies, or torques of the coupling: size of the mean, half range")
     stiffness: tuple[fields.Stiffness, ...] = required(
         "dynamic stiffness at each; over mean torque the tangent of the static curve"
     )
@@ -88,6 +90,48 @@ class CouplingTable(Declared):
         stiffness = tuple(value / scale for value in self.stiffness)
         points = tuple(point * own for point in self.at)
         return StiffnessTable(self.over, points, stiffness, eta, viscous, self.beyond == "hold")
+
+
+Relaxation = Annotated[float, Quantity("s", above=0, usual=(None, 1e5))]
+TERM = "terms are [stiffness, relaxation time]: [[6 kN*m/rad, 0.05 s], [9 kN*m/rad, 5 ms]]"
+
+
+def _pairs(value: Any) -> Any:
+    if not (isinstance(value, list | tuple) and value and all(isinstance(one, list | tuple) for one in value)):
+        raise refuse("this is no list of relaxing terms", TERM)
+    if any(len(one) != 2 for one in value):
+        raise refuse("a term has a stiffness and a relaxation time", TERM)
+    return tuple(tuple(one) for one in value)
+
+
+class PronySpring(Declared):
+    """A static spring and springs beside it that relax: k + sum k_i s tau_i/(1 + s tau_i)."""
+
+    stiffness: fields.Stiffness = required("static stiffness: that at no frequency")
+    terms: Annotated[tuple[tuple[fields.Stiffness, Relaxation], ...], BeforeValidator(_pairs)] = required(
+        "list of [stiffness, relaxation time] of what stiffens it at higher frequencies"
+    )
+
+    def lowered(self, scale: float) -> "SpringLaw":
+        """In SI at the coupling's own speed; scale: as of `CouplingTable.lowered`."""
+        from torsion.kernels.spring_law import prony
+
+        return prony(self.stiffness / scale, tuple((k / scale, tau) for k, tau in self.terms))
+
+
+class FractionalSpring(Declared):
+    """A static spring and one beside it that follows a power of the frequency: k + k1 (s tau)^exponent."""
+
+    stiffness: fields.Stiffness = required("static stiffness: that at no frequency")
+    k1: fields.Stiffness = required("size of what is added, at the circular frequency 1/tau")
+    tau: Relaxation = required("time at whose reciprocal that size holds")
+    exponent: Annotated[float, Quantity("1", above=0, below=1)] = required("order of the derivative, between 0 and 1")
+
+    def lowered(self, scale: float) -> "SpringLaw":
+        """In SI at the coupling's own speed; scale: as of `CouplingTable.lowered`."""
+        from torsion.kernels.spring_law import fractional
+
+        return fractional(self.stiffness / scale, self.k1 / scale, self.tau, self.exponent)
 
 
 Temperature = Annotated[float, Quantity("degC", usual=(-60.0, 250.0))]

@@ -42,6 +42,20 @@ def amplitudes(
     ratio: Ratio, bottom: FloatArray, top: FloatArray, near: FloatArray, samples: int = SAMPLES
 ) -> Amplitudes:
     """Every solution between `bottom` and `top` (columns,) rad, which the samples divide evenly in the logarithm."""
+    column, roots = solutions(ratio, bottom, top, samples)
+    largest, smallest, number = np.zeros(len(bottom)), np.full(len(bottom), np.inf), np.zeros(len(bottom), dtype=int)
+    np.maximum.at(largest, column, roots)
+    np.minimum.at(smallest, column, roots)
+    np.add.at(number, column, 1)
+    order = np.lexsort((np.abs(np.log(roots / near[column])), column))
+    nearest = np.zeros(len(bottom))
+    where, begin = np.unique(column[order], return_index=True)
+    nearest[where] = roots[order][begin]
+    return Amplitudes(largest, np.where(number > 0, smallest, 0.0), nearest, number)
+
+
+def solutions(ratio: Ratio, bottom: FloatArray, top: FloatArray, samples: int = SAMPLES) -> tuple[IntArray, FloatArray]:
+    """Column and amplitude of every solution, as of `amplitudes`."""
     columns = np.arange(len(bottom))
     steps = np.linspace(0.0, 1.0, samples)[:, None]
     at = np.exp(np.log(bottom) * (1.0 - steps) + np.log(top) * steps)
@@ -52,16 +66,7 @@ def amplitudes(
     low, high = at[step, column], at[step + 1, column]
     first, second, of = _dips(ratio, at, found)
     column, low, high = (np.concatenate(each) for each in ([column, of, of], [low, *first], [high, *second]))
-    roots = _roots(ratio, column, low, high)
-    largest, smallest, number = np.zeros(len(bottom)), np.full(len(bottom), np.inf), np.zeros(len(bottom), dtype=int)
-    np.maximum.at(largest, column, roots)
-    np.minimum.at(smallest, column, roots)
-    np.add.at(number, column, 1)
-    order = np.lexsort((np.abs(np.log(roots / near[column])), column))
-    nearest = np.zeros(len(bottom))
-    where, begin = np.unique(column[order], return_index=True)
-    nearest[where] = roots[order][begin]
-    return Amplitudes(largest, np.where(number > 0, smallest, 0.0), nearest, number)
+    return column, _roots(ratio, column, low, high)
 
 
 def _dips(

@@ -21,7 +21,7 @@ class PowerLaw(StiffnessTable):
 
     powers: tuple[float, float] = (0.0, 0.0)  # p and q
     printed: tuple[float, ...] = ()  # points at which it is printed
-    words: str = ""
+    formula: str = ""
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor 0 and viscous damping (N m s/rad) at x, each of the shape of x."""
@@ -37,6 +37,11 @@ class PowerLaw(StiffnessTable):
     def slopes(self) -> FloatArray:
         """(2, 1) d ln k/d ln x at both ends of its one piece."""
         return np.full((2, 1), self.powers[0])
+
+    @property
+    def words(self) -> str:
+        """The law with its figures."""
+        return self.formula
 
     @property
     def points(self) -> tuple[float, ...]:

@@ -4,7 +4,8 @@ Stiffness and loss factor are linear each by itself, so that a value between two
 curve; the loss modulus k eta is then not linear.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -60,6 +61,25 @@ class StiffnessTable:
     def follows(self) -> str:
         """What stands in place of one value: by table, or by what a law is over."""
         return "by table" if self.key == "table" else f"by {self.over}"
+
+    @property
+    def first(self) -> float:
+        """Where its stiffness stands for it where nothing else is said: its first point."""
+        return self.at[0]
+
+    @property
+    def words(self) -> str:
+        """The law that it samples; a table has none."""
+        return ""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Between which it says something by itself."""
+        return self.at[0], self.at[-1]
+
+    def times(self, factor: float) -> Self:
+        """The same with its stiffness multiplied."""
+        return replace(self, stiffness=tuple(k * factor for k in self.stiffness))
 
     @property
     def damps(self) -> bool:

@@ -88,6 +88,14 @@ def verdicts(evidence: "Results") -> tuple["Check", ...]:
         from torsion.rules.beside_exact_motion import on_the_safe_side
 
         evidence = on_the_safe_side(evidence)
+    if evidence.study.train.has_tables_over("vibratory torque"):
+        from torsion.rules.other_solutions import worst_of_solutions
+
+        return worst_of_solutions(evidence, _judged)
+    return _judged(evidence)
+
+
+def _judged(evidence: "Results") -> tuple["Check", ...]:
     return tuple(line for one, given in of_study(evidence.study) for line in one.check(evidence, given))
 
 

@@ -126,7 +126,7 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
     omega, power = 2.0 * math.pi * response.frequency, np.zeros(response.frequency.shape)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[system.flexibility[spans] > 0]:
-        stiffness, loss = system.elastic(span, omega, response.mean[:, span, None], response.speed[:, None])
+        stiffness, loss = system.elastic(span, omega, response.carried(span), response.speed[:, None])
         if span in added:
             one = added[span]
             loss = one.share[:, None] * loss + one.extra.imag[:, None]

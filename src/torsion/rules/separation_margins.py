@@ -74,6 +74,13 @@ class SeparationMargins(Rule):
 
     def faults(self, study: Study, settings: MarginSettings) -> list[Fault]:
         """What the file lacks for this rule."""
+        following = next(
+            (one for one in study.train.springs if one.table is not None and one.table.over != "frequency"), None
+        )
+        if following is not None and following.table is not None:
+            message = f"{self.name} judges one natural frequency a mode, and '{following.name}' leaves a mode many"
+            hint = "give the coupling a `stiffness`, the softest and the stiffest as two `cases`"
+            return [Fault((*study.train.parts[following.part].path, following.table.key), message, hint)]
         if settings.continuous is not None or study.operation.speeds is not None:
             return []
         hint = f"speeds: {{from: 300 rpm, to: 1800 rpm}}, or `continuous` of `{self.name}`"

@@ -1,6 +1,8 @@
 """A rule: what it needs, what it does not judge, and the lines of its verdict."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any, Literal
 
@@ -125,6 +127,25 @@ class Check:
             return math.inf
         used, whole = (self.limit, self.value) if self.at_least else (self.value, self.limit)
         return used / whole if used >= 0 and whole > 0 and self.limit > 0 else None
+
+
+def rank(check: Check) -> tuple[bool, float]:
+    """The greater, the worse: whether it fails, and the share of its limit."""
+    used = check.utilisation
+    return check.fails, -math.inf if used is None and not check.fails else math.inf if used is None else used
+
+
+def worst_checks(cases: Mapping[str, tuple[Check, ...]]) -> dict[tuple[str, ...], tuple[str, Check]]:
+    """The worst of every check over cases, with the name of its case; barred ranges are those of all of them."""
+    found: dict[tuple[str, ...], tuple[str, Check]] = {}
+    barred: dict[tuple[str, ...], dict[BarredRange, None]] = {}
+    for words, lines in cases.items():
+        for check in lines:
+            key = check.rule, check.clause, check.what, check.where
+            barred.setdefault(key, {}).update(dict.fromkeys(check.barred))
+            if key not in found or rank(check) > rank(found[key][1]):
+                found[key] = words, check
+    return {key: (words, replace(check, barred=tuple(barred[key]))) for key, (words, check) in found.items()}
 
 
 @reported

@@ -19,7 +19,11 @@ from torsion.study import Case, Change, SpeedRange, Study, case_folder
 
 FROM, TOLERANCES = "from", "tolerances"
 CORNERS = {"soft": -1, "stiff": 1}  # cases of the tolerances: all couplings together at one end
-STIFFNESSES = (("stiffness",), ("clearance", "stiffness"))  # of a coupling
+STIFFNESSES = (  # of a coupling
+    ("stiffness",), ("clearance", "stiffness"), ("prony", "stiffness"), ("fractional", "stiffness"),
+    ("fractional", "k1"),
+)  # fmt: skip
+LISTED = ((("stages",), ("stiffness",)), (("table", "stiffness"), ()), (("prony", "terms"), (0,)))  # lists, and where
 Read = Callable[[Source], Study]
 Factor = Annotated[float, Quantity("1", above=0, usual=(0.01, 50.0), slip=("%",))]
 
@@ -247,9 +251,10 @@ def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
     for keys in (*STIFFNESSES, ("flexibility",)):
         if node_at(overlay.source.root, (*part.path, *keys)) is not None:
             yield (*part.path, *keys)
-    stages = node_at(overlay.source.root, (*part.path, "stages"))
-    for step, _ in entries_of(None if stages is None else stages.value):
-        yield (*part.path, "stages", step, "stiffness")
+    for keys, own in LISTED:
+        listed = node_at(overlay.source.root, (*part.path, *keys))
+        for step, _ in entries_of(None if listed is None else listed.value):
+            yield (*part.path, *keys, step, *own)
 
 
 def _effect(study: Study) -> Any:

@@ -7,8 +7,11 @@ language and 40 000 in another: what the other numbers of the table do not decid
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
+from torsion import units
 from torsion.schema.csv_text import Cell
+from torsion.schema.yaml_source import resolved
 
 Slip = tuple[Cell, str, str]  # where, what is wrong, what would be right
 _COMMA = re.compile(r"([-+]?[0-9]*),([0-9]+(?:[eE][-+]?[0-9]+)?)(?![0-9,.])")  # a number with a decimal comma begins
@@ -82,3 +85,23 @@ def _figures(text: str) -> Iterator[str]:
         yield from (found[0] for found in [_FIGURE.match(text)] if found)
     elif ";" in text:
         yield from (found[0] for found in _FIGURE.finditer(text))
+
+
+def in_unit(value: Any, text: str, unit: str) -> Any:
+    """A number with its unit; all else as it stands."""
+    return f"{text} {unit}" if unit and is_number(text) else value
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell says a number."""
+    value = resolved(text)
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def unit_fault(written: str, unit: str) -> units.UnitFault | None:
+    """What is wrong with a unit of a column where one of `unit` is expected."""
+    try:
+        units.to_si(f"1 {written}", unit)
+    except units.UnitFault as fault:
+        return fault
+    return None

@@ -1,48 +1,47 @@
 """Tables of CSV files in the place of the lists of a scene: `train: {table: line.csv}`, `- table: line.csv`.
 
 One row stands for one entry, as if it were written there: of a train a component, of `excitations`, `ripple` and
-`excitation` a mapping, of `load` and `torque` speed and torque, of `gas` an order. The first row names the keys.
+`excitation` a mapping, of `load` and `torque` speed and torque, of `gas` an order. The first row names the keys, with
+units. Of a library of couplings, `coupling: {from: series.csv, size: "40"}`, the one row of that size stands for its
+keys.
 """
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path as FilePath
-from pkgutil import resolve_name
 from typing import Any
 
-from pydantic import BaseModel
-
 from torsion import units
-from torsion.components import KINDS, component
+from torsion.components import KINDS
 from torsion.errors import Fault, InputError, nearest, printable
-from torsion.fields import Amount, Quantity, shown
-from torsion.schema.csv_numbers import Numbers, numbers_of
-from torsion.schema.csv_text import FORMULA_ERROR, Cell, rows_of, table_text
-from torsion.schema.declaration_reader import items_of, keys_of
+from torsion.fields import shown
+from torsion.schema.csv_columns import (
+    BY_LOAD,
+    BY_PARTS,
+    BY_POLAR,
+    FIGURES,
+    HARMONICS,
+    LIBRARY,
+    LOADS,
+    MAPPINGS,
+    PAIRS,
+    SPEED_AND_TORQUE,
+    columns_of,
+)
+from torsion.schema.csv_harmonics import by_load, harmonic, list_node
+from torsion.schema.csv_numbers import Numbers, in_unit, is_number, numbers_of, unit_fault
+from torsion.schema.csv_text import FORMULA_ERROR, Cell, first_comment, rows_of, table_text
 from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.yaml_source import parse_source, resolved
 
-MAPPINGS = {  # lists of mappings: key, what declares an entry
-    "excitations": "torsion.components.harmonic_torques:Excitation",
-    "ripple": "torsion.components.harmonic_torques:Ripple",
-    "excitation": "torsion.components.propeller:BladeTorque",
-}
-PAIRS = ("load", "torque")  # lists of [speed, torque]
-SPEED_AND_TORQUE = {"speed": ("rad/s",), "torque": ("N*m", "1")}
-BY_POLAR, BY_PARTS = ("order", "amplitude", "phase"), ("order", "a", "b")  # of a harmonic
-HARMONIC = {"order": ("1",), "amplitude": ("N*m", "Pa"), "phase": ("rad",), "a": ("N*m", "Pa"), "b": ("N*m", "Pa")}
-LOADS = {"imep": ("Pa",), "torque": ("N*m",), "speed": ("rad/s",)}  # at which a table of harmonics stands
 OF_GAS = {  # what of an engine's gas may be the name of a file, by the key before it and its own
-    ("gas", "table"): "harmonics", ("gas", "motored"): "harmonics", ("tables", "rows"): "harmonics",
-    ("gas", "tables"): "harmonics by load",
-}  # fmt: skip
-FIGURES: dict[str, dict[str, tuple[str, ...]]] = {  # of lists without a declaration: columns with their units
-    **dict.fromkeys(PAIRS, SPEED_AND_TORQUE), "harmonics": HARMONIC, "harmonics by load": HARMONIC | LOADS,
+    ("gas", "table"): HARMONICS, ("gas", "motored"): HARMONICS, ("tables", "rows"): HARMONICS,
+    ("gas", "tables"): BY_LOAD,
 }  # fmt: skip
 _HEAD = re.compile(r"(.*?)\s*[\[(](.+)[\])]")  # inertia [kg*m**2]
 _FIRST = "kind"  # the column of a train that says the kind of every row
+_ROW = "size"  # the column of a library that says which row
 
 
 @dataclass(frozen=True)
@@ -89,33 +88,38 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
     """The node with every table below it replaced; the node itself where there is none. `key` is what it stands at."""
     is_listed = key == "train" or key in MAPPINGS
     if table_name(node.value) and (is_listed or key in PAIRS):
-        return _list(node, _table(node, key, reading))
+        return list_node(node, _table(node, key, reading))
     if isinstance(node.value, list):
         parts: list[Node] = []
         for part in node.parts.values():
             is_table = key == "train" and table_name(part.value)
             parts += _table(part, key, reading) if is_table else [_spliced(part, key * (key == "tables"), reading)]
-        return node if parts == list(node.parts.values()) else _list(node, parts)
+        return node if parts == list(node.parts.values()) else list_node(node, parts)
+    if key == LIBRARY and isinstance(node.value, dict) and {"from", _ROW} <= node.value.keys():
+        return _from_library(node, reading)
     if isinstance(node.value, dict):
         inner = {}
         for step, part in node.parts.items():
             before, last = f"{key}.{step}".split(".")[-2:]  # a case writes `operation.load`
             name = OF_GAS.get((before, last)) if isinstance(part.value, str) else None
-            inner[step] = _list(part, _table(part, name, reading)) if name else _spliced(part, last, reading)
+            inner[step] = list_node(part, _table(part, name, reading)) if name else _spliced(part, last, reading)
         if inner != node.parts:
             value = node.value | {step: part.value for step, part in inner.items()}
             return replace(node, value=value, parts=inner)
     return node
 
 
-def _list(node: Node, parts: list[Node]) -> Node:
-    return replace(node, value=[part.value for part in parts], parts=dict(enumerate(parts)), keys={})
-
-
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     """The rows of the table that a node names, as entries of the list at `key`."""
     where = node if isinstance(node.value, str) else node.parts["table"]
-    name = where.value
+    table = _opened(where.value, where, reading)
+    if table is None:
+        return []
+    return [_spliced(entry, "", reading) for entry in _Rows(table, key).nodes(reading)]
+
+
+def _opened(name: str, where: Node, reading: Reading) -> Source | None:
+    """The text of the file that is named there; None, and the reading ended, where there is none."""
     if name not in reading.tables:
         file = FilePath(reading.source.name).parent / name
         fault: Fault | None = None
@@ -125,16 +129,51 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
             is_there = not isinstance(error, FileNotFoundError)
             why = f"cannot be read: {getattr(error, 'strerror', None) or error}" if is_there else "does not exist"
             hint = f"its path counts from the folder of this file, {file.parent.absolute()}"
-            message = f"the table {shown(name)} {why}"
-            reading.faults.append(Fault((), message, hint, line=where.line, column=where.column))
-            reading.is_ended = True
-            return []
+            _end(where, f"the table {shown(name)} {why}", hint, reading)
+            return None
         reading.tables[name] = Source(str(file), text)
         if fault is not None:
             reading.faults.append(replace(fault, file=str(file)))
             reading.is_ended = True
-            return []
-    return _Rows(reading.tables[name], key).nodes(reading)
+            return None
+    return reading.tables[name]
+
+
+def _end(where: Node, message: str, hint: str, reading: Reading) -> None:
+    """Note a fault of the scene, or of the table that a value stands in, after which nothing can be read."""
+    file = "" if where.source is None else where.source.name
+    reading.faults.append(Fault((), message, hint, line=where.line, column=where.column, file=file))
+    reading.is_ended = True
+
+
+def _from_library(node: Node, reading: Reading) -> Node:
+    """A coupling with the figures of its row beside its own keys, which are others."""
+    name, size = node.parts["from"], node.parts[_ROW]
+    if not isinstance(name.value, str) or isinstance(size.value, bool | list | dict | None):
+        return node  # its declaration says what is wrong
+    table = _opened(name.value, name, reading)
+    rows = [] if table is None else _Rows(table, LIBRARY).nodes(reading)
+    if reading.is_ended or table is None:
+        return node
+    sizes = [str(row.value[_ROW]) for row in rows]
+    if (wanted := str(size.value)) not in sizes:
+        near = nearest(wanted, sizes)
+        every = f"there is {', '.join(sizes)}"
+        hint = f"did you mean `{near}`? {every}" if near else every
+        _end(size, f"{shown(name.value)} has no size {shown(wanted)}", hint, reading)
+        return node
+    row = rows[sizes.index(wanted)]
+    for key in node.parts.keys() & row.parts.keys() - {_ROW, "source"}:
+        line, column = node.keys.get(str(key), (size.line, size.column))
+        message = f"`{key}` is given here, and as {shown(row.value[key])} by size {wanted} of {name.value}"
+        _end(Node(None, line, column, source=node.source), message, "keep one; a case may `set` another value", reading)
+    said = row.parts.get("source")
+    origin = f"{name.value}, size {wanted}: {said.value if said else first_comment(table.text) or 'no source stated'}"
+    origin_node = replace(said or row.parts[_ROW], value=origin)
+    parts = row.parts | {"source": origin_node} | node.parts | {_ROW: replace(size, value=wanted)}
+    return replace(
+        node, value={str(step): part.value for step, part in parts.items()}, parts=parts, keys=row.keys | node.keys
+    )
 
 
 class _Rows:
@@ -146,6 +185,7 @@ class _Rows:
         self.separator, self.rows = rows_of(source, self.faults)
         self.columns: list[Column | None] = []
         self.numbers = Numbers()
+        self.sizes: dict[str, int] = {}  # of a library: the lines of the rows so far
 
     def nodes(self, reading: Reading) -> list[Node]:
         """Every row below the first; none where the first is at fault, which ends the reading."""
@@ -159,8 +199,8 @@ class _Rows:
             self.numbers = self._read_signs()
             ended = self._head_is_faulty()
         found = [] if ended else [node for row in self.rows[1:] if (node := self._row(row)) is not None]
-        if found and self.key == "harmonics by load":
-            found = self._by_load(found)
+        if found and self.key == BY_LOAD:
+            found = by_load(found, self._columns_named, self.fault)
         reading.faults += [replace(fault, file=self.source.name) for fault in self.faults]
         reading.is_ended |= ended or (self.key in FIGURES and self.key not in PAIRS and bool(self.faults))
         return found
@@ -173,6 +213,8 @@ class _Rows:
             return "`kind`, `name`, `inertia [kg*m**2]`, ..."
         if self.key.startswith("harmonics"):
             return "`imep [bar]`, " * ("load" in self.key) + "`order`, `amplitude [bar]`, `phase [deg]`"
+        if self.key == LIBRARY:
+            return "`size`, `stiffness [N*m/rad]`, `psi`, ..."
         return "`speed [rpm]`, `torque [N*m]`" if self.key in PAIRS else "`order`, `torque [N*m]`, `phase [deg]`, ..."
 
     def _column(self, cell: Cell) -> Column | None:
@@ -185,7 +227,7 @@ class _Rows:
             return None
         if self.key == "train" and name == _FIRST and not of:
             return Column(_FIRST, "", "", True)
-        known = {key: found for (kind, key), found in _keys(self.key).items() if of in ("", kind)}
+        known = {key: found for (kind, key), found in columns_of(self.key).items() if of in ("", kind)}
         if name not in known:
             near = nearest(name, known)
             every = f"there is {', '.join(known)}" if known else f"there is no kind `{of}`"
@@ -212,52 +254,29 @@ class _Rows:
             column is None and cell.text for cell, column in zip(head, self.columns, strict=True)
         )
 
+    @property
+    def _columns_named(self) -> list[str]:
+        return [column.key for column in self.columns if column is not None]
+
     def _needed(self, there: Mapping[tuple[str, str], Cell]) -> tuple[str, ...]:
         """The columns that the table must have, with what it has."""
-        if self.key in PAIRS or self.key == "train":
-            return (_FIRST,) if self.key == "train" else tuple(SPEED_AND_TORQUE)
-        if self.key not in FIGURES:
-            return ()
+        by_list = {"train": (_FIRST,), LIBRARY: (_ROW,), **dict.fromkeys(PAIRS, tuple(SPEED_AND_TORQUE))}
+        if self.key not in FIGURES or self.key in by_list:
+            return by_list.get(self.key, ())
         loads = ([key for key in LOADS if ("", key) in there] or ["imep"])[: "load" in self.key]
         return (*loads, *(BY_PARTS if {("", "a"), ("", "b")} & there.keys() else BY_POLAR))
 
-    def _harmonic(self, body: Node) -> Node:
-        """A row from its cells: [order, amplitude, phase], or a mapping where the table has `a` and `b`."""
-        keys = BY_PARTS if any(column and column.key in ("a", "b") for column in self.columns) else BY_POLAR
-        if lacking := [key for key in keys if key not in body.parts]:
-            self.fault(Cell("", body.line, body.column), f"the row has no `{lacking[0]}`", f"it has {', '.join(keys)}")
-        found = [body.parts[key] for key in keys if key in body.parts]
-        return body if keys == BY_PARTS else _list(replace(body), found)
-
-    def _by_load(self, rows: list[Node]) -> list[Node]:
-        """Rows of the same load, or speed, as one table."""
-        found: dict[str, tuple[Node, list[Node]]] = {}
-        key = next(column.key for column in self.columns if column is not None and column.key in LOADS)
-        for row in rows:
-            load = row.parts.pop(key, None)
-            if load is None:
-                self.fault(Cell("", row.line, row.column), f"the row has no `{key}`", "every order stands at one")
-            else:
-                found.setdefault(str(row.value.pop(key)), (load, []))[1].append(self._harmonic(row))
-        made = []
-        for load, each in found.values():
-            parts: dict[str | int, Node] = {key: load, "rows": _list(replace(load), each)}
-            value = {step: part.value for step, part in parts.items()}
-            places = dict.fromkeys(map(str, parts), (load.line, load.column))
-            made.append(replace(load, value=value, parts=parts, keys=places))
-        return made
-
     def _unit_is_sound(self, place: int, cell: Cell, column: Column) -> None:
         """Note a unit that no such quantity has, and one that is missing where numbers stand below."""
-        known = _keys(self.key)
+        known = columns_of(self.key)
         expected = {unit for (_, key), found in known.items() if key == column.key for unit in found.units}
         if column.unit:
-            faults = [fault for unit in sorted(expected) if (fault := _unit_fault(column.unit, unit)) is not None]
+            faults = [fault for unit in sorted(expected) if (fault := unit_fault(column.unit, unit)) is not None]
             if faults and len(faults) == len(expected):
                 self.fault(cell, f"the unit of the column `{column.key}`: {faults[0].message}", faults[0].hint)
             return
         if expected - {"1"} and any(
-            place < len(row) and _is_number(self.numbers.plain(row[place].text)) for row in self.rows[1:]
+            place < len(row) and is_number(self.numbers.plain(row[place].text)) for row in self.rows[1:]
         ):
             unit = units.example(min(expected - {"1"})).partition(" ")[2]
             self.fault(cell, f"the column `{column.key}` has no unit", f"write `{column.key} [{unit}]`")
@@ -296,17 +315,29 @@ class _Rows:
         for cell, column in filled:
             if column is not None and cell is not kind:
                 self._state(body, cell, column, "" if kind is None else kind.text.casefold())
+        if self.key == LIBRARY and not self._is_new_size(body, begin):
+            return None
         if self.key in PAIRS:
             pair = [body.parts.get(key, self._node(None, begin)) for key in SPEED_AND_TORQUE]
-            return _list(self._node([], begin), pair)
-        if self.key == "harmonics":
-            return self._harmonic(body)
+            return list_node(self._node([], begin), pair)
+        if self.key == HARMONICS:
+            return harmonic(body, self._columns_named, self.fault)
         if kind is None:
             return body
         word = kind.text.casefold()
         entry = self._node({word: body.value}, begin)
         entry.parts[word], entry.keys[word] = body, (kind.line, kind.column)
         return entry
+
+    def _is_new_size(self, body: Node, begin: Cell) -> bool:
+        """Whether a row of a library says of which size it is, of one that no row before it is of."""
+        size = str(body.value.get(_ROW, ""))
+        if not size or size in self.sizes:
+            message = f"size {shown(size)} stands in line {self.sizes[size]} already" if size else "the row has no size"
+            self.fault(begin, message, "one row a size")
+            return False
+        self.sizes[size] = begin.line
+        return True
 
     def _node(self, value: Any, cell: Cell) -> Node:
         """A value with all that is in it, at the place of its cell."""
@@ -335,7 +366,7 @@ class _Rows:
             return cell.text
         text = self.numbers.plain(cell.text)
         if text[0] not in "[{":
-            return _in_unit(resolved(text), text, column.unit)
+            return in_unit(resolved(text), text, column.unit)
         if slip := self.numbers.slip(cell):
             self.fault(*slip)
             return cell.text
@@ -349,51 +380,4 @@ class _Rows:
             self.fault(cell, f"this list or mapping cannot be read: {error.faults[0].message}", hint)
             return cell.text
         listed = isinstance(value, list)
-        return [_in_unit(one, str(one), column.unit) for one in value] if listed else value
-
-
-def _in_unit(value: Any, text: str, unit: str) -> Any:
-    """A number with its unit; all else as it stands."""
-    return f"{text} {unit}" if unit and _is_number(text) else value
-
-
-def _is_number(text: str) -> bool:
-    value = resolved(text)
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _unit_fault(written: str, unit: str) -> units.UnitFault | None:
-    try:
-        units.to_si(f"1 {written}", unit)
-    except units.UnitFault as fault:
-        return fault
-    return None
-
-
-@dataclass(frozen=True)
-class _Key:
-    """What the declaration of a key says of its column."""
-
-    units: tuple[str, ...]
-    is_text: bool
-
-
-@cache
-def _keys(key: str) -> dict[tuple[str, str], _Key]:
-    """Every key of the entries of a list, with the kind of component that it is of."""
-    if key in FIGURES:
-        return {("", name): _Key(expected, False) for name, expected in FIGURES[key].items()}
-    if key in MAPPINGS:
-        return {("", name): found for name, found in _declared(resolve_name(MAPPINGS[key])).items()}
-    return {(kind, name): found for kind in KINDS for name, found in _declared(component(kind)).items()}
-
-
-def _declared(kind: type[BaseModel]) -> dict[str, _Key]:
-    found = {}
-    for key, field in keys_of(kind).items():
-        items = list(items_of(field))
-        expected = {item.unit for item in items if isinstance(item, Quantity)}
-        expected |= {"N*m", "1"} if Amount in items else set()
-        is_text = str in items and not expected and float not in items
-        found[key] = _Key(tuple(sorted(expected)), is_text)
-    return found
+        return [in_unit(one, str(one), column.unit) for one in value] if listed else value

@@ -65,6 +65,12 @@ def rows_of(source: Source, faults: list[Fault]) -> tuple[str, list[list[Cell]]]
     return separator, rows
 
 
+def first_comment(text: str) -> str:
+    """What the first line says that begins with `#`; empty where none does."""
+    found = next((line for line in _BREAK.split(text) if _COMMENT.match(line)), "")
+    return found.strip(' "#\t,;').strip()
+
+
 def _separator(text: str) -> str:
     """Of the first line that says something: a tab, else a semicolon, else a comma."""
     for line in _BREAK.split(text):

@@ -12,7 +12,7 @@ from torsion.components import KINDS, component
 from torsion.fields import OneOrMany
 from torsion.rules import RULES
 from torsion.schema.cases import FROM, TOLERANCES
-from torsion.schema.csv_tables import MAPPINGS, PAIRS
+from torsion.schema.csv_columns import MAPPINGS, PAIRS
 from torsion.schema.manual import EXAMPLES, SETTINGS, declarations
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.unit_patterns import definition

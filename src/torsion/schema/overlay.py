@@ -100,6 +100,11 @@ class Overlay:
         if start != (first,) and steps[0] == "name":
             self.faults.append(Fault(fault, "a case changes no names", "components keep those of the file", True))
             return None
+        if start[-1] == "coupling" and steps[0] in ("from", "size"):
+            message = f"`{printable(words)}` changes the row that the coupling was read from"
+            hint = "a case sets its figures: `stiffness`, `psi`, ..."
+            self.faults.append(Fault(fault, message, hint, at_key=True))
+            return None
         return self._down(start, steps, words, fault)
 
     def _steps(self, words: str, fault: Path) -> tuple[str, bool, list[str]] | None:

@@ -63,7 +63,7 @@ def misfires(study: Study, found: Response, engine: EngineRecord) -> list[Misfir
 
 def without_answer(found: Response) -> str:
     """Why nothing can be superposed; empty where it can."""
-    if found.balanced is not None:
+    if found.balanced is not None or found.following is not None:
         return f"the train is not linear; {STATED}"
     if found.by_magnitude:
         return f"phases of engines to each other are any; {STATED}"

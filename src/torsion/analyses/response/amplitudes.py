@@ -6,11 +6,12 @@ A response that needs more memory than it may is refused beforehand; any other i
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from torsion.analyses.response.harmonic_components import Line
+from torsion.analyses.response.harmonic_components import Line, Sources
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
@@ -48,6 +49,35 @@ class Balanced:
         return {span: Secant(self.share[:, k], self.extra[:, k]) for k, span in enumerate(self.spans)}
 
 
+@dataclass(frozen=True)
+class Components:
+    """The harmonic components of a response at some points, ready to be answered."""
+
+    orders: Sequence[Fraction | None]
+    w: Sequence[FloatArray]  # of each: (points,) rad/s
+    apart: Sequence[Sequence[Sources]]  # of each: sources in any phase to each other
+    ground: FloatArray  # (stations, points) N m s/rad
+    mean: FloatArray  # (spans, points) N m
+    speed: FloatArray | None = None  # (points,) rad/s of the reference station
+
+
+@dataclass(frozen=True)
+class Following:
+    """Couplings by table over their own vibratory torque; arrays (points, couplings)."""
+
+    spans: tuple[int, ...]  # of the couplings
+    torque: FloatArray  # N m, half range of all harmonic components: the solution that stands
+    number: IntArray  # of solutions, the other couplings as they stand
+    residual: FloatArray  # |half range at the stiffness of `torque` / torque - 1|
+    rounds: IntArray  # (points,) over the couplings
+    settled: BoolArray  # (points,)
+
+    @property
+    def by_span(self) -> dict[int, FloatArray]:
+        """(points,) N m of each."""
+        return {span: self.torque[:, k] for k, span in enumerate(self.spans)}
+
+
 @reported
 class Response(Displayed):
     """Complex amplitudes (half ranges, time factor exp(+i omega t), phase at reference angle zero)."""
@@ -82,11 +112,18 @@ class Response(Displayed):
         default=False,
     )  # fmt: skip
     balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
+    following: Following | None = field(default=None, repr=False)  # None without a table over vibratory torque
+    others: "tuple[Response, ...]" = field(default=(), repr=False)  # of the other solutions of such couplings, by rank
 
     @property
     def points(self) -> FloatArray:
         """Where it was computed."""
         return self.speed
+
+    def carried(self, span: int) -> FloatArray:
+        """(speeds, 1) N m of a span that its table may be over: vibratory torque, else mean torque."""
+        vibratory = {} if self.following is None else self.following.by_span
+        return np.asarray(vibratory.get(span, self.mean[:, span])[:, None])
 
     @derived("", ("speed", "line"), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
@@ -138,6 +175,7 @@ class FrequencyResponse:
     system: System = field(repr=False)  # as of `Response`
     remark: str = result("", (), "what the refinement of frequencies left out", default="")
     balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
+    following: Following | None = field(default=None, repr=False)  # None without a table over vibratory torque
 
     @property
     def points(self) -> FloatArray:
@@ -177,7 +215,8 @@ def _in_gigabytes(number: float, digits: int = 3) -> str:
     return f"{number / 1e9:.{digits}g} GB"
 
 
-Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse | Balanced)
+Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse | Balanced | Following)
+Block = TypeVar("Block", Balanced, Following)
 
 
 def merged(first: Result, second: Result, along: FloatArray, others: FloatArray) -> Result:
@@ -191,8 +230,14 @@ def merged(first: Result, second: Result, along: FloatArray, others: FloatArray)
             both[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
             both[key][mine] = value[kept]
             both[key][~mine] = getattr(second, key)[place[~mine] - len(along)]
-        elif isinstance(value, Balanced):
+        elif isinstance(value, Balanced | Following):
             both[key] = merged(value, getattr(second, key), along, others)
+    if isinstance(first, Response) and isinstance(second, Response) and (first.others or second.others):
+        pairs = zip_longest(first.others, second.others)  # of fewer solutions the last stands for all
+        lone = [(one.others or (one,))[-1] for one in (replace(first), second)]
+        both["others"] = tuple(
+            merged(replace(a or lone[0], others=()), replace(b or lone[1], others=()), along, others) for a, b in pairs
+        )
     return replace(first, **both)
 
 
@@ -206,10 +251,17 @@ def with_balance(found: Response | FrequencyResponse, factor: float, unit: str) 
             words.append(f"play, friction or stages have several solutions from {where}, of which the largest stands")
         if lost := int(np.count_nonzero(~balanced.settled)):
             words.append(f"harmonic balance has no answer at {lost} points: use motion over time")
+    if (following := found.following) is not None:
+        several = found.points[(following.number > 1).any(axis=1)] * factor
+        if several.size:
+            where = f"{several[0]:.5g} to {several[-1]:.5g} {unit}"
+            words.append(f"a stiffness over vibratory torque has several solutions from {where}; the largest stands")
+        if lost := int(np.count_nonzero(~following.settled)):
+            words.append(f"a stiffness over vibratory torque does not settle at {lost} points, which have no answer")
     return "; ".join(one for one in words if one)
 
 
-def joined(parts: Sequence[Balanced]) -> Balanced | None:
+def joined(parts: Sequence[Block]) -> Block | None:
     """Of points one after another; None of none."""
     if not parts:
         return None

@@ -179,7 +179,9 @@ def with_peaks(
     refuse_too_many(len(points) + min(len(points), ROUNDS_FOR_PEAKS * MOST_PEAKS))
     found = solve(points)
     for _ in range(ROUNDS_FOR_PEAKS):
-        sound, torque = found.status == Status.OK, found.torque
+        others: tuple[Answered, ...] = getattr(found, "others", ())  # a peak may be of another solution
+        sound = np.concatenate([one.status == Status.OK for one in (found, *others)], axis=-1)
+        torque = np.concatenate([one.torque for one in (found, *others)], axis=-2 if found.torque.ndim == 3 else -1)
         if sound.ndim == 1:
             sound, torque = sound[:, None], torque[:, None]
         missed, left_out = missed_peaks(found.points, torque, sound)
@@ -197,10 +199,10 @@ def with_peaks(
 
 def _about_jumps(found: Response | FrequencyResponse) -> FloatArray:
     """Points between two that have other numbers of solutions by harmonic balance: there the largest ends."""
-    balanced = found.balanced
-    if balanced is None:
+    several = found.balanced if found.following is None else found.following
+    if several is None:
         return np.empty(0)
-    left = np.flatnonzero((np.diff(balanced.number, axis=0) != 0).any(axis=1))[:MOST_JUMPS]
+    left = np.flatnonzero((np.diff(several.number, axis=0) != 0).any(axis=1))[:MOST_JUMPS]
     begin, end = found.points[left], found.points[left + 1]
     begin, end = (one[end - begin > NARROW * end] for one in (begin, end))
     share = np.linspace(0.0, 1.0, JUMP_POINTS + 2)[1:-1]

@@ -8,7 +8,7 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
-from torsion.analyses.response.amplitudes import FrequencyResponse, refuse_too_large, with_balance
+from torsion.analyses.response.amplitudes import Components, FrequencyResponse, refuse_too_large, with_balance
 from torsion.analyses.response.balanced_couplings import balanced
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
 from torsion.analyses.response.solver import answer, ground_damping, tabled_stiffness
@@ -55,11 +55,17 @@ def frequency_response(
         columns = (1, len(hertz))
         force, w, tiled = Sources(np.tile(drive.force, columns), None), 2.0 * math.pi * hertz, np.tile(ground, columns)
         carried = np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
-        stiffness = tabled_stiffness(system, w, carried, at)
+        following = None
+        if study.train.has_tables_over("vibratory torque"):
+            from torsion.analyses.response.vibratory_couplings import settled
+
+            following = settled(system, Components([None], [w], [[force]], tiled, carried, at), 0)
+        stiffness = tabled_stiffness(system, w, carried, at, None if following is None else following.by_span)
         solve = partial(answer, system, w, force, tiled, stiffness=stiffness)
         balance = balanced(system, [w], carried, lambda added: [solve(added)])
         found = solve({} if balance is None else balance.added)
         status = found.status if balance is None else np.where(balance.settled, found.status, Status.SINGULAR)
+        status = status if following is None else np.where(following.settled, status, Status.SINGULAR)
         flags = np.zeros(len(hertz), dtype=bool)
         names = excitation.line.sources
         return FrequencyResponse(
@@ -73,6 +79,7 @@ def frequency_response(
             status,
             system,
             balanced=balance,
+            following=following,
         )
 
     known = grid.resonances(system, 2.0 * math.pi * float(requested[-1]), modes, damped)
@@ -80,7 +87,7 @@ def frequency_response(
     points, remark = grid.refined(requested, *grid.places(*where, lambda hertz: np.tile(ground, (1, len(hertz)))))
     refuse = partial(refuse_too_large, system, 1, study.memory, PATH, "frequencies")
     found = grid.with_peaks(solved, requested, points, remark, refuse)
-    return found if found.balanced is None else replace(found, remark=with_balance(found, 1.0, "Hz"))
+    return replace(found, remark=with_balance(found, 1.0, "Hz"))
 
 
 def _requested_frequencies(study: Study, frequencies: FloatArray | None) -> FloatArray:

@@ -16,6 +16,8 @@ from torsion.analyses.discretisation import no_response
 from torsion.analyses.response import grid
 from torsion.analyses.response.amplitudes import (
     Balanced,
+    Components,
+    Following,
     Response,
     Synthesis,
     blocks,
@@ -113,7 +115,7 @@ def response(
     solved = partial(_solved, study, system, found, progress or silent)
     result = grid.with_peaks(solved, requested, points, remark, refuse)
     kept = {one.line.order for one in found}
-    if result.balanced is not None:
+    if result.balanced is not None or result.following is not None:
         result = replace(result, remark=with_balance(result, 30.0 / math.pi, "rpm"))
     return replace(result, left_out=tuple(line for line in lines(system) if line.order not in kept))
 
@@ -161,14 +163,18 @@ def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
 
 
 def _solved(
-    study: Study, system: System, found: tuple[Excitation, ...], progress: Progress, speed: FloatArray
+    study: Study, system: System, found: tuple[Excitation, ...], progress: Progress, speed: FloatArray, rank: int = 0
 ) -> Response:
-    """Every harmonic component at every speed (rad/s), ascending."""
+    """Every harmonic component at every speed (rad/s), ascending.
+
+    rank: of the solutions of couplings by table over vibratory torque, the largest first; those of a rank above 0 come
+    with that of rank 0.
+    """
     shape = (len(speed), len(found))
     angle, torque = (np.empty((*shape, len(each)), dtype=np.complex128) for each in (system.stations, system.spans))
     mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
     frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
-    balance: list[Balanced] = []
+    balance, follow = list[Balanced](), list[Following]()
     for part in blocks(len(speed), len(system.stations)):
         here = speed[part]
         known = steady_if_known(study, system, here)
@@ -185,10 +191,16 @@ def _solved(
             if one_block := balanced(system, each_w, mean[part].T, solve):
                 balance.append(one_block)
         added = balance[-1].added if balance else {}
+        if study.train.has_tables_over("vibratory torque"):
+            from torsion.analyses.response.vibratory_couplings import settled
+
+            components = Components([one.line.order for one in found], each_w, apart, ground, mean[part].T, here)
+            follow.append(settled(system, components, rank))
+        vibratory = follow[-1].by_span if follow else None
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             w = each_w[k]
-            stiffness = tabled_stiffness(system, w, mean[part].T, here)
+            stiffness = tabled_stiffness(system, w, mean[part].T, here, vibratory)
             answered = by_magnitude(
                 [answer(system, w, force, ground, added, stiffness=stiffness) for force in apart[k]]
             )
@@ -199,10 +211,16 @@ def _solved(
     whole = joined(balance)
     if whole is not None:
         status[~whole.settled] = Status.SINGULAR
+    following = joined(follow)
+    if following is not None:
+        status[~following.settled] = Status.SINGULAR
     each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
+    several = 0 if following is None or rank else int(following.number.max(initial=0))
+    others = tuple(_solved(study, system, found, progress, speed, more) for more in range(1, several))
     return Response(
         speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system, balanced=whole,
         by_magnitude=len(frozenset().union(*(one.by_chance for one in found if one.line.order))) > 1,
+        following=following, others=others,
     )  # fmt: skip
 
 
@@ -293,6 +311,9 @@ def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Sy
     with work.log.step("speeds between", "no worst value of a rule lies between two speeds") as step:
         for _ in range(MOST_ROUNDS):
             more = work.rules.speeds_between(work.having(response=found, synthesis=total))
+            for one in found.others:
+                beside = work.having(response=one, synthesis=synthesis(one))
+                more = np.union1d(more, work.rules.speeds_between(beside))
             if not more.size:
                 break
             there = response_at(work.study, work.system, found, more)

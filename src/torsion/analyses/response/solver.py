@@ -126,14 +126,18 @@ def swept(
 
 
 def tabled_stiffness(
-    system: System, w: FloatArray, mean: FloatArray | None = None, speed: FloatArray | None = None
+    system: System,
+    w: FloatArray,
+    mean: FloatArray | None = None,
+    speed: FloatArray | None = None,
+    vibratory: Mapping[int, FloatArray] | None = None,
 ) -> Mapping[int, ComplexArray] | None:
     """As `complex_stiffness` of spans with a table; None where there is none."""
     if not system.tables:
         return None
     from torsion.assembly.tabled_spans import complex_stiffness
 
-    return complex_stiffness(system, w, mean, speed)
+    return complex_stiffness(system, w, mean, speed, vibratory or {})
 
 
 def _with_added(

@@ -1,6 +1,7 @@
 """All lines of a response together: the half range of their sum over the common cycle, true to phase."""
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -58,16 +59,21 @@ def half_range(response: Response, phasors: ComplexArray) -> FloatArray:
 
     Infinite where the status of a line is not ok.
     """
-    turns, harmonics = common_cycle([line.order for line in response.lines if line.order is not None])
-    turns = Fraction(0) if response.by_magnitude else turns
-    ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
-    found = np.abs(phasors[:, ~ordered]).sum(axis=1)
-    if turns == 0 or response.by_magnitude:
-        found = found + np.abs(phasors[:, ordered]).sum(axis=1)
-    else:
-        highest, lowest = extremes(phasors[:, ordered], harmonics)
-        found = found + (highest - lowest) / 2.0
+    found = half_range_of([line.order for line in response.lines], phasors, by_magnitude=response.by_magnitude)
     return np.where(np.isfinite(found) & (response.status == Status.OK).all(axis=1), found, np.inf)
+
+
+def half_range_of(
+    orders: Sequence[Fraction | None], phasors: ComplexArray, *, by_magnitude: bool = False
+) -> FloatArray:
+    """(rows,) half range of the sum of `phasors` (rows, components), each of an order or (None) a fixed frequency."""
+    turns, harmonics = common_cycle([order for order in orders if order is not None])
+    ordered = np.array([order is not None for order in orders], dtype=bool)
+    found = np.abs(phasors[:, ~ordered]).sum(axis=1)
+    if turns == 0 or by_magnitude:
+        return np.asarray(found + np.abs(phasors[:, ordered]).sum(axis=1))
+    highest, lowest = extremes(phasors[:, ordered], harmonics)
+    return np.asarray(found + (highest - lowest) / 2.0)
 
 
 def common_cycle(orders: list[Fraction]) -> tuple[Fraction, np.ndarray]:

@@ -3,8 +3,10 @@
 The start is the first-order form, the roots follow by simultaneous iteration (Ehrlich 1967, Aberth 1973).
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +16,9 @@ from torsion.kernels.reduction import rigidity
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.sweeps import EPS, Layout, layout
 from torsion.kernels.tree import Tree
+
+if TYPE_CHECKING:
+    from torsion.kernels.spring_law import SpringLaw
 
 CONVERGED = 1e-13  # step relative to the root
 DOUBLE = 1e-6  # a double root is no better than the root of the precision: steps and gaps of such pairs, relative
@@ -29,11 +34,17 @@ class DampedTree:
     ground: FloatArray  # (stations,) N m s/rad, viscous to ground
     viscous: FloatArray  # (stations,) N m s/rad, viscous in span i
     loss_factor: FloatArray  # (stations,) of span i
+    laws: "Mapping[int, SpringLaw]" = field(default_factory=dict)  # of spans that have one in place of these three
 
     @cached_property
     def plan(self) -> Layout:
         """What sweeps need to know of the tree."""
         return layout(self.tree, self.tree.flexibility)
+
+    @property
+    def relaxes(self) -> bool:
+        """Every law has states of its own, so that all roots are those of a matrix."""
+        return all(law.exponent is None for law in self.laws.values())
 
 
 def number_of_roots(train: DampedTree) -> tuple[int, int]:
@@ -65,11 +76,38 @@ def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
     np.add.at(ground, body, train.ground)
     span = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0))
     ends, flexibility, viscous = body[np.stack([span, tree.parent[span]])], tree.flexibility[span], train.viscous[span]
+    if train.laws:
+        ends, flexibility, viscous = _with_states(train, span, (ends, flexibility, viscous), count)
+        more = sum(len(law.terms) for law in train.laws.values())
+        inertia, ground = (np.concatenate([one[:-1], np.zeros(more), one[-1:]]) for one in (inertia, ground))
+        count += more
     twist = np.subtract(*np.eye(count + 1)[ends])[:, :count]
     elastic = np.isfinite(flexibility)
     G = twist[elastic] / np.sqrt(flexibility[elastic])[:, None]
     C = np.diag(ground[:-1]) + twist.T @ (viscous[:, None] * twist)
     return np.linalg.eigvals(_condense(inertia[:-1], C, G, *_slow_groups(inertia, ground, ends[:, viscous > 0])))
+
+
+def _with_states(
+    train: DampedTree, span: IntArray, known: tuple[IntArray, FloatArray, FloatArray], count: int
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Ends, flexibility and viscous damping of the spans, and of a spring and a damper in a row for every term.
+
+    Between the two of a term is a station without inertia of its own, numbered from `count` on; the ground is last.
+    """
+    ends, flexibility, viscous = known
+    more = sum(len(law.terms) for law in train.laws.values())
+    ends = np.where(ends == count, count + more, ends)
+    flexibility, viscous, place, extra = flexibility.copy(), viscous.copy(), count, []
+    for station, law in train.laws.items():
+        (at,) = np.flatnonzero(span == station)
+        flexibility[at], viscous[at] = 1.0 / law.static, 0.0
+        for k, tau in law.terms:
+            extra += [(ends[0, at], place, 1.0 / k, 0.0), (place, ends[1, at], np.inf, k * tau)]
+            place += 1
+    first, second, soft, damping = np.array(extra).T
+    ends = np.hstack([ends, np.array([first, second], dtype=np.int64)])
+    return ends, np.append(flexibility, soft), np.append(viscous, damping)
 
 
 def _condense(inertia: FloatArray, C: FloatArray, G: FloatArray, balanced: FloatArray, slowed: IntArray) -> FloatArray:
@@ -127,8 +165,12 @@ def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) ->
             stiffness[parent] += a
             slope[parent] += da
         else:
-            c = train.viscous[station]
-            k = (1 + 1j * lossy * train.loss_factor[station]) / tree.flexibility[station] + c * root
+            c: ComplexArray | float = train.viscous[station]
+            if (law := train.laws.get(station)) is not None:
+                k, c = law.at_root(root)
+                total += law.poles(root)
+            else:
+                k = (1 + 1j * lossy * train.loss_factor[station]) / tree.flexibility[station] + c * root
             if plan.held[station]:
                 stiffness[parent] += k
                 slope[parent] += c

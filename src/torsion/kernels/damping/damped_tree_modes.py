@@ -3,8 +3,9 @@
 Shapes and torques follow from the dynamic stiffness of both sides of every span, by products along the train.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
@@ -16,6 +17,9 @@ from torsion.kernels.layers import share
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum
 from torsion.kernels.tree import Tree
+
+if TYPE_CHECKING:
+    from torsion.kernels.spring_law import SpringLaw
 
 LARGEST_FIRST_ORDER = 300  # stations: the dense start costs their cube
 OVERDAMPED = 1e-7  # |Im|/|root| of a critically damped pair in double precision: below it, roots count as real
@@ -55,18 +59,21 @@ def damped_modes(
     viscous: FloatArray | None = None,
     loss_factor: FloatArray | None = None,
     start: FloatArray | None = None,
+    laws: "Mapping[int, SpringLaw] | None" = None,
 ) -> DampedTreeModes:
     """All oscillating modes and all real roots; with `start`, only the modes grown from those.
 
     ground_damping, viscous (N m s/rad), loss_factor: (stations,), default none. start: (modes,) rad/s, undamped
     circular frequencies above 0; needed from 300 movable stations on, and enough for light damping at any size (of
-    the real roots only those met on the way are then listed). Loss factors act on oscillating modes alone.
+    the real roots only those met on the way are then listed). Loss factors act on oscillating modes alone. laws: of
+    spans of some stations in place of stiffness and damping; all roots at once have a state more for each of their
+    terms, and a law of a power of s needs `start`.
     Raises SolveError if roots do not settle, ValueError for arrays that do not fit.
     """
     flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)
     tree = Tree(tree.parent, flexibility, tree.moving_inertia, tree.held)
-    damping = (_per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
-    train = DampedTree(tree, *damping)
+    ground, across, loss = (_per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
+    train = DampedTree(tree, ground, across, loss, laws or {})
     zeros, others = number_of_roots(train)
     if start is None:
         upper, real = _all_roots(train, zeros, others)
@@ -164,6 +171,8 @@ def both_sides(train: DampedTree, root: ComplexArray) -> BothSides:
     hc = np.zeros((size, len(root)), dtype=np.complex128)
     stiffness = (1 + 1j * train.loss_factor[soft]) / train.tree.flexibility[soft]
     hc[soft] = 1 / (stiffness[:, None] + train.viscous[soft, None] * root)
+    for station, law in train.laws.items():
+        hc[station] = 1 / law.at_root(root)[0]
     found = branches(plan, list(own), list(hc), [0.0] * size, guard=True)
     rest: Rows = [None] * size
     whole = np.full((size, len(root)), np.inf, dtype=np.complex128)
@@ -235,6 +244,8 @@ def newton_step(
     wound = at.compliance * torque
     slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(axis=0)
     slope += (train.viscous[:, None] * wound * wound).sum(axis=0)
+    for station, law in train.laws.items():
+        slope += law.at_root(root)[1] * wound[station] ** 2
     step: ComplexArray = -at.whole[pushed, np.arange(len(root))] / slope
     return step
 
@@ -274,5 +285,7 @@ def decay(
     loss = np.where(train.loss_factor > 0, train.loss_factor, 0.0)
     stiffness = np.divide(loss, train.tree.flexibility, out=np.zeros_like(loss), where=train.tree.flexibility > 0)
     lost = lost + (stiffness[:, None] * wound).sum(axis=0) / root.imag
+    for station, law in train.laws.items():
+        lost = lost + law.at_root(root)[0].imag * wound[station] / root.imag
     real: FloatArray = -lost / (2 * inertia)
     return real

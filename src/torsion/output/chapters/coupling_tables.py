@@ -25,34 +25,48 @@ BY_TORQUE = (
     "Over mean torque k is the tangent of the static curve. Every speed of the response has the k of its own mean "
     "torque; modes, and all that does not name a speed, have that of {} rpm."
 )
+BY_VIBRATION = (
+    "Over vibratory torque, half range, k and η of every speed are those of the half range of all harmonic components "
+    "that they lead to. Modes, and all that does not name a speed, have the first stiffness of the table, that of "
+    "small vibration; at the last one they lie elsewhere, and peaks of the response show where."
+)
 LOSS = (
     "The modal loss factor is the sum over all elements of their share of the elastic energy times their loss factor; "
-    "half of it is about the damping ratio. A table gives k and η at real frequencies alone, so that there are no "
-    "complex modes."
+    "half of it is about the damping ratio."
+)
+NO_COMPLEX = "A table gives k and η at real frequencies alone, so that there are no complex modes."
+LAW = (
+    "A viscoelastic law holds at every complex s: harmonic components take K(iω) = k (1 + iη), modes their k(ω), and "
+    "damped modes K(s) itself, of relaxing terms with one state more each. The points below are samples of it. In "
+    "N m/rad:"
 )
 UNITS = {"frequency": Axis("frequency", "Hz"), "mean torque": Axis("mean torque of the coupling", "N m")}
+UNITS["vibratory torque"] = Axis("vibratory torque of the coupling", "N m")
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Tables as given, their figures, and the modes."""
     found = findings.need(CouplingTables)
     yield Heading("Couplings and dampers by table or law")
-    for one in found.tables:
-        if one.law is not None:
-            yield Paragraph(f"{one.coupling}: {one.law}.")
-    linear = [one for one in found.tables if one.law is None]
-    if linear:
+    if linear := [one for one in found.tables if one.law is None]:
         yield Paragraph(f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in linear)}.")
+    for one in found.tables:
+        if one.law is not None and not one.is_complex:
+            yield Paragraph(f"{one.coupling}: {one.law}.")
+    if laws := [one for one in found.tables if one.is_complex]:
+        yield Paragraph(f"{LAW} {'; '.join(f'{one.coupling}: {one.law}' for one in laws)}.")
     steepest = [one.steepest for one in found.tables if one.over == "frequency"]
     if steepest:
         yield Paragraph(BY_FREQUENCY.format(number(max(steepest), 3)))
     if found.speed is not None:
         yield Paragraph(BY_TORQUE.format(rpm(found.speed)))
+    if any(one.over == "vibratory torque" for one in found.tables):
+        yield Paragraph(BY_VIBRATION)
     yield _as_given(found)
     for place, one in enumerate(found.tables, 1):
         yield _figure(found, one, f"coupling-table-{place}")
     if found.at_modes:
-        yield Paragraph(LOSS)
+        yield Paragraph(f"{LOSS} {NO_COMPLEX}" if any(not one.is_complex for one in found.tables) else LOSS)
         yield _at_modes(found)
 
 

@@ -1,0 +1,59 @@
+"""What the columns of a CSV table may be: the keys of the entries that its rows stand for, from their declarations."""
+
+from dataclasses import dataclass
+from functools import cache
+from pkgutil import resolve_name
+
+from pydantic import BaseModel
+
+from torsion.components import KINDS, component
+from torsion.fields import Amount, Quantity
+from torsion.schema.declaration_reader import items_of, keys_of
+
+MAPPINGS = {  # lists of mappings: key, what declares an entry
+    "excitations": "torsion.components.harmonic_torques:Excitation",
+    "ripple": "torsion.components.harmonic_torques:Ripple",
+    "excitation": "torsion.components.propeller:BladeTorque",
+}
+PAIRS = ("load", "torque")  # lists of [speed, torque]
+SPEED_AND_TORQUE = {"speed": ("rad/s",), "torque": ("N*m", "1")}
+LIBRARY = "coupling"  # the kind that libraries have
+BY_POLAR, BY_PARTS = ("order", "amplitude", "phase"), ("order", "a", "b")  # of a harmonic
+HARMONIC = {"order": ("1",), "amplitude": ("N*m", "Pa"), "phase": ("rad",), "a": ("N*m", "Pa"), "b": ("N*m", "Pa")}
+LOADS = {"imep": ("Pa",), "torque": ("N*m",), "speed": ("rad/s",)}  # at which a table of harmonics stands
+HARMONICS, BY_LOAD = "harmonics", "harmonics by load"
+FIGURES: dict[str, dict[str, tuple[str, ...]]] = {  # of lists without a declaration: columns with their units
+    **dict.fromkeys(PAIRS, SPEED_AND_TORQUE), HARMONICS: HARMONIC, BY_LOAD: HARMONIC | LOADS,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Stated:
+    """What the declaration of a key says of its column."""
+
+    units: tuple[str, ...]
+    is_text: bool
+
+
+@cache
+def columns_of(key: str) -> dict[tuple[str, str], Stated]:
+    """Every key of the entries of a list, with the kind of component that it is of."""
+    if key in FIGURES:
+        return {("", name): Stated(expected, False) for name, expected in FIGURES[key].items()}
+    if key == LIBRARY:
+        found = {("", name): one for name, one in _declared(component(key)).items() if name != "from"}
+        return found | {("", "size"): Stated((), True)}
+    if key in MAPPINGS:
+        return {("", name): found for name, found in _declared(resolve_name(MAPPINGS[key])).items()}
+    return {(kind, name): found for kind in KINDS for name, found in _declared(component(kind)).items()}
+
+
+def _declared(kind: type[BaseModel]) -> dict[str, Stated]:
+    found = {}
+    for key, field in keys_of(kind).items():
+        items = list(items_of(field))
+        expected = {item.unit for item in items if isinstance(item, Quantity)}
+        expected |= {"N*m", "1"} if Amount in items else set()
+        is_text = str in items and not expected and float not in items
+        found[key] = Stated(tuple(sorted(expected)), is_text)
+    return found
