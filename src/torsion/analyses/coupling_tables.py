@@ -11,7 +11,6 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import WORDS, table_path
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
-from torsion.kernels.spring_law import SpringLaw
 from torsion.results import reported, result
 from torsion.study import Study
 
@@ -93,7 +92,7 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
                 table.holds,
                 table.words or None,
                 table.steepest,
-                isinstance(table, SpringLaw),
+                table.is_complex,
             )
         )
         k, lost = np.broadcast_to(system.elastic(span, w)[0], w.shape), loss_factors(system, span, w)

@@ -88,7 +88,7 @@ def _laws(system: System) -> "dict[int, SpringLaw]":
     """The springs that follow a law, referred, by the tree station below them; raises SolveError beside a table."""
     laws = {}
     for span, table in system.tables_over("frequency").items():
-        if table.key == "table":
+        if not table.is_complex:
             raise SolveError(f"damped modes: {ONLY_REAL}")
         law = cast("SpringLaw", table)
         laws[int(system.condensed.span[span])] = law.times(float(system.span_ratio[span]) ** 2)
@@ -115,7 +115,7 @@ def run(work: Work) -> None:
     why = ""
     if settings.damped is False or not system.damps:
         why = "`damped: false`" if settings.damped is False else "nothing in the train damps"
-    elif any(table.key == "table" for table in system.tables_over("frequency").values()):
+    elif any(not table.is_complex for table in system.tables_over("frequency").values()):
         why = f"{ONLY_REAL}; the modal loss factors stand for them"
     elif system.bars is not None:
         why = f"they are built for `model: lumped`; the response of {system.model} is damped"

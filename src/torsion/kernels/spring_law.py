@@ -75,6 +75,11 @@ class SpringLaw(StiffnessTable):
         return 2.0 / (math.sqrt(c) + math.sqrt(1.0 + c)) ** 2
 
     @property
+    def is_complex(self) -> bool:
+        """It holds at every complex s."""
+        return True
+
+    @property
     def first(self) -> float:
         """rad/s: its static stiffness stands for it where no frequency is meant."""
         return 0.0

@@ -63,6 +63,11 @@ class StiffnessTable:
         return "by table" if self.key == "table" else f"by {self.over}"
 
     @property
+    def is_complex(self) -> bool:
+        """It holds at every complex s, not at real frequencies alone."""
+        return False
+
+    @property
     def first(self) -> float:
         """Where its stiffness stands for it where nothing else is said: its first point."""
         return self.at[0]
