@@ -147,13 +147,32 @@ def lowered(
         if link is not None:
             _close(build, link, ("links", position))
     for position, excitation in enumerate(excitations):
-        point = None if excitation is None else _named(build, excitation.at, ("excitations", position, "at"))
-        if excitation is not None and point is not None:
-            path = ("excitations", position)
-            build.add(excitation.primitive(excitation.at, point.stations[0], path, excitation.source))
+        if excitation is not None:
+            _excite(build, excitation, ("excitations", position))
     _names(build)
     counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
     return _train(build, Fraction(1) if counted is None else counted.ratio), build.faults
+
+
+def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
+    """Lower an excitation at a point, or at the mesh of a gear."""
+    made = (one for one in build.primitives if isinstance(one, Constraint) and one.name == excitation.at)
+    mesh = next((one for one in made if build.parts[one.part].kind == "gear"), None)
+    if mesh is not None:
+        from torsion.components.mesh_excitation import mesh_torque
+
+        if isinstance(found := mesh_torque(excitation, mesh, path), Fault):
+            build.faults.append(found)
+        else:
+            build.add(found)
+        return
+    if (point := _named(build, excitation.at, (*path, "at"))) is None:
+        return
+    if excitation.transmission_error is not None or excitation.harmonic != 1:
+        message = f"'{excitation.at}' has no teeth, and so no transmission error"
+        build.faults.append(Fault((*path, "at"), message, "the name of a gear, or `torque` with `order`"))
+        return
+    build.add(excitation.primitive(excitation.at, point.stations[0], path, excitation.source))
 
 
 def _train(build: Lowering, unit: Fraction) -> Train:

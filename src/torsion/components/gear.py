@@ -105,8 +105,10 @@ class Gear(Component, keyword="gear", sort="link"):
         if isinstance(wheel, Gear) and wheel.planetary is not None:
             flexibility = at.scale * wheel.planetary.flexibility
         teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
-        toothing = self._toothing(wheel, teeth)
-        return Constraint(name, part, *ends, self._speed(wheel), flexibility, teeth=teeth, toothing=toothing)
+        return Constraint(
+            name, part, *ends, self._speed(wheel), flexibility, teeth=teeth, toothing=self._toothing(wheel, teeth),
+            meshings=Fraction(teeth[0] if teeth else 0),
+        )  # fmt: skip
 
     def _toothing(self, wheel: "Gear | GearBranch", teeth: tuple[int, ...]) -> Toothing | None:
         """Of a wheel on the driving gear, or on one of its own beside it, whose size follows from the module alone."""
