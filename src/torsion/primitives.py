@@ -131,6 +131,7 @@ class Constraint:
     teeth: tuple[int, ...] = ()  # of a mesh: driving and driven; () where its ratio is given
     toothing: Toothing | None = None  # of a mesh whose pitch diameter is known
     meshings: Fraction = Fraction(0)  # of teeth per revolution of the driving station; 0 where that is not known
+    wheel: Fraction = Fraction(1)  # speed of the wheel whose base radius is meant / speed of the driving station
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from torsion.components.harmonic_torques import Excitation
 from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord
 from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, InputError, Path, nearest
-from torsion.primitives import Bar, Constraint, Damper, Inertia, Spring, Station, Torque
+from torsion.primitives import Bar, Constraint, Damper, Inertia, SectionMesh, Spring, Station, Torque
 
 ENDS = ("station", "driving", "driven")  # the stations that primitives name
 
@@ -63,8 +63,8 @@ class Train:
 
     @property
     def has_meshed_sections(self) -> bool:
-        """A shaft has a `section` by mesh."""
-        return any(bar.section is not None for bar in self.bars)
+        """A shaft has a `section` by mesh, yet to be solved."""
+        return any(isinstance(bar.section, SectionMesh) for bar in self.bars)
 
     @property
     def damping_of_components(self) -> str:
@@ -226,7 +226,10 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
         return
     both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
     senses = {build.stations[part.stations[0]].sense for part in (first, second)}
-    if first.stations == second.stations:
+    if any("differential" in part.path for part in (first, second)):
+        hint = "write the train without `differential`, both halves one by one"
+        build.faults.append(Fault(place, "a half of a differential takes no link", hint))
+    elif first.stations == second.stations:
         build.faults.append(Fault(place, f"{both} are one point", "a link joins two different points"))
     elif first.ratio != second.ratio or len(senses) > 1:
         hint = "a link joins two different points of the same speed and sense of rotation"

@@ -3,6 +3,7 @@
 from fractions import Fraction
 from typing import Any
 
+import mpmath as mp
 import numpy as np
 import pytest
 import scipy.linalg
@@ -100,6 +101,73 @@ def test_meshes_yield_by_the_energy_of_their_torques(fixed: str, driving: str) -
     driven = next(one for one in MEMBERS if one not in speeds)
     assert 1.0 + scaled[driven] * float(found.speed) == pytest.approx(0.0, abs=1e-14)
     assert found.flexibility == pytest.approx(scaled["sun"] ** 2 / 3e6 + scaled["ring"] ** 2 / 7e6, rel=1e-14)
+
+
+def planet_by_planet(given: dict[str, Any]) -> tuple[list[float], float]:
+    """Natural frequencies (rad/s) by unknowns disc, sun, ring, carrier, every planet, disc, in 40 digits.
+
+    A planet between elastic meshes: sun_mesh/n and ring_mesh/n of each, by the radii of rolling circles, which are as
+    the teeth: deflections z_s s + z_a p - (z_s + z_a) c and z_r r - z_b p - (z_r - z_b) c. Also that of planets which
+    move against each other while all else rests.
+    """
+    mp.mp.dps = 40
+    n = given["planets"]
+    driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
+    driven = next(one for one in MEMBERS if one not in (driving, fixed))
+    with_sun, with_ring = given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2)
+    names = ["a", *(one for one in MEMBERS if one != fixed), *(f"planet {k}" for k in range(n)), "b"]
+    inertia = {
+        "a": SHAFTS["J1"], "b": SHAFTS["J2"], **{name: given[f"{name}_inertia"] for name in MEMBERS},
+        **{f"planet {k}": given["planet_inertia"] for k in range(n)},
+    }  # fmt: skip
+    inertia["carrier"] = mp.mpf(inertia["carrier"]) + n * mp.mpf(given["planet_mass"]) * mp.mpf(given["radius"]) ** 2
+    springs = [({"a": 1, driving: -1}, SHAFTS["k1"]), ({driven: 1, "b": -1}, SHAFTS["k2"])]
+    zs, zr, za, zb = (mp.mpf(one) for one in (given["sun"], given["ring"], with_sun, with_ring))
+    for k in range(n):
+        sun = {"sun": mp.mpf(1), f"planet {k}": za / zs, "carrier": -1 - za / zs}
+        ring = {"ring": mp.mpf(1), f"planet {k}": -zb / zr, "carrier": zb / zr - 1}
+        springs += [(sun, mp.mpf(given["sun_mesh"]) / n), (ring, mp.mpf(given["ring_mesh"]) / n)]
+    size = len(names)
+    matrix = mp.matrix(size, size)
+    for shape, stiffness in springs:
+        free = [(names.index(name), value) for name, value in shape.items() if name != fixed]
+        for i, x in free:
+            for j, y in free:
+                root = mp.sqrt(mp.mpf(inertia[names[i]]) * mp.mpf(inertia[names[j]]))
+                matrix[i, j] += mp.mpf(stiffness) * x * y / root
+    roots = sorted(mp.eigsy(matrix, eigvals_only=True))[1:]
+    against = (mp.mpf(given["sun_mesh"]) * (za / zs) ** 2 + mp.mpf(given["ring_mesh"]) * (zb / zr) ** 2) / n
+    return [float(mp.sqrt(one)) for one in roots], float(mp.sqrt(against / mp.mpf(given["planet_inertia"])))
+
+
+ELASTIC = [
+    {"sun_mesh": 3e6, "ring_mesh": 9e7}, {"sun_mesh": 3e6, "ring_mesh": 9e7, "driving": "carrier"},
+    {"sun_mesh": 2e6, "ring_mesh": 1.6e7 * 2, "driving": "carrier"},  # of one stiffness at the teeth
+    {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "sun", "driving": "ring"},
+    {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "sun", "driving": "carrier"},
+    {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "carrier"},
+    {"sun_mesh": 3e6, "ring_mesh": 9e8, "fixed": "carrier", "driving": "ring"},
+    {"sun_mesh": 3e6, "ring_mesh": 9e8, "planet": [40, 20]},
+    {"sun_mesh": 3e7, "ring_mesh": 2e7, "planet": [30, 12], "fixed": "sun", "driving": "ring"},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("changes", ELASTIC)
+def test_stage_of_elastic_meshes_moves_as_its_planets_one_by_one(tmp_path: Any, changes: dict[str, Any]) -> None:
+    given = stage(**changes)
+    every, against = planet_by_planet(given)
+    alike = [one for one in every if abs(one / against - 1.0) > 1e-9]
+    assert len(every) - len(alike) == given["planets"] - 1
+    found = findings(tmp_path, given)
+    assert [part.name for part in found.study.train.parts if part.kind == "planets"] == ["gear-1 planets"]
+    assert 2 * np.pi * found.results["modes"].frequency == pytest.approx(alike, rel=1e-12)
+
+
+def test_planets_between_a_stiff_sun_and_a_soft_ring_are_counted_at_the_carrier(tmp_path: Any) -> None:
+    """No springs between two angles stand for them; then the report says so."""
+    found = findings(tmp_path, stage(sun_mesh=3e6, ring_mesh=9e6))
+    gear = next(part for part in found.study.train.parts if part.kind == "gear")
+    assert "counted at the carrier" in gear.remark
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def _angle(given: Excitation, mesh: Constraint, path: Path) -> float | Fault:
             return Fault((*path, "base_radius"), "an angle needs no `base_radius`", "leave it out")
         return float(size)
     if given.base_radius is not None:
-        return float(size / given.base_radius)
+        return float(size / given.base_radius / mesh.wheel)
     if (teeth := mesh.toothing) is None:
         hint = "give `base_radius` of the driving gear here, or the gear its `module` or `pitch_diameter`"
         return Fault((*path, "transmission_error"), f"the size of '{mesh.name}' is not known", hint)
@@ -51,6 +51,8 @@ def _of_torque(torque: object, mesh: Constraint, path: Path) -> float | Fault:
     """The angle of a torque of the mesh."""
     if not isinstance(torque, Amount) or torque.of_mean:
         return Fault(path, "the torque of a mesh is one amplitude", "for example `torque: 120 N*m`")
+    if mesh.meshings and not mesh.teeth:
+        return Fault(path, f"'{mesh.name}' is a planetary stage, of several meshes", "give `transmission_error`")
     if mesh.flexibility == 0:
         hint = "give `transmission_error`, or the gear its `mesh_stiffness`"
         return Fault(path, f"a torque between the teeth of '{mesh.name}', which are rigid, moves nothing", hint)
