@@ -9,6 +9,9 @@ import yaml
 
 import torsion
 from torsion.errors import InputError
+from torsion.output.blocks import Paragraph
+from torsion.output.chapters import mass_elastic
+from torsion.output.station_layout import layout
 from torsion.schema.scene_reader import parse
 
 mp.mp.dps = 40
@@ -157,3 +160,31 @@ def test_planets_need_their_teeth() -> None:
     del given["train"][2]["gear"]["differential"]["teeth"]
     with pytest.raises(InputError, match="side gear, planet"):
         solved(given)
+
+
+def test_report_says_what_the_halves_stand_for_and_draws_each_motion_on_a_row_of_its_own() -> None:
+    found = solved(scene())
+    said = [block.text for block in mass_elastic.chapter(found) if isinstance(block, Paragraph)]
+    assert any(text.startswith("half shaft, hub, tyre, wheel: both halves behind axle together") for text in said)
+    assert any("axle side gears opposed, half shaft opposed" in text and "against each other" in text for text in said)
+    placed, name = layout(found.system), [one.name for one in found.system.stations]
+    assert np.isfinite(placed.x).all()
+    assert placed.row[name.index("wheel")] != placed.row[name.index("wheel opposed")]
+
+
+def test_half_takes_no_link() -> None:
+    given = scene()
+    given["links"] = [{"between": ["hub", "wheel"], "coupling": {"stiffness": 1e3}}]
+    with pytest.raises(InputError, match="half of a differential takes no link"):
+        solved(given)
+
+
+def test_halves_are_exact_in_every_model_of_the_shafts() -> None:
+    """A half shaft by its size: finite elements against the closed form of the model exact."""
+    shaft = {"shaft": {"name": "half shaft", "length": "0.8 m", "diameter": "36 mm", "bore": "12 mm"}}
+    each = []
+    for model in ("fem", "exact"):
+        given = scene(train=[shaft, *HALF[1:]])
+        given["analyses"] = {"model": model, "modes": {"count": 4}}
+        each.append(solved(given).results["modes"].frequency)
+    np.testing.assert_allclose(each[0], each[1], rtol=1e-8)

@@ -187,3 +187,85 @@ def test_what_cannot_be_is_refused(tmp_path: Any, given: dict[str, Any], gear: d
     made = {key: value for key, value in stage(**given).items() if value is not None}
     with pytest.raises(InputError, match=words):
         findings(tmp_path, made, **gear)
+
+
+def test_stage_is_a_plain_gear_with_the_planets_at_the_carrier(tmp_path: Any) -> None:
+    """Fixed ring: w_c = w_s 24/120; a planet of 36 teeth turns by 1 - 96/36 of the carrier."""
+    given = stage()
+    found = findings(tmp_path, given).results["modes"]
+    behind = 0.9 + 4 * 6.0 * 0.12**2 + 4 * 0.03 * (1 - 96 / 36) ** 2
+    scene = yaml.safe_load((tmp_path / "scene.yaml").read_text())
+    scene["train"][2] = {"gear": {"ratio": 5, "inertia": [0.02, behind], "sense": 1}}
+    (tmp_path / "plain.yaml").write_text(yaml.safe_dump(scene))
+    plain = torsion.run(torsion.read(tmp_path / "plain.yaml")).results["modes"]
+    np.testing.assert_allclose(found.frequency, plain.frequency, rtol=1e-13)
+    np.testing.assert_allclose(found.torque, plain.torque, rtol=1e-11)
+
+
+@pytest.mark.parametrize("changes", [*ELASTIC, {"sun_mesh": 3e6, "ring_mesh": 9e7, "planet_inertia": 0.0}])
+def test_error_of_the_teeth_moves_a_stage_as_its_planets_one_by_one(tmp_path: Any, changes: dict[str, Any]) -> None:
+    given = stage(**changes)
+    driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
+    member = "ring" if fixed == "sun" or (fixed == "carrier" and driving == "ring") else "sun"
+    findings(tmp_path, given)
+    scene = yaml.safe_load((tmp_path / "scene.yaml").read_text())
+    scene |= {
+        "excitations": [{"at": "gear-1", "transmission_error": "4 um", "base_radius": "50 mm", "phase": "0.7 rad"}],
+        "operation": {"speeds": {"from": "500 rpm", "to": "2000 rpm", "steps": 3}}, "analyses": {"response": {}},
+    }  # fmt: skip
+    (tmp_path / "excited.yaml").write_text(yaml.safe_dump(scene))
+    found = torsion.run(torsion.read(tmp_path / "excited.yaml"))
+    response, names = found.results["response"], [one.name for one in found.system.spans]
+    speeds = dict(zip(("sun", "ring", "carrier"), _own_speeds(given), strict=True))
+    order = given[member] * abs(speeds[member] - speeds["carrier"])
+    assert float(response.lines[0].order) == pytest.approx(order, rel=1e-14)
+    for k in np.flatnonzero(response.requested):  # those between lie at resonances, where digits are lost
+        error = 4e-6 / 0.05 * np.exp(0.7j)
+        known = mesh_torque(given, float(response.lines[0].order) * response.speed[k], member, error)
+        at_driving = response.torque[k, 0, names.index("gear-1")]  # at the driving member's speed
+        assert abs(at_driving - known * speeds[member]) < 1e-12 * abs(at_driving)
+
+
+def _own_speeds(given: dict[str, Any]) -> list[float]:
+    """Of sun, ring and carrier over that of the driving member."""
+    with_sun, with_ring = given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2)
+    i = with_sun * given["ring"] / (with_ring * given["sun"])
+    rows = np.array([[1.0, i, -1.0 - i], *(np.eye(3)[MEMBERS.index(given.get(key, default))] for key, default in (
+        ("fixed", "ring"), ("driving", "sun")))])  # fmt: skip
+    return list(np.linalg.solve(rows, [0.0, 0.0, 1.0]))
+
+
+def mesh_torque(given: dict[str, Any], w: float, member: str, error: complex) -> complex:
+    """N m at the member: the sum over its meshes, of planets one by one, with the error in each; no damping."""
+    n = given["planets"]
+    driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
+    driven = next(one for one in MEMBERS if one not in (driving, fixed))
+    with_sun, with_ring = (mp.mpf(x) for x in given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2))
+    steps = {"sun": with_sun / given["sun"], "ring": -with_ring / given["ring"]}
+    names = ["a", *(one for one in MEMBERS if one != fixed), *(f"planet {k}" for k in range(n)), "b"]
+    inertia = {"a": SHAFTS["J1"], "b": SHAFTS["J2"], **{name: given[f"{name}_inertia"] for name in MEMBERS}}
+    inertia["carrier"] = mp.mpf(inertia["carrier"]) + n * mp.mpf(given["planet_mass"]) * mp.mpf(given["radius"]) ** 2
+    springs: list[tuple[dict[str, Any], Any, Any]] = [
+        ({"a": 1, driving: -1}, mp.mpf(SHAFTS["k1"]), 0), ({driven: 1, "b": -1}, mp.mpf(SHAFTS["k2"]), 0)
+    ]  # fmt: skip
+    for k in range(n):
+        for one, step in steps.items():
+            shape = {one: mp.mpf(1), f"planet {k}": step, "carrier": -1 - step}
+            springs.append((shape, mp.mpf(given[f"{one}_mesh"]) / n, mp.mpc(error) if one == member else 0))
+    left, right = mp.matrix(len(names)), mp.matrix(len(names), 1)
+    for name in names:
+        own = inertia.get(name, given["planet_inertia"])
+        left[names.index(name), names.index(name)] -= mp.mpf(w) ** 2 * mp.mpf(own)
+    for shape, stiffness, own_error in springs:
+        free = [(names.index(name), value) for name, value in shape.items() if name in names]
+        for i, x in free:
+            right[i] += stiffness * x * own_error
+            for j, y in free:
+                left[i, j] += stiffness * x * y
+    angle = mp.lu_solve(left, right)
+    total = mp.mpc(0)
+    for shape, stiffness, own_error in springs[2:]:
+        if member in shape:
+            twist = sum(value * angle[names.index(name)] for name, value in shape.items() if name in names)
+            total += stiffness * (twist - own_error)
+    return complex(total)

@@ -1,9 +1,10 @@
 """A gear: a change of speed, with the inertias of its wheels and any further wheels on the same driving gear."""
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -83,6 +84,10 @@ class Gear(Component, keyword="gear", sort="link"):
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
                 raise refuse("a branch with the teeth of its wheel alone needs `teeth` of the gear", key="branches")
+
+    @classmethod
+    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
+        return [f"{name} planets"] * isinstance(body.get("planetary"), dict)
 
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)

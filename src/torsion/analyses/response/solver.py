@@ -121,7 +121,8 @@ def swept(
     else:
         found = tree_response(tree, w, sources.force, **acting)
         torque = span_torques(system, found.torque, chords, found.chord_torque)
-    angle = found.angle[condensed.node] * system.speed_ratio[:, None]
+    with np.errstate(invalid="ignore"):  # at a resonance without damping, whose status says so
+        angle = found.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
 
 
