@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BeforeValidator, Field, field_validator
+from pydantic import BeforeValidator, ConfigDict, Field, field_validator
 
 from torsion import fields
 from torsion.errors import Path
@@ -12,6 +12,7 @@ from torsion.primitives import Torque
 
 Table = tuple[tuple[float | str, float | str], ...]  # [[speed, torque], ...] as written in the file
 
+AMOUNTS = ("torque", "transmission_error")  # of an excitation; one of them
 ALONG = Quantity("m", above=0, usual=(None, 2e-3), slip=("um",))
 
 
@@ -60,6 +61,8 @@ class Ripple(Harmonic):
 
 class Excitation(Harmonic, Sized):
     """A torque of the file's list `excitations`, or what excites at the teeth of a gear."""
+
+    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in AMOUNTS]})
 
     at: str = required("name of the component on which it acts: a point, or a gear whose mesh excites")
     torque: fields.TorqueAmount | tuple[tuple[float, float], ...] | None = given(
