@@ -56,7 +56,7 @@ def with_cases(source: Source, read: Read) -> Study:
         raise input_error([*error.faults, *faults], source) from None
     found: dict[str, Study | None] = {}
     for one in sorted(requested, key=lambda one: one.keys.based_on is not None):
-        base = found[one.keys.based_on] if one.keys.based_on is not None else study
+        base = study if one.keys.based_on is None else found.get(one.keys.based_on)  # None: faulty itself
         found[one.name] = None if base is None else _case(one, base, study, source, read, faults)
     if faults:
         raise input_error(_each_once(faults), source)
