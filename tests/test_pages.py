@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from torsion.cli import app
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGES = ("tutorial", "python", "cardan_line", "ship_cpp", "pump_train", "motor_start")
+PAGES = ("tutorial", "python", "cardan_line", "ship_cpp", "pump_train", "motor_start", "wind_gearbox")
 FENCE = re.compile(r"^```(yaml|sh|python|text)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+\.yaml)\n")  # first line of a block: the file that it is
 COMMAND = re.compile(r"torsion (.*?)(?:  # exit status (\d))?")

@@ -130,6 +130,8 @@ class Constraint:
     after: int | None = None  # of a joint: the part of the joint before it on the same shaft line
     teeth: tuple[int, ...] = ()  # of a mesh: driving and driven; () where its ratio is given
     toothing: Toothing | None = None  # of a mesh whose pitch diameter is known
+    meshings: Fraction = Fraction(0)  # of teeth per revolution of the driving station; 0 where that is not known
+    wheel: Fraction = Fraction(1)  # speed of the wheel whose base radius is meant / speed of the driving station
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +152,8 @@ class Torque:
     """A harmonic torque at a station: by order of its own speed, at a fixed frequency, or at every frequency requested.
 
     Amplitude = torque + of_mean * mean torque there, or the table over the station's own speed, or that of a cylinder.
+    Of a mesh it is a transmission error in place of a torque: the twist (rad at the driving station, driving - driven
+    angle / ratio) that its teeth have without a torque.
     """
 
     name: str
@@ -163,6 +167,7 @@ class Torque:
     path: Path = ()  # where the file says it
     source: str | None = None  # where its figures come from; None where that is not stated
     cylinder: "CylinderOrder | None" = None  # in place of all amounts
+    mesh: tuple[str, float] | None = None  # in place of all amounts: a mesh, and its transmission error
 
 
 Primitive = Inertia | Spring | Bar | Constraint | Damper | Torque

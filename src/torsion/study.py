@@ -279,6 +279,13 @@ class Study:
         return harmonic or any(mesh.error for mesh in self.train.constraints)
 
 
+def mesh_faults(study: Study, what: str) -> list[Fault]:
+    """Excitations at meshes, where `what` does not take them."""
+    hint = "leave it out here; a case may take it away: `remove`"
+    meshes = [torque for torque in study.train.torques if torque.mesh is not None]
+    return [Fault(torque.path, f"{what} takes no excitation at a mesh", hint) for torque in meshes]
+
+
 def bytes_of(memory: str | float) -> float:
     """Bytes of a number of them, or of text such as "4 GB"; raises InputError."""
     found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory) if isinstance(memory, str) else None

@@ -12,7 +12,7 @@ from torsion.components.harmonic_torques import Excitation
 from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord
 from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, InputError, Path, nearest
-from torsion.primitives import Bar, Constraint, Damper, Inertia, Spring, Station, Torque
+from torsion.primitives import Bar, Constraint, Damper, Inertia, SectionMesh, Spring, Station, Torque
 
 ENDS = ("station", "driving", "driven")  # the stations that primitives name
 
@@ -63,8 +63,8 @@ class Train:
 
     @property
     def has_meshed_sections(self) -> bool:
-        """A shaft has a `section` by mesh."""
-        return any(bar.section is not None for bar in self.bars)
+        """A shaft has a `section` by mesh, yet to be solved."""
+        return any(isinstance(bar.section, SectionMesh) for bar in self.bars)
 
     @property
     def damping_of_components(self) -> str:
@@ -152,13 +152,32 @@ def lowered(
         if link is not None:
             _close(build, link, ("links", position))
     for position, excitation in enumerate(excitations):
-        point = None if excitation is None else _named(build, excitation.at, ("excitations", position, "at"))
-        if excitation is not None and point is not None:
-            path = ("excitations", position)
-            build.add(excitation.primitive(excitation.at, point.stations[0], path, excitation.source))
+        if excitation is not None:
+            _excite(build, excitation, ("excitations", position))
     _names(build)
     counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
     return _train(build, Fraction(1) if counted is None else counted.ratio), build.faults
+
+
+def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
+    """Lower an excitation at a point, or at the mesh of a gear."""
+    made = (one for one in build.primitives if isinstance(one, Constraint) and one.name == excitation.at)
+    mesh = next((one for one in made if build.parts[one.part].kind == "gear"), None)
+    if mesh is not None:
+        from torsion.components.mesh_excitation import mesh_torque
+
+        if isinstance(found := mesh_torque(excitation, mesh, path), Fault):
+            build.faults.append(found)
+        else:
+            build.add(found)
+        return
+    if (point := _named(build, excitation.at, (*path, "at"))) is None:
+        return
+    if excitation.transmission_error is not None or excitation.harmonic != 1:
+        message = f"'{excitation.at}' has no teeth, and so no transmission error"
+        build.faults.append(Fault((*path, "at"), message, "the name of a gear, or `torque` with `order`"))
+        return
+    build.add(excitation.primitive(excitation.at, point.stations[0], path, excitation.source))
 
 
 def _train(build: Lowering, unit: Fraction) -> Train:
@@ -213,7 +232,10 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
         return
     both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
     senses = {build.stations[part.stations[0]].sense for part in (first, second)}
-    if first.stations == second.stations:
+    if any("differential" in part.path for part in (first, second)):
+        hint = "write the train without `differential`, both halves one by one"
+        build.faults.append(Fault(place, "a half of a differential takes no link", hint))
+    elif first.stations == second.stations:
         build.faults.append(Fault(place, f"{both} are one point", "a link joins two different points"))
     elif first.ratio != second.ratio or len(senses) > 1:
         hint = "a link joins two different points of the same speed and sense of rotation"

@@ -3,6 +3,7 @@
 from fractions import Fraction
 from typing import Any
 
+import mpmath as mp
 import numpy as np
 import pytest
 import scipy.linalg
@@ -102,6 +103,73 @@ def test_meshes_yield_by_the_energy_of_their_torques(fixed: str, driving: str) -
     assert found.flexibility == pytest.approx(scaled["sun"] ** 2 / 3e6 + scaled["ring"] ** 2 / 7e6, rel=1e-14)
 
 
+def planet_by_planet(given: dict[str, Any]) -> tuple[list[float], float]:
+    """Natural frequencies (rad/s) by unknowns disc, sun, ring, carrier, every planet, disc, in 40 digits.
+
+    A planet between elastic meshes: sun_mesh/n and ring_mesh/n of each, by the radii of rolling circles, which are as
+    the teeth: deflections z_s s + z_a p - (z_s + z_a) c and z_r r - z_b p - (z_r - z_b) c. Also that of planets which
+    move against each other while all else rests.
+    """
+    mp.mp.dps = 40
+    n = given["planets"]
+    driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
+    driven = next(one for one in MEMBERS if one not in (driving, fixed))
+    with_sun, with_ring = given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2)
+    names = ["a", *(one for one in MEMBERS if one != fixed), *(f"planet {k}" for k in range(n)), "b"]
+    inertia = {
+        "a": SHAFTS["J1"], "b": SHAFTS["J2"], **{name: given[f"{name}_inertia"] for name in MEMBERS},
+        **{f"planet {k}": given["planet_inertia"] for k in range(n)},
+    }  # fmt: skip
+    inertia["carrier"] = mp.mpf(inertia["carrier"]) + n * mp.mpf(given["planet_mass"]) * mp.mpf(given["radius"]) ** 2
+    springs = [({"a": 1, driving: -1}, SHAFTS["k1"]), ({driven: 1, "b": -1}, SHAFTS["k2"])]
+    zs, zr, za, zb = (mp.mpf(one) for one in (given["sun"], given["ring"], with_sun, with_ring))
+    for k in range(n):
+        sun = {"sun": mp.mpf(1), f"planet {k}": za / zs, "carrier": -1 - za / zs}
+        ring = {"ring": mp.mpf(1), f"planet {k}": -zb / zr, "carrier": zb / zr - 1}
+        springs += [(sun, mp.mpf(given["sun_mesh"]) / n), (ring, mp.mpf(given["ring_mesh"]) / n)]
+    size = len(names)
+    matrix = mp.matrix(size, size)
+    for shape, stiffness in springs:
+        free = [(names.index(name), value) for name, value in shape.items() if name != fixed]
+        for i, x in free:
+            for j, y in free:
+                root = mp.sqrt(mp.mpf(inertia[names[i]]) * mp.mpf(inertia[names[j]]))
+                matrix[i, j] += mp.mpf(stiffness) * x * y / root
+    roots = sorted(mp.eigsy(matrix, eigvals_only=True))[1:]
+    against = (mp.mpf(given["sun_mesh"]) * (za / zs) ** 2 + mp.mpf(given["ring_mesh"]) * (zb / zr) ** 2) / n
+    return [float(mp.sqrt(one)) for one in roots], float(mp.sqrt(against / mp.mpf(given["planet_inertia"])))
+
+
+ELASTIC = [
+    {"sun_mesh": 3e6, "ring_mesh": 9e7}, {"sun_mesh": 3e6, "ring_mesh": 9e7, "driving": "carrier"},
+    {"sun_mesh": 2e6, "ring_mesh": 1.6e7 * 2, "driving": "carrier"},  # of one stiffness at the teeth
+    {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "sun", "driving": "ring"},
+    {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "sun", "driving": "carrier"},
+    {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "carrier"},
+    {"sun_mesh": 3e6, "ring_mesh": 9e8, "fixed": "carrier", "driving": "ring"},
+    {"sun_mesh": 3e6, "ring_mesh": 9e8, "planet": [40, 20]},
+    {"sun_mesh": 3e7, "ring_mesh": 2e7, "planet": [30, 12], "fixed": "sun", "driving": "ring"},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("changes", ELASTIC)
+def test_stage_of_elastic_meshes_moves_as_its_planets_one_by_one(tmp_path: Any, changes: dict[str, Any]) -> None:
+    given = stage(**changes)
+    every, against = planet_by_planet(given)
+    alike = [one for one in every if abs(one / against - 1.0) > 1e-9]
+    assert len(every) - len(alike) == given["planets"] - 1
+    found = findings(tmp_path, given)
+    assert [part.name for part in found.study.train.parts if part.kind == "planets"] == ["gear-1 planets"]
+    assert 2 * np.pi * found.results["modes"].frequency == pytest.approx(alike, rel=1e-12)
+
+
+def test_planets_between_a_stiff_sun_and_a_soft_ring_are_counted_at_the_carrier(tmp_path: Any) -> None:
+    """No springs between two angles stand for them; then the report says so."""
+    found = findings(tmp_path, stage(sun_mesh=3e6, ring_mesh=9e6))
+    gear = next(part for part in found.study.train.parts if part.kind == "gear")
+    assert "counted at the carrier" in gear.remark
+
+
 @pytest.mark.parametrize(
     ("given", "gear", "words"),
     [
@@ -120,3 +188,85 @@ def test_what_cannot_be_is_refused(tmp_path: Any, given: dict[str, Any], gear: d
     made = {key: value for key, value in stage(**given).items() if value is not None}
     with pytest.raises(InputError, match=words):
         findings(tmp_path, made, **gear)
+
+
+def test_stage_is_a_plain_gear_with_the_planets_at_the_carrier(tmp_path: Any) -> None:
+    """Fixed ring: w_c = w_s 24/120; a planet of 36 teeth turns by 1 - 96/36 of the carrier."""
+    given = stage()
+    found = findings(tmp_path, given).results["modes"]
+    behind = 0.9 + 4 * 6.0 * 0.12**2 + 4 * 0.03 * (1 - 96 / 36) ** 2
+    scene = yaml.safe_load((tmp_path / "scene.yaml").read_text())
+    scene["train"][2] = {"gear": {"ratio": 5, "inertia": [0.02, behind], "sense": 1}}
+    (tmp_path / "plain.yaml").write_text(yaml.safe_dump(scene))
+    plain = torsion.run(torsion.read(tmp_path / "plain.yaml")).results["modes"]
+    np.testing.assert_allclose(found.frequency, plain.frequency, rtol=1e-13)
+    np.testing.assert_allclose(found.torque, plain.torque, rtol=1e-11)
+
+
+@pytest.mark.parametrize("changes", [*ELASTIC, {"sun_mesh": 3e6, "ring_mesh": 9e7, "planet_inertia": 0.0}])
+def test_error_of_the_teeth_moves_a_stage_as_its_planets_one_by_one(tmp_path: Any, changes: dict[str, Any]) -> None:
+    given = stage(**changes)
+    driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
+    member = "ring" if fixed == "sun" or (fixed == "carrier" and driving == "ring") else "sun"
+    findings(tmp_path, given)
+    scene = yaml.safe_load((tmp_path / "scene.yaml").read_text())
+    scene |= {
+        "excitations": [{"at": "gear-1", "transmission_error": "4 um", "base_radius": "50 mm", "phase": "0.7 rad"}],
+        "operation": {"speeds": {"from": "500 rpm", "to": "2000 rpm", "steps": 3}}, "analyses": {"response": {}},
+    }  # fmt: skip
+    (tmp_path / "excited.yaml").write_text(yaml.safe_dump(scene))
+    found = torsion.run(torsion.read(tmp_path / "excited.yaml"))
+    response, names = found.results["response"], [one.name for one in found.system.spans]
+    speeds = dict(zip(("sun", "ring", "carrier"), _own_speeds(given), strict=True))
+    order = given[member] * abs(speeds[member] - speeds["carrier"])
+    assert float(response.lines[0].order) == pytest.approx(order, rel=1e-14)
+    for k in np.flatnonzero(response.requested):  # those between lie at resonances, where digits are lost
+        error = 4e-6 / 0.05 * np.exp(0.7j)
+        known = mesh_torque(given, float(response.lines[0].order) * response.speed[k], member, error)
+        at_driving = response.torque[k, 0, names.index("gear-1")]  # at the driving member's speed
+        assert abs(at_driving - known * speeds[member]) < 1e-12 * abs(at_driving)
+
+
+def _own_speeds(given: dict[str, Any]) -> list[float]:
+    """Of sun, ring and carrier over that of the driving member."""
+    with_sun, with_ring = given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2)
+    i = with_sun * given["ring"] / (with_ring * given["sun"])
+    rows = np.array([[1.0, i, -1.0 - i], *(np.eye(3)[MEMBERS.index(given.get(key, default))] for key, default in (
+        ("fixed", "ring"), ("driving", "sun")))])  # fmt: skip
+    return list(np.linalg.solve(rows, [0.0, 0.0, 1.0]))
+
+
+def mesh_torque(given: dict[str, Any], w: float, member: str, error: complex) -> complex:
+    """N m at the member: the sum over its meshes, of planets one by one, with the error in each; no damping."""
+    n = given["planets"]
+    driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
+    driven = next(one for one in MEMBERS if one not in (driving, fixed))
+    with_sun, with_ring = (mp.mpf(x) for x in given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2))
+    steps = {"sun": with_sun / given["sun"], "ring": -with_ring / given["ring"]}
+    names = ["a", *(one for one in MEMBERS if one != fixed), *(f"planet {k}" for k in range(n)), "b"]
+    inertia = {"a": SHAFTS["J1"], "b": SHAFTS["J2"], **{name: given[f"{name}_inertia"] for name in MEMBERS}}
+    inertia["carrier"] = mp.mpf(inertia["carrier"]) + n * mp.mpf(given["planet_mass"]) * mp.mpf(given["radius"]) ** 2
+    springs: list[tuple[dict[str, Any], Any, Any]] = [
+        ({"a": 1, driving: -1}, mp.mpf(SHAFTS["k1"]), 0), ({driven: 1, "b": -1}, mp.mpf(SHAFTS["k2"]), 0)
+    ]  # fmt: skip
+    for k in range(n):
+        for one, step in steps.items():
+            shape = {one: mp.mpf(1), f"planet {k}": step, "carrier": -1 - step}
+            springs.append((shape, mp.mpf(given[f"{one}_mesh"]) / n, mp.mpc(error) if one == member else 0))
+    left, right = mp.matrix(len(names)), mp.matrix(len(names), 1)
+    for name in names:
+        own = inertia.get(name, given["planet_inertia"])
+        left[names.index(name), names.index(name)] -= mp.mpf(w) ** 2 * mp.mpf(own)
+    for shape, stiffness, own_error in springs:
+        free = [(names.index(name), value) for name, value in shape.items() if name in names]
+        for i, x in free:
+            right[i] += stiffness * x * own_error
+            for j, y in free:
+                left[i, j] += stiffness * x * y
+    angle = mp.lu_solve(left, right)
+    total = mp.mpc(0)
+    for shape, stiffness, own_error in springs[2:]:
+        if member in shape:
+            twist = sum(value * angle[names.index(name)] for name, value in shape.items() if name in names)
+            total += stiffness * (twist - own_error)
+    return complex(total)

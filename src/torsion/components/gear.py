@@ -1,19 +1,21 @@
 """A gear: a change of speed, with the inertias of its wheels and any further wheels on the same driving gear."""
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from torsion import fields
 from torsion.components.component import Component, Line, lower_branch
 from torsion.components.coupling import Pair
-from torsion.components.lowering import Arrival, Lowering
+from torsion.components.differential import Differential
+from torsion.components.lowering import Arrival, Lowering, Part
 from torsion.components.planetary import Planetary
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
-from torsion.primitives import Constraint, Toothing
+from torsion.primitives import Constraint, Spring, Toothing
 
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
@@ -24,6 +26,10 @@ BESIDE_NO_PLANETARY = frozenset((
     "ratio", "teeth", "inertia", "mesh_stiffness", "sense", "branches", "module", "pitch_diameter", "helix_angle",
     "pressure_angle",
 ))  # fmt: skip
+AT_THE_CARRIER = (
+    "the inertia of its planets about their axes is counted at the carrier, because the mesh of the fixed member is "
+    "softer than the other one"
+)
 SAME_SIZE = 1e-3  # relative, of two diameters that drawings print to a tenth of a millimetre
 
 
@@ -56,6 +62,7 @@ class Gear(Component, keyword="gear", sort="link"):
         False,
     )
     branches: tuple[GearBranch, ...] = given("further wheels on the same driving gear", ())
+    differential: Differential | None = given("two equal halves behind the driven wheel, which turns as their mean")
     application_factor: Annotated[float, Quantity("1", at_least=1, usual=(None, 10.0), slip=("%",))] | None = given(
         "K_A of the gear rating"
     )
@@ -78,6 +85,10 @@ class Gear(Component, keyword="gear", sort="link"):
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
                 raise refuse("a branch with the teeth of its wheel alone needs `teeth` of the gear", key="branches")
 
+    @classmethod
+    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
+        return [f"{name} planets"] * isinstance(body.get("planetary"), dict)
+
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)
         before, part, gear = build.at, build.part, build.parts[-1]
@@ -87,8 +98,15 @@ class Gear(Component, keyword="gear", sort="link"):
         if stage is not None:
             sense, halves, half = 1 if stage.speed > 0 else -1, stage.halves, "member"
         driving, driven = build.link(self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None)
-        build.add(self._mesh(self, gear.name, part, (driving, driven), before))
-        main = build.at
+        mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.at
+        if stage is not None and stage.counts_planets_at_the_carrier:
+            build.record(remark=AT_THE_CARRIER)
+        if stage is not None and stage.star is not None:
+            mesh = _with_planets(build, gear, mesh, stage, before)
+        build.add(mesh)
+        build.at = main
+        if self.differential is not None:
+            self.differential.lower(build, gear, driven)
         for position, branch in enumerate(self.branches):
             ratio, name = before.ratio * self._speed(branch), f"{gear.name} wheel {position + 2}"
             build.at = replace(main, ratio=ratio, sense=before.sense * branch.sense)
@@ -102,11 +120,16 @@ class Gear(Component, keyword="gear", sort="link"):
     def _mesh(self, wheel: "Gear | GearBranch", name: str, part: int, ends: tuple[int, int], at: Arrival) -> Constraint:
         """The mesh of a wheel with the driving gear, whose figures are those `at` its station."""
         flexibility = 0.0 if wheel.mesh_stiffness is None else at.scale / wheel.mesh_stiffness
-        if isinstance(wheel, Gear) and wheel.planetary is not None:
-            flexibility = at.scale * wheel.planetary.flexibility
+        if isinstance(wheel, Gear) and (stage := wheel.planetary) is not None:
+            return Constraint(
+                name, part, *ends, abs(stage.speed), at.scale * stage.flexibility,
+                meshings=stage.meshings, wheel=abs(stage.speeds[stage.meshing]),
+            )  # fmt: skip
         teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
-        toothing = self._toothing(wheel, teeth)
-        return Constraint(name, part, *ends, self._speed(wheel), flexibility, teeth=teeth, toothing=toothing)
+        return Constraint(
+            name, part, *ends, self._speed(wheel), flexibility, teeth=teeth, toothing=self._toothing(wheel, teeth),
+            meshings=Fraction(teeth[0] if teeth else 0),
+        )  # fmt: skip
 
     def _toothing(self, wheel: "Gear | GearBranch", teeth: tuple[int, ...]) -> Toothing | None:
         """Of a wheel on the driving gear, or on one of its own beside it, whose size follows from the module alone."""
@@ -131,6 +154,33 @@ class Gear(Component, keyword="gear", sort="link"):
         """Of the driving gear, where it meshes with a wheel that has teeth."""
         teeth = wheel.teeth or (1,)
         return teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
+
+
+def _with_planets(build: Lowering, gear: Part, mesh: Constraint, stage: Planetary, before: Arrival) -> Constraint:
+    """Lower the planets of a stage as a point of their own; the mesh from, or to, where the arms of the star meet."""
+    star, after, carries = stage.star, build.at, mesh.driven
+    if star is None:
+        return mesh
+    arms = star.other * before.scale, star.planets * before.scale
+    if not star.is_mesh_driving:
+        carries, build.at = mesh.driving, replace(build.at, ratio=before.ratio, sense=before.sense)
+    build.member(gear, "planets", "planets", is_point=True)
+    own = build.at.ratio / before.ratio  # speed of the centre over that of the driving member
+    centre = carries
+    if arms[0]:
+        centre = build.station(f"{gear.name} centre")
+        ends = (centre, carries) if star.is_mesh_driving else (carries, centre)
+        build.add(Spring(f"{gear.name} carrier", build.part, *ends, arms[0] * float(own) ** 2))
+    spin = stage.speeds["planet"]
+    build.at = replace(build.at, ratio=before.ratio * abs(spin), sense=before.sense if spin > 0 else -before.sense)
+    planets = build.station(build.name)
+    build.record(stations=(planets,), ratio=build.at.ratio, depth=gear.depth + 1)
+    build.inertia(planets, stage.planets * stage.planet_inertia, f"{stage.planets} planets")
+    name, flexibility = f"{gear.name} planets", arms[1] * float(own) ** 2
+    build.add(Constraint(name, build.part, centre, planets, abs(spin) / own, flexibility))
+    build.at = after
+    ends = (mesh.driving, centre) if star.is_mesh_driving else (centre, mesh.driven)
+    return replace(mesh, driving=ends[0], driven=ends[1], flexibility=star.mesh * before.scale)
 
 
 def _refuse_sizes_that_clash(gear: Gear) -> None:

@@ -1,16 +1,30 @@
 """Harmonic torques that act at a component: a motor's ripple and the file's own excitations."""
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import field_validator
+from pydantic import BeforeValidator, ConfigDict, Field, field_validator
 
 from torsion import fields
 from torsion.errors import Path
-from torsion.fields import Amount, Declared, Sized, given, refuse, required
+from torsion.fields import Amount, Declared, Quantity, Sized, given, refuse, required
 from torsion.primitives import Torque
 
 Table = tuple[tuple[float | str, float | str], ...]  # [[speed, torque], ...] as written in the file
+
+AMOUNTS = ("torque", "transmission_error")  # of an excitation; one of them
+ALONG = Quantity("m", above=0, usual=(None, 2e-3), slip=("um",))
+
+
+def _read_error(value: Any) -> Any:
+    """(unit, amplitude): a length, or text with a unit of angle as an angle."""
+    if isinstance(value, tuple):
+        return value
+    angle = isinstance(value, str) and value.strip().endswith(("rad", "deg"))
+    return ("rad", Quantity("rad", above=0).read(value)) if angle else ("m", ALONG.read(value))
+
+
+TransmissionError = Annotated[Any, BeforeValidator(_read_error, json_schema_input_type=float | str)]
 
 
 class Harmonic(Declared):
@@ -46,12 +60,26 @@ class Ripple(Harmonic):
 
 
 class Excitation(Harmonic, Sized):
-    """A torque of the file's list `excitations`."""
+    """A torque of the file's list `excitations`, or what excites at the teeth of a gear."""
 
-    at: str = required("name of the component on which it acts")
-    torque: fields.TorqueAmount | tuple[tuple[float, float], ...] = required(
+    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in AMOUNTS]})
+
+    at: str = required("name of the component on which it acts: a point, or a gear whose mesh excites")
+    torque: fields.TorqueAmount | tuple[tuple[float, float], ...] | None = given(
         "amplitude (half range): N m, {of_mean: %}, or a table [[speed, torque], ...] over the speed of the "
-        "component's own shaft, not that of the reference"
+        "component's own shaft, not that of the reference; at a gear the torque k e of its mesh when blocked, at the "
+        "driving gear"
+    )
+    transmission_error: TransmissionError | None = given(
+        "at a gear, in place of `torque`: amplitude e (half range) along the line of action in the transverse plane, "
+        "or as an angle of the driving gear; of a planetary stage of the mesh of its sun (fixed sun: of its ring)"
+    )
+    base_radius: Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm",))] | None = given(
+        "of the driving gear (of a planetary stage: of its sun or ring), for an error along the line of action "
+        "(default: from `module` or `pitch_diameter` of the gear)"
+    )
+    harmonic: Annotated[int, Field(ge=1, le=100)] = given(
+        "at a gear: multiple of its tooth meshings per revolution of the driving gear, where `order` is not given", 1
     )
     note: str | None = given("free text")
     source: str | None = given("where the figure comes from")
@@ -60,6 +88,15 @@ class Excitation(Harmonic, Sized):
     @classmethod
     def _table(cls, value: object) -> object:
         return read_table(value) if isinstance(value, list | tuple) else fields.read_amount(value)
+
+    def refuse_clashes(self) -> None:
+        super().refuse_clashes()
+        if self.torque is None and self.transmission_error is None:
+            raise refuse("`torque` is missing", "at a gear `torque` or `transmission_error`")
+        if self.torque is not None and self.transmission_error is not None:
+            raise refuse("`torque` and `transmission_error` exclude each other", "keep one of them", "torque")
+        if self.base_radius is not None and self.transmission_error is None:
+            raise refuse("`base_radius` is that of a `transmission_error`", "leave it out", "base_radius")
 
 
 def read_table(rows: list[object] | tuple[object, ...]) -> tuple[tuple[float, float], ...]:

@@ -190,6 +190,8 @@ class Part:
     engine: "EngineRecord | None" = None
     compressor: "CompressorRecord | None" = None
     warming: "Warming | None" = None  # of a coupling whose temperature is computed
+    remark: str = ""  # what it stands for, where that is not what the file says alone
+    is_opposed: bool = False  # of the motion of two equal halves against each other
 
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
         """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""
@@ -201,6 +203,11 @@ class Part:
         if rare is None:
             return "T_Kmax", normal
         return ("T_Kmax2", rare) if is_rare else ("T_Kmax1", normal)
+
+    @property
+    def line(self) -> Path:
+        """The list of components in which it stands; of halves that move against each other one of their own."""
+        return (*self.path[:-2], "opposed") if self.is_opposed else self.path[:-2]
 
     @property
     def is_bar(self) -> bool:

@@ -1,5 +1,6 @@
 """A planetary stage with one member fixed: its exact ratio, what its planets weigh, and how its meshes yield."""
 
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Annotated, Literal
@@ -14,6 +15,20 @@ Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Radius = Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm",))]
 PROFILE_SHIFT = 2, 0.1  # teeth, and share of the teeth that fit, by which profile shift may change those of a planet
 Mass = Annotated[float, Quantity("kg", at_least=0)]
+ROUNDING = 2.0**-50  # relative, of the difference of two flexibilities of a few roundings each
+
+
+@dataclass(frozen=True)
+class Star:
+    """Elastic meshes as a star of three flexibilities (rad/(N m) at the driving member) about a centre of no inertia.
+
+    Its arms lead to the member of the `mesh`, to the other member that turns, and to the planets.
+    """
+
+    mesh: float
+    other: float
+    planets: float
+    is_mesh_driving: bool  # the arm of the mesh leads to the driving member
 
 
 class Planetary(Declared):
@@ -84,24 +99,80 @@ class Planetary(Declared):
         """Speed of the driven over the driving member, negative where it turns the other way."""
         return -self.weights[self.driving] / self.weights[self.driven]
 
+    @cached_property
+    def speeds(self) -> dict[str, Fraction]:
+        """Of the members, and of a planet about its own axis, over that of the driving member."""
+        own = {self.driving: Fraction(1), self.driven: self.speed, self.fixed: Fraction(0)}
+        spin = own["carrier"] - Fraction(self.sun) / self.teeth[0] * (own["sun"] - own["carrier"])
+        return own | {"planet": spin}
+
+    @property
+    def meshing(self) -> Literal["sun", "ring"]:
+        """The member whose mesh with the planets is that of the stage."""
+        return "ring" if self.fixed == "sun" or (self.fixed == "carrier" and self.driving == "ring") else "sun"
+
+    @property
+    def meshings(self) -> Fraction:
+        """Of its teeth per revolution of the driving member."""
+        own, teeth = self.speeds, self.ring if self.meshing == "ring" else self.sun
+        return teeth * abs(own[self.meshing] - own["carrier"])
+
     @property
     def flexibility(self) -> float:
-        """Of the meshes in series (rad/(N m)), at the driving member; planets taken as without inertia there."""
+        """Of the meshes in series (rad/(N m)), at the driving member, of planets without inertia."""
         weights, yields = self.weights, 0.0
         for member, stiffness in (("sun", self.sun_mesh), ("ring", self.ring_mesh)):
             if stiffness is not None:
                 yields += float(weights[member] / weights[self.driving]) ** 2 / stiffness
         return yields
 
+    @cached_property
+    def star(self) -> Star | None:
+        """The meshes with planets that have an inertia between them; None where they need, or have, no star.
+
+        The twist of a mesh is a sum over its member, the planets and the carrier, of coefficients v that add up to 0 in
+        the rigid motion. The mesh with the fixed member has but two of them, u and -u, and the triangle of stiffnesses
+        that both make is a star with one arm that can be negative: where the fixed member's mesh is the softer one.
+        """
+        yields = {"sun": 1.0 / (self.sun_mesh or float("inf")), "ring": 1.0 / (self.ring_mesh or float("inf"))}
+        if not self.planet_inertia or not any(yields.values()):
+            return None
+        own, (with_sun, with_ring) = self.speeds, self.teeth
+        steps = {"sun": with_sun / self.sun, "ring": -with_ring / self.ring}
+        if self.fixed == "carrier":
+            other = yields[self.driven] * float(1 / self.speed) ** 2
+            return Star(yields[self.driving], other, 0.0, is_mesh_driving=True)
+        planets = steps[self.meshing] * own["planet"]
+        carrier = -(1 + steps[self.meshing]) * own["carrier"]
+        between = steps[self.fixed] * own["planet"]
+        first, second = yields[self.meshing], float(planets * carrier / between**2) * yields[self.fixed]
+        mesh = 0.0 if abs(first - second) <= ROUNDING * first else first - second
+        if mesh < 0.0:
+            return None
+        to_carrier, to_planets = (
+            float(-one / (own[self.meshing] * between**2)) * yields[self.fixed] for one in (planets, carrier)
+        )
+        return Star(
+            mesh / float(own[self.meshing]) ** 2, to_carrier, to_planets, is_mesh_driving=self.driving == self.meshing
+        )
+
+    @property
+    def counts_planets_at_the_carrier(self) -> bool:
+        """Its meshes are elastic, its planets have an inertia, and no star stands for them."""
+        is_elastic = self.sun_mesh is not None or self.ring_mesh is not None
+        return bool(self.planet_inertia) and is_elastic and self.star is None
+
     @property
     def halves(self) -> tuple[float, float]:
-        """Inertias (kg m2) at the driving and the driven member, the planets at the carrier, else at the driven."""
+        """Inertias (kg m2) at the driving and the driven member, the planets at the carrier, else at the driven.
+
+        Of planets in a `star` their mass alone.
+        """
         own = {"sun": self.sun_inertia, "ring": self.ring_inertia, "carrier": self.carrier_inertia}
-        speeds = {self.driving: Fraction(1), self.driven: self.speed, self.fixed: Fraction(0)}
-        place = self.driven if self.fixed == "carrier" else "carrier"
-        spin = speeds["carrier"] - Fraction(self.sun) / self.teeth[0] * (speeds["sun"] - speeds["carrier"])
+        speeds, place = self.speeds, self.driven if self.fixed == "carrier" else "carrier"
+        spinning = 0.0 if self.star is not None else self.planet_inertia
         own[place] += self.planets * (
-            self.planet_inertia * float(spin / speeds[place]) ** 2
+            spinning * float(speeds["planet"] / speeds[place]) ** 2
             + self.planet_mass * ((self.radius or 0.0) * float(speeds["carrier"] / speeds[place])) ** 2
         )
         return own[self.driving], own[self.driven]

@@ -35,19 +35,20 @@ def layout(system: System) -> Layout:
     """Stations in the order of the train; a branch gets a free row beside the point that carries it."""
     number = len(system.stations)
     x, row = np.full(number, np.nan), np.zeros(number)
-    rows = _Rows()
+    rows, of_path = _Rows(), dict[Path, int]()
     for part in system.train.parts:
-        if part.stations:
+        if part.stations and part.kind != "planets":  # they stand beside their gear
             first, last = part.stations[0], part.stations[-1]
             is_new = np.isnan(x[first])
             if is_new:
-                x[first], row[first] = _behind(system, first, x, row)
-            line = rows.of(part.path, float(x[first]), int(row[first]))
+                x[first], row[first] = _behind(system, first, x, row, of_path.get(part.path))
+            line = rows.of(part.line, float(x[first]), int(row[first]))
             if is_new:
                 row[first] = line
             if np.isnan(x[last]):
                 x[last], row[last] = x[first] + WIDTH.get(part.kind, 1.0), line
             rows.fill(line, float(x[last]))
+            of_path.setdefault(part.path, last)
     _along_shafts(system, x, row)
     _hanging(system, x, row)
     return Layout(x, row)
@@ -60,12 +61,11 @@ class _Rows:
         self._row: dict[Path, int] = {}
         self._end: dict[int, float] = {}
 
-    def of(self, path: Path, start: float, beside: int) -> int:
-        """The row of the branch in which a component stands, which begins at `start` beside a row.
+    def of(self, branch: Path, start: float, beside: int) -> int:
+        """The row of a branch, which begins at `start` beside a row.
 
         It is the next one below or above that no branch goes on in and that is empty from there on, or else a new one.
         """
-        branch = path[:-2]
         if not self._row:
             self._row[branch] = 0
         elif branch not in self._row:
@@ -80,11 +80,18 @@ class _Rows:
         self._end[row] = max(self._end.get(row, end), end)
 
 
-def _behind(system: System, station: int, x: FloatArray, row: FloatArray) -> tuple[float, float]:
-    """Place and row of a new station as seen from one that it is joined to and that stands; the first is at 0."""
+def _behind(
+    system: System, station: int, x: FloatArray, row: FloatArray, piece: int | None
+) -> tuple[float, float]:  # fmt: skip
+    """Place and row of a new station as seen from one that it is joined to and that stands; the first is at 0.
+
+    piece: a station of the same component of the file, beside which it stands where it is joined to none.
+    """
     ends = np.column_stack([system.driving, system.driven])
     near = ends[(ends == station).any(axis=1)]
     standing = near[~np.isnan(x[near])].tolist()
+    if not standing and piece is not None:
+        return float(x[piece]) + RIGID, float(row[piece])
     if not standing:
         return 0.0, float(row[station])
     is_wheel = system.train.parts[system.stations[station].part].kind == "gear"
@@ -106,7 +113,11 @@ def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:
 
 
 def _hanging(system: System, x: FloatArray, row: FloatArray) -> None:
-    """Rings, grounds and wheels without a train: beside the station that drives them."""
-    for span in system.own_spans:
-        if np.isnan(x[span.driven]):
-            x[span.driven], row[span.driven] = x[span.driving], row[span.driving] + 0.5
+    """Rings, grounds, planets and wheels without a train: beside the station that drives them, or that they drive."""
+    while (missing := np.isnan(x)).any():
+        for span in system.own_spans:
+            for here, there in ((span.driving, span.driven), (span.driven, span.driving)):
+                if np.isnan(x[there]) and not np.isnan(x[here]):
+                    x[there], row[there] = x[here], math.floor(row[here]) + 0.5
+        if np.array_equal(missing, np.isnan(x)):
+            return

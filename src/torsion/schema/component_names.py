@@ -47,8 +47,11 @@ def _named(entries: object, found: dict[str, tuple[str, bool]], numbers: Counter
             found[name] = kind, is_point
         found |= dict.fromkeys(component(kind).points_within(name, body or {}), (f"throw of {name}", True))
         branches = (body or {}).get("branches")
-        inner = [body, *(branches if isinstance(branches, list) else [])]
+        halves, before = (body or {}).get("differential"), set(found)
+        inner = [halves, body, *(branches if isinstance(branches, list) else [])]
         trains = [item["train"] for item in inner if isinstance(item, dict) and item.get("train") is not None]
         if not all(_named(train, found, numbers) for train in trains):
             return False
+        if isinstance(halves, dict):
+            found |= {f"{half} opposed": found[half] for half in set(found) - before}
     return True

@@ -319,7 +319,10 @@ def _unknown_names(
         return
     ends = ((place, side, end) for place, link in enumerate(links) if link for side, end in enumerate(link.between))
     named: list[tuple[str, Path]] = [(end, ("links", place, "between", side)) for place, side, end in ends]
-    named += [(one.at, ("excitations", place, "at")) for place, one in enumerate(excitations) if one is not None]
+    named += [
+        (one.at, ("excitations", place, "at")) for place, one in enumerate(excitations)
+        if one is not None and known.get(one.at.partition(" wheel ")[0], ("", True))[0] != "gear"
+    ]  # fmt: skip
     found = [name_fault(name, path, known) for name, path in named]
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         found.append(name_fault(reference, ("operation", "at"), known, point=False))

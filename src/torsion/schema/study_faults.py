@@ -49,6 +49,8 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
     if limited and any(rule == "coupling-maker" for rule, _ in study.rules):
         message = f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"
         yield Fault(("damping",), message, "give the components their damping, or leave `heat_limit` out")
+    if any(torque.mesh for torque in study.train.torques):
+        yield Fault(("damping",), "a mesh that excites takes no damping by mode", "give the components their damping")
     if study.has_joints:
         yield Fault(("damping",), "a train with joints takes no damping by mode", "give the components their damping")
 

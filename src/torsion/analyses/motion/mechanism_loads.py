@@ -16,6 +16,7 @@ from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import reference_station, steady_if_known
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
+from torsion.errors import SolveError
 from torsion.primitives import Torque
 from torsion.study import Study
 
@@ -47,6 +48,8 @@ def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
         if one.line.order is not None and vibratory
         for torque in one.torques
     ]
+    if any(torque.mesh for _, torque in found):
+        raise SolveError("a mesh that excites is not built in the exact motion", "leave it out of this file")
     order = common_order([*(order for order, _ in found), *whole.orders]) or Fraction(1)
     return Scene(study, system, whole, order, tuple(found))
 

@@ -11,7 +11,7 @@ from torsion.components.lowering import JointRecord
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Work
-from torsion.study import Range, SpeedRange, Study
+from torsion.study import Range, SpeedRange, Study, mesh_faults
 
 PERIODIC = "exact periodic response"
 SMALL = "no joint is bent by more than 10 degrees, and the first order estimates its error below 1 %"
@@ -73,6 +73,7 @@ def requested_motion_faults(study: Study) -> list[Fault]:
     found: list[Fault] = []
     if study.setting("analyses", "response", "method") == "harmonic-balance":
         found += motion_faults(study, ("analyses", "response", "method"))
+        found += mesh_faults(study, "the exact motion")
     path = ("analyses", "stability")
     if study.setting(*path) is None:
         return found

@@ -100,7 +100,8 @@ class Sources:
     """Complex amplitudes on the condensed tree, of one component, over speed."""
 
     force: ComplexArray  # (tree stations, speeds) N m
-    twist: ComplexArray | None  # (tree stations, speeds) rad imposed on the span leading to each; None without joints
+    twist: ComplexArray | None  # (tree stations, speeds) rad imposed on the span leading to each; None where on none
+    loop_twist: ComplexArray | None = None  # (extra spans, speeds) rad imposed on those that close loops
 
 
 def _decimal(order: Fraction) -> str:
@@ -184,17 +185,25 @@ def _excitation(found: Sequence[Torque | JointError], order: Fraction | None, fr
 def sources(system: System, excitation: Excitation, speed: FloatArray, steady: Steady | None) -> Sources:
     """Complex amplitudes of one line at reference speeds (speeds,) rad/s; `steady` holds the same speeds.
 
-    A torque's phase counts from reference angle zero. A joint's error counts from its own driving angle, static
-    twist included. A force on a station of speed ratio r acts on the condensed tree as r times itself.
+    A torque's phase, and that of a mesh's error, counts from reference angle zero. A joint's error counts from its own
+    driving angle, static twist included. A force on a station of speed ratio r acts on the condensed tree as r times
+    itself.
     """
     condensed = system.condensed
     force = np.zeros((condensed.tree.size, len(speed)), dtype=np.complex128)
+    twist, loop_twist = np.zeros_like(force), np.zeros((len(condensed.extra), len(speed)), dtype=np.complex128)
     for torque in excitation.torques:
         ratio = system.speed_ratio[torque.station]
-        force[condensed.node[torque.station]] += ratio * amplitude(system, torque, speed, steady)
+        if torque.mesh is None:
+            force[condensed.node[torque.station]] += ratio * amplitude(system, torque, speed, steady)
+            continue
+        mesh, slip = mesh_span(system, torque.mesh[0]), torque.mesh[1] * np.exp(1j * torque.phase) / ratio
+        if condensed.span[mesh] < 0:
+            loop_twist[condensed.extra == mesh] -= slip
+        else:
+            twist[condensed.span[mesh]] -= condensed.sign[mesh] * slip
     if not excitation.errors:
-        return Sources(force, None)
-    twist = np.zeros_like(force)
+        return Sources(force, *(imposed if imposed.any() else None for imposed in (twist, loop_twist)))
     for error in excitation.errors:
         span = system.spans[error.span]
         turned = joint_error(system, error, speed, steady)
@@ -204,7 +213,15 @@ def sources(system: System, excitation: Excitation, speed: FloatArray, steady: S
             slope = 1j * error.order * turned / float(span.ratio)
             jump = -slope * steady.torque[error.span] * system.speed_ratio[span.driving]
             force[condensed.node[span.driving]] += jump
-    return Sources(force, twist)
+    return Sources(force, twist, loop_twist)
+
+
+def mesh_span(system: System, name: str) -> int:
+    """The span of the mesh of that name."""
+    return next(
+        k for k, span in enumerate(system.own_spans)
+        if span.name == name and system.train.parts[span.part].kind == "gear"
+    )  # fmt: skip
 
 
 def joint_error(system: System, error: JointError, speed: FloatArray, steady: Steady | None) -> ComplexArray:

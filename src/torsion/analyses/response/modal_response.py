@@ -30,8 +30,10 @@ def modal_sums(
     Raises SolveError for a train of too many stations, or with distributed shafts or joints that excite.
     """
     modes, rigid = _basis(system)
-    if sources.twist is not None:
-        raise SolveError("damping by mode takes no joints that excite", "give the components their damping", PATH)
+    if sources.twist is not None or sources.loop_twist is not None:
+        raise SolveError(
+            "damping by mode takes no joints or meshes that excite", "give the components their damping", PATH
+        )
     own = np.concatenate([np.zeros(rigid.shape[1]), 2.0 * math.pi * modes.frequency])[:, None]
     ratio = np.concatenate([np.zeros(rigid.shape[1]), system.modal_ratios(len(modes.frequency))])[:, None]
     shape, torque = np.concatenate([rigid, modes.shape], axis=1), np.pad(modes.torque, ((0, 0), (rigid.shape[1], 0)))

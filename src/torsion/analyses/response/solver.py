@@ -116,12 +116,13 @@ def swept(
     elif chords.size:
         from torsion.kernels.loops import looped_response
 
-        found = looped_response(tree, _chords(system, chords, w), w, sources.force, **acting)
+        found = looped_response(tree, _chords(system, chords, w, sources), w, sources.force, **acting)
         torque = span_torques(system, found.torque, chords, found.chord_torque)
     else:
         found = tree_response(tree, w, sources.force, **acting)
         torque = span_torques(system, found.torque, chords, found.chord_torque)
-    angle = found.angle[condensed.node] * system.speed_ratio[:, None]
+    with np.errstate(invalid="ignore"):  # at a resonance without damping, whose status says so
+        angle = found.angle[condensed.node] * system.speed_ratio[:, None]
     return Answer(angle.T, torque.T, found.residual, status(found.amplification, found.residual))
 
 
@@ -180,7 +181,7 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
     return system.ground_damping(speed, applied)
 
 
-def _chords(system: System, chords: IntArray, w: FloatArray) -> "Chords":
+def _chords(system: System, chords: IntArray, w: FloatArray, sources: Sources) -> "Chords":
     """The spans `chords` that close loops."""
     from torsion.kernels.loops import Chords
 
@@ -188,4 +189,6 @@ def _chords(system: System, chords: IntArray, w: FloatArray) -> "Chords":
     flexibility, viscous = system.flexibility[chords] / ratio**2, system.viscous[chords] * ratio**2
     compliance = complex_compliance(flexibility, viscous, system.loss_factor[chords], w)
     ends = condensed.node[system.driving[chords]], condensed.node[system.driven[chords]]
-    return Chords(*ends, compliance, twist=np.zeros(len(chords)))
+    none = np.zeros(len(chords)) if sources.loop_twist is None else sources.loop_twist
+    twist = none if sources.loop_twist is None else none[np.isin(condensed.extra, chords)]
+    return Chords(*ends, compliance, twist=twist)

@@ -15,7 +15,7 @@ from torsion.analyses.transient.following_events import SpeedProgram, Start
 from torsion.analyses.transient.order_tracking import OrderSettings
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
-from torsion.study import Several, Study
+from torsion.study import Several, Study, mesh_faults
 from torsion.train import name_fault
 
 PATH = ("analyses", "transient")
@@ -144,7 +144,7 @@ def cases(study: Study) -> list[tuple[TransientSettings, Path]]:
 
 def transient_faults(study: Study) -> list[Fault]:
     """Motions without a name, events at what is no point or after the end, files, and nothing that moves the train."""
-    found, seen, every = list[Fault](), set[str](), cases(study)
+    found, seen, every = mesh_faults(study, "motion over time"), set[str](), cases(study)
     if not every:
         found.append(Fault(PATH, "the list of motions is empty", "`- {name: start, duration: 2 s, events: [...]}`"))
     if every and study.model == "exact" and study.train.has_shafts:

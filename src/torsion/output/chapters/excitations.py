@@ -65,10 +65,10 @@ def _at_rated(findings: Findings) -> list[float | None]:
     speed, mean = rated(findings), steady_at_rated(findings)
     every = _plain(findings)
     if speed is None:
-        return [None if one.of_mean or one.table else one.torque for one in every]
+        return [None if one.of_mean or one.table or one.mesh else one.torque for one in every]
     found: list[float | None] = []
     for one in every:
-        is_known = _reaches(findings, one, speed) and (mean is not None or not one.of_mean)
+        is_known = one.mesh is None and _reaches(findings, one, speed) and (mean is not None or not one.of_mean)
         found.append(float(np.abs(amplitude(findings.system, one, np.array([speed]), mean))[0]) if is_known else None)
     return found
 
@@ -81,6 +81,8 @@ def _reaches(findings: Findings, torque: Torque, speed: float) -> bool:
 
 def _amplitude(torque: Torque) -> str:
     words = []
+    if torque.mesh is not None:
+        return f"{number(1e6 * torque.mesh[1])} µrad of the driving gear"
     if torque.table:
         unit = scale("N m", [t for _, t in torque.table])
         words.append("; ".join(f"{given(t * unit.factor)} {unit.unit} at {given_rpm(n)} rpm" for n, t in torque.table))

@@ -14,6 +14,7 @@ from torsion.output.numbers import NONE, exact, given, number, scale
 from torsion.output.reported_values import source
 from torsion.output.selection import elements
 from torsion.primitives import Bar, Inertia, SectionMesh, Station
+from torsion.results import listed
 
 MM = 1e-3  # m
 DIGITS, SUMMED = 8, 7  # significant digits of a figure as given, and of what follows from such figures
@@ -34,6 +35,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         "k i² with i the speed ratio of the table; given: where the file gives a figure that is referred already. "
         f"{where}"
     )
+    yield from _remarks(findings)
     if has_inertia(findings.system):
         yield _inertias(findings)
         if water := " ".join(_water(findings)):
@@ -41,6 +43,16 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield _springs(findings)
     if findings.study.train.bars:
         yield _shafts(findings)
+
+
+def _remarks(findings: Findings) -> Iterator[Paragraph]:
+    """What components stand for, where that is not what the file says alone."""
+    named: dict[str, list[str]] = {}
+    for part in findings.study.train.parts:
+        if part.remark:
+            named.setdefault(part.remark, []).append(part.name)
+    for remark, names in named.items():
+        yield Paragraph(f"{listed(names)}: {remark}.", "note")
 
 
 def _inertias(findings: Findings) -> Table:

@@ -90,7 +90,7 @@ def _links(findings: Findings) -> list[Link]:
             found.extend(_link(part, label(system.train.parts, position), place, looks))
     for span in system.own_spans:
         is_wheel = system.train.parts[span.part].kind == "gear"
-        if is_wheel and (span.driving, span.driven) != system.train.parts[span.part].stations:
+        if is_wheel and span.driven != meshes[span.part].driven:
             found.append(
                 _between(place, span.driving, span.driven, "gear", ratio=float(span.ratio), parts=(span.part,))
             )

@@ -123,7 +123,7 @@ def axes(system: System) -> list[Axis]:
         made = _made(walk, index, mine, bars.get(index), x)
         walk.axes[axis].bodies.extend(made)
         after = float(made[0].x[-1])
-        walk.line[part.path[:-2]] = axis, after
+        walk.line[part.line] = axis, after
         walk.station.setdefault(part.stations[0], (axis, x))
         walk.station.setdefault(part.stations[-1], (axis, after))
     _put_apart(walk)
@@ -143,12 +143,13 @@ def _made(walk: _Walk, index: int, spans: list[int], bar: Bar | None, x: float) 
 
 def _arrived(walk: _Walk, part: Part) -> tuple[int, float]:
     """Axis and place at which a component begins."""
-    line = part.path[:-2]
+    line = part.line
     if part.path[0] == "links":
         (axis, first), (_, last) = (walk.station[end] for end in (part.stations[0], part.stations[-1]))
         return walk.begin(axis, first, last), min(first, last)
     if line not in walk.line:
-        on, x = walk.line.get(line[:-3], (None, 0.0))
+        around = (line[:k] for k in range(len(line) - 1, 0, -1))
+        on, x = next((walk.line[one] for one in around if one in walk.line), (None, 0.0))
         walk.line[line] = walk.begin(on, *([] if on is None else [x])), x
     return walk.line[line]
 
