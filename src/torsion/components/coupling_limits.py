@@ -1,6 +1,6 @@
 """Limits of a coupling's maker: vibratory torque and heat over frequency, and heat while a cylinder misfires."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -36,6 +36,10 @@ class OverFrequency:
     rows: tuple[tuple[float, float], ...]  # Hz, limit
     power: int
 
+    def times(self, factor: float) -> "OverFrequency":
+        """The same with the limit multiplied."""
+        return replace(self, rows=tuple((at, factor * limit) for at, limit in self.rows))
+
     def at(self, frequency: FloatArray) -> FloatArray:
         """The limit at frequencies in Hz, of their shape."""
         given, limit = np.array(self.rows).T
@@ -51,6 +55,10 @@ class HeatInMisfire:
 
     power: float  # W
     time: float | None = None  # s, for how long; None: without an end
+
+    def times(self, factor: float) -> "HeatInMisfire":
+        """The same with the power multiplied."""
+        return replace(self, power=factor * self.power)
 
 
 def _rows(quantity: Quantity, hint: str) -> BeforeValidator:

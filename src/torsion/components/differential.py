@@ -92,17 +92,7 @@ def _doubled_part(part: Part, gear: str) -> Part:
     def twice(limit: float | None) -> float | None:
         return None if limit is None else 2.0 * limit
 
-    ratings = part.ratings
-    if ratings is not None:
-        torques = (
-            "rated_torque",
-            "vibratory_torque",
-            "max_torque",
-            "heat_limit",
-            "max_torque_rare",
-            "max_torque_range",
-        )
-        ratings = replace(ratings, **{key: twice(getattr(ratings, key)) for key in torques})
+    ratings = None if part.ratings is None else part.ratings.times(2.0)
     remark = part.remark or TOGETHER.format(gear)
     return replace(part, ratings=ratings, max_torque=twice(part.max_torque), remark=remark)
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
@@ -67,6 +67,15 @@ class CouplingRatings:
     vibratory_over_frequency: "OverFrequency | None" = None  # T_KW in place of `vibratory_torque`
     heat_over_frequency: "OverFrequency | None" = None  # P_KW in place of `heat_limit`
     heat_in_misfire: "HeatInMisfire | None" = None  # while a cylinder does not fire
+
+    def times(self, factor: float) -> "CouplingRatings":
+        """Of that many equal couplings side by side."""
+        found: dict[str, Any] = {}
+        for one in fields(self):
+            limit = getattr(self, one.name)
+            if limit is not None and one.name not in ("tolerance", "temperature_rise"):
+                found[one.name] = factor * limit if isinstance(limit, float) else limit.times(factor)
+        return replace(self, **found)
 
     @property
     def limit_heat(self) -> bool:
