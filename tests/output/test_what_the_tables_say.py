@@ -96,7 +96,7 @@ name: undamped
 operation: {speeds: {from: 5 rad/s, to: 15 rad/s, steps: 11}}
 train:
   - disc: {inertia: 2}
-  - coupling: {name: k, stiffness: 120, heat_limit: 5 W, vibratory_torque: 100}
+  - coupling: {name: k, stiffness: 120, psi: 0, heat_limit: 5 W, vibratory_torque: 100}
   - disc: {name: far, inertia: 3}
 excitations: [{at: far, order: 1, torque: 1}]
 rules: [coupling-maker]

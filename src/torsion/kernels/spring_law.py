@@ -24,9 +24,9 @@ class SpringLaw(StiffnessTable):
     """A law in the place of a table; what the table says are samples of it.
 
     >>> law = prony(15e3, ((6e3, 0.05), (9e3, 0.005)))
-    >>> complex(law.at_root(0j)[0]), round(law.values(np.array(1e9))[0] / 1e3, 9)
+    >>> complex(law.at_root(0j)[0]), round(float(law.values(np.array(1e9))[0]) / 1e3, 9)
     ((15000+0j), 30.0)
-    >>> power_law(10e3, 6e3, 0.01, 0.35).steepest
+    >>> fractional(10e3, 6e3, 0.01, 0.35).steepest
     0.35
     """
 

@@ -183,19 +183,6 @@ def test_misfires_by_superposition_are_those_of_runs_of_their_own() -> None:
         np.testing.assert_allclose(case.half_range[there], own, rtol=1e-11)
 
 
-def test_misfires_have_the_stiffness_of_the_mean_torque_at_their_speed() -> None:
-    """Of a coupling by table over mean torque: those of the plain coupling that it is there."""
-    table = "table: {over: mean torque, at: [0 N*m, 3000], stiffness: [1e6, 3e6], loss_factor: [0.035, 0.035]}"
-    own = "stiffness: 1.976e6, loss_factor: 0.035"
-    by_table = solved(**{own: table})
-    there = at_speed(by_table)
-    mean = abs(float(by_table.need(Response).mean[there, -1]))
-    plain = solved(**{own: f"stiffness: {1e6 + 2e6 * mean / 3000.0!r}, loss_factor: 0.035"})
-    for one, other in zip(*(found.need(Engines).each[0].misfires for found in (by_table, plain)), strict=True):
-        both = [case.half_range[int(np.argmin(np.abs(case.speed - SPEED)))] for case in (one, other)]
-        np.testing.assert_allclose(*both, rtol=1e-11)
-
-
 def test_the_sums_of_phasors_with_the_first_shape_are_those_of_the_vector() -> None:
     found = solved()
     engine = found.need(Engines).each[0]

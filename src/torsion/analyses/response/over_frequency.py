@@ -59,7 +59,9 @@ def frequency_response(
         if study.train.has_tables_over("vibratory torque"):
             from torsion.analyses.response.vibratory_couplings import settled
 
-            following = settled(system, Components([None], [w], [[force]], tiled, carried, at), 0)
+            following = settled(
+                system, Components([None], [w], [[force]], tiled, carried, np.broadcast_to(at, w.shape)), 0
+            )
         stiffness = tabled_stiffness(system, w, carried, at, None if following is None else following.by_span)
         solve = partial(answer, system, w, force, tiled, stiffness=stiffness)
         balance = balanced(system, [w], carried, lambda added: [solve(added)])
