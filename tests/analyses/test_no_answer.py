@@ -200,7 +200,8 @@ def test_a_tolerance_that_is_read_but_not_varied_is_said_in_the_plan():
     )
     left = dict(torsion.run(torsion.parse(text)).plan.left_out)
     assert left["the tolerance of 'k'"] == (
-        "its 15 % move frequencies alone; all else is at the nominal stiffness (`cases: {from: tolerances}` varies them)"
+        "its 15 % move frequencies alone; all else is at the nominal stiffness "
+        "(`cases: {from: tolerances}` varies them)"
     )
 
 

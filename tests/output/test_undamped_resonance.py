@@ -25,7 +25,8 @@ materials:
   alloy: {shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}
 train:
   - motor: {inertia: 1.2, ripple: [{order: 6, torque: 2 %}]}
-  - coupling: {name: rubber, stiffness: 20 kN*m/rad, psi: 0, vibratory_torque: 1 GN*m, heat_limit: 1 GW, max_torque: 1 GN*m}
+  - coupling:
+      {name: rubber, stiffness: 20 kN*m/rad, psi: 0, vibratory_torque: 1 GN*m, heat_limit: 1 GW, max_torque: 1 GN*m}
   - shaft: {name: mid, length: 0.8 m, diameter: 60 mm, role: intermediate, material: alloy}
   - gear: {teeth: [20, 41], inertia: [0.05, 0.2], application_factor: 1.35}
   - joint: {name: hooke, angle: 5 deg}

@@ -16,7 +16,8 @@ from torsion.output.results_json import documented, results, text
 
 KEYS = {key.path: key.meaning for key in documented()}
 NOT_IN_THIS_TRAIN = (
-    "frequency_response", "check.", "checks[].barred", "checks[].times", "checks[].reach", "compressors", "lateral", "joints.lines[].optimum",
+    "frequency_response", "check.", "checks[].barred", "checks[].times", "checks[].reach",
+    "compressors", "lateral", "joints.lines[].optimum",
     "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks", "tooth_forces", "dampers", "engines",
     "pendulums", "coupling_tables", "sweep", "tolerances", "coupling_temperatures", "frequencies_over_speed",
     "vibratory_torques",
