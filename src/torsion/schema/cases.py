@@ -1,9 +1,12 @@
 """The cases of a file: each an overlay of the same file, read, validated and planned as a file of its own."""
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel
 
 from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError, Path, nearest, printable
@@ -250,7 +253,7 @@ def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
         yield (*part.path, "stages", step, "stiffness")
 
 
-def _effect(study: Study) -> str:
+def _effect(study: Study) -> Any:
     """Everything of a study that a result can follow from: without names, notes and sources, and places of the file.
 
     Ratings have an effect where a rule or a motion over time reads them.
@@ -263,4 +266,17 @@ def _effect(study: Study) -> str:
     torques = [replace(torque, path=(), source=None) for torque in train.torques]
     rest = (train.stations, train.inertias, train.springs, train.bars, train.constraints, train.dampers)
     settings = (study.operation, study.model, study.fem, dict(study.analyses), study.rules, train.modal_damping)
-    return repr((parts, torques, rest, settings, dict(train.materials)))
+    return _content((parts, torques, rest, settings, dict(train.materials)))
+
+
+def _content(value: Any) -> Any:
+    """The same in tuples, bytes and words that compare; of an array every digit, where its own words leave some out."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.tobytes()
+    if is_dataclass(value) and not isinstance(value, type):
+        return type(value), *(_content(getattr(value, one.name)) for one in fields(value) if one.repr)
+    if isinstance(value, BaseModel):
+        return type(value), _content(dict(value))
+    if isinstance(value, Mapping):
+        return tuple((_content(key), _content(one)) for key, one in value.items())
+    return tuple(map(_content, value)) if isinstance(value, tuple | list) else repr(value)
