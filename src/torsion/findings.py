@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib import metadata
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from torsion.assembly.system import System
     from torsion.study import Study
 
+version = cache(metadata.version)  # found on the disc
 Result = TypeVar("Result")
 Settings = TypeVar("Settings", bound=Declared)
 NORMAL = "normal"  # what the file as it stands is called among its cases
@@ -114,8 +116,8 @@ class Log:
 
     def plan(self) -> Plan:
         """All that was collected, with the versions of what the numbers come from."""
-        versions = {"torsion": metadata.version("torsion"), "Python": ".".join(map(str, sys.version_info[:3]))}
-        versions |= {name: metadata.version(name) for name in self.libraries}
+        versions = {"torsion": version("torsion"), "Python": ".".join(map(str, sys.version_info[:3]))}
+        versions |= {name: version(name) for name in self.libraries}
         return Plan(tuple(self.lines), tuple(self.left_out), versions, tuple(self.unanswered))
 
 

@@ -84,7 +84,9 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
     if first is None:
         return whole
     pairs = zip(found.results["engines"].each, first.each, strict=True)
-    return whole.having(engines=replace(first, each=tuple(replace(own, misfires=one.misfires) for own, one in pairs)))
+    return whole.having(
+        engines=replace(first, each=tuple(replace(own, superposed=one.superposed) for own, one in pairs))
+    )
 
 
 def _united(bands: Iterable[BarredRange]) -> tuple[BarredRange, ...]:

@@ -1,11 +1,12 @@
 """The cases of a file: each an overlay of the same file, read, validated and planned as a file of its own."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
 from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError, Path, nearest, printable
@@ -274,13 +275,13 @@ def _effect(study: Study) -> Any:
 
 
 def _content(value: Any) -> Any:
-    """What compares as equal where every value within is: of arrays, in which `repr` leaves values out, all bytes."""
+    """The same in tuples, bytes and words that compare; of an array every digit, where its own words leave some out."""
     if isinstance(value, np.ndarray):
-        return value.shape, value.dtype.str, value.tobytes()
-    if isinstance(value, list | tuple):
-        return tuple(map(_content, value))
-    if isinstance(value, dict):
-        return tuple((key, _content(one)) for key, one in value.items())
-    if is_dataclass(value):
-        return type(value), tuple(_content(getattr(value, one.name)) for one in fields(value))
-    return repr(value)
+        return value.dtype.str, value.shape, value.tobytes()
+    if is_dataclass(value) and not isinstance(value, type):
+        return type(value), *(_content(getattr(value, one.name)) for one in fields(value) if one.repr)
+    if isinstance(value, BaseModel):
+        return type(value), _content(dict(value))
+    if isinstance(value, Mapping):
+        return tuple((_content(key), _content(one)) for key, one in value.items())
+    return tuple(map(_content, value)) if isinstance(value, tuple | list) else repr(value)

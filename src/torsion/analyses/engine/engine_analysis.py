@@ -1,9 +1,10 @@
 """Engines of the train: harmonics at the rated speed, sums of phasors by mode, varying inertia, misfires; faults."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 
@@ -73,7 +74,7 @@ def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
         harmonics=tuple(_harmonics(work, engine, running, gas_mean)),
         curves=tuple(_curves(engine)), inertia=float(engine.inertia_over_angle[0].real),
         inertia_harmonics=tuple(engine.inertia_over_angle[1 : VARYING + 1].tolist()),
-        varying=tuple(_varying(work, engine)), misfires=tuple(_misfires(work, engine)),
+        varying=tuple(_varying(work, engine)), superposed=_misfires(work, engine),
         stress_modulus=engine.modulus, words=engine.words, remarks=engine.remarks,
     )  # fmt: skip
 
@@ -169,18 +170,21 @@ def varying_inertia(work: Work, cylinders: Sequence[tuple[int, ComplexArray]]) -
         yield VaryingInertia(mode + 1, best + 1, share, middle * (1 - share / 4), middle * (1 + share / 4), ratio)
 
 
-def _misfires(work: Work, engine: EngineRecord) -> list[MisfireFound]:
-    """Every cylinder in turn; empty without a response, and in all but the first of the runs of `misfire: worst`."""
+def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[MisfireFound]]:
+    """What finds every cylinder in turn.
+
+    It finds nothing without a response, and in all but the first of the runs of `misfire: worst`.
+    """
     response = work.get(Response)
     if engine.tries_all and next(one.number for one in engine.cylinders if one.state != "cut out") not in (
         one.number for one in engine.cylinders if one.state == "motored"
     ):
-        return []
+        return tuple
     if response is None or len(engine.cylinders) == 1:
-        return []
+        return tuple
     if why := without_answer(response):
         work.log.without(f"misfire of each cylinder of {work.study.train.parts[engine.part].name}", why)
-    return misfires(work.study, response, engine)
+    return partial(misfires, work.study, response, engine)
 
 
 def engine_faults(study: Study) -> Iterator[Fault]:

@@ -5,14 +5,14 @@ throw and order the response to 1 N m is computed once.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from torsion.analyses.engine.engine_results import MisfireFound
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Sources
-from torsion.analyses.response.solver import answer, ground_damping, tabled_stiffness
+from torsion.analyses.response.solver import answers, ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import ComplexArray, FloatArray, IntArray
@@ -26,26 +26,28 @@ STATED = "`misfire: worst` solves the train for every cylinder"
 APART = 3e-3  # relative: nearer peaks stand for each other
 
 
-@dataclass(frozen=True)
-class Answers:
-    """To 1 N m at every throw."""
-
-    speed: FloatArray  # (speeds,) rad/s of the reference
-    unit: dict[tuple[int, int], ComplexArray]  # (speeds, spans) N m, by line and station
-
-
 def misfires(study: Study, found: Response, engine: EngineRecord) -> list[MisfireFound]:
     """With no cylinder motored, then each alone; empty where the motored torque is unknown or nothing excites."""
     if engine.gas is None or engine.gas.motored is None or not found.lines or without_answer(found):
         return []
     at = _speeds(found)
+    each = _half_ranges(study, found, engine, at)
+    more = _beside_largest(found, at, each)
+    each = np.concatenate([each, _half_ranges(study, found, engine, more)], axis=1)
+    at = np.concatenate([at, more])
+    order = np.argsort(at)
+    return [MisfireFound(number, found.speed[at[order]], own[order]) for number, own in enumerate(each)]
+
+
+def _half_ranges(study: Study, found: Response, engine: EngineRecord, at: IntArray) -> FloatArray:
+    """(cases, speeds, spans) N m at the positions `at` of the speeds."""
     system, speed = found.system, found.speed[at]
     steady = steady_if_known(study, system, speed)
     own = _torques(found, engine)
-    answers = _answers(study, found, at, own)
+    unit = _answers(study, found, at, own)
     made = []
     for number in range(len(engine.cylinders) + 1):
-        torque = found.torque[at].copy()
+        torque = found.torque[at]
         for line, cylinder, one in own:
             state: State = "motored" if cylinder == number else "firing"
             order = one.cylinder
@@ -55,10 +57,10 @@ def misfires(study: Study, found: Response, engine: EngineRecord) -> list[Misfir
             mean = None if steady is None else steady.applied[order.station]
             wanted = replace(order, state=state, share=1.0)
             change = wanted.amplitude(speed * ratio, mean) - order.amplitude(speed * ratio, mean)
-            torque[:, line] += change[:, None] * answers.unit[line, one.station]
+            torque[:, line] += change[:, None] * unit[line, one.station]
         case = replace(found, torque=torque, mean=found.mean[at], status=found.status[at])
-        made.append(MisfireFound(number, speed, synthesis(case).half_range))
-    return made
+        made.append(synthesis(case).half_range)
+    return np.array(made)
 
 
 def without_answer(found: Response) -> str:
@@ -102,14 +104,28 @@ def _speeds(found: Response) -> IntArray:
     return np.sort(np.array(kept, dtype=np.int64))
 
 
-def _answers(study: Study, found: Response, at: IntArray, own: list[tuple[int, int, Torque]]) -> Answers:
-    system, speed, unit = found.system, found.speed[at], {}
+def _beside_largest(found: Response, at: IntArray, each: FloatArray) -> IntArray:
+    """Positions of all speeds between the neighbours of that with the largest half range of a case and span."""
+    largest = np.unique(np.nan_to_num(each, posinf=0.0).argmax(axis=1))
+    first, last = (at[np.clip(largest + step, 0, len(at) - 1)] for step in (-1, 1))
+    near = [np.arange(*ends) for ends in zip(first.tolist(), last.tolist(), strict=True)]
+    return np.setdiff1d(np.concatenate(near), at)
+
+
+def _answers(
+    study: Study, found: Response, at: IntArray, own: list[tuple[int, int, Torque]]
+) -> dict[tuple[int, int], ComplexArray]:
+    """(speeds, spans) N m to 1 N m at every throw, by line and station."""
+    system, speed = found.system, found.speed[at]
     ground = ground_damping(system, speed, steady_if_known(study, system, speed))
-    condensed = system.condensed
-    for line, station in dict.fromkeys((line, torque.station) for line, _, torque in own):
-        force = np.zeros((condensed.tree.size, len(speed)), dtype=np.complex128)
-        force[condensed.node[station]] = system.speed_ratio[station]
-        w = found.lines[line].circular_frequency(speed)
-        stiffness = tabled_stiffness(system, w, found.mean[at].T, speed)
-        unit[line, station] = answer(system, w, Sources(force, None), ground, stiffness=stiffness).torque
-    return Answers(speed, unit)
+    size, node = system.condensed.tree.size, system.condensed.node
+    pairs = sorted({(torque.station, line) for line, _, torque in own})
+    sources = []
+    for station, _ in pairs:
+        force = np.zeros((size, 1), dtype=np.complex128)
+        force[node[station]] = system.speed_ratio[station]
+        sources.append(Sources(np.broadcast_to(force, (size, len(speed))), None))
+    w = [found.lines[line].circular_frequency(speed) for _, line in pairs]
+    mean = found.mean[at].T
+    every = zip(pairs, answers(system, w, sources, ground, mean=mean, speed=speed), strict=True)
+    return {(line, station): one.torque for (station, line), one in every}

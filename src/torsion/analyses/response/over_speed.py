@@ -1,10 +1,11 @@
 """Forced response: complex amplitudes of every order and fixed frequency over the speed range, and their synthesis."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
+from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -28,13 +29,12 @@ from torsion.analyses.response.amplitudes import (
 )
 from torsion.analyses.response.harmonic_components import (
     Excitation,
-    Sources,
     excitations,
     excited_orders,
     lines,
     sources,
 )
-from torsion.analyses.response.solver import Answer, answer, by_magnitude, ground_damping, tabled_stiffness
+from torsion.analyses.response.solver import Answer, answers, by_magnitude, ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -187,7 +187,9 @@ def _solved(
         if system.train.has_nonlinear_couplings:
             from torsion.analyses.response.balanced_couplings import balanced
 
-            solve = partial(_answers, system, each_w, forces, ground, (mean[part].T, here))
+            def solve(tried: "Mapping[int, Secant]") -> list[Answer]:
+                return list(answers(system, each_w, forces, ground, tried, mean=mean[part].T, speed=here))  # noqa: B023
+
             if one_block := balanced(system, each_w, mean[part].T, solve):
                 balance.append(one_block)
         added = balance[-1].added if balance else {}
@@ -196,15 +198,15 @@ def _solved(
 
             components = Components([one.line.order for one in found], each_w, apart, ground, mean[part].T, here)
             follow.append(settled(system, components, rank))
-        vibratory = follow[-1].by_span if follow else None
+        every = answers(
+            system, [w for w, each in zip(each_w, apart, strict=True) for _ in each],
+            [one for each in apart for one in each], ground, added, mean=mean[part].T, speed=here,
+            vibratory=follow[-1].by_span if follow else None,
+        )  # fmt: skip
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
-            w = each_w[k]
-            stiffness = tabled_stiffness(system, w, mean[part].T, here, vibratory)
-            answered = by_magnitude(
-                [answer(system, w, force, ground, added, stiffness=stiffness) for force in apart[k]]
-            )
-            frequency[part, k] = w / (2.0 * math.pi)
+            answered = by_magnitude(list(islice(every, len(apart[k]))))
+            frequency[part, k] = each_w[k] / (2.0 * math.pi)
             angle[part, k], torque[part, k] = answered.angle, answered.torque
             residual[part, k], status[part, k] = answered.residual, answered.status
             joint_error[part, k] = joint_errors(system, one, answered.angle)
@@ -222,17 +224,6 @@ def _solved(
         by_magnitude=len(frozenset().union(*(one.by_chance for one in found if one.line.order))) > 1,
         following=following, others=others,
     )  # fmt: skip
-
-
-def _answers(
-    system: System, w: Sequence[FloatArray], forces: Sequence[Sources], ground: FloatArray,
-    at: tuple[FloatArray, FloatArray], added: "Mapping[int, Secant]",
-) -> list[Answer]:  # fmt: skip
-    """Of every harmonic component, with a stiffness added to some spans; at: (spans, speeds) N m mean, and speeds."""
-    return [
-        answer(system, own, force, ground, added, stiffness=tabled_stiffness(system, own, *at))
-        for own, force in zip(w, forces, strict=True)
-    ]
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:

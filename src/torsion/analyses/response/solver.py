@@ -1,12 +1,13 @@
 """The answer of the train to one harmonic at many frequencies, at the stations' own speeds."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from torsion.analyses.response.amplitudes import blocks
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import bar_torques, span_torques
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant
     from torsion.kernels.loops import Chords
 
-
+TOGETHER = 2048  # frequencies at once: of fewer, calls cost more than sums
 NOTHING: "Mapping[int, Secant]" = {}
 
 
@@ -56,6 +57,31 @@ def answer(
     angle, torque, amplification = modal_sums(system, w, sources, still)
     none = np.zeros(len(w))
     return Answer(angle.T, torque.T, none, status(amplification, none))
+
+
+def answers(
+    system: System, w: Sequence[FloatArray], sources: Sequence[Sources], damping: FloatArray,
+    added: "Mapping[int, Secant]" = NOTHING, *, mean: FloatArray | None = None, speed: FloatArray | None = None,
+    vibratory: Mapping[int, FloatArray] | None = None,
+) -> Iterator[Answer]:  # fmt: skip
+    """As `answer` of several harmonics, `w` and `sources` of each at the same speeds.
+
+    mean: (spans, speeds) N m; speed: (speeds,) rad/s of the reference; vibratory: (speeds,) N m of spans by table.
+    """
+    if added or system.tables:
+        for own, force in zip(w, sources, strict=True):
+            stiffness = tabled_stiffness(system, own, mean, speed, vibratory)
+            yield answer(system, own, force, damping, added, stiffness=stiffness)
+        return
+    for part in blocks(len(w), damping.shape[1], TOGETHER):
+        some, twist = sources[part], None
+        if any(one.twist is not None for one in some):
+            twist = np.hstack([np.zeros_like(one.force) if one.twist is None else one.twist for one in some])
+        force = Sources(np.hstack([one.force for one in some]), twist)
+        whole = answer(system, np.concatenate(w[part]), force, np.tile(damping, len(some)))
+        yield from (
+            Answer(*each) for each in zip(*(np.split(one, len(some)) for one in vars(whole).values()), strict=True)
+        )
 
 
 def by_magnitude(answers: Sequence[Answer]) -> Answer:

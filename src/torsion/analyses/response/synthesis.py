@@ -5,19 +5,20 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder, polyval
 
 from torsion.analyses.response.amplitudes import SMALL_BLOCK, Response, Synthesis, blocks
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.kernels.tree_response import Status
 
-SAMPLES = 32  # of the highest harmonic, before extremes are refined
-MOST_SAMPLES = 20_000  # of a cycle; a longer one is given by its bound
-BLOCK_VALUES = 65_536  # samples computed at once (0.5 MB stays in a processor's cache)
-MOST_CELLS = 50_000  # cells refined at once; a cell is half a step to either side of a sample
-DEGREE = 8  # of the Taylor polynomial in a cell, which errs by (pi/32)^9/9! = 2.3e-15 of the bound
+SAMPLES = 8  # of the highest harmonic, before extremes are refined
+MOST_SAMPLES = 5_000  # of a cycle; a longer one is given by its bound
+BLOCK_VALUES = 131_072  # samples computed at once (0.5 MB stays in a processor's cache)
+SINGLE = float(np.finfo(np.float32).eps)  # samples are in single precision, extremes in double
+MOST_CELLS = 8_000  # cells refined at once; a cell is half a step to either side of a sample
+DEGREE = 12  # of the Taylor polynomial in a cell, which errs by (pi/8)^13/13! = 8.5e-16 of the bound
 BEND_VARIES = 0.25  # most share of itself by which the second derivative varies in a cell where Newton's method is used
 NEWTON_STEPS = 4  # from a third of a cell's half width off at most, each error at most a third of the last one's square
+POWERS = np.arange(1.0, DEGREE + 1)[:, None]
 HALVES = [  # (powers, powers) each: the coefficients of the left and of the right half of a cell, as a cell of its own
     np.array([[math.comb(m, k) * at ** (m - k) / 2**k for m in range(DEGREE + 1)] for k in range(DEGREE + 1)])
     for at in (-0.5, 0.5)
@@ -100,44 +101,44 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
         highest = np.abs(phasors[:, 0])
         return highest, -highest
     number = int(harmonics.max()) * SAMPLES
-    angle = 2.0 * math.pi / number * (np.outer(harmonics, np.arange(number)) % number)
-    wave = np.concatenate([np.cos(angle), np.sin(angle)])  # backward in time, with the same extremes
-    phase = math.pi / number * harmonics
-    parts = np.concatenate([phasors.real, phasors.imag], axis=1)
-    loss = np.abs(phasors) @ phase**2 / 2.0
-    loss = np.where(loss > 0, loss, np.nan)[:, None]  # a wave of nothing has no extreme to be found
-    upright = len(parts)  # rows: then come the same waves upside down
-    both, best = np.concatenate([parts, -parts]), np.zeros(upright + upright)
+    turned = np.exp(2j * math.pi / number * (np.outer(np.arange(number), harmonics) % number))
+    wave = turned.conj().view(np.float64).T.astype(np.float32)  # Re(a b*) is the product of both as real pairs
+    phase = math.pi / number * harmonics  # in half a step
+    rounding = 3.0 * SINGLE * (len(harmonics) + 2)  # of the bound, at most: of two samples
+    expanded, upright = _expansion(phase), len(phasors)  # rows: then come the same waves upside down
+    both, best = np.empty((upright + upright, len(harmonics)), dtype=np.complex128), np.zeros(upright + upright)
+    both[:upright] = phasors
+    np.negative(both[:upright], out=both[upright:])
     near: list[IntArray] = []
+    rows, cells = max(BLOCK_VALUES // number, 1), 0
     with np.errstate(all="ignore"):
-        for start in range(0, upright, BLOCK_VALUES // number):
-            part = slice(start, start + BLOCK_VALUES // number)
-            value = parts[part] @ wave
+        size = np.abs(both[:upright])
+        bound = size.sum(axis=1, keepdims=True)  # without a value where that is 0: no extreme is to be found
+        loss = ((size @ (phase**2 / 2.0))[:, None] / bound + rounding).astype(np.float32)
+        for start in range(0, upright, rows):
+            part = slice(start, min(start + rows, upright))
+            value = (both[part].view(np.float64) / bound[part]).astype(np.float32) @ wave
             high = value >= value.max(axis=1, keepdims=True) - loss[part]
             low = value <= value.min(axis=1, keepdims=True) + loss[part]
             near += [np.flatnonzero(high) + start * number, np.flatnonzero(low) + (upright + start) * number]
-            if part.stop < upright and sum(map(len, near)) < MOST_CELLS:
+            cells += len(near[-2]) + len(near[-1])
+            if part.stop < upright and cells < MOST_CELLS:
                 continue
             row, place = np.divmod(np.concatenate(near), number)
-            _raise(best, row, _polynomials(both[row].T, wave[:, place], phase))
-            near = []
+            there = both[row] * turned[place]
+            _raise(best, row, expanded @ there.view(np.float64).T)
+            near, cells = [], 0
     return best[:upright], -best[upright:]
 
 
-def _polynomials(parts: FloatArray, wave: FloatArray, phase: FloatArray) -> FloatArray:
-    """(powers, cells): the sum of all harmonics in each cell, which is -1..1.
+def _expansion(phase: FloatArray) -> FloatArray:
+    """(powers, 2 harmonics): from phasors at a sample, as real pairs, to the Taylor polynomial of their sum.
 
-    parts: (2 harmonics, cells) N m, real and imaginary; wave: (2 harmonics, cells), cosine and sine at the sample;
-    phase: (harmonics,) rad in half a step.
+    phase: (harmonics,) rad in half a step; the polynomial is of a cell, -1..1.
     """
-    real, imaginary = np.split(parts, 2)
-    cosine, sine = np.split(wave, 2)
     power = np.arange(DEGREE + 1)[:, None]
-    factor = (-1.0) ** (power // 2) * phase**power / [[math.factorial(m)] for m in range(DEGREE + 1)]
-    made = np.empty((DEGREE + 1, wave.shape[1]))
-    made[::2] = factor[::2] @ (real * cosine + imaginary * sine)
-    made[1::2] = factor[1::2] @ (imaginary * cosine - real * sine)
-    return made
+    size = phase**power / [[math.factorial(m)] for m in range(DEGREE + 1)]
+    return np.asarray(np.array([1, -1j, -1, 1j])[power % 4] * size).view(np.float64)
 
 
 def _raise(best: FloatArray, row: IntArray, polynomial: FloatArray) -> None:
@@ -147,11 +148,21 @@ def _raise(best: FloatArray, row: IntArray, polynomial: FloatArray) -> None:
     other counts by its middle and is halved, until it is of that sort or nothing in it can exceed what is found.
     """
     while row.size:
-        slope, bend, x = polyder(polynomial), polyder(polynomial, 2), np.zeros(row.size)
+        slope = polynomial[1:] * POWERS
+        bend, x = slope[1:] * POWERS[:-1], np.zeros(row.size)
         bends = np.abs(bend[1:]).sum(axis=0) <= -BEND_VARIES * bend[0]
         for _ in range(NEWTON_STEPS):
-            step = polyval(x, slope, tensor=False) / polyval(x, bend, tensor=False)
+            step = _value(slope, x) / _value(bend, x)
             x = np.where(bends, np.clip(x - step, -1.0, 1.0), x)
-        np.fmax.at(best, row, polyval(x, polynomial, tensor=False))
+        np.fmax.at(best, row, _value(polynomial, x))
         unclear = ~bends & (polynomial[0] + np.abs(polynomial[1:]).sum(axis=0) > best[row])
         polynomial, row = np.hstack([half @ polynomial[:, unclear] for half in HALVES]), np.tile(row[unclear], 2)
+
+
+def _value(polynomial: FloatArray, x: FloatArray) -> FloatArray:
+    """(cells,) of the polynomials (powers, cells) at x (cells,)."""
+    value: FloatArray = polynomial[-1].copy()
+    for coefficient in polynomial[-2::-1]:
+        value *= x
+        value += coefficient
+    return value
