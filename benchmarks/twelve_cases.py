@@ -112,7 +112,7 @@ def main() -> None:
     what = f"to read, solve and report twelve cases takes {ratio:.2f} times the time of one"
     lines = (
         f"- {what}, meant <= {TIMES:g}: {verdict(ratio <= TIMES)}",
-        f"- to read them alone {read:.2f}, to solve them {solved:.2f} , to write their page {written:.2f} times",
+        f"- to read them takes {read:.2f} times, to solve them {solved:.2f}, to write their page {written:.2f} times",
         f"- the page weighs {size / 1e6:.3f} MB, meant < {BYTES / 1e6:g}: {verdict(size < BYTES)}",
     )
     report.publish("Twelve cases beside one", [WHAT, "\n".join([head, *rows]), "\n".join(lines)])

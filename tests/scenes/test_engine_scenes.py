@@ -46,6 +46,9 @@ def test_the_ship_fails_with_a_misfire_and_passes_without() -> None:
     cases = out.need(Engines).each[0].misfires
     assert max(cases[6].half_range[:, span]) == pytest.approx(out.need(Synthesis).half_range[:, span].max(), rel=1e-9)
     assert max(cases[0].half_range[:, span]) == pytest.approx(whole.need(Synthesis).half_range[:, span].max(), rel=5e-3)
+    crank = slice(0, 10)  # which the damping at the load, as it stands with a cylinder out, hardly reaches
+    largest = whole.need(Synthesis).half_range[:, crank].max(axis=0)
+    assert cases[0].half_range[:, crank].max(axis=0) == pytest.approx(largest, rel=5e-5)  # of all speeds, not of some
 
 
 def test_the_slow_engine_bars_order_6_of_its_first_mode_and_names_the_cylinder_of_its_worst_misfire() -> None:
