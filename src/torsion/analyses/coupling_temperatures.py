@@ -93,8 +93,7 @@ class _Heat:
         own = stiffness[self.span] = self.warming.complex_stiffness(stiffness[self.span], temperature)
         torque = np.zeros(len(case))
         for each in self.forces[k]:
-            acting = Sources(each.force[:, case], None if each.twist is None else each.twist[:, case])
-            torque += np.abs(answer(self.system, w, acting, ground, stiffness=stiffness).torque[:, self.span])
+            torque += np.abs(answer(self.system, w, each.at(case), ground, stiffness=stiffness).torque[:, self.span])
         return np.asarray(0.5 * w * own.imag * (torque / np.abs(own)) ** 2)
 
 

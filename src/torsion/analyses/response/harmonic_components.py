@@ -103,6 +103,23 @@ class Sources:
     twist: ComplexArray | None  # (tree stations, speeds) rad imposed on the span leading to each; None where on none
     loop_twist: ComplexArray | None = None  # (extra spans, speeds) rad imposed on those that close loops
 
+    def at(self, points: IntArray) -> "Sources":
+        """The same at some of the speeds."""
+        twists = (None if one is None else one[:, points] for one in (self.twist, self.loop_twist))
+        return Sources(self.force[:, points], *twists)
+
+    @staticmethod
+    def side_by_side(each: "Sequence[Sources]") -> "Sources":
+        """Those of several components one behind the other."""
+        found: list[ComplexArray | None] = []
+        for every in ([one.force for one in each], [one.twist for one in each], [one.loop_twist for one in each]):
+            rows = {len(one) for one in every if one is not None}
+            widths = [one.force.shape[1] for one in each]
+            filled = [np.zeros((*rows, w)) if one is None else one for one, w in zip(every, widths, strict=True)]
+            found.append(np.hstack(filled) if rows else None)
+        force, *twists = found
+        return Sources(np.asarray(force), *twists)
+
 
 def _decimal(order: Fraction) -> str:
     """0.5 or 2.625, or the fraction where its decimals do not end soon."""

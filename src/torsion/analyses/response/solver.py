@@ -74,11 +74,8 @@ def answers(
             yield answer(system, own, force, damping, added, stiffness=stiffness)
         return
     for part in blocks(len(w), damping.shape[1], TOGETHER):
-        some, twist = sources[part], None
-        if any(one.twist is not None for one in some):
-            twist = np.hstack([np.zeros_like(one.force) if one.twist is None else one.twist for one in some])
-        force = Sources(np.hstack([one.force for one in some]), twist)
-        whole = answer(system, np.concatenate(w[part]), force, np.tile(damping, len(some)))
+        some = sources[part]
+        whole = answer(system, np.concatenate(w[part]), Sources.side_by_side(some), np.tile(damping, len(some)))
         yield from (
             Answer(*each) for each in zip(*(np.split(one, len(some)) for one in vars(whole).values()), strict=True)
         )

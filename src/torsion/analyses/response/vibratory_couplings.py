@@ -13,7 +13,6 @@ from itertools import pairwise
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Components, Following
-from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.response.solver import answer
 from torsion.analyses.response.synthesis import half_range_of
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
@@ -63,9 +62,7 @@ class _Train:
     def torques(self, span: int, stiffness: Mapping[int, ComplexArray], k: int, at: IntArray) -> ComplexArray:
         """(points,) N m of a span in one component, at points `at`; stiffness: as of `answer`."""
         one, w = self.sources[k], self.w[k][at]
-        twist = None if one.twist is None else one.twist[:, at]
-        acting = Sources(one.force[:, at], twist)
-        return answer(self.system, w, acting, self.ground[:, at], stiffness=stiffness).torque[:, span]
+        return answer(self.system, w, one.at(at), self.ground[:, at], stiffness=stiffness).torque[:, span]
 
     def stiffness(self, k: int, torque: Mapping[int, FloatArray], at: IntArray) -> dict[int, ComplexArray]:
         """Of every span with a table in one component, at points `at`; torque: (points,) N m, within the tables."""
