@@ -11,7 +11,7 @@ from itertools import zip_longest
 import numpy as np
 
 from torsion.analyses.steady import Steady, interpolated
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError
 from torsion.primitives import Torque
