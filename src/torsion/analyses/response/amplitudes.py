@@ -216,6 +216,10 @@ def _in_gigabytes(number: float, digits: int = 3) -> str:
 
 
 Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse | Balanced | Following)
+SEVERAL_BY_BALANCE = "play, friction or stages have several solutions from {}, of which the largest stands"
+NONE_BY_BALANCE = "harmonic balance has no answer at {} points: use motion over time"
+SEVERAL_BY_TABLE = "a stiffness over vibratory torque has several solutions from {}; the largest stands"
+NONE_BY_TABLE = "a stiffness over vibratory torque does not settle at {} points, which have no answer"
 Block = TypeVar("Block", Balanced, Following)
 
 
@@ -243,21 +247,17 @@ def merged(first: Result, second: Result, along: FloatArray, others: FloatArray)
 
 def with_balance(found: Response | FrequencyResponse, factor: float, unit: str) -> str:
     """The remark on a response, with where harmonic balance has several solutions or none; points times `factor`."""
-    words, balanced = [found.remark], found.balanced
-    if balanced is not None:
-        several = found.points[(balanced.number > 1).any(axis=1)] * factor
+    words = [found.remark]
+    for block, many, none in (
+        (found.balanced, SEVERAL_BY_BALANCE, NONE_BY_BALANCE), (found.following, SEVERAL_BY_TABLE, NONE_BY_TABLE)
+    ):  # fmt: skip
+        if block is None:
+            continue
+        several = found.points[(block.number > 1).any(axis=1)] * factor
         if several.size:
-            where = f"{several[0]:.5g} to {several[-1]:.5g} {unit}"
-            words.append(f"play, friction or stages have several solutions from {where}, of which the largest stands")
-        if lost := int(np.count_nonzero(~balanced.settled)):
-            words.append(f"harmonic balance has no answer at {lost} points: use motion over time")
-    if (following := found.following) is not None:
-        several = found.points[(following.number > 1).any(axis=1)] * factor
-        if several.size:
-            where = f"{several[0]:.5g} to {several[-1]:.5g} {unit}"
-            words.append(f"a stiffness over vibratory torque has several solutions from {where}; the largest stands")
-        if lost := int(np.count_nonzero(~following.settled)):
-            words.append(f"a stiffness over vibratory torque does not settle at {lost} points, which have no answer")
+            words.append(many.format(f"{several[0]:.5g} to {several[-1]:.5g} {unit}"))
+        if lost := int(np.count_nonzero(~block.settled)):
+            words.append(none.format(lost))
     return "; ".join(one for one in words if one)
 
 
