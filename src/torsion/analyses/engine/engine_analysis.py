@@ -18,7 +18,7 @@ from torsion.analyses.engine.engine_results import (
     MisfireFound,
     VaryingInertia,
 )
-from torsion.analyses.engine.misfires import misfires, without_answer
+from torsion.analyses.engine.misfires import STATED, misfires, without_answer
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.steady import flow, mean_torque, steady_if_known
 from torsion.analyses.undamped_modes import Modes
@@ -181,6 +181,10 @@ def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[Misfire
     ):
         return tuple
     if response is None or len(engine.cylinders) == 1:
+        return tuple
+    if work.study.case is not None and not engine.tries_all:
+        what = f"misfire of each cylinder of {work.study.train.parts[engine.part].name} beside this case"
+        work.log.without(what, f"the file as it stands has it; {STATED}, in a case `based_on` this one")
         return tuple
     if why := without_answer(response):
         work.log.without(f"misfire of each cylinder of {work.study.train.parts[engine.part].name}", why)
