@@ -152,7 +152,11 @@ def test_figures_hold_behind_a_gear() -> None:
 
 def test_a_pendulum_of_the_order_that_excites_fixes_its_carrier() -> None:
     """Without damping at the pivot; the bobs deflection so that their torque balances the shaft's."""
-    tuned = TRAIN.replace("length: 10 mm", "order: 2").replace(f", damping: {PIVOT}", "")
+    tuned = (
+        TRAIN.replace("length: 10 mm", "order: 2")
+        .replace(f", damping: {PIVOT}", "")
+        .replace("from: 100 rpm", "from: 1500 rpm")
+    )
     findings = torsion.run(study(tuned))
     (one,) = findings.need(Pendulums).each
     assert one.tuned == 2.0
@@ -279,3 +283,12 @@ def test_a_table_that_ends_beside_a_pendulum_leaves_out_the_modes_above_it() -> 
     assert "response" in below.results
     assert [one.analysis for one in below.plan.unanswered] == ["frequencies over speed"]
     assert "points of the response at every resonance" in [what for what, _ in below.plan.left_out]
+
+
+def test_bobs_that_would_swing_past_a_right_angle_are_no_answer() -> None:
+    """A light pendulum without damping would take any torque of its order, by deflections without meaning."""
+    light = (
+        TRAIN.replace("mass: 0.7", "mass: 1 g").replace(f", damping: {PIVOT}", "").replace("length: 10 mm", "order: 2")
+    )
+    found = torsion.run(study(light))
+    assert ["degrees" in one.why for one in found.plan.unanswered] == [True]

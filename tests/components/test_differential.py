@@ -188,3 +188,16 @@ def test_halves_are_exact_in_every_model_of_the_shafts() -> None:
         given["analyses"] = {"model": model, "modes": {"count": 4}}
         each.append(solved(given).results["modes"].frequency)
     np.testing.assert_allclose(each[0], each[1], rtol=1e-8)
+
+
+def test_no_rule_passes_a_half_by_the_mean_of_both() -> None:
+    """Against each other the halves carry no torque of both, whatever one of them carries."""
+    given = scene()
+    half = {"coupling": {"name": "half shaft", "stiffness": K1, "vibratory_torque": 300}}
+    given["train"][2]["gear"]["differential"]["train"] = [half, *HALF[1:]]
+    given["excitations"].append({"at": "wheel opposed", "order": 2, "torque": "50 kN*m"})
+    given["rules"] = ["coupling-maker"]
+    with pytest.raises(InputError, match="'wheel opposed' moves the halves unlike, and coupling-maker judges both"):
+        solved(given)
+    given["excitations"][-1]["torque"] = "0 N*m"
+    assert solved(given).results["checks"] is not None

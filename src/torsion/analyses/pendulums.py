@@ -10,9 +10,11 @@ from torsion.analyses.response.harmonic_components import lines
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.components.lowering import PendulumRecord
+from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.results import reported, result
 
+MOST = math.pi / 2.0  # rad of deflection from which no torque of a linear pendulum is an answer
 FIXED = 1e-9  # of n/q - 1: nearer to its own order a pendulum fixes its carrier
 
 
@@ -87,6 +89,13 @@ def _pendulum(system: System, span: int, record: PendulumRecord, response: Respo
             rows.append(PendulumAtOrder(n, effective_inertia(record, n), *at))
     total = each.sum(axis=1)
     worst = int(np.argmax(total))
+    if total[worst] > MOST:
+        degrees, rpm = math.degrees(total[worst]), response.speed[worst] * 30.0 / math.pi
+        message = (
+            f"the bobs of '{name}' would be deflected by {degrees:.4g} degrees at {rpm:.5g} rpm: that is not linear"
+        )
+        path = system.train.parts[system.spans[span].part].path
+        raise SolveError(message, "heavier bobs, more of them, a longer arm, or speeds that begin higher", path)
     return Pendulum(
         name, record.order, record.inertia, float(total[worst]), float(response.speed[worst]), tuple(rows)
     )  # fmt: skip

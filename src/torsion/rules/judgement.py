@@ -347,6 +347,11 @@ def vibration_faults(rule: Rule, study: Study, settings: Declared) -> list[Fault
         what += "" if study.excites else "frequency of its own"
         message = f"{what}, so {rule.name} has nothing to judge"
         found.append(Fault(rule.path(study, settings), message, "give an excitation, or leave the rule out"))
+    for torque in filter(_acts, study.train.torques):
+        if (part := study.train.parts[study.train.stations[torque.station].part]).is_opposed:
+            message = f"what acts at '{part.name}' moves the halves unlike, and {rule.name} judges both by their mean"
+            hint = "leave it out of what is judged, as by a case with other `rules`, and judge its torques by hand"
+            found.append(Fault(torque.path, message, hint))
     return found
 
 
