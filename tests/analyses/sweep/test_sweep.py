@@ -1,6 +1,9 @@
 """Variants of a file: each as the file with its figures written in; probabilities of closed forms; faults."""
 
+from dataclasses import replace
 from math import pi
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +13,13 @@ from torsion.analyses.sweep import sweep_run
 from torsion.analyses.sweep.sampling import probability
 from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.errors import InputError, SolveError
+from torsion.findings import Plan, Unanswered
+from torsion.output.chapters import first_page
+from torsion.output.numbers import number
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 
+SCENES = Path(__file__).parents[3] / "shafting_specs"
 TWO = """name: two discs
 train:
   - disc: {inertia: 1.2}
@@ -126,6 +133,47 @@ def test_a_variant_without_an_answer_counts_as_failing(monkeypatch: pytest.Monke
     assert found.unsolved == (found.factor[:, 0] > 1.005).sum() == 32
     assert found.faults == ("no answer here",)
     assert found.any_fails.failing >= 32
+
+
+def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
+    study, left = (
+        drive(sweep=f"vary: {VARIED}, samples: 128"),
+        Unanswered("response", "response", "why", "", None, True, False, ""),
+    )
+    work = SimpleNamespace(study=study, ruled=(), progress=lambda *given: None)
+    work.solve = lambda *given, **more: SimpleNamespace(plan=Plan((), (), {}, (left,)))
+    assert list(sweep_run._each(work, study.variation, np.ones((1, 5)), judged=True)) == ["response: why"]
+
+
+def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_other() -> None:
+    words = {"rule": "rule", "clause": "clause", "where": "where", "what": "what", "verdict": "pass", "fails": False}
+    half, unknown = (SimpleNamespace(utilisation=share, **words) for share in (0.5, None))
+    lines: dict = {}
+    for one in ((half, unknown), (unknown, half)):
+        found = SimpleNamespace(get=lambda kind: None, results={"checks": SimpleNamespace(lines=one)})
+        sweep_run._keep(found, 0, np.empty((0, 1)), lines)
+        assert lines.popitem()[1][0] == [0.5]
+
+
+def test_variants_have_every_analysis_that_the_checks_of_the_file_read() -> None:
+    text = (SCENES / "rubber_by_frequency.yaml").read_text()
+    sweep = "analyses: {response: , sweep: {vary: {engine.inertia: {uniform: 0.001 %}}, samples: 128}}"
+    found = torsion.run(torsion.parse(f"{text}\n{sweep}\n"))
+    alone = {check.clause: check.utilisation for check in found.need(Checks).lines}
+    swept = {check.clause: check.median for check in found.need(Sweep).checks}
+    assert swept == pytest.approx(alone, rel=1e-4)
+
+
+def test_the_first_page_says_that_variants_fail_where_the_file_passes() -> None:
+    found = torsion.run(drive((*BASE[:1], 0.9, *BASE[2:]), sweep=f"vary: {VARIED}, samples: 128"))
+    whole, made = found.need(Sweep).any_fails, first_page.box(found)
+    assert 0 < whole.failing < 128
+    assert (made.text, found.exit_status) == ("PASS", 0)
+    share, low, high = (number(100.0 * one, 3) for one in (whole.probability, whole.lower, whole.upper))
+    says = f"{share} % of the variants fail a check ({low} to {high} %), although no check of the file as it stands"
+    assert dict(made.lines)["Sweep"].startswith(says)
+    none = replace(found.need(Sweep), any_fails=replace(whole, failing=0, probability=0.0, lower=0.0, upper=0.0291))
+    assert dict(first_page.box(found.having(sweep=none)).lines)["Sweep"] == "none of 128 variants fails (0 to 2.91 %)"
 
 
 def test_tolerances_are_the_default() -> None:

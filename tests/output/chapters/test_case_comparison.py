@@ -134,9 +134,9 @@ NO_RULES = "{rules: []}"
 @pytest.mark.parametrize(
     ("cases", "sign", "text"),
     [
-        ({"a": GOOD}, "✓", "PASS in all 2 cases judged"),
+        ({"a": GOOD}, "✓", "PASS in both cases judged"),
         ({"a": GOOD, "b": BAD}, "✗", "FAIL in 1 of 3 cases judged (b)"),
-        ({"a": GOOD, "b": BAD.replace("}}", "}, judged: false}")}, "✓", "PASS in all 2 cases judged"),
+        ({"a": GOOD, "b": BAD.replace("}}", "}, judged: false}")}, "✓", "PASS in both cases judged"),
         ({"a": GOOD, "b": NO_RULES}, "–", "NO VERDICT in 1 of 3 cases judged (b)"),
     ],
 )
@@ -257,9 +257,9 @@ def test_a_rule_that_a_case_leaves_out_is_stated_in_headline_and_tables() -> Non
     )
     found = torsion.run(torsion.parse(geared + cases, "t.yaml"))
     box, overview = list(over_all(found))[1:3]
-    assert box.text == "PASS in all 3 cases judged, gear-hammer NOT JUDGED in a, gear-hammer NOT JUDGED in b"
+    assert box.text == "PASS in all 3 cases judged, gear-hammer NOT JUDGED in case a, gear-hammer NOT JUDGED in case b"
     conclusion = dict(box.lines)["Conclusion"]
-    assert "gear-hammer not judged in a; gear-hammer not judged in b." in conclusion
+    assert "gear-hammer not judged in case a; gear-hammer not judged in case b." in conclusion
     assert [row[-1] for row in overview.rows] == ["PASS", "PASS, without gear-hammer", "PASS, without gear-hammer"]
     (table,) = tables(list(chapter(found)), "Checks side by side")
     for row in table.rows:
@@ -271,7 +271,7 @@ def test_a_case_of_fewer_speeds_is_named_with_them() -> None:
     cases = "cases: {slow: {speeds: {from: 300 rpm, to: 700 rpm}}}\n"
     found = torsion.run(torsion.parse(TRAIN + cases, "t.yaml"))
     box = list(over_all(found))[1]
-    assert box.text == "PASS in all 2 cases judged, up to 700 rpm only (slow)"
+    assert box.text == "PASS in both cases judged, up to 700 rpm only (slow)"
     assert "slow judged up to 700 rpm only" in dict(box.lines)["Conclusion"]
 
 
@@ -296,3 +296,12 @@ def test_barred_ranges_of_a_case_for_information_are_no_restriction(ferry: Findi
         one = replace(seized, study=case).having(checks=Checks(lines))
         box = list(over_all(replace(ferry, cases={"damper seized": one})))[1]
         assert ("Barred ranges" in dict(box.lines)) == judged
+
+
+def test_a_case_that_passes_in_part_outside_the_rules_reads_so_in_headline_and_table() -> None:
+    found = torsion.run(torsion.parse(GEARED + "cases: {a: {set: {rubber.stiffness: 36 kN*m/rad}}}\n", "t.yaml"))
+    checks = found.need(Checks)
+    outside = Checks((replace(checks.lines[0], verdict="outside"), *checks.lines[1:]))
+    box, overview = list(over_all(replace(found.having(checks=outside), cases=found.cases)))[1:3]
+    assert [row[-1] for row in overview.rows] == ["PASS, in part OUTSIDE the rules", "PASS"]
+    assert "in part outside the rules (normal)" in box.text

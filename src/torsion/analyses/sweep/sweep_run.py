@@ -21,6 +21,7 @@ TRIALS = (1.07, 0.96)  # factors at which a figure is tried for how it enters th
 POWER = 1e-11  # relative, within which inertias and flexibilities are products of powers of the figures
 LEAST_SPREAD = 1e-9  # of a share of a limit: below it nothing decides
 MOST_FAULTS = 10
+READ = "engine", "coupling temperatures", "nonlinear peaks", "stability", "joints", "lateral", "transient"  # by checks
 Key = tuple[str, str, str, str]
 
 
@@ -57,14 +58,17 @@ def run(work: Work) -> None:
 
 def _each(work: Work, variation: Variation, chosen: FloatArray, judged: bool) -> Iterator[Findings | str]:
     """Of every variant its findings, or why it has none."""
-    engine = ("engine",) if any(part.engine is not None for part in work.study.train.parts) else ()
-    only = ("modes", *(work.ruled if judged else ()), *engine)
+    from torsion.analyses import ANALYSES
+
+    own = [name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)]
+    only = ("modes", *((*work.ruled, *own) if judged else ()))
     for place, factor in enumerate(chosen.tolist()):
         work.progress(f"sweep, variant {place + 1} of {len(chosen)}", place / len(chosen))
         try:
             study = variation.study(factor)
             one = study if judged else replace(study, rules=())
-            yield work.solve(one, only=only)  # type: ignore[misc, call-arg]
+            found: Findings = work.solve(one, only=only)  # type: ignore[misc, call-arg]
+            yield "; ".join(f"{left.what}: {left.why}" for left in found.plan.unanswered) or found
         except (InputError, SolveError) as error:
             yield "; ".join(fault.message for fault in error.faults) if isinstance(error, InputError) else error.message
 
@@ -81,7 +85,7 @@ def _keep(found: Findings, place: int, frequency: FloatArray, lines: dict[Key, t
             continue
         key = check.rule, check.clause, check.where, check.what
         used, fails = lines.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
-        used[place] = max(used[place], check.utilisation) if used[place] == used[place] else check.utilisation or np.nan
+        used[place] = np.fmax(used[place], np.nan if check.utilisation is None else check.utilisation)
         fails[place] |= check.fails
 
 

@@ -1,14 +1,14 @@
 """Chapter: the verdict over all cases of a file, and the checks of each beside those of the others."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Box, Heading, Table, head, table
 from torsion.output.chapters import first_page
-from torsion.output.chapters.first_page import Head, Kind, worst, worst_line
+from torsion.output.chapters.first_page import Head, Kind, sweep_line, worst, worst_line
 from torsion.output.check_words import SIGNS
 from torsion.output.numbers import NONE, counted, number, symbols
 from torsion.output.reported_values import band_words, barred_rpm
@@ -40,6 +40,9 @@ def box(cases: Cases) -> Box:
     if found:
         name = min(found, key=lambda name: check_words.rank(found[name]))
         lines += [(title, f"case {name}, {text}") for title, text in worst_line(cases[name])]
+    swept = [f"{name}: {text}" for name, f in judged(cases).items() if f.is_answered for _, text in sweep_line(f)]
+    if swept:
+        lines.append(("Sweep", "; ".join(swept)))
     unknown = [f"{name}: {one.what}, because {one.words}" for name, f in cases.items() for one in f.plan.unanswered]
     bands = {name: barred_rpm(one) for name, one in judged(cases).items() if _restricts(one)}
     if bands:
@@ -61,7 +64,11 @@ def headline(cases: Cases) -> tuple[Head, Kind]:
     }
     (sign, _), kind = min(each.values(), key=lambda one: WORST.index(one[0][0]))
     of = {name: words.split(", ") for name, ((other, words), _) in each.items() if other == sign}
-    all_or_some = f"all {len(each)} cases" if len(of) == len(each) > 1 else counted(len(each), "case")
+    all_or_some = (
+        ("both cases" if len(of) == 2 else f"all {len(of)} cases")
+        if len(of) == len(each) > 1
+        else counted(len(each), "case")
+    )
     some = "" if len(of) == len(each) else f"{len(of)} of "
     which = f" ({listed(of, most=MOST_NAMED)})" if some else ""
     first = next(iter(of.values()))[0].partition(":")[0]
@@ -69,7 +76,9 @@ def headline(cases: Cases) -> tuple[Head, Kind]:
     more = [part + (f" ({listed(names, most=MOST_NAMED)})" if len(names) < len(of) else "")
             for part, names in parts.items()]  # fmt: skip
     said = of if sign == SIGNS["outside"] else {}  # without a verdict at all
-    more += [f"{listed(rules)} NOT JUDGED in {name}" for name, rules in left_out(cases).items() if name not in said]
+    more += [
+        f"{listed(rules)} NOT JUDGED in case {name}" for name, rules in left_out(cases).items() if name not in said
+    ]
     return (sign, ", ".join([f"{first} in {some}{all_or_some} judged{which}", *more])), kind
 
 
@@ -103,8 +112,8 @@ def _conclusion(cases: Cases) -> str:
     none = [name for name, one in each.items() if one == NO_ANSWER]
     number_of = counted(len(each), "case")
     if bad or none:
-        words = [f"the train does not satisfy what is judged in {', '.join(bad)}"] if bad else []
-        words += [f"there is no answer to {', '.join(none)}"] if none else []
+        words = [f"the train does not satisfy what is judged in {_named(bad)}"] if bad else []
+        words += [f"there is no answer to {_named(none)}"] if none else []
         return f"Of {number_of} judged, {' and '.join(words)}{left}.{doubt}"
     if not any(each.values()):
         return f"No rule judges any of {number_of}: the report gives results without a verdict."
@@ -114,6 +123,11 @@ def _conclusion(cases: Cases) -> str:
     unjudged = ", ".join(name for name, one in each.items() if not one)
     more = f"; nothing judges {unjudged}" if unjudged else ""
     return f"No check of {number_of} judged failed, but not all are within the range of a rule{more}{left}.{doubt}"
+
+
+def _named(cases: Sequence[str]) -> str:
+    """The cases, so that their names are not read as words of the sentence."""
+    return f"{'case' if len(cases) == 1 else 'cases'} {', '.join(cases)}"
 
 
 def left_out(cases: Cases) -> dict[str, tuple[str, ...]]:
@@ -127,10 +141,10 @@ def left_out(cases: Cases) -> dict[str, tuple[str, ...]]:
 def _limits(cases: Cases) -> Iterator[str]:
     """What is not judged in which case: rules that it leaves out, and speeds."""
     for name, rules in left_out(cases).items():
-        yield f"{listed(rules)} not judged in {name}"
+        yield f"{listed(rules)} not judged in case {name}"
     for name, one in judged(cases).items():
         if one.is_answered and (reached := check_words.reached(one)):
-            yield f"{name} judged {reached}"
+            yield f"case {name} judged {reached}"
 
 
 def _to_be_verified(cases: Cases) -> str:
@@ -154,6 +168,8 @@ def _overview(cases: Cases) -> Table:
         most = max(used, key=lambda check: check.utilisation or 0.0, default=None)
         failing = sum(check.fails for check in lines)
         text = word.upper() or "not judged"
+        if word == "outside" and any(check.verdict == "pass" for check in lines):
+            text = "PASS, in part OUTSIDE the rules"
         case = found.study.case
         file = f"{case.folder}/report.html" if case is not None and found.is_answered else NONE
         rows.append((

@@ -10,6 +10,7 @@ import numpy as np
 
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output import check_words
@@ -20,11 +21,12 @@ from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shar
 from torsion.output.figures.ranges import unanswered
 from torsion.output.figures.speed_range import speed_range
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import RPM, counted, rpm, symbols
+from torsion.output.numbers import RPM, counted, number, rpm, symbols
 from torsion.output.reported_values import (
     band_words,
     barred,
     barred_rpm,
+    failed,
     mode_near,
     operation_words,
     rated_rpm,
@@ -53,7 +55,7 @@ def box(findings: Findings) -> Box:
     """The verdict, its worst place, what is barred and unanswered, and how many checks there are of each verdict."""
     checks = findings.need(Checks).lines
     said = closing.overall(findings).text
-    lines = [("Conclusion", said), *_engines_line(findings), *worst_line(findings)]
+    lines = [("Conclusion", said), *sweep_line(findings), *_engines_line(findings), *worst_line(findings)]
     lines += [("Barred ranges", "; ".join(words)) for words in [_barred_words(findings)] if words]
     if others := closing.other_restrictions(findings, is_barred=bool(barred(findings))):
         lines.append(("Speeds", " ".join(others)))
@@ -128,6 +130,19 @@ def _engines_line(findings: Findings) -> Iterator[tuple[str, str]]:
 
         if words := listed(states(findings), "; "):
             yield "Judged with", words
+
+
+def sweep_line(findings: Findings) -> Iterator[tuple[str, str]]:
+    """How many variants of a sweep fail a check; nothing where none was judged."""
+    found = findings.get(Sweep)
+    whole = None if found is None else found.any_fails
+    if found is None or whole is None:
+        return
+    share, low, high = (number(100.0 * one, 3) for one in (whole.probability, whole.lower, whole.upper))
+    fail = f"{share} % of the variants fail a check" if whole.failing else f"none of {found.samples:,} variants fails"
+    kept = ", although no check of the file as it stands does" if whole.failing and not failed(findings) else ""
+    without = f"; {found.unsolved} without an answer among them" if found.unsolved else ""
+    yield "Sweep", f"{fail} ({low} to {high} %){kept}{without}"
 
 
 def _barred_words(findings: Findings) -> list[str]:
