@@ -1,5 +1,6 @@
 """A sweep: variants of the file solved one by one where they are judged, or all side by side where frequencies do."""
 
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -62,8 +63,11 @@ def _each(work: Work, variation: Variation, chosen: FloatArray, judged: bool) ->
 
     own = [name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)]
     only = ("modes", *((*work.ruled, *own) if judged else ()))
+    begin = time.perf_counter()
     for place, factor in enumerate(chosen.tolist()):
-        work.progress(f"sweep, variant {place + 1} of {len(chosen)}", place / len(chosen))
+        left = (time.perf_counter() - begin) / max(place, 1) * (len(chosen) - place)
+        words = f", about {left:.0f} s left" if place else ""
+        work.progress(f"sweep, variant {place + 1} of {len(chosen)}{words}", place / len(chosen))
         try:
             study = variation.study(factor)
             one = study if judged else replace(study, rules=())
