@@ -90,9 +90,9 @@ propeller; 66 speeds and the peaks between them, two rule sets. Twelve cases: as
 tolerance of the coupling, warm, misfires, a worn and a seized damper, part load, zero pitch; seven trains differ in
 more than their excitation. The command is `torsion solve` in a fresh process with all that it writes: the page over
 all cases, that of every case, results.json and series.npz. Beside it, in one process, reading, `torsion.run` and the
-page over all cases. Processor time, medians of runs in turn. The superposed misfires of the file as it stands are found with the
-page, which alone reads them. Every case has a response and a synthesis of its own, at its own speeds: their results are
-those of a file of its own, bit for bit."""
+page over all cases. Processor time, medians of runs in turn. The superposed misfires of the file as it stands are found
+with the page, which alone reads them. Every case has a response and a synthesis of its own, at its own speeds: their
+results are those of a file of its own, bit for bit."""
 
 
 def main() -> None:
