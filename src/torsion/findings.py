@@ -213,7 +213,7 @@ class Work(Results):
     progress: Progress = silent
     ruled: frozenset[str] = frozenset()  # analyses that the rules of the study read
     rules: Any = None  # the module of the rules, for the speeds that their verdicts stand on
-    solve: "Callable[[Study], Findings] | None" = None  # another study to its findings, as this one is run
+    solve: Callable[..., Findings] | None = None  # another study to its findings, as `run` does
 
     def settings(self, name: str, kind: type[Settings]) -> Settings:
         """The settings of an analysis, defaults where the file names it without any or not at all."""

@@ -25,8 +25,7 @@ def mesh_torque(given: Excitation, mesh: Constraint, path: Path) -> Torque | Fau
     if isinstance(angle, Fault):
         return angle
     order, name = given.order or given.harmonic * mesh.meshings, f"mesh of {mesh.name}"
-    about = {"phase": given.phase, "path": path, "source": given.source}
-    return Torque(name, mesh.driving, order, mesh=(mesh.name, angle), **about)  # type: ignore[arg-type]
+    return Torque(name, mesh.driving, order, phase=given.phase, path=path, source=given.source, mesh=(mesh.name, angle))
 
 
 def _angle(given: Excitation, mesh: Constraint, path: Path) -> float | Fault:

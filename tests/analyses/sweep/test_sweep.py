@@ -141,8 +141,9 @@ def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
         Unanswered("response", "response", "why", "", None, True, False, ""),
     )
     work = SimpleNamespace(study=study, ruled=(), progress=lambda *given: None)
-    work.solve = lambda *given, **more: SimpleNamespace(plan=Plan((), (), {}, (left,)))
-    assert list(sweep_run._each(work, study.variation, np.ones((1, 5)), judged=True)) == ["response: why"]
+    plan = Plan((), (), {}, (left,))
+    solve = lambda *given, **more: SimpleNamespace(plan=plan)  # noqa: E731
+    assert list(sweep_run._each(work, solve, study.variation, np.ones((1, 5)), judged=True)) == ["response: why"]
 
 
 def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_other() -> None:

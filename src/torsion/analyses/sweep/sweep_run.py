@@ -1,7 +1,7 @@
 """A sweep: variants of the file solved one by one where they are judged, or all side by side where frequencies do."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -47,7 +47,7 @@ def run(work: Work) -> None:
             step.method = "frequencies of all variants side by side, each certified by counts"
         else:
             frequency = np.full((nominal.size, count), np.nan)
-            for place, found in enumerate(_each(work, variation, chosen, judged)):
+            for place, found in enumerate(_each(work, work.solve, variation, chosen, judged)):
                 if isinstance(found, str):
                     faults[place] = found
                 else:
@@ -57,7 +57,9 @@ def run(work: Work) -> None:
     work.put(sweep=_summed(variation, settings, chosen, nominal, frequency, lines, faults))
 
 
-def _each(work: Work, variation: Variation, chosen: FloatArray, judged: bool) -> Iterator[Findings | str]:
+def _each(
+    work: Work, solve: Callable[..., Findings], variation: Variation, chosen: FloatArray, judged: bool
+) -> Iterator[Findings | str]:  # fmt: skip
     """Of every variant its findings, or why it has none."""
     from torsion.analyses import ANALYSES
 
@@ -71,7 +73,7 @@ def _each(work: Work, variation: Variation, chosen: FloatArray, judged: bool) ->
         try:
             study = variation.study(factor)
             one = study if judged else replace(study, rules=())
-            found: Findings = work.solve(one, only=only)  # type: ignore[misc, call-arg]
+            found = solve(one, only=only)
             yield "; ".join(f"{left.what}: {left.why}" for left in found.plan.unanswered) or found
         except (InputError, SolveError) as error:
             yield "; ".join(fault.message for fault in error.faults) if isinstance(error, InputError) else error.message
