@@ -14,7 +14,7 @@ CRITICAL = re.compile(
     r"critical speed ([\d.]+) rpm: order ([\d./]+)(?: ≈ [\d.]+)? meets mode (\d+) at ([\d.]+) Hz"
     r"(?:, (−?[\d.]+) % from rated)?"
 )
-WITH_RESPONSE = ("haixun_06402", "usv", "cardan_bearings", "pump_1200kw")
+WITH_RESPONSE = ("usv", "cardan_bearings")
 
 
 def digits(value: float) -> float:
