@@ -160,7 +160,7 @@ def test_arrows_step_from_speed_to_speed_and_escape_ends_it(usv: Opened) -> None
     assert usv.values("torque-1-0") == ""
 
 
-@pytest.mark.parametrize("scene", WITH_RESPONSE[:2])
+@pytest.mark.parametrize("scene", WITH_RESPONSE[:1])
 def test_p_goes_from_peak_to_peak_and_round_again(opens: Callable[..., Opened], scene: str) -> None:
     page = opens(scene)
     name, (half, factor) = next(iter(torques(page.report).items()))

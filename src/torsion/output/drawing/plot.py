@@ -72,8 +72,13 @@ def symbols(symbol: Symbol, pen: Pen, x: FloatArray, y: FloatArray, weight: floa
 
 
 def _samples(frame: Frame) -> FloatArray:
-    """(points, 2) px along all lines in even steps, of which words keep clear."""
-    every = [np.zeros((0, 2))]
+    """(points, 2) px along all lines and upright levels in even steps, of which words keep clear."""
+    along = np.arange(0.0, frame.high, STEP)
+    upright = [level for level in frame.panel.levels if level.axis == "x" and is_on(frame, level)]
+    every = [
+        np.zeros((0, 2)),
+        *(np.column_stack([np.full(len(along), frame.across(one.value)), along]) for one in upright),
+    ]
     for line in frame.panel.lines:
         x, y = frame.across(line.x), frame.down(line.y)
         length = np.cumsum(np.nan_to_num(np.hypot(np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1])), posinf=0.0))

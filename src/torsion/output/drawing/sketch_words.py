@@ -57,10 +57,10 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
             bad[link.use.mark] += 1
     names = [(one.x, one.row, one.label) for one in sketch.discs if one.label]
     for name in sorted(names, key=lambda name: -_from_the_middle(name, names)):
-        word = _placed(sheet, room, name, 1)
+        side, word = next(((side, word) for side in (1, -1) if (word := _placed(sheet, room, name, side))), (1, None))
         left_out += word is None
         if word is not None:
-            lines.append(_leader(sheet, name[:2], word, 1))
+            lines.append(_leader(sheet, name[:2], word, side))
             texts += _rows(word)
     high, low = _spread(sheet, sketch, room.taken[bodies:])
     if left_out:

@@ -9,7 +9,7 @@ from torsion.output.numbers import number
 from torsion.output.reported_values import widened
 
 HEIGHT, ROOM = 54.0, 0.03  # px; of the range, free beyond its ends
-LONGEST = 120.0  # px of the name of an order
+LONGEST = 480.0  # px of the names of all orders together
 Critical = tuple[float, str]  # rpm, what excites it
 
 
@@ -26,7 +26,13 @@ def speed_range(
     ]  # fmt: skip
     levels = [] if rated is None else [Level("rated speed", rated, "rated", "x", f"rated {number(rated, 4)}")]
     levels += [
-        Level("critical speed", speed, "second limit", "x", f"{number(speed, 4)}: {fitted(words, LONGEST)}")
+        Level(
+            "critical speed",
+            speed,
+            "second limit",
+            "x",
+            f"{number(speed, 4)}: {fitted(words, LONGEST / len(critical))}",
+        )
         for speed, words in critical
     ]
     across = Axis(SPEED.quantity, SPEED.unit, max(min(ends) - room, 0.0), max(ends) + room)
