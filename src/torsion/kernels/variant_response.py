@@ -5,6 +5,7 @@ train, a parabola through 1/|T|^2 says where it stands (that is nearly one about
 the same with every other point left out says how far the grid decides.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -42,24 +43,22 @@ class Trains:
 
     def part(self, part: slice) -> "Trains":
         """Some of the trains."""
-        some = {key: own[:, part] for key, own in vars(self).items() if isinstance(own, np.ndarray) and own.ndim > 1}
-        return replace(self, **some)
+        return self._with(lambda own: own[:, part])
+
+    def _with(self, changed: Callable[[FloatArray], FloatArray]) -> "Trains":
+        """The same with other columns of what has columns."""
+        given = (own for own in vars(self).values() if isinstance(own, np.ndarray))
+        return Trains(self.tree, *(changed(own) if own.ndim > 1 else own for own in given))
 
     def response(self, w: FloatArray, force: NDArray[Any], *, check: bool = True) -> TreeResponse:
         """The response at circular frequencies `w` (trains, points) rad/s; columns are trains, and points in each.
 
         force: (stations,) N m, or (stations, columns).
         """
-        points = w.shape[1]
-        one = {
-            key: np.repeat(own, points, axis=1) if own.ndim > 1 else own
-            for key, own in vars(self).items()
-            if isinstance(own, np.ndarray)
-        }
-        flat = w.ravel()
-        hc = complex_compliance(one["flexibility"], one["viscous"], one["loss_factor"], flat)
-        tree = replace(self.tree, flexibility=one["flexibility"], inertia=one["inertia"])
-        return tree_response(tree, flat, force, ground_damping=one["ground_damping"], compliance=hc, check=check)
+        one, flat = self._with(lambda own: np.repeat(own, w.shape[1], axis=1)), w.ravel()
+        hc = complex_compliance(one.flexibility, one.viscous, one.loss_factor, flat)
+        tree = replace(self.tree, flexibility=one.flexibility, inertia=one.inertia)
+        return tree_response(tree, flat, force, ground_damping=one.ground_damping, compliance=hc, check=check)
 
     def resonances(self, highest: float) -> tuple[FloatArray, FloatArray]:
         """Frequencies (modes, trains) rad/s of every mode that any train has below `highest`, and ratios (modes,).
