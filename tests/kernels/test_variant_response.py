@@ -143,7 +143,7 @@ def test_more_trains_than_are_solved_at_once_are_the_same_as_some_of_them() -> N
 
 
 def test_a_grid_holds_every_resonance_and_its_half_power_points() -> None:
-    grid = resonance_grid(np.array([[10.0, 11.0], [500.0, 600.0]]), np.array([0.01, 0.01]), (1.0, 100.0))
+    grid = resonance_grid(np.array([[10.0, 11.0], [500.0, 600.0]]), np.array([0.01, 0.01]), np.linspace(1.0, 100.0, 17))
     assert grid.shape == (2, 2 * (17 + 11) - 1)
     for row, centre in zip(grid, (10.0, 11.0), strict=True):
         for share in (0.99, 1.0, 1.01):

@@ -60,9 +60,10 @@ class Trains:
         tree = replace(self.tree, flexibility=one.flexibility, inertia=one.inertia)
         return tree_response(tree, flat, force, ground_damping=one.ground_damping, compliance=hc, check=check)
 
-    def resonances(self, highest: float) -> tuple[FloatArray, FloatArray]:
+    def resonances(self, highest: float, least: int = 0) -> tuple[FloatArray, FloatArray]:
         """Frequencies (modes, trains) rad/s of every mode that any train has below `highest`, and ratios (modes,).
 
+        Of so many modes at `least`, as far as there are.
         How many these are, the train of the greatest flexibilities and inertias says, whose modes are the lowest; what
         damps them, the train of the geometric means, to first order by energy.
         """
@@ -70,8 +71,9 @@ class Trains:
             replace(self.tree, flexibility=h, inertia=j)
             for h, j in zip(*(_ends(own) for own in (self.flexibility, self.inertia)), strict=True)
         )
-        known = tree_modes(middle, int(count_below(softest, np.array([highest]))[0]))
-        count = min(len(known.frequency), int(count_below(softest, np.array([highest]))[0]) - known.rigid)
+        below = int(count_below(softest, np.array([highest]))[0])
+        known = tree_modes(middle, max(below, least))
+        count = min(len(known.frequency), max(below - known.rigid, least))
         if count <= 0:
             return np.empty((0, self.count)), np.empty(0)
         viscous, loss, ground = (
@@ -89,22 +91,22 @@ def _ends(values: FloatArray) -> tuple[FloatArray, FloatArray]:
         return np.asarray(np.exp(np.log(values).mean(axis=1))), values.max(axis=1)
 
 
-def resonance_grid(centre: FloatArray, ratio: FloatArray, band: tuple[float, float], even: int = EVEN) -> FloatArray:
-    """(trains, points), ascending, twice as many less one as needed: even ones and those about every resonance.
+def resonance_grid(centre: FloatArray, ratio: FloatArray, fixed: FloatArray) -> FloatArray:
+    """(trains, points), ascending: `fixed` ones (points,), those about every resonance, and the middles of all these.
 
-    centre: (resonances, trains); ratio: (resonances,) half their relative widths. Resonances that no train has within
-    the band are left out.
+    centre: (resonances, trains); ratio: (resonances,) half their relative widths. Resonances that no train has between
+    the ends of the fixed points are left out.
 
-    >>> resonance_grid(np.array([[5.0]]), np.array([0.1]), (1.0, 9.0), even=3)[0, ::2].round(6).tolist()
+    >>> resonance_grid(np.array([[5.0]]), np.array([0.1]), np.array([1.0, 5.0, 9.0]))[0, ::2].round(6).tolist()
     [1.0, 3.0, 4.0, 4.5, 4.75, 4.9, 5.0, 5.0, 5.1, 5.25, 5.5, 6.0, 7.0, 9.0]
     """
-    low, high = band
+    low, high = float(fixed.min()), float(fixed.max())
     reach = ABOUT[-1] * ratio
     inside = (centre.min(axis=1) * (1.0 - reach) < high) & (centre.max(axis=1) * (1.0 + reach) > low)
     about = np.concatenate([-ABOUT[:0:-1], ABOUT])
     shift = 1.0 + np.maximum(ratio[inside], LEAST_RATIO)[:, None] * about
     near = np.clip((centre[inside].T[:, :, None] * shift).reshape(centre.shape[1], -1), low, high)
-    points = np.hstack([np.broadcast_to(np.linspace(low, high, even), (centre.shape[1], even)), near])
+    points = np.hstack([np.broadcast_to(fixed, (centre.shape[1], len(fixed))), near])
     points.sort(axis=1)
     found = np.empty((len(points), 2 * points.shape[1] - 1))
     found[:, ::2] = points
@@ -161,7 +163,7 @@ def variant_peaks(trains: Trains, force: FloatArray, band: tuple[float, float]) 
     width = max(1, COLUMNS // points)
     for begin in range(0, count, width):
         part = slice(begin, min(begin + width, count))
-        some, w = trains.part(part), resonance_grid(centre[:, part], ratio, band)
+        some, w = trains.part(part), resonance_grid(centre[:, part], ratio, np.linspace(*band, EVEN))
         found = np.abs(some.response(w, force, check=False).torque).reshape(size, len(w), -1)
         coarse, _, _ = vertex(w[:, ::2], found[:, :, ::2])
         fine, place, _ = vertex(w, found)

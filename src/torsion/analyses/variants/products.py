@@ -1,0 +1,75 @@
+"""How figures of the file enter the numbers of a train: as products of their powers, which trials show."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.arrays import FloatArray
+from torsion.errors import InputError, SolveError
+from torsion.study import Study, Variation
+
+TRIALS = (1.07, 0.96)  # factors at which a figure is tried
+POWER = 1e-11  # relative, within which the numbers are products of powers of the figures
+Rows = NDArray[Any]  # (rows, samples) numbers of a train; the samples of a row vary as one
+
+
+@dataclass(frozen=True)
+class Products:
+    """Rows of numbers with the powers in which the figures enter them."""
+
+    power: FloatArray  # (rows, figures)
+    nominal: FloatArray  # (figures,) values of the file
+
+    def factors(self, values: FloatArray) -> FloatArray:
+        """(rows, variants) of the rows over those of the file, at values (variants, figures)."""
+        return np.asarray(np.exp(self.power @ np.log(values / self.nominal).T))
+
+
+def products(variation: Variation, values: FloatArray, read: Callable[[Study], Rows | None]) -> Products | None:
+    """How the values (variants, figures) enter the rows that are read of a study; None where otherwise.
+
+    read: None where the study differs in more than its rows. The last of the variants is read too: figures may enter
+    one beside the other.
+    """
+    nominal = np.array([np.nan if one.rows else one.nominal for one in variation.figures])
+    if not np.all(np.isfinite(nominal) & (nominal != 0.0)) or not np.all(values / nominal > 0.0):
+        return None
+
+    def tried(row: FloatArray) -> Rows | None:
+        try:
+            return read(variation.study(row.tolist()))
+        except (InputError, SolveError):
+            return None
+
+    base, power = tried(nominal), []
+    for place in range(len(nominal)):
+        each = [tried(np.where(np.arange(len(nominal)) == place, one, 1.0) * nominal) for one in TRIALS]
+        found = None if base is None else _power(base, each)
+        if found is None:
+            return None
+        power.append(found)
+    whole, last = Products(np.stack(power, axis=1), nominal), tried(values[-1])
+    if base is None or last is None or not _same(base * whole.factors(values[-1:]), last):
+        return None
+    return whole
+
+
+def _same(one: Rows, other: Rows) -> bool:
+    return one.shape == other.shape and bool(np.allclose(one, other, rtol=POWER, atol=0.0, equal_nan=True))
+
+
+def _power(base: Rows, tried: list[Rows | None]) -> FloatArray | None:
+    """(rows,) power of a figure in every row; None where it enters otherwise."""
+    first, used = tried[0], (base != 0.0) & np.isfinite(base)
+    if first is None or first.shape != base.shape:
+        return None
+    with np.errstate(all="ignore"):
+        each = np.where(used, np.log(np.abs(first / base)) / np.log(TRIALS[0]), -np.inf).max(axis=1)
+    power = np.where(used.any(axis=1), np.round(each, 9), 0.0)
+    for factor, rows in zip(TRIALS, tried, strict=True):
+        if rows is None or not np.isfinite(power).all() or not _same(base * (factor**power)[:, None], rows):
+            return None
+    return power
