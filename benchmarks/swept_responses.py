@@ -2,22 +2,31 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from time import process_time
+from typing import TypeVar
+from unittest.mock import patch
 
 import numpy as np
 
+import torsion
 from benchmarks.cases import Case, chain
 from benchmarks.page_file import verdict
 from benchmarks.papers.writing import table
+from torsion.analyses.sweep import sweep_run
+from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import tree_response
 from torsion.kernels.variant_response import Trains, variant_peaks, vertex
 
+Found = TypeVar("Found")
 SIZES = ((5, 20_000), (10, 20_000), (20, 8_000), (100, 500))  # stations, trains
 IN_BAND = 3  # modes
 EVEN, LOOPED, DENSE = 200, 20, 6001  # points of the plain ways; trains of the loop; points of the reference
 REFERRED = {5: 100, 10: 100, 20: 60, 100: 8}  # trains with a reference
+COMPARED = 512  # variants judged both ways
+SCENE = Path(__file__).parents[1] / "shafting_specs" / "toleranced_drive.yaml"
 MEANT_RATE, MEANT_MEDIAN, MEANT_MAP = 1e4, 1e-4, 0.5  # trains a second at ten stations; relative; s
 HOW = """\
 Each train has its own inertias (±5 %) and stiffnesses (±15 %), a loss factor of 0.1 in one span and 0.01 in the others,
@@ -39,7 +48,32 @@ def responses(quick: bool) -> list[str]:
         f"A map of 200 stiffnesses and 200 speeds, 4 orders, 6 stations, every span's torque with residual and status: "
         f"{seconds:.2f} s (meant < {MEANT_MAP:g} s: {verdict(seconds < MEANT_MAP)})."
     )
-    return ["## Peaks of torque", HOW, table(HEAD, rows), words]
+    return ["## Peaks of torque", HOW, table(HEAD, rows), words, "## Verdicts", _verdicts(2048 if quick else 16384)]
+
+
+def _verdicts(count: int) -> str:
+    """The scene of the toleranced drive, judged side by side and one by one."""
+    _swept(COMPARED)  # libraries are imported
+    many, few = _swept(count), _swept(COMPARED)
+    with patch.object(sweep_run, "judged_together", lambda *given: (None, "timed")):
+        alone = _swept(COMPARED)
+    side_by_side, by_itself = (many[0] - few[0]) / (count - COMPARED), alone[0] / COMPARED
+    pairs = list(zip(*(sorted(one.checks, key=lambda line: line.clause) for one in (few[1], alone[1])), strict=True))
+    differ = sum(int((one.fails != other.fails).sum()) for one, other in pairs)
+    gap = max(float(np.abs(one.utilisation / other.utilisation - 1.0).max()) for one, other in pairs)
+    return (
+        f"`toleranced_drive`, whose eight figures vary, judged by `coupling-maker`: {1.0 / side_by_side:.0f} "
+        f"variants/s side by side (those near the limit solved by themselves once more), {1.0 / by_itself:.0f} one by "
+        f"one, a ratio of {by_itself / side_by_side:.0f}. Of {COMPARED} variants found both ways {differ} verdicts "
+        f"differ, and shares of limits by {gap:.1e} at most."
+    )
+
+
+def _swept(count: int) -> tuple[float, Sweep]:
+    """Seconds of a sweep of so many variants with all that the file requests besides, and what it found."""
+    study = torsion.parse(SCENE.read_text(encoding="utf-8").replace("samples: 128", f"samples: {count}"))
+    seconds, found = _timed(lambda: torsion.run(study))
+    return seconds, found.need(Sweep)
 
 
 def _row(size: int, count: int) -> tuple[str, ...]:
@@ -113,7 +147,7 @@ def _map() -> float:
     return _timed(every)[0]
 
 
-def _timed(work: Callable[[], np.ndarray]) -> tuple[float, np.ndarray]:
+def _timed(work: Callable[[], Found]) -> tuple[float, Found]:
     """Seconds of the processor, and the answer."""
     start = process_time()
     found = work()

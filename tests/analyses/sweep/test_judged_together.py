@@ -159,7 +159,7 @@ def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(given: dict[str
 
 
 def test_sums_that_no_power_of_a_figure_makes_are_found() -> None:
-    figure = SimpleNamespace(rows=(), nominal=2.0)
+    figure = SimpleNamespace(name="one.key", rows=(), nominal=2.0)
     for read, power in (
         (lambda x: np.array([[x**2, 3 * x**2], [5.0, 5.0]]), [[2.0], [0.0]]),
         (lambda x: np.array([[x + 1.0, x]]), None),

@@ -1,7 +1,8 @@
 """How figures of the file enter the numbers of a train: as products of their powers, which trials show."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -31,8 +32,8 @@ class Products:
 def products(variation: Variation, values: FloatArray, read: Callable[[Study], Rows | None]) -> Products | None:
     """How the values (variants, figures) enter the rows that are read of a study; None where otherwise.
 
-    read: None where the study differs in more than its rows. The last of the variants is read too: figures may enter
-    one beside the other.
+    read: None where the study differs in more than its rows. Figures of one component are read at the ends of their
+    values together as well, and so is the last variant: each may be sound by itself, and not beside another.
     """
     nominal = np.array([np.nan if one.rows else one.nominal for one in variation.figures])
     if not np.all(np.isfinite(nominal) & (nominal != 0.0)) or not np.all(values / nominal > 0.0):
@@ -51,10 +52,23 @@ def products(variation: Variation, values: FloatArray, read: Callable[[Study], R
         if found is None:
             return None
         power.append(found)
-    whole, last = Products(np.stack(power, axis=1), nominal), tried(values[-1])
-    if base is None or last is None or not _same(base * whole.factors(values[-1:]), last):
-        return None
+    whole = Products(np.stack(power, axis=1), nominal)
+    for row in (*_corners(variation, values, nominal), values[-1]):
+        rows = tried(row)
+        if base is None or rows is None or not _same(base * whole.factors(row[None]), rows):
+            return None
     return whole
+
+
+def _corners(variation: Variation, values: FloatArray, nominal: FloatArray) -> Iterator[FloatArray]:
+    """(figures,) values with two figures of one component at each end of theirs, all others as in the file."""
+    component = [one.name.rpartition(".")[0] for one in variation.figures]
+    ends = values.min(axis=0), values.max(axis=0)
+    for one, other in combinations(range(len(nominal)), 2):
+        for first, second in product(ends, ends) if component[one] == component[other] else ():
+            row = nominal.copy()
+            row[one], row[other] = first[one], second[other]
+            yield row
 
 
 def _same(one: Rows, other: Rows) -> bool:

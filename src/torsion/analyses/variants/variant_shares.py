@@ -12,7 +12,7 @@ from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import Steady, steady_if_known
 from torsion.analyses.undamped_modes import span_torques
-from torsion.analyses.variants.one_by_one import Key
+from torsion.analyses.variants.one_by_one import READ, Key
 from torsion.analyses.variants.products import Products, Rows, products
 from torsion.analyses.variants.side_by_side import varied
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
@@ -23,7 +23,7 @@ from torsion.kernels.tree_response import Status, complex_compliance, status, tr
 from torsion.kernels.variant_response import EVEN, Trains, resonance_grid
 from torsion.study import Study, Variation
 
-SAMPLES = 3  # speeds at which trials are compared
+SAMPLES = 17  # speeds at which trials are compared, and where tables bend
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Swept:
         keys, share, unlimited, unclear = list[Key](), [], [], np.zeros(len(speed), dtype=np.bool_)
         for rule, clause in self.work.rules.pointwise(evidence):
             curve, within = clause.curve, clause.within
-            if len(curve.speed) != speed.size:  # of the mean torque, which all variants share
+            if curve.speed is not evidence.need(Response).speed:  # of the mean torque, which all variants share
                 worst = np.max(curve.utilisation(), where=within, initial=-np.inf)
                 share.append(np.full(shape, worst))
                 unlimited.append(np.zeros(len(speed), dtype=np.bool_))
@@ -149,9 +149,13 @@ def _rows(
 
 def unfit(work: Work) -> str:
     """Why the variants cannot be judged side by side, as far as the file says; empty where they may be."""
+    from torsion.analyses import ANALYSES
+
     study, system, train, response = work.study, work.system, work.study.train, work.get(Response)
     if not work.rules.are_pointwise(study):
         return "a rule of the file is not judged at each speed by itself"
+    if any(name in study.analyses or ANALYSES[name].wanted(study) for name in READ):
+        return "the file has other analyses that are judged"
     if response is None or response.system is not system or system.resolved_to < np.inf:
         return "shafts are divided as each variant needs"
     if system.bars is not None or system.tables or system.groups is not None or system.condensed.extra.size:
@@ -178,7 +182,8 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
     speeds, found = study.operation.speeds, excitations(system)
     if speeds is None or not found or not any(one.line.order is not None for one in found):
         return None
-    sample = np.geomspace(speeds.first, speeds.last, SAMPLES)
+    sample = np.union1d(np.geomspace(speeds.first, speeds.last, SAMPLES), work.rules.named_speeds(study))
+    sample = sample[(sample >= speeds.first) & (sample <= speeds.last)]
     mean, same = steady_if_known(study, system, sample), [_read_alike(part) for part in study.train.parts]
 
     def read(other: Study) -> Rows | None:
@@ -191,6 +196,7 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
         alike = alike and [one.line for one in lines] == [one.line for one in found]
         alike = alike and [_read_alike(part) for part in other.train.parts] == same
         alike = alike and (other.operation, other.rules) == (study.operation, study.rules)
+        alike = alike and other.analyses.get("response") == study.analyses.get("response")
         if not alike or own.segments != system.segments:
             return None
         there = steady_if_known(other, own, sample)
