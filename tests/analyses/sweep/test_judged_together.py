@@ -23,6 +23,7 @@ train:
   - disc: {{name: disc, inertia: 0.35}}
   - shaft: {{name: tail, length: 0.8, diameter: 0.06, material: light}}
   - gear: {{name: gear, ratio: 2, mesh_stiffness: 1e8, inertia: [0.1, 0.05]}}
+  {more}
   - coupling: {{name: other, stiffness: 300000, psi: 0.1}}
   - propeller: {{name: pump, inertia: 0.95, blades: 4, {pump}
       excitation: [{{blade_order: 1, torque: 5 %}}, {{blade_order: 2, torque: 2 %}}]}}
@@ -31,7 +32,7 @@ analyses: {{modes: {{count: 3}}, response: , sweep: {{vary: {{{vary}}}, samples:
 rules: {rules}
 """
 USUAL = {
-    "load": "", "damping": "psi: 0.8", "pump": "", "rules": "[coupling-maker, gear-hammer]",
+    "load": "", "more": "", "damping": "psi: 0.8", "pump": "", "rules": "[coupling-maker, gear-hammer]",
     "limits": "vibratory_torque: 76 N*m, rated_torque: 1 kN*m, max_torque: 700 N*m, heat_limit: 9 W",
     "vary": "rubber.stiffness: {uniform: 15 %}, rubber.psi: {uniform: 20 %}, disc.inertia: {normal: 3 %}, "
     "tail.diameter: {uniform: 5 %}, tail.length: {uniform: 5 %}, other.stiffness: {uniform: 20 %}",
@@ -45,6 +46,10 @@ TRAINS: dict[str, dict[str, str]] = {
     "limits over frequency": {
         "limits": "vibratory_torque: {torque: 160 N*m, at: 10 Hz, above: sqrt}, heat_limit: {table: [[10 Hz, 12 W], "
         "[40 Hz, 9 W]]}",
+    },
+    "inertias that are sums": {
+        "vary": "gear.inertia.1: {uniform: 30 %}, rubber.stiffness: {uniform: 15 %}, disc.inertia: {uniform: 10 %}",
+        "more": "- disc: {name: fan, inertia: 0.2}",
     },
     "continuous use": {
         "rules": "[{coupling-maker: {continuous: {from: 700 rpm, to: 1300 rpm}}}, {gear-hammer: {limit: 0.3}}]",
@@ -148,8 +153,8 @@ def test_variants_that_do_not_say_the_same_by_themselves_are_all_solved_so(monke
     ("given", "why"),
     [
         ({"rules": "[coupling-maker, {nvh: {at: motor, fluctuation: 20 rpm}}]"}, "at each speed"),
-        ({"vary": "rubber.vibratory_torque: {uniform: 5 %}"}, "products"),
-        ({"vary": "gear.ratio: {uniform: 5 %}"}, "products"),
+        ({"vary": "rubber.vibratory_torque: {uniform: 5 %}"}, "neither as a power"),
+        ({"vary": "gear.ratio: {uniform: 5 %}"}, "neither as a power"),
     ],
 )
 def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(given: dict[str, str], why: str) -> None:
@@ -158,17 +163,18 @@ def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(given: dict[str
     assert why in words
 
 
-def test_sums_that_no_power_of_a_figure_makes_are_found() -> None:
+def test_figures_enter_rows_as_powers_or_as_a_share_of_a_sum() -> None:
     figure = SimpleNamespace(name="one.key", rows=(), nominal=2.0)
-    for read, power in (
-        (lambda x: np.array([[x**2, 3 * x**2], [5.0, 5.0]]), [[2.0], [0.0]]),
-        (lambda x: np.array([[x + 1.0, x]]), None),
-        (lambda x: np.array([[x, x**2]]), None),  # the samples of a row vary as one
+    for read, factor in (
+        (lambda x: [[x**2, 3 * x**2], [5.0, 5.0]], [[1.5**2], [1.0]]),
+        (lambda x: [[x + 1.0, 2 * x + 2.0], [1 / x, 7.0 / x]], [[4.0 / 3.0], [1.0 / 1.5]]),
+        (lambda x: [[x, x**2]], None),  # the samples of a row vary as one
+        (lambda x: [[x**2 + x, 1.0]], None),
     ):
         variation = SimpleNamespace(figures=[figure], study=lambda row: row[0])
-        found = products(variation, np.array([[2.0], [1.9]]), read)
-        assert (found is None) == (power is None)
-        assert found is None or np.array_equal(found.power, power)
+        found = products(variation, np.array([[2.0], [1.9]]), lambda x, read=read: np.array(read(x)))
+        assert (found is None) == (factor is None)
+        assert found is None or found.factors(np.array([[3.0]])) == pytest.approx(np.array(factor), rel=1e-14)
 
 
 def test_rows_of_waves_that_do_not_act_are_zero() -> None:

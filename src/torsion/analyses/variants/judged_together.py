@@ -28,7 +28,7 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
         return None, why
     train = swept(work, variation, values)
     if train is None:
-        return None, "figures enter otherwise than as products of powers"
+        return None, "a figure enters neither as a power nor as a share of a sum"
     count = len(values)
     answers, left = Answers(np.full((modes, count), np.nan)), np.zeros(count, dtype=np.bool_)
     errors = dict[Key, FloatArray]()
@@ -49,7 +49,7 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
     solved(work, variation, values, modes, judged=True, known=answers, places=places)
     largest = max(float(one[~left].max(initial=0.0)) for one in errors.values())
     return answers, (
-        f"judged side by side, shares of limits right to {largest:.1e}; {len(places)} variants near a limit, and "
+        f"judged side by side, shares of limits right to {largest:.0e}; {len(places)} variants near a limit, and "
         f"{len(compared)} to compare, solved by themselves"
     )
 

@@ -14,8 +14,8 @@ from torsion.study import Study, Variation
 def side_by_side(system: System, variation: Variation, values: FloatArray, count: int) -> FloatArray | None:
     """Frequencies (modes, variants) Hz by the kernel of many trains; None where it does not take them.
 
-    Inertias and flexibilities have to be products of powers of the figures (a stiffness, a length, a diameter of a
-    shaft whose inertia is not summed with another), which trials show.
+    Inertias and flexibilities have to be products of powers of the figures (a stiffness, a length, a diameter), or sums
+    in which each has a share (an inertia beside another), which trials show.
     """
     if not count or system.bars is not None or system.tables or system.whole.condensed.extra.size:
         return None

@@ -177,7 +177,7 @@ def _read_alike(part: Part) -> tuple[object, ...]:
 
 
 def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
-    """The train with how figures enter it; None where they enter otherwise than as products of powers."""
+    """The train with how figures enter it; None where that is not known."""
     study, system = work.study, work.system
     speeds, found = study.operation.speeds, excitations(system)
     if speeds is None or not found or not any(one.line.order is not None for one in found):
