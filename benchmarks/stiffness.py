@@ -14,8 +14,8 @@ from benchmarks import references
 from benchmarks import stiffness_frequencies as frequencies
 from benchmarks import stiffness_motion as motion
 from benchmarks import stiffness_response as response
+from benchmarks.extremes import USEFUL, Sweep, ends_table, figure, reading
 from benchmarks.page_file import Report
-from benchmarks.sweeps import USEFUL, Sweep, ends_table, figure, reading
 
 LENGTHS = (20, 50, 100, 300, 1000, 3000, 10_000, 100_000, 1_000_000)
 

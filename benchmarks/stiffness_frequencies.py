@@ -9,8 +9,8 @@ from mpmath import mp
 
 from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
+from benchmarks.extremes import Sweep
 from benchmarks.references import worst
-from benchmarks.sweeps import Sweep
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 

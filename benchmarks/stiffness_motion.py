@@ -8,8 +8,8 @@ from mpmath import mp, mpc, mpf
 
 from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case, condensed
+from benchmarks.extremes import Sweep
 from benchmarks.stiffness_frequencies import PEER, line
-from benchmarks.sweeps import Sweep
 from torsion.kernels.damping.damped_tree_modes import damped_modes
 from torsion.kinematics.cross import transfer
 

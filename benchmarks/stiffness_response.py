@@ -7,8 +7,8 @@ import numpy as np
 
 from benchmarks import dense_peers, ours, peers_opentorsion, references
 from benchmarks.cases import Case
+from benchmarks.extremes import Sweep
 from benchmarks.stiffness_frequencies import PEER, line, near_rigid_data
-from benchmarks.sweeps import Sweep
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import Status, status, tree_response
 

@@ -1,129 +1,105 @@
-"""A sweep: the error of every method over one extreme parameter, where each ends, and what the figure shows."""
+"""Many trains of one layout side by side, beside a loop over them: `python -m benchmarks.sweeps [--quick]`.
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+Writes reports/sweeps.md; `--quick` takes a fifth of the trains and prints without writing.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from time import process_time
 
 import numpy as np
 
+from benchmarks.cases import Case, chain, geared_tree
+from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
-from torsion.output.drawing.svg import svg
-from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
+from benchmarks.peers_opentorsion import assembled, elements, undamped_frequencies
+from benchmarks.references import frequencies, worst
+from benchmarks.swept_responses import responses
+from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.tree import Tree
+from torsion.kernels.variant_modes import variant_modes
 
-ROUNDING = 2.0**-53  # a smaller error is drawn here
-USEFUL = 1e-6  # the error beyond which a method has ended
-HIGHEST = 1e3  # errors are drawn up to here
-
-
-@dataclass(frozen=True)
-class Point:
-    """One answer of one method."""
-
-    at: float  # of the parameter
-    error: float  # infinite where there is none
-    fault: str = ""
-
-
-@dataclass
-class Sweep:
-    """The answers of all methods over one parameter."""
-
-    name: str  # of the file
-    title: str
-    what: str  # what is solved, and what the error is
-    along: str  # the parameter, for the axis
-    points: dict[str, list[Point]] = field(default_factory=dict)
-    remarks: list[str] = field(default_factory=list)
-    limit: list[tuple[float, float]] = field(default_factory=list)  # what the next frequency in double changes
-
-    def add(self, method: str, at: float, error: Callable[[], float]) -> None:
-        """The error of one answer; an exception or no number is an answer that failed, and kept as such."""
-        try:
-            value, fault = error(), ""
-            if not np.isfinite(value):
-                value, fault = float("inf"), "no finite answer"
-        except Exception as failed:  # peers fail in ways of their own; the page states each in its words
-            value, fault = float("inf"), f"{type(failed).__name__}: {failed}".splitlines()[0][:120]
-        self.points.setdefault(method, []).append(Point(at, value, fault))
+SIZES = ((5, 4, 20_000), (10, 6, 20_000), (20, 6, 10_000), (100, 6, 1_000))  # stations, modes, trains
+MEANT = {10: 100.0, 20: 60.0, 100: 30.0}  # times openTorsion
+RUNS, LOOPED, PROVEN = 3, 60, 8  # in turn; trains of a loop, and with a reference of 60 digits
+SPREAD = (0.05, 0.15)  # inertias and stiffnesses, uniform
+HOW = """\
+Every train of a case has its own inertias (±5 %) and stiffnesses (±15 %, uniform, one seed). Side by side:
+`variant_modes`, the lowest modes of all trains with the counts that prove each; a loop: `tree_modes` of torsion, and
+`Assembly` with `undamped_modal_analysis` of openTorsion, which finds all modes with their shapes. Times are of the
+processor in one process and one thread, the programs in turn, the least of the runs, per train. Errors are against 60
+digits, the largest of all modes of the trains compared; "alone" are frequencies that were found train by train."""
+HEAD = (
+    "stations", "train", "modes", "side by side µs", "loop of torsion µs", "ratio", "openTorsion µs", "ratio", "meant",
+    "error", "openTorsion's error", "alone of",
+)  # fmt: skip
 
 
-def ranges(points: Sequence[Point], useful: float = USEFUL) -> list[tuple[float, float]]:
-    """First and last parameter of every range of the sweep in which the answers are useful."""
-    found: list[tuple[float, float]] = []
-    before = False
-    for point in points:
-        good = point.error <= useful
-        if good:
-            found.append((found.pop()[0] if before else point.at, point.at))
-        before = good
-    return found
+def main() -> None:
+    """Runs all cases and writes the page."""
+    report, rows = Report(__doc__, "sweeps", "a fifth of the trains"), []
+    for size, modes, trains in SIZES:
+        for stiff in (False, True):
+            for make in (chain, _tree):
+                rows.append(_row(make(size, stiff=stiff), modes, trains // (5 if report.chosen.quick else 1)))
+    page = ["## Natural frequencies", HOW, table(HEAD, rows)]
+    report.publish("Many trains side by side", [*page, *responses(report.chosen.quick)])
 
 
-def ranges_in_words(points: Sequence[Point], useful: float = USEFUL) -> str:
-    """The ranges in words."""
-    found = ranges(points, useful)
-    if not found:
-        return "nowhere"
-    if found == [(points[0].at, points[-1].at)]:
-        return "throughout"
-    return ", ".join(f"{first:.2g} to {last:.2g}" if first != last else f"{first:.2g}" for first, last in found)
+def _tree(size: int, *, stiff: bool) -> Case:
+    """A geared tree without its gears' inertias, which the loops would have to refer."""
+    case = geared_tree(max(size, 10), stiff=stiff) if size >= 10 else chain(size, stiff=stiff, seed=1)
+    return replace(case, gear=(None,) * case.size)
 
 
-def reading(sweep: Sweep) -> str:
-    """What the figure shows, in one sentence made from its numbers."""
-    parts = [f"{method} {ranges_in_words(points)}" for method, points in sweep.points.items()]
-    own = max(point.error for method, points in sweep.points.items() for point in points if _is_ours(method))
-    others = [point.error for method, points in sweep.points.items() for point in points if not _is_ours(method)]
+def _row(case: Case, modes: int, trains: int) -> tuple[str, ...]:
+    rng = np.random.default_rng(1)
+    inertia = np.array(case.inertia)[:, None] * rng.uniform(1 - SPREAD[0], 1 + SPREAD[0], (case.size, trains))
+    stiffness = np.array(case.stiffness)[:, None] * rng.uniform(1 - SPREAD[1], 1 + SPREAD[1], (case.size, trains))
+    tree = Tree(np.array(case.parent), np.zeros(case.size), np.zeros(case.size), np.zeros(case.size, dtype=bool))
+    flexibility = np.zeros_like(stiffness)
+    flexibility[1:] = 1.0 / stiffness[1:]
+    looped = range(min(LOOPED, trains) if case.size < 100 else 12)
+    each = [
+        _variant(case, inertia[:, k], 1.0 / np.where(flexibility[:, k] > 0, flexibility[:, k], 1.0)) for k in looped
+    ]
+    given = [elements(one) for one in each]
+
+    def loop() -> list[np.ndarray]:
+        own = (replace(tree, flexibility=flexibility[:, k], inertia=inertia[:, k]) for k in looped)
+        return [tree_modes(one, modes).frequency for one in own]
+
+    def peer() -> list[np.ndarray]:
+        return [undamped_frequencies(assembled(one))[:modes] for one in given]
+
+    times, answers = _in_turn(lambda: variant_modes(tree, flexibility, inertia, modes), loop, peer)
+    ours, alone, theirs = times[0] / trains, times[1] / len(looped), times[2] / len(looped)
+    exact = [frequencies(one, range(1, modes + 1)) for one in each[:PROVEN]]
+    found = answers[0].frequency
+    errors = [max(worst(one, ref) for one, ref in zip(some, exact, strict=False)) for some in (found.T, answers[2])]
+    meant = MEANT.get(case.size)
     return (
-        f"Useful answers (error up to {USEFUL:g}): {'; '.join(parts)}; the largest error of torsion is {_size(own)}, "
-        f"of the others {_size(max(others))}."
-    )
+        str(case.size), case.name, str(modes), *(f"{1e6 * one:.3g}" for one in (ours, alone)), f"{alone / ours:.3g}",
+        f"{1e6 * theirs:.4g}", f"{theirs / ours:.3g}",
+        "-" if meant is None else f">= {meant:g}: {verdict(theirs / ours >= meant)}",
+        *(f"{error:.1e}" for error in errors), f"{answers[0].alone} of {trains * modes}",
+    )  # fmt: skip
 
 
-def _is_ours(method: str) -> bool:
-    return method.startswith("torsion")
+def _variant(case: Case, inertia: np.ndarray, stiffness: np.ndarray) -> Case:
+    return replace(case, inertia=tuple(inertia.tolist()), stiffness=tuple(stiffness.tolist()))
 
 
-def _pen(method: str) -> int:
-    """A method keeps its pen from figure to figure."""
-    if _is_ours(method):
-        return 4 if "plain" in method else 0
-    families = {"openTorsion": 1, "scipy": 3, "textbook": 6}
-    return next((pen for start, pen in families.items() if method.startswith(start)), 2)
+def _in_turn(*programs: Callable[[], object]) -> tuple[list[float], list]:
+    """Least processor time of each, and its answer."""
+    best, answers = [np.inf] * len(programs), [None] * len(programs)
+    for _ in range(RUNS):
+        for k, program in enumerate(programs):
+            start = process_time()
+            answers[k] = program()
+            best[k] = min(best[k], process_time() - start)
+    return best, answers
 
 
-def _size(error: float) -> str:
-    return f"{error:.1e}" if np.isfinite(error) else "beyond all bounds (no answer)"
-
-
-def ends_table(sweep: Sweep) -> str:
-    """Where each method is useful, its largest error there, and the faults it met."""
-    rows = []
-    for method, points in sweep.points.items():
-        worst = max((point.error for point in points if point.error <= USEFUL), default=float("nan"))
-        faults = dict.fromkeys(f"{point.fault} (at {point.at:.2g})" for point in points if point.fault)
-        words = "; ".join(list(faults)[:2]) + (f"; {len(faults) - 2} more" if len(faults) > 2 else "")
-        largest = max(point.error for point in points)
-        rows.append((method, ranges_in_words(points), f"{worst:.1e}", _size(largest), words))
-    return table((sweep.along, "useful", "largest error there", "largest error anywhere", "faults"), rows)
-
-
-def figure(sweep: Sweep) -> str:
-    """SVG: error over the parameter, one curve a method; crosses at the top are answers that failed."""
-    lines, marks = [], []
-    for rank, (method, points) in enumerate(sweep.points.items()):
-        known = [point for point in points if np.isfinite(point.error)]
-        values = [min(max(point.error, ROUNDING), HIGHEST) for point in known]
-        at = np.array([point.at for point in known])
-        weight = 1.3 if _is_ours(method) else 1.0
-        lines.append(Line(method, at, np.array(values), _pen(method), symbol="dot", weight=weight))
-        failed = np.array([point.at for point in points if not np.isfinite(point.error)])
-        high = np.full(failed.size, HIGHEST / 2 ** (rank + 1))
-        marks.append(Marks("no answer", failed, high, "cross", _pen(method)))
-    if sweep.limit:
-        at, error = np.array(sweep.limit).T
-        lines.append(Line("what the next double of the frequency changes", at, error, "limit"))
-    every = [point.at for points in sweep.points.values() for point in points]
-    back = bool(every) and next(iter(sweep.points.values()))[0].at > min(every)
-    x = Axis(sweep.along, "", min(every, default=1.0), max(every, default=10.0), is_log=True, is_reversed=back)
-    y = Axis("largest relative error", "", ROUNDING / 3, HIGHEST * 2, is_log=True, is_error=True)
-    return svg(Figure(sweep.name, sweep.title, (Panel(x, y, tuple(lines), marks=tuple(marks), height=260.0),)))
+if __name__ == "__main__":
+    main()

@@ -14,8 +14,8 @@ def accuracy(benchmark):
 
 
 @pytest.fixture(scope="module")
-def sweeps(benchmark):
-    return benchmark("sweeps")
+def extremes(benchmark):
+    return benchmark("extremes")
 
 
 def row(curve: str, size: int, error: float, *seconds: float) -> TimedRow:
@@ -54,8 +54,8 @@ def test_torques_at_mid_shaft_of_exact_and_high_degree_models_are_those_of_two_p
     assert peers == []
 
 
-def test_answers_that_fail_are_kept_with_their_reason(sweeps):
-    sweep = sweeps.Sweep("name", "title", "what", "along")
+def test_answers_that_fail_are_kept_with_their_reason(extremes):
+    sweep = extremes.Sweep("name", "title", "what", "along")
     sweep.add("peer", 1.0, lambda: 1e-12)
     sweep.add("peer", 10.0, lambda: math.nan)
     sweep.add("peer", 100.0, lambda: 1 / 0)
@@ -73,17 +73,17 @@ def test_answers_that_fail_are_kept_with_their_reason(sweeps):
         ([1.0, math.inf, 2e-6], "nowhere"),
     ],
 )
-def test_useful_stretches_of_a_sweep(sweeps, errors, stated):
-    points = [sweeps.Point(10.0**k, error) for k, error in enumerate(errors)]
-    assert sweeps.ranges_in_words(points) == stated
+def test_useful_stretches_of_a_sweep(extremes, errors, stated):
+    points = [extremes.Point(10.0**k, error) for k, error in enumerate(errors)]
+    assert extremes.ranges_in_words(points) == stated
 
 
-def test_reading_tells_the_largest_errors_of_both_sides(sweeps):
-    sweep = sweeps.Sweep("name", "title", "what", "along")
+def test_reading_tells_the_largest_errors_of_both_sides(extremes):
+    sweep = extremes.Sweep("name", "title", "what", "along")
     sweep.points = {
-        "torsion tree": [sweeps.Point(1.0, 1e-16), sweeps.Point(2.0, 3e-16)],
-        "peer": [sweeps.Point(1.0, 1e-16), sweeps.Point(2.0, math.inf)],
+        "torsion tree": [extremes.Point(1.0, 1e-16), extremes.Point(2.0, 3e-16)],
+        "peer": [extremes.Point(1.0, 1e-16), extremes.Point(2.0, math.inf)],
     }
-    words = sweeps.reading(sweep)
+    words = extremes.reading(sweep)
     assert "torsion tree throughout; peer 1;" in words
     assert words.endswith("torsion is 3.0e-16, of the others beyond all bounds (no answer).")

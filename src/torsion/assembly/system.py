@@ -186,8 +186,10 @@ class System:
         """
         x = self.followed(span, w, mean, speed)
         if x is None:
-            k = 1.0 / float(self.flexibility[span])
-            return k, k * self.loss_factor[span] + w * self.viscous[span]
+            h, loss, viscous = (own[span] for own in (self.flexibility, self.loss_factor, self.viscous))
+            if h.ndim:  # a column for each point
+                h, loss, viscous = (own.reshape(-1, *(1,) * (w.ndim - 1)) for own in (h, loss, viscous))
+            return 1.0 / h, loss / h + w * viscous
         found = self.tables[span].complex_stiffness(x, w)
         return found.real, found.imag
 

@@ -76,6 +76,7 @@ def tree_response(
 ) -> TreeResponse:
     """Response of every station and span at circular frequencies `w` (frequencies,) rad/s.
 
+    Of trains of one layout side by side the tree has a column of inertias (and `compliance` one) for each frequency.
     force: (stations,) or (stations, frequencies) N m. twist: the same shapes, rad, imposed on span i:
     angle[i] = angle[parent] - compliance torque + twist; also on rigid spans.
     ground_damping N m s/rad and compliance rad/(N m), default `tree.flexibility`: the same shapes.
@@ -105,19 +106,20 @@ def complex_compliance(
 ) -> NDArray[Any]:
     """Compliance h/(1 + i eta + i w c h) of spans, rad/(N m); a rigid span stays 0, an infinite h leaves the damper.
 
-    flexibility, viscous (N m s/rad), loss_factor: (spans,). (spans,) if no span is viscous (real if none is lossy),
-    else (spans, frequencies) complex.
+    flexibility, viscous (N m s/rad), loss_factor: (spans,), or (spans, frequencies) of trains side by side.
+    (spans,) if no span is viscous and no figure has columns (real if none is lossy), else (spans, frequencies) complex.
     """
     h, c, eta = (np.asarray(values, dtype=np.float64) for values in (flexibility, viscous, loss_factor))
-    stiffness = np.divide(1.0, h, out=np.full(h.shape, np.inf), where=h > 0)
+    if max(h.ndim, c.ndim, eta.ndim) > 1 or c.any():
+        h, c, eta = (values.reshape(len(values), -1) for values in (h, c, eta))
     if not c.any():
         lossy: NDArray[Any] = h / (1 + 1j * eta) if eta.any() else h
         return lossy
+    stiffness = np.divide(1.0, h, out=np.full(h.shape, np.inf), where=h > 0)
     rigid = h == 0
     with np.errstate(divide="ignore", invalid="ignore"):
-        hc: NDArray[Any] = 1 / ((np.where(rigid, 1.0, stiffness) * (1 + 1j * eta))[:, None] + 1j * np.outer(c, w))
-    hc[rigid] = 0
-    return hc
+        hc: NDArray[Any] = 1 / (np.where(rigid, 1.0, stiffness) * (1 + 1j * eta) + 1j * (c * w))
+    return np.where(rigid, 0.0, hc)
 
 
 def status(amplification: FloatArray, residual: FloatArray) -> NDArray[np.uint8]:
@@ -185,7 +187,7 @@ def pose(
     hc = tree.flexibility if compliance is None else np.asarray(compliance)
     force, twist = np.asarray(force), none if twist is None else np.asarray(twist)
     allowed = (tree.size,), (tree.size, w.size)
-    given = {"compliance": hc, "ground_damping": damping, "force": force, "twist": twist}
+    given = {"compliance": hc, "ground_damping": damping, "force": force, "twist": twist, "inertia": tree.inertia}
     for name, values in given.items():
         if values.shape not in allowed:
             raise ValueError(f"{name} has shape {values.shape}; expected {allowed[0]} or {allowed[1]}")
@@ -257,12 +259,16 @@ def residual_of(problem: Problem, response: TreeResponse) -> FloatArray:
 
 def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
-    w, inertia = problem.w[part], problem.tree.moving_inertia[:, None]
-    square = -w * w
+    w, inertia = problem.w[part], _columns(problem.tree.moving_inertia, part)
+    inertia, square = inertia[:, None] if inertia.ndim == 1 else inertia, -w * w
     if not problem.damped and not problem.shaft_loss.any() and not np.iscomplexobj(problem.compliance):
         return inertia * square
     own = np.empty((problem.plan.size, w.size), dtype=np.complex128)
-    np.multiply(inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64))
+    if inertia.shape[1] == 1:
+        np.multiply(inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64))
+    else:
+        own.imag = 0.0
+        np.multiply(inertia, square, out=own.real)
     damping = _columns(problem.damping, part)
     for station in problem.damped:
         own[station].imag = w * damping[station]

@@ -36,6 +36,7 @@ class CouplingMaker(RuleOverSpeed):
 
     name = "coupling-maker"
     settings = CouplingSettings
+    is_pointwise = True
 
     def faults(self, study: Study, settings: CouplingSettings) -> list[Fault]:
         """What the file lacks for this rule."""
@@ -125,7 +126,7 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
     """
     omega, power = 2.0 * math.pi * response.frequency, np.zeros(response.frequency.shape)
     added = {} if response.balanced is None else response.balanced.added
-    for span in spans[system.flexibility[spans] > 0]:
+    for span in spans[np.all(system.flexibility[spans].reshape(len(spans), -1) > 0, axis=1)]:
         stiffness, loss = system.elastic(span, omega, response.carried(span), response.speed[:, None])
         if span in added:
             one = added[span]

@@ -50,6 +50,7 @@ class GearHammer(RuleOverSpeed):
 
     name = "gear-hammer"
     settings = GearHammerSettings
+    is_pointwise = True
 
     def faults(self, study: Study, settings: GearHammerSettings) -> list[Fault]:
         """What the file lacks for this rule."""

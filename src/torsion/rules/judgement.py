@@ -225,13 +225,30 @@ def main_component(evidence: Results, at: int, spans: IntArray, sizes: FloatArra
     return response.lines[int(np.argmax(size))] if known else None
 
 
+def named_speeds(study: Study) -> FloatArray:
+    """(speeds,) rad/s, ascending: at which a rule of the study, or a table of torque, bends or begins."""
+    named = [speed for one, settings in _vibration_rules(study) for speed in one.speeds(study, settings)]
+    return np.unique([*named, *_corners(study)])
+
+
+def are_pointwise(study: Study) -> bool:
+    """All that the rules of the study say are clauses at each speed by itself."""
+    return all(one.is_pointwise for one, _ in of_study(study))
+
+
+def pointwise(evidence: Results) -> Iterator[tuple[str, Clause]]:
+    """Every such clause with the name of its rule."""
+    for one, settings in of_study(evidence.study):
+        if isinstance(one, RuleOverSpeed):
+            yield from ((one.name, clause) for clause in one.clauses(evidence, settings) if np.any(clause.within))
+
+
 def judged_speeds(study: Study) -> FloatArray:
     """(speeds,) rad/s, ascending, in the range of the operation: what its rules need beyond the speeds requested."""
     speeds = study.operation.speeds
     if speeds is None:
         return np.empty(0)
-    named = [speed for one, settings in _vibration_rules(study) for speed in one.speeds(study, settings)]
-    found = np.unique([*named, *_corners(study)])
+    found = named_speeds(study)
     even = np.linspace(speeds.first, speeds.last, FEWEST_JUDGED)
     if speeds.steps < FEWEST_JUDGED:
         found = np.union1d(found, apart(found, even)) if found.size else even

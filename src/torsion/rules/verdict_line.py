@@ -174,6 +174,7 @@ class Rule:
     name: str = ""  # in the file
     settings: type[Declared] = Declared
     needs: tuple[str, ...] = ()  # analyses that it reads
+    is_pointwise = False  # its clauses judge each speed by itself, and it says nothing else
 
     def path(self, study: Study, settings: Any) -> Path:
         """Where the rule with these settings stands in the file."""

@@ -100,7 +100,7 @@ def test_variants_that_are_judged_are_those_files_too() -> None:
         figures = written(found.factor[variant])
         alone = torsion.run(drive(figures))
         (line,) = (one for one in alone.need(Checks).lines if one.clause == "T_KW")
-        assert check.utilisation[variant] == pytest.approx(line.utilisation, rel=1e-12)
+        assert check.utilisation[variant] == pytest.approx(line.utilisation, rel=2e-4)  # as the file misses peaks
         assert check.fails[variant] == line.fails
         fails[variant] = alone.need(Checks).fails
         assert found.any_fails is not None
@@ -112,7 +112,8 @@ def test_variants_that_are_judged_are_those_files_too() -> None:
     assert check.correlation == pytest.approx(np.corrcoef(ranks)[0, 1], rel=1e-12)
 
 
-def test_figures_that_enter_as_a_sum_are_solved_one_by_one() -> None:
+def test_figures_that_enter_as_a_sum_are_found_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
     text = TWO.replace("stiffness: 20000", "stiffness: 20000, inertia: [0.1, 0.2]")
     found = swept(torsion.parse(text % "vary: {coupling-1.inertia.2: {uniform: 20 %}}, samples: 128"))
     exact = np.sqrt(20000 * (1 / 1.3 + 1 / (0.8 + 0.2 * found.factor[:, 0]))) / (2 * pi)

@@ -100,6 +100,11 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
     if phasors.shape[1] == 1:
         highest = np.abs(phasors[:, 0])
         return highest, -highest
+    acting = phasors.any(axis=1)
+    if not acting.all():
+        found = np.zeros((2, len(phasors)))
+        found[:, acting] = extremes(phasors[acting], harmonics)
+        return found[0], found[1]
     number = int(harmonics.max()) * SAMPLES
     turned = np.exp(2j * math.pi / number * (np.outer(np.arange(number), harmonics) % number))
     wave = turned.conj().view(np.float64).T.astype(np.float32)  # Re(a b*) is the product of both as real pairs

@@ -5,6 +5,7 @@ import numpy as np
 from torsion.analyses.sweep.sweep_settings import CHECKED, SweepSettings
 from torsion.analyses.sweep.sweep_summary import summed
 from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.variants.judged_together import judged_together
 from torsion.analyses.variants.one_by_one import Answers, solved
 from torsion.analyses.variants.sampling import units
 from torsion.analyses.variants.side_by_side import side_by_side
@@ -33,7 +34,14 @@ def run(work: Work) -> None:
             answers = Answers(frequency)
             step.method = "frequencies of all variants side by side, each certified by counts"
         else:
-            answers = solved(work, variation, values, nominal.size, judged=judged)
-            step.method = "every variant solved" + (" and judged" if judged else "")
+            together, how = judged_together(work, variation, values, nominal.size) if judged else (None, "")
+            if together is None:
+                how = (
+                    f"every variant solved and judged by itself: {how}" if judged else "every variant solved by itself"
+                )
+                seconds = len(values) * sum(line.seconds for line in work.log.lines)
+                work.progress(f"sweep, {how}; about {seconds:.0f} s", 0.0)
+                together = solved(work, variation, values, nominal.size, judged=judged)
+            answers, step.method = together, how
         step.size = f"{count} variants ({settings.method}) of {len(variation.figures)} figures"
     work.put(sweep=summed(variation, settings, values, nominal, answers))

@@ -1,7 +1,7 @@
 """Variants of a file solved one by one, and what is kept of each."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -43,12 +43,19 @@ class Answers:
             fails[place] |= check.fails
 
 
-def solved(work: Work, variation: Variation, values: FloatArray, modes: int, *, judged: bool) -> Answers:
-    """The answers of variants (variants, figures), each read, solved and judged as a file of its own."""
-    answers = Answers(np.full((modes, len(values)), np.nan))
+def solved(
+    work: Work, variation: Variation, values: FloatArray, modes: int, *, judged: bool,
+    known: Answers | None = None, places: Sequence[int] | None = None,
+) -> Answers:  # fmt: skip
+    """The answers of variants (variants, figures), each read, solved and judged as a file of its own.
+
+    known: answers to which those at the `places` alone are added.
+    """
+    answers = Answers(np.full((modes, len(values)), np.nan)) if known is None else known
+    chosen = range(len(values)) if places is None else places
     if work.solve is None:
         return answers
-    for place, found in enumerate(_each(work, work.solve, variation, values, judged)):
+    for place, found in zip(chosen, _each(work, work.solve, variation, values[chosen], judged), strict=True):
         answers.keep(place, found)
     return answers
 

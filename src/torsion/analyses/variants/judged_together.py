@@ -1,0 +1,113 @@
+"""Verdicts of many variants side by side, by the rules' own clauses at the speeds of all of them.
+
+Variants of which a share of a limit lies too near to 1, or a response is not ok, are left to be solved by themselves,
+and so are a few of the others, which have to say the same.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.analyses.variants.one_by_one import Answers, Key, solved
+from torsion.analyses.variants.variant_shares import Swept, swept, unfit
+from torsion.arrays import BoolArray, FloatArray
+from torsion.findings import Work
+from torsion.kernels.variant_response import vertex
+from torsion.study import Variation
+
+MARGIN = 1e-3  # of a limit: five times what a response of one file may miss of a peak (grid.GAIN)
+ROUGH = 0.05  # error of a share from which its variant is solved by itself
+COLUMNS = 2**15  # variants times speeds at once
+COMPARED = 4  # variants that are solved by themselves as well
+
+
+def judged_together(work: Work, variation: Variation, values: FloatArray, modes: int) -> tuple[Answers | None, str]:
+    """The answers of all variants, and how they were found; None, and why, where they have to be solved one by one."""
+    if why := unfit(work):
+        return None, why
+    train = swept(work, variation, values)
+    if train is None:
+        return None, "a figure enters neither as a power nor as a share of a sum"
+    count = len(values)
+    answers, left = Answers(np.full((modes, count), np.nan)), np.zeros(count, dtype=np.bool_)
+    errors = dict[Key, FloatArray]()
+    for part, frequency, found in _chunks(train, values, modes):
+        answers.frequency[: len(frequency), part] = frequency[:modes] / (2.0 * np.pi)
+        for key, (used, fails, error) in found.lines.items():
+            whole = answers.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+            whole[0][part], whole[1][part] = used, fails
+            errors.setdefault(key, np.zeros(count))[part] = error
+        left[part] = found.left
+        work.progress(f"sweep, {part.stop} of {count} variants side by side", part.stop / count)
+    compared = sorted({k * (count - 1) // (COMPARED - 1) for k in range(COMPARED)})
+    if not _agree(answers, errors, solved(work, variation, values[compared], modes, judged=True), compared, left):
+        return None, "a few of the variants do not say the same side by side"
+    places = np.flatnonzero(left).tolist()
+    for used, fails in answers.checks.values():
+        used[places], fails[places] = np.nan, False
+    solved(work, variation, values, modes, judged=True, known=answers, places=places)
+    largest = max(float(one[~left].max(initial=0.0)) for one in errors.values())
+    return answers, (
+        f"judged side by side, shares of limits right to {largest:.0e}; {len(places)} variants near a limit, and "
+        f"{len(compared)} to compare, solved by themselves"
+    )
+
+
+@dataclass(frozen=True)
+class _Chunk:
+    """Verdicts of some variants: by clause utilisation, fails and error (variants,); and which are left."""
+
+    lines: dict[Key, tuple[FloatArray, BoolArray, FloatArray]]
+    left: BoolArray
+
+
+def _chunks(train: Swept, values: FloatArray, modes: int) -> Iterator[tuple[slice, FloatArray, _Chunk]]:
+    """Variants in order with their frequencies (modes, variants) rad/s."""
+    points, begin = train.grid(train.enters.factors(values[:1]), modes)[0].shape[1], 0
+    while begin < len(values):
+        part = slice(begin, min(begin + max(1, COLUMNS // points), len(values)))
+        factor = train.enters.factors(values[part])
+        speed, frequency = train.grid(factor, modes)
+        points, begin = speed.shape[1], part.stop
+        yield part, frequency, _verdicts(train, speed, factor)
+
+
+def _verdicts(train: Swept, speed: FloatArray, factor: FloatArray) -> _Chunk:
+    """Of one chunk; where each clause's highest share stands between the speeds, it is computed there too."""
+    at = train.shares(speed, factor)
+    fine, place, _ = vertex(speed, at.share)
+    coarse = vertex(speed[:, ::2], at.share[:, :, ::2])[0]
+    there = train.shares(place.T, factor)
+    row = np.arange(len(at.keys))
+    used = np.fmax(at.share.max(axis=2), there.share[row, :, row])
+    with np.errstate(all="ignore"):
+        error = np.where(used > 0.0, np.abs(np.stack([fine, coarse]) / used - 1.0).max(axis=0), 0.0)
+    error[at.unlimited] = 0.0
+    is_sure = (np.abs(used - 1.0) > MARGIN + 2.0 * error * used) & (error < ROUGH)
+    lines = dict[Key, tuple[FloatArray, BoolArray, FloatArray]]()
+    for k, key in enumerate(at.keys):
+        own = np.where(at.unlimited[k], np.nan, used[k]), used[k] > 1.0, error[k]
+        if key in lines:
+            same = lines[key]
+            own = np.fmax(same[0], own[0]), same[1] | own[1], np.fmax(same[2], own[2])
+        lines[key] = own
+    return _Chunk(lines, ~(is_sure | at.unlimited).all(axis=0) | at.unclear | there.unclear)
+
+
+def _agree(
+    answers: Answers, errors: dict[Key, FloatArray], alone: Answers, places: Sequence[int], left: BoolArray
+) -> bool:
+    """What the variants at `places` say side by side is what they say `alone`, as far as they are not left."""
+    if alone.faults or alone.checks.keys() != answers.checks.keys():
+        return False
+    sure = ~left[places]
+    for key, (used, fails) in alone.checks.items():
+        own, error = answers.checks[key], errors[key][places]
+        mine, theirs = own[0][places][sure], used[sure]
+        near = (MARGIN + 2.0 * error[sure]) * np.abs(theirs)
+        close = np.isnan(mine) & np.isnan(theirs) | (np.abs(mine - theirs) <= near)
+        if not close.all() or (own[1][places] != fails)[sure].any():
+            return False
+    known = np.isfinite(alone.frequency)
+    return np.allclose(answers.frequency[:, places][known], alone.frequency[known], rtol=1e-12, atol=0.0)

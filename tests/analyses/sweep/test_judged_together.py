@@ -1,0 +1,188 @@
+"""Variants judged side by side: the verdicts of every variant solved by itself, shares of limits within their error."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.response.synthesis import extremes
+from torsion.analyses.sweep import sweep_run
+from torsion.analyses.sweep.sweep_results import Sweep
+from torsion.analyses.variants import judged_together, one_by_one
+from torsion.analyses.variants.one_by_one import Answers
+from torsion.analyses.variants.products import products
+from torsion.findings import Findings
+from torsion.study import Study
+
+DRIVE = """name: drive
+operation: {{speeds: {{from: 300 rpm, to: 1500 rpm, steps: 61}}, rated: {{speed: 1500 rpm, power: 100 kW}}{load}}}
+train:
+  - motor: {{name: motor, inertia: 1.2, ripple: [{{order: 2, torque: 2 %}}, {{order: 1/2, torque: 10 N*m}}]}}
+  - coupling: {{name: rubber, stiffness: 20000, {damping}, {limits}}}
+  - disc: {{name: disc, inertia: 0.35}}
+  - shaft: {{name: tail, length: 0.8, diameter: 0.06, material: light}}
+  - gear: {{name: gear, ratio: 2, mesh_stiffness: 1e8, inertia: [0.1, 0.05]}}
+  {more}
+  - coupling: {{name: other, stiffness: 300000, psi: 0.1}}
+  - propeller: {{name: pump, inertia: 0.95, blades: 4, {pump}
+      excitation: [{{blade_order: 1, torque: 5 %}}, {{blade_order: 2, torque: 2 %}}]}}
+materials: {{light: {{shear_modulus: 79.3 GPa, density: 0}}}}
+analyses: {{modes: {{count: 3}}, response: , sweep: {{vary: {{{vary}}}, samples: 128}}}}
+rules: {rules}
+"""
+USUAL = {
+    "load": "", "more": "", "damping": "psi: 0.8", "pump": "", "rules": "[coupling-maker, gear-hammer]",
+    "limits": "vibratory_torque: 76 N*m, rated_torque: 1 kN*m, max_torque: 700 N*m, heat_limit: 9 W",
+    "vary": "rubber.stiffness: {uniform: 15 %}, rubber.psi: {uniform: 20 %}, disc.inertia: {normal: 3 %}, "
+    "tail.diameter: {uniform: 5 %}, tail.length: {uniform: 5 %}, other.stiffness: {uniform: 20 %}",
+}  # fmt: skip
+TRAINS: dict[str, dict[str, str]] = {
+    "usual": {},
+    "constant load, viscous": {
+        "load": ", load: constant", "damping": "viscous: 18 N*m*s/rad",
+        "vary": "rubber.viscous: {uniform: 30 %}, rubber.stiffness: {uniform: 15 %}, pump.inertia: {uniform: 10 %}",
+    },
+    "limits over frequency": {
+        "limits": "vibratory_torque: {torque: 160 N*m, at: 10 Hz, above: sqrt}, heat_limit: {table: [[10 Hz, 12 W], "
+        "[40 Hz, 9 W]]}",
+    },
+    "inertias that are sums": {
+        "vary": "gear.inertia.1: {uniform: 30 %}, rubber.stiffness: {uniform: 15 %}, disc.inertia: {uniform: 10 %}",
+        "more": "- disc: {name: fan, inertia: 0.2}",
+    },
+    "continuous use": {
+        "rules": "[{coupling-maker: {continuous: {from: 700 rpm, to: 1300 rpm}}}, {gear-hammer: {limit: 0.3}}]",
+        "pump": "damping: {model: viscous, value: 3 N*m*s/rad}, ",
+    },
+}  # fmt: skip
+
+
+def drive(**given: str) -> Study:
+    return torsion.parse(DRIVE.format(**USUAL | given))
+
+
+EACH = slice(None, None, 3)  # variants that are solved by themselves as well
+
+
+def both_ways(study: Study, monkeypatch: pytest.MonkeyPatch) -> tuple[Answers, Answers]:
+    """The answers side by side, and of some variants those by themselves."""
+    found = list[Answers]()
+
+    def noted(work, variation, values, modes):
+        together, how = judged_together.judged_together(work, variation, values, modes)
+        found.extend([together, one_by_one.solved(work, variation, values[EACH], modes, judged=True)])
+        return together, how
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sweep_run, "judged_together", noted)
+        assert method(torsion.run(study)).startswith("judged side by side")
+    return found[0], found[1]
+
+
+def method(found: Findings) -> str:
+    return next(line.method for line in found.plan.done if line.what == "sweep")
+
+
+@pytest.mark.parametrize("train", TRAINS)
+def test_verdicts_side_by_side_are_those_of_every_variant_by_itself(
+    train: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, alone = both_ways(drive(**TRAINS[train]), monkeypatch)
+    assert found.checks.keys() == alone.checks.keys()
+    assert any(0 < fails.sum() < fails.size for _, fails in alone.checks.values())  # else nothing is decided
+    for key, (used, fails) in alone.checks.items():
+        assert np.array_equal(found.checks[key][1][EACH], fails)
+        assert found.checks[key][0][EACH] == pytest.approx(used, rel=1e-3)
+    assert found.frequency[:, EACH] == pytest.approx(alone.frequency, rel=1e-13)
+
+
+def places_left(study: Study, monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Variants that are left to be solved by themselves, which is then spared."""
+    left, solved = list[int](), one_by_one.solved
+
+    def noted(*given, **more):
+        if "known" not in more:
+            return solved(*given, **more)
+        left.extend(more["places"])
+        return more["known"]
+
+    with monkeypatch.context() as patch:
+        patch.setattr(judged_together, "solved", noted)
+        assert method(torsion.run(study)).startswith("judged side by side")
+    return left
+
+
+def test_a_variant_near_a_limit_is_solved_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The limit is what one of the variants has."""
+    small = {"limits": "vibratory_torque: 76 N*m", "rules": "[coupling-maker]"}
+    (check,) = torsion.run(drive(**small)).need(Sweep).checks
+    limit = float(np.sort(check.utilisation)[64]) * 76.0
+    left = places_left(drive(**small | {"limits": f"vibratory_torque: {limit!r} N*m"}), monkeypatch)
+    assert int(np.argsort(check.utilisation)[64]) in left
+    assert len(left) < 10
+
+
+def test_a_resonance_without_damping_is_left_to_be_solved_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    small = {"limits": "vibratory_torque: 76 N*m", "rules": "[coupling-maker]", "damping": "psi: 0"}
+    text = DRIVE.format(**USUAL | small | {"vary": "rubber.stiffness: {uniform: 15 %}"}).replace("psi: 0.1", "psi: 0")
+    assert places_left(torsion.parse(text), monkeypatch) == [*range(128)]
+
+
+@pytest.fixture
+def spared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Variants are not solved one by one."""
+    monkeypatch.setattr(sweep_run, "solved", lambda *given, **more: Answers(np.full((3, 128), np.nan)))
+
+
+@pytest.mark.usefixtures("spared")
+def test_variants_that_do_not_say_the_same_by_themselves_are_all_solved_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    exact = judged_together.swept
+
+    def wrong(*given):
+        train = exact(*given)
+        train.enters.power[1] += 0.5
+        return train
+
+    monkeypatch.setattr(judged_together, "swept", wrong)
+    assert "do not say the same" in method(torsion.run(drive()))
+
+
+@pytest.mark.usefixtures("spared")
+@pytest.mark.parametrize(
+    ("given", "why"),
+    [
+        ({"rules": "[coupling-maker, {nvh: {at: motor, fluctuation: 20 rpm}}]"}, "at each speed"),
+        ({"vary": "rubber.vibratory_torque: {uniform: 5 %}"}, "neither as a power"),
+        ({"vary": "gear.ratio: {uniform: 5 %}"}, "neither as a power"),
+    ],
+)
+def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(given: dict[str, str], why: str) -> None:
+    words = method(torsion.run(drive(**given)))
+    assert words.startswith("every variant solved and judged by itself")
+    assert why in words
+
+
+def test_figures_enter_rows_as_powers_or_as_a_share_of_a_sum() -> None:
+    figure = SimpleNamespace(name="one.key", rows=(), nominal=2.0)
+    for read, factor in (
+        (lambda x: [[x**2, 3 * x**2], [5.0, 5.0]], [[1.5**2], [1.0]]),
+        (lambda x: [[x + 1.0, 2 * x + 2.0], [1 / x, 7.0 / x]], [[4.0 / 3.0], [1.0 / 1.5]]),
+        (lambda x: [[x, x**2]], None),  # the samples of a row vary as one
+        (lambda x: [[x**2 + x, 1.0]], None),
+    ):
+        variation = SimpleNamespace(figures=[figure], study=lambda row: row[0])
+        found = products(variation, np.array([[2.0], [1.9]]), lambda x, read=read: np.array(read(x)))
+        assert (found is None) == (factor is None)
+        assert found is None or found.factors(np.array([[3.0]])) == pytest.approx(np.array(factor), rel=1e-14)
+
+
+def test_rows_of_waves_that_do_not_act_are_zero() -> None:
+    rng = np.random.default_rng(2)
+    phasors = rng.normal(size=(9, 3)) + 1j * rng.normal(size=(9, 3))
+    phasors[::2] = 0.0
+    highest, lowest = extremes(phasors, np.array([1, 2, 5]))
+    assert (highest[::2] == 0.0).all()
+    assert (lowest[::2] == 0.0).all()
+    other = extremes(phasors[1::2], np.array([1, 2, 5]))
+    assert np.array_equal(np.stack([highest, lowest])[:, 1::2], np.stack(other))
