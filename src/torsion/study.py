@@ -216,10 +216,16 @@ class Variation(Protocol):
 
     @property
     def figures(self) -> Sequence[Any]:
-        """What varies: name, law, column of the samples."""
+        """What varies, `torsion.schema.variation.Figure`: name, law, column of the samples, its values."""
 
-    def study(self, factor: Sequence[float]) -> "Study":
-        """The study with every figure times its factor."""
+    def study(self, values: Sequence[float]) -> "Study":
+        """The study with every figure at its value."""
+
+    def only(self, place: int, value: float) -> "Study":
+        """The study with one figure at a value, all others as in the file."""
+
+    def file(self, values: Sequence[float]) -> Any:
+        """The file with every figure at its value, `torsion.schema.fault_text.Source`."""
 
 
 @dataclass(frozen=True)
@@ -240,7 +246,7 @@ class Study:
     memory: float = MEMORY  # bytes that a response may need
     document: FrontMatter | None = None
     logo: str = ""  # its picture as a data URI
-    variation: "Variation | None" = field(default=None, repr=False, compare=False)  # figures that a sweep varies
+    variations: "Mapping[str, Variation]" = field(default_factory=dict, repr=False, compare=False)  # by the analysis
     case: Case | None = None  # which one of another study it is
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from torsion.study import Study
 
 UNBUILT = ("design", "fit")  # of the format, but not built yet
+VARYING = ("sweep", "design", "fit")  # whose settings vary figures of the file; a variant of it has none of them
 MODELS = ("lumped", "fem", "exact")
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, TypeVar
 
-from torsion.analyses import ANALYSES, UNBUILT
+from torsion.analyses import ANALYSES, UNBUILT, VARYING
 from torsion.components import KINDS, component
 from torsion.components.component import Component
 from torsion.components.harmonic_torques import Excitation
@@ -107,10 +107,10 @@ def _study(source: Source) -> Study:
 
             study = with_logo(study, study.document.logo, faults)
         faults += study_faults(study, _faulty(faults))
-        if "sweep" in study.analyses and not faults:
-            from torsion.schema.variation import with_variation
+        if not faults and any(name in study.analyses for name in VARYING):
+            from torsion.schema.variation import with_variations
 
-            study = with_variation(study, source, _study, faults)
+            study = with_variations(study, source, _study, faults)
     if faults or study is None:
         raise input_error(faults, source)
     if study.train.follows_speed:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from torsion.analyses.sweep.sampling import SCRAMBLES, factors, probability, units
-from torsion.analyses.sweep.sweep_settings import Law
+from torsion.analyses.variants.laws import Law
+from torsion.analyses.variants.sampling import SCRAMBLES, factors, probability, units
 
 EXACT = 0.110455774875150582  # two equal discs exceed 34 Hz: ln f is normal
 LAWS = [

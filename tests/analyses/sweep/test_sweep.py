@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.sweep import sweep_run
-from torsion.analyses.sweep.sampling import probability
 from torsion.analyses.sweep.sweep_results import Sweep
+from torsion.analyses.variants import one_by_one
+from torsion.analyses.variants.sampling import probability
 from torsion.errors import InputError, SolveError
 from torsion.findings import Plan, Unanswered
 from torsion.output.chapters import first_page
@@ -84,7 +84,7 @@ def test_frequencies_of_every_variant_are_the_closed_form() -> None:
 
 def test_variants_side_by_side_are_the_file_with_the_figures_written_in(monkeypatch: pytest.MonkeyPatch) -> None:
     study = drive(sweep=f"vary: {VARIED}, samples: 128, results: [modes]")
-    monkeypatch.setattr(sweep_run, "_each", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
     found = swept(study)
     for variant in (0, 31, 127):
         figures = written(found.factor[variant])
@@ -121,14 +121,14 @@ def test_figures_that_enter_as_a_sum_are_solved_one_by_one() -> None:
 
 def test_a_variant_without_an_answer_counts_as_failing(monkeypatch: pytest.MonkeyPatch) -> None:
     study, solve = drive(sweep="vary: {rubber.psi: {uniform: 1 %}}, samples: 128"), torsion.run
-    made = study.variation.study
+    made = study.variations["sweep"].study
 
     def one_in_four(factor: list[float]) -> Study:
         if factor[0] > 1.005:
             raise SolveError("no answer here")
         return made(factor)
 
-    object.__setattr__(study.variation, "study", one_in_four)
+    object.__setattr__(study.variations["sweep"], "study", one_in_four)
     found = solve(study).need(Sweep)
     assert found.unsolved == (found.factor[:, 0] > 1.005).sum() == 32
     assert found.faults == ("no answer here",)
@@ -143,17 +143,19 @@ def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
     work = SimpleNamespace(study=study, ruled=(), progress=lambda *given: None)
     plan = Plan((), (), {}, (left,))
     solve = lambda *given, **more: SimpleNamespace(plan=plan)  # noqa: E731
-    assert list(sweep_run._each(work, solve, study.variation, np.ones((1, 5)), judged=True)) == ["response: why"]
+    assert list(one_by_one._each(work, solve, study.variations["sweep"], np.ones((1, 5)), judged=True)) == [
+        "response: why"
+    ]
 
 
 def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_other() -> None:
     words = {"rule": "rule", "clause": "clause", "where": "where", "what": "what", "verdict": "pass", "fails": False}
     half, unknown = (SimpleNamespace(utilisation=share, **words) for share in (0.5, None))
-    lines: dict = {}
     for one in ((half, unknown), (unknown, half)):
         found = SimpleNamespace(get=lambda kind: None, results={"checks": SimpleNamespace(lines=one)})
-        sweep_run._keep(found, 0, np.empty((0, 1)), lines)
-        assert lines.popitem()[1][0] == [0.5]
+        answers = one_by_one.Answers(np.empty((0, 1)))
+        answers.keep(0, found)
+        assert answers.checks.popitem()[1][0] == [0.5]
 
 
 def test_variants_have_every_analysis_that_the_checks_of_the_file_read() -> None:
@@ -187,8 +189,8 @@ def test_tolerances_are_the_default() -> None:
     [
         ("vary: {coupling-2.stiffness: {uniform: 5 %}}", "6:46", "no component"),
         ("vary: {coupling-1.psi: {uniform: 5 %}}", "6:46", "does not give"),
-        ("vary: {coupling-1.stiffness: {}}", "6:68", "needs a law"),
-        ("vary: {coupling-1.stiffness: {uniform: 5 %, normal: 2 %}}", "6:91", "laws of one figure"),
+        ("vary: {coupling-1.stiffness: {}}", "6:68", "nothing says how"),
+        ("vary: {coupling-1.stiffness: {uniform: 5 %, normal: 2 %}}", "6:91", "exclude each other"),
         ("vary: {coupling-1.stiffness: {normal: 5 %, within: 4 %}}", "6:90", "`within`"),
         ("vary: {coupling-1.stiffness: {uniform: 120 %}}", "6:78", "out of range"),
         ('vary: {"*.mass": {uniform: 5 %}}', "6:46", "no component has a key `mass`"),

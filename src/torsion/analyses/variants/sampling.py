@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from torsion.analyses.sweep.sweep_settings import Law
+from torsion.analyses.variants.laws import Law
 from torsion.arrays import BoolArray, FloatArray
 
 SCRAMBLES = 8  # of Sobol's sequence, whose spread is the error of their mean

@@ -1,0 +1,67 @@
+"""What all variants of a sweep say together: spreads, probabilities, and which figure decides."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from torsion.analyses.sweep.sweep_results import Sweep, SweptCheck, VariedFigure
+from torsion.analyses.sweep.sweep_settings import SweepSettings
+from torsion.analyses.variants.one_by_one import Answers, Key
+from torsion.analyses.variants.sampling import probability, quantiles
+from torsion.arrays import BoolArray, FloatArray
+from torsion.study import Variation
+
+LEAST_SPREAD = 1e-9  # of a share of a limit: below it nothing decides
+MOST_FAULTS = 10
+
+
+def summed(
+    variation: Variation, settings: SweepSettings, factor: FloatArray, nominal: FloatArray, answers: Answers
+) -> Sweep:
+    """Statistics of what all variants (variants, figures) gave; nominal: frequencies of the file (modes,) Hz."""
+    frequency, lines, faults = answers.frequency, answers.checks, answers.faults
+    names = [one.name for one in variation.figures]
+    unsolved = np.zeros(len(factor), dtype=np.bool_)
+    unsolved[list(faults)] = True
+    checks = [
+        _check(key, used, fails | unsolved, factor, names, settings.method) for key, (used, fails) in lines.items()
+    ]
+    whole = None
+    if lines:
+        used = np.fmax.reduce([one.utilisation for one in checks])
+        fails = np.any([one.fails for one in checks], axis=0)
+        whole = _check(("", "", "", "any check"), used, fails, factor, names, settings.method)
+    known = frequency[:, np.isfinite(frequency).all(axis=0)] if frequency.size else frequency
+    known = known if known.size else np.full((len(nominal), 1), np.nan)
+    low, high = quantiles(known, (0.025, 0.975)).T.reshape(2, -1)
+    return Sweep(
+        tuple(VariedFigure(one.name, one.law.words, one.column + 1) for one in variation.figures), len(factor),
+        settings.method, settings.seed, len(faults), tuple(dict.fromkeys(faults.values()))[:MOST_FAULTS], nominal,
+        known.mean(axis=1), known.std(axis=1), low, high, known.min(axis=1), known.max(axis=1),
+        tuple(sorted(checks, key=lambda one: (-one.probability, -(one.worst or 0.0)))), whole, factor, frequency,
+    )  # fmt: skip
+
+
+def _check(
+    key: Key, used: FloatArray, fails: BoolArray, factor: FloatArray, names: Sequence[str], method: str
+) -> SweptCheck:  # fmt: skip
+    share, low, high = probability(fails, method)
+    known = used[np.isfinite(used)]
+    decides, correlation = _decides(used, factor)
+    return SweptCheck(
+        *key, int(fails.sum()), share, low, high, float(np.median(known)) if known.size else None,
+        float(known.max()) if known.size else None, names[decides] if correlation is not None else "", correlation,
+        used, fails,
+    )  # fmt: skip
+
+
+def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
+    """The figure whose ranks go most with those of the share of a limit, and how much."""
+    known = np.isfinite(used)
+    values = used[known]
+    if values.size < 3 or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
+        return 0, None
+    ranks = np.argsort(np.argsort(np.column_stack([values, factor[known]]), axis=0), axis=0).astype(float)
+    found = np.corrcoef(ranks, rowvar=False)[0, 1:]
+    best = int(np.argmax(np.abs(found)))
+    return best, float(found[best])

@@ -1,0 +1,156 @@
+"""How a figure of the file varies: by a law about its value, over a range, through a list or a catalogue."""
+
+import re
+from fractions import Fraction
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, WithJsonSchema
+
+from torsion import fields, units
+from torsion.fields import Declared, given, refuse, shown
+
+LAWS = ("uniform", "normal", "lognormal", "triangular")
+MOST_STEPS = 10_000_000
+Amount = Annotated[Any, WithJsonSchema({"type": ["number", "string"]})]
+
+
+def _without_sign(value: Any) -> Any:
+    """ "+-15 %" and "± 15 %" as "15 %"."""
+    return re.sub(r"^\s*(\+-|\+/-|±)\s*", "", value) if isinstance(value, str) else value
+
+
+Width = Annotated[
+    float,
+    fields.Quantity("1", above=0, below=1, usual=(None, 0.6), slip=("%",)),
+    BeforeValidator(_without_sign),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, +-15 % or 15 %"}]}),
+]
+
+
+def _amount(value: Any, key: str) -> tuple[Fraction, str]:
+    """A number and its unit as the file writes them; empty for a bare number."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise refuse(f"{shown(value)} is no number with a unit", "such as 55 mm", key)
+    try:
+        return units.amount(value) if isinstance(value, str) else (Fraction(repr(value)), "")
+    except (units.UnitFault, ValueError, OverflowError) as fault:
+        raise refuse(str(fault), "a number with its unit, such as 55 mm", key) from None
+
+
+class Choice(Declared):
+    """Values of one figure in place of that of the file: a list, a range, or the rows of a catalogue."""
+
+    values: tuple[Any, ...] | None = given("alternatives, each written as the file would: [56 mm, 60 mm, 65 mm]")
+    first: Amount | None = given("least value of a range, with its unit", alias="from")
+    last: Amount | None = given("greatest value, in the same unit", alias="to")
+    steps: Annotated[int, Field(ge=2, le=MOST_STEPS)] | None = given("how many values from one end to the other")
+    step: Amount | None = given("distance of the values, in the same unit, in place of `steps`")
+    catalogue: str | None = given("CSV file whose rows are alternatives of the component; a column a key, with `name`")
+
+    def refuse_clashes(self) -> None:
+        """One way, and a range with both ends in one unit."""
+        ways = self._ways()
+        if len(ways) != 1:
+            found = f"{' and '.join(ways)} exclude each other" if ways else "nothing says how the figure varies"
+            raise refuse(found, f"one of {', '.join(self._known_ways())}", key=ways[-1] if ways else "")
+        if self.values is not None and len(self.values) < 2:
+            raise refuse("a list of values needs two at least", "give alternatives", "values")
+        if ways[0] != "from":
+            extra = next((key for key in ("steps", "step") if getattr(self, key) is not None), None)
+            if extra is not None:
+                raise refuse(f"`{extra}` is of a range, `from` and `to`", "leave it out", extra)
+            return
+        if self.first is None or self.last is None:
+            missing, other = ("from", "to") if self.first is None else ("to", "from")
+            raise refuse(f"a range without `{missing}`", f"give both `{other}` and `{missing}`", other)
+        first, last = (_amount(value, key) for value, key in ((self.first, "from"), (self.last, "to")))
+        if first[1] != last[1]:
+            raise refuse(f"{shown(self.first)} and {shown(self.last)} are in different units", "one unit", "to")
+        if first[0] >= last[0]:
+            raise refuse(f"`from` {shown(self.first)} is not below `to` {shown(self.last)}", "exchange them", "from")
+        if self.step is not None:
+            step = _amount(self.step, "step")
+            if self.steps is not None:
+                raise refuse("`steps` and `step` exclude each other", "leave one out", "step")
+            if (
+                step[1] != first[1]
+                or not 0 < step[0] <= last[0] - first[0]
+                or (last[0] - first[0]) / step[0] > MOST_STEPS
+            ):
+                hint = f"in {first[1] or 'the same unit'}, above 0 and at most the range"
+                raise refuse(f"`step` {shown(self.step)} does not divide the range", hint, "step")
+
+    def _ways(self) -> list[str]:
+        given_range = [key for key, value in (("from", self.first), ("to", self.last)) if value is not None]
+        return [key for key in ("values", "catalogue") if getattr(self, key) is not None] + given_range[:1]
+
+    def _known_ways(self) -> tuple[str, ...]:
+        return "values", "from and to", "catalogue"
+
+    @property
+    def unit(self) -> str:
+        """In which a range is written; empty where it is in SI, or none."""
+        return "" if self.first is None else _amount(self.first, "from")[1]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Of a range, in its unit."""
+        return float(_amount(self.first, "from")[0]), float(_amount(self.last, "to")[0])
+
+    @property
+    def places(self) -> int | None:
+        """How many values a range has; None where every value within it is meant."""
+        if self.step is not None:
+            (low, high), step = self.ends, float(_amount(self.step, "step")[0])
+            return int((high - low) / step * (1.0 + 1e-12)) + 1
+        return self.steps
+
+    @property
+    def words(self) -> str:
+        """As the report states it."""
+        if self.values is not None:
+            return f"one of {len(self.values)} values"
+        if self.catalogue is not None:
+            return f"a row of {self.catalogue}"
+        places = self.places
+        return f"{self.first} to {self.last}" + (f", {places} values" if places else "")
+
+
+class Law(Choice):
+    """How one figure varies: one of four laws relative to the value of the file, or values in place of it."""
+
+    uniform: Width | None = given("any value within this of the file's is as likely: +-15 %")
+    normal: Width | None = given("standard deviation, the mean being the file's value: 5 %")
+    lognormal: Width | None = given("standard deviation of the logarithm, the median being the file's value")
+    triangular: Width | None = given("likeliest at the file's value, falling to nothing this far from it")
+    within: Width | None = given("no value farther from the file's than this; of `normal` (default: 3 deviations)")
+
+    def refuse_clashes(self) -> None:
+        """One way alone, and `within` with a normal law."""
+        super().refuse_clashes()
+        if self.within is not None and (self.normal is None or self.within <= self.normal):
+            raise refuse(
+                "`within` cuts a normal law at more than its deviation", "{normal: 5 %, within: 15 %}", "within"
+            )
+        if self.normal is not None and self.within is None and 3.0 * self.normal >= 1.0:
+            raise refuse("three deviations take the figure to 0", "`within: 90 %`, or lognormal", "normal")
+
+    def _ways(self) -> list[str]:
+        return [law for law in LAWS if getattr(self, law) is not None] + super()._ways()
+
+    def _known_ways(self) -> tuple[str, ...]:
+        return *LAWS, *super()._known_ways()
+
+    @property
+    def is_relative(self) -> bool:
+        """A law about the value of the file."""
+        return any(getattr(self, law) is not None for law in LAWS)
+
+    @property
+    def words(self) -> str:
+        """As the report states it."""
+        if not self.is_relative:
+            return super().words
+        name = next(law for law in LAWS if getattr(self, law) is not None)
+        width = f"{name} {'±' if name in ('uniform', 'triangular') else ''}{100.0 * getattr(self, name):.6g} %"
+        return width + ("" if self.within is None else f" within ±{100.0 * self.within:.6g} %")

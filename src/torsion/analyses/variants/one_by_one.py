@@ -1,0 +1,75 @@
+"""Variants of a file solved one by one, and what is kept of each."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import BoolArray, FloatArray
+from torsion.errors import InputError, SolveError
+from torsion.findings import Findings, Work
+from torsion.study import Variation
+
+READ = "engine", "coupling temperatures", "nonlinear peaks", "stability", "joints", "lateral", "transient"  # by checks
+Key = tuple[str, str, str, str]  # rule, clause, where, what
+
+
+@dataclass
+class Answers:
+    """What variants answer, a column each."""
+
+    frequency: FloatArray  # (modes, variants) Hz, NaN where unknown
+    checks: dict[Key, tuple[FloatArray, BoolArray]] = field(default_factory=dict)  # utilisation, fails: (variants,)
+    faults: dict[int, str] = field(default_factory=dict)  # why a variant has no answer
+
+    def keep(self, place: int, found: Findings | str) -> None:
+        """Put the frequencies and the verdicts of a variant, or why it has none, in its column."""
+        if isinstance(found, str):
+            self.faults[place] = found
+            return
+        own = found.get(Modes)
+        if own is not None:
+            here = own.frequency[: len(self.frequency)]
+            self.frequency[: len(here), place] = here
+        count = self.frequency.shape[1]
+        for check in getattr(found.results.get("checks"), "lines", ()):
+            if check.verdict == "outside":
+                continue
+            key = check.rule, check.clause, check.where, check.what
+            used, fails = self.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+            used[place] = np.fmax(used[place], np.nan if check.utilisation is None else check.utilisation)
+            fails[place] |= check.fails
+
+
+def solved(work: Work, variation: Variation, values: FloatArray, modes: int, *, judged: bool) -> Answers:
+    """The answers of variants (variants, figures), each read, solved and judged as a file of its own."""
+    answers = Answers(np.full((modes, len(values)), np.nan))
+    if work.solve is None:
+        return answers
+    for place, found in enumerate(_each(work, work.solve, variation, values, judged)):
+        answers.keep(place, found)
+    return answers
+
+
+def _each(
+    work: Work, solve: Callable[..., Findings], variation: Variation, values: FloatArray, judged: bool
+) -> Iterator[Findings | str]:  # fmt: skip
+    """Of every variant its findings, or why it has none."""
+    from torsion.analyses import ANALYSES
+
+    own = [name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)]
+    only = ("modes", *((*work.ruled, *own) if judged else ()))
+    begin = time.perf_counter()
+    for place, row in enumerate(values.tolist()):
+        left = (time.perf_counter() - begin) / max(place, 1) * (len(values) - place)
+        words = f", about {left:.0f} s left" if place else ""
+        work.progress(f"sweep, variant {place + 1} of {len(values)}{words}", place / len(values))
+        try:
+            study = variation.study(row)
+            one = study if judged else replace(study, rules=())
+            found = solve(one, only=only)
+            yield "; ".join(f"{left.what}: {left.why}" for left in found.plan.unanswered) or found
+        except (InputError, SolveError) as error:
+            yield "; ".join(fault.message for fault in error.faults) if isinstance(error, InputError) else error.message
