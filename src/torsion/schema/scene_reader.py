@@ -6,7 +6,7 @@ The kind of every entry of a train is decided first; the entry is then read in t
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from torsion.analyses import ANALYSES, UNBUILT, VARYING
 from torsion.components import KINDS, component
@@ -27,6 +27,9 @@ from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, Several, ShaftModel, Study
 from torsion.train import Link, Train, lowered, name_fault
+
+if TYPE_CHECKING:
+    from torsion.schema.variation import Variation
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
 Section = TypeVar("Section", bound=Declared)
@@ -75,6 +78,15 @@ def located(error: InputError, study: Study) -> InputError:
 
         return located_in_case(error, study.case)
     return input_error(list(error.faults), _with_tables(parse_source(study.text, study.file), dict(study.tables)))
+
+
+def movable(study: Study) -> "Variation":
+    """Every figure of a study, as read, that may be moved by hand; nothing is read from the disk for it."""
+    from torsion.schema import variation
+
+    case = None if study.case is None else study.case.source
+    source = _with_tables(parse_source(study.text, study.file), dict(study.tables)) if case is None else case
+    return variation.movable(study, source, _study)
 
 
 def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:

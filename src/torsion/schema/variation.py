@@ -140,6 +140,19 @@ def with_variations(study: Study, source: Source, read: Callable[[Source], Study
     return replace(study, variations=found)
 
 
+def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Variation:
+    """Every figure of a file that its sweep, design or fit varies, and its other tolerances, for moving by hand."""
+    columns: dict[object, int] = {}
+    figures: dict[str, Figure] = {}
+    for name, variation in study.variations.items():
+        for figure in variation.figures:
+            column = columns.setdefault((name, figure.column), len(columns))
+            figures.setdefault(figure.name, replace(figure, column=column))
+    for figure in _tolerances(study, _overlay(study, source)):
+        figures.setdefault(figure.name, replace(figure, column=columns.setdefault(figure.name, len(columns))))
+    return Variation(tuple(figures.values()), source, read, study)
+
+
 def _variation(
     study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault], name: str, settings: Varying
 ) -> Variation:  # fmt: skip

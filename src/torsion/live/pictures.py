@@ -1,0 +1,81 @@
+"""A study as the page of `torsion live` shows it: frequencies and Campbell diagram first, then all else."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from torsion.analyses import ANALYSES
+from torsion.analyses.undamped_modes import Modes
+from torsion.errors import InputError, SolveError
+from torsion.findings import Findings, Progress
+from torsion.output.blocks import Block, Box, Heading, Paragraph
+from torsion.output.chapters import critical_speeds, forced_response, natural_frequencies, verdict
+from torsion.output.document import numbered
+from torsion.output.figures.figure import Figure
+from torsion.output.html import fragment
+from torsion.output.reported_values import barred
+from torsion.results import listed
+from torsion.rules import rule
+from torsion.runner import run
+from torsion.study import Study
+
+LEFT_OUT = ("tolerances", "sweep", "design", "fit", "stability", "transient", "check")  # what a picture cannot wait for
+ELSEWHERE = "the live page leaves it out; `torsion solve` computes it"
+Fragment = dict[str, str]
+
+
+def light(study: Study) -> tuple[Study, tuple[str, ...]]:
+    """The study without its cases and what takes long, and in words what that leaves out."""
+    analyses = {name: given for name, given in study.analyses.items() if name not in LEFT_OUT}
+    rules = tuple(pair for pair in study.rules if not set(rule(pair[0]).needs) & set(LEFT_OUT))
+    names = [name for name in LEFT_OUT if name in study.analyses or (name == "tolerances" and study.has_tolerances)]
+    words = [ANALYSES[name].title if name in ANALYSES else name for name in names]
+    words += [f"rule {pair[0]}" for pair in study.rules if pair not in rules]
+    words += [f"cases {', '.join(study.cases)}"] if study.cases else []
+    return replace(study, analyses=analyses, rules=rules, cases={}), tuple(words)
+
+
+def modes_of(study: Study) -> Fragment:
+    """The natural frequencies and the Campbell diagram of a study, solved alone; in words why there are none."""
+    try:
+        return _modes(run(study, only=("critical",)))
+    except (InputError, SolveError):  # where the whole has no answer either, that is reported
+        return fragment([*numbered([Paragraph("No natural frequencies.", "note")])])
+
+
+def whole_of(
+    study: Study, words: Iterable[str], moved: Iterable[str], progress: Progress
+) -> tuple[Fragment, Fragment | None]:
+    """First page and response; and the frequencies again where barred ranges belong into the Campbell diagram.
+
+    words: what is left out; moved: figures that are not those of the file.
+    """
+    found = run(study, progress=progress)
+    plan = replace(found.plan, left_out=(*found.plan.left_out, *((one, ELSEWHERE) for one in words)))
+    if names := listed(moved):  # no checksum of a file stands for them
+        study = replace(study, file=f"{study.file} with another {names}", text="")
+    found = replace(found, plan=plan, study=study)
+    first, response = _kept(verdict.chapter(found)), _kept(forced_response.chapter(found))
+    return fragment([*numbered([*first, *response])]), _modes(found) if barred(found) else None
+
+
+def _modes(found: Findings) -> Fragment:
+    modes = found.get(Modes)
+    if modes is None or not modes.frequency.size:
+        reason = next((why for what, why in found.plan.left_out if what == ANALYSES["modes"].title), "there are none")
+        return fragment([*numbered([Paragraph(f"No natural frequencies: {reason}.", "note")])])
+    blocks = [*_criticals(found), Heading("Natural frequencies"), natural_frequencies.frequencies(modes)]
+    return fragment([*numbered(blocks)])
+
+
+def _criticals(found: Findings) -> Iterator[Block]:
+    """The Campbell diagram; nothing where no order excites."""
+    if "critical_speeds" in found.results:
+        yield from _kept(critical_speeds.chapter(found))
+
+
+def _kept(blocks: Iterable[Block]) -> Iterator[Block]:
+    """What of a chapter has room beside sliders: headings, the verdict, figures and notes."""
+    for block in blocks:
+        match block:
+            case Heading(level=1) | Box() | Figure() | Paragraph(kind="note" | "pass" | "fail"):
+                yield block
