@@ -7,8 +7,8 @@ request reaches the disk: nothing is read but what the session follows, and noth
 
 import hmac
 import json
-import math
 import secrets
+import sys
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,11 @@ class Server(ThreadingHTTPServer):
     def __init__(self, session: Session, port: int = 0) -> None:
         super().__init__(("127.0.0.1", port), Handler)
         self.session, self.token, self.page = session, secrets.token_urlsafe(32), page()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A connection that breaks off is no fault."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
 
     @property
     def address(self) -> str:
@@ -82,10 +87,9 @@ class Handler(BaseHTTPRequestHandler):
             case "/next", {"seen": int(seen), **rest} if not rest:
                 return session.news(seen)
             case "/set", {"values": dict(values), **rest} if not rest:
-                numbers = {name: float(one) for name, one in values.items() if isinstance(one, int | float)}
-                if len(numbers) < len(values) or not all(map(math.isfinite, numbers.values())):
+                if not all(isinstance(one, int | float) and abs(one) < MOST for one in values.values()):  # nor NaN
                     raise Refusal(400)
-                return {"turn": session.move(numbers)}
+                return {"turn": session.move({name: float(one) for name, one in values.items()})}
             case "/next" | "/set", _:
                 raise Refusal(400)
         raise Refusal(404)

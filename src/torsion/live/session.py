@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Mapping
 from contextlib import suppress
+from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -33,24 +34,25 @@ class Session:
         self._is_busy, self._is_ended = False, False
         self._at, self._began = 0, 0.0  # the request that the solver has begun last, and when
         self._limit, self._overtaken = float("inf"), float("inf")  # when the solver is stopped
+        self._pipe: Connection | None = None
+        self._process: BaseProcess | None = None
         self._files: tuple[str, ...] = (str(Path(file).absolute()),)
         self._context = _context()
         self._show(name=self.file if case is None else f"{self.file}, case {case}")
 
     def start(self) -> None:
         """Begin to solve, and to look at the files."""
-        self._start_worker()
         self._request(None)
-        for task in (self._watch, self._receive):
+        for task in (self._receive, self._watch):
             threading.Thread(target=task, daemon=True).start()
 
     def end(self) -> None:
         """Stop the solver, and let every page go that waits."""
         with self._lock:
             self._is_ended = True
-            self._process.kill()
             self._lock.notify_all()
-        self._process.join()
+            if self._process is not None:
+                self._process.kill()
 
     def move(self, positions: Mapping[str, float]) -> int:
         """Solve with the sliders at these positions; the number of the request."""
@@ -84,22 +86,34 @@ class Session:
             return self._turn
 
     def _send(self) -> None:
-        self._is_busy = True
         self._show(state={"text": "solving …"})
+        if self._pipe is None:  # it is being started
+            return
+        if not self._is_busy:
+            self._limit = time.monotonic() + LIMIT
+        self._is_busy = True
         with suppress(OSError):  # it has just ended; who hears that sends it again
             self._pipe.send(self._latest)
 
     def _start_worker(self) -> None:
-        self._at = 0
-        self._limit = self._overtaken = float("inf")
-        self._pipe, far = self._context.Pipe()
-        self._process: BaseProcess = self._context.Process(target=work, args=(far,), daemon=True)  # type: ignore[attr-defined]
-        self._process.start()
+        """A process that solves, and the latest request for it; the first takes a second or two, others start warm."""
+        near, far = self._context.Pipe()
+        process: BaseProcess = self._context.Process(target=work, args=(far,), daemon=True)  # type: ignore[attr-defined]
+        process.start()
         far.close()
+        with self._lock:
+            self._at, self._is_busy = 0, False
+            self._limit = self._overtaken = float("inf")
+            self._pipe, self._process = near, process
+            if self._is_ended:
+                process.kill()
 
     def _receive(self) -> None:
         """Show what the solver finds; where it ends, start another."""
-        while not self._is_ended:
+        self._start_worker()
+        with self._lock:
+            self._send()
+        while not self._is_ended and self._pipe is not None:
             try:
                 turn, found = self._pipe.recv()
             except (EOFError, OSError):
@@ -131,15 +145,15 @@ class Session:
     def _restart(self) -> None:
         """Another solver in place of one that has ended, for the latest request where it was for an earlier one."""
         with self._lock:
-            if self._is_ended:
+            if self._is_ended or self._process is None:
                 return
             self._process.join()
             is_late, is_overtaken = time.monotonic() > self._limit, 0 < self._at < self._turn
+            is_late &= not is_overtaken or time.monotonic() < self._overtaken
             self._start_worker()
-            if is_overtaken:
+            if is_overtaken and not is_late:
                 self._send()
                 return
-            self._is_busy = False
             why = f"there is no picture within {LIMIT:.0f} s" if is_late else "the process that solves has ended"
             self._show(faults={"text": f"{self.file}: {why} (`torsion solve` has no such limit)"}, state={"text": ""})
 
@@ -149,7 +163,7 @@ class Session:
         while not self._is_ended:
             time.sleep(TICK)
             with self._lock:
-                if time.monotonic() > min(self._limit, self._overtaken):
+                if self._process is not None and time.monotonic() > min(self._limit, self._overtaken):
                     self._process.kill()
             if files != self._files:  # stamps of files that were followed before stay
                 known, files = dict(zip(files, before, strict=True)), self._files
@@ -166,11 +180,11 @@ class Session:
 
 
 def _context() -> BaseContext:
-    """Processes that begin with everything imported, where the system has them."""
+    """Processes that begin warm, where the system has them."""
     is_known = "forkserver" in multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("forkserver" if is_known else "spawn")
     if is_known:
-        context.set_forkserver_preload(["torsion.live.pictures", "torsion.live.sliders", "torsion.commands"])
+        context.set_forkserver_preload(["torsion.live.warm"])
     return context
 
 

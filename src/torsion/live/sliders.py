@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.errors import Fault, InputError
 from torsion.schema.overlay import in_words, node_at
-from torsion.schema.variation import ENDS, Figure, Variation
+from torsion.schema.variation import Figure, Variation
 from torsion.study import Study
 
 STEPS = 100  # of a slider without steps of its own, about
@@ -55,7 +55,7 @@ def _slider(figures: list[Figure]) -> Slider:
     name, first = ", ".join(figure.name for figure in figures), figures[0]
     if first.places:
         return Slider(name, tuple(figures), 0.0, first.places - 1.0, 1.0)
-    low, high = np.sort(first.at(ENDS)).tolist()
+    low, high = np.sort(first.ends).tolist()
     digits = 1 - math.floor(math.log10((high - low) / STEPS))
     step = 10.0 ** (1 - digits)
     ends = math.ceil(low / step - 0.01) * step, math.floor(high / step + 0.01) * step
