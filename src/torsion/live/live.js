@@ -34,9 +34,9 @@ const moved = () => {
 };
 const request = () => { wanted = { ...values }; TIMES.input = performance.now(); moved(); send(); };
 const made = (one) => { // a slider
-  const label = document.createElement("label"), input = document.createElement("input"), output = document.createElement("output");
+  const label = document.createElement("label"), input = document.createElement("input"), output = document.createElement("span");
   label.dataset.name = one.name;
-  Object.assign(input, { type: "range", min: one.low, max: one.high, step: one.step });
+  Object.assign(input, { type: "range", min: one.low, max: one.high, step: one.step, ariaLabel: one.name });
   input.addEventListener("input", () => {
     if (one.nominal !== null && Number(input.value) === one.nominal) delete values[one.name]; else values[one.name] = Number(input.value);
     request();
@@ -54,7 +54,7 @@ const slid = (sliders, turn) => {
   const isLatest = wanted === null && turn >= sent.turn;
   if (isLatest) values = Object.fromEntries(sliders.filter((one) => one.moved).map((one) => [one.name, one.now]));
   sliders.forEach((one, k) => {
-    const [output, input] = $("each").children[k].querySelectorAll("output, input");
+    const [output, input] = $("each").children[k].querySelectorAll("span, input");
     output.textContent = one.text;
     if (isLatest) input.value = one.now;
     input.setAttribute("aria-valuetext", one.text);
