@@ -23,34 +23,33 @@ ELSEWHERE = "the live page leaves it out; `torsion solve` computes it"
 Fragment = dict[str, str]
 
 
-def light(study: Study) -> tuple[Study, tuple[str, ...]]:
-    """The study without its cases and what takes long, and in words what that leaves out."""
-    analyses = {name: given for name, given in study.analyses.items() if name not in LEFT_OUT}
-    rules = tuple(pair for pair in study.rules if not set(rule(pair[0]).needs) & set(LEFT_OUT))
-    names = [name for name in LEFT_OUT if name in study.analyses or (name == "tolerances" and study.has_tolerances)]
-    words = [ANALYSES[name].title if name in ANALYSES else name for name in names]
-    words += [f"rule {pair[0]}" for pair in study.rules if pair not in rules]
-    words += [f"cases {', '.join(study.cases)}"] if study.cases else []
-    return replace(study, analyses=analyses, rules=rules, cases={}), tuple(words)
+def left_out(study: Study) -> tuple[str, ...]:
+    """What of a study its pictures do without, in words."""
+    names = [ANALYSES[name].title if name in ANALYSES else name for name in LEFT_OUT if _is_wanted(study, name)]
+    rules = [f"rule {name}" for name, _ in study.rules if set(rule(name).needs) & set(LEFT_OUT)]
+    return (*names, *rules, *([f"cases {', '.join(study.cases)}"] if study.cases else []))
+
+
+def _is_wanted(study: Study, name: str) -> bool:
+    return name in study.analyses or (name in ANALYSES and ANALYSES[name].wanted(study))
 
 
 def modes_of(study: Study) -> Fragment:
     """The natural frequencies and the Campbell diagram of a study, solved alone; in words why there are none."""
     try:
-        return _modes(run(study, only=("critical",)))
+        return _modes(run(replace(study, cases={}), only=("critical",)))
     except (InputError, SolveError):  # where the whole has no answer either, that is reported
         return fragment([*numbered([Paragraph("No natural frequencies.", "note")])])
 
 
-def whole_of(
-    study: Study, words: Iterable[str], moved: Iterable[str], progress: Progress
-) -> tuple[Fragment, Fragment | None]:
+def whole_of(study: Study, moved: Iterable[str], progress: Progress) -> tuple[Fragment, Fragment | None]:
     """First page and response; and the frequencies again where barred ranges belong into the Campbell diagram.
 
-    words: what is left out; moved: figures that are not those of the file.
+    moved: figures that are not those of the file.
     """
-    found = run(study, progress=progress)
-    plan = replace(found.plan, left_out=(*found.plan.left_out, *((one, ELSEWHERE) for one in words)))
+    quick = [name for name in ANALYSES if name not in LEFT_OUT and _is_wanted(study, name)]
+    found = run(replace(study, cases={}), only=quick, progress=progress)
+    plan = replace(found.plan, left_out=(*found.plan.left_out, *((one, ELSEWHERE) for one in left_out(study))))
     if names := listed(moved):  # no checksum of a file stands for them
         study = replace(study, file=f"{study.file} with another {names}", text="")
     found = replace(found, plan=plan, study=study)

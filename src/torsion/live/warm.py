@@ -2,14 +2,14 @@
 
 import gc
 
-from torsion.live.pictures import light, modes_of, whole_of
+from torsion.live.pictures import modes_of, whole_of
 from torsion.live.sliders import shown
 from torsion.schema import template
 from torsion.schema.scene_reader import movable, parse
 
-study, _ = light(parse(template("example.yaml")))
+study = parse(template("example.yaml"))
 shown(movable(study), {})
 modes_of(study)
-whole_of(study, (), (), lambda what, share: None)
+whole_of(study, (), lambda what, share: None)
 gc.collect()
 gc.freeze()

@@ -104,13 +104,12 @@ class Solver:
             self.read = self._opened(request)
         positions = request.positions or {}
         study, variation = self.read
-        solved, words = pictures.light(study)
+        words = "; ".join(pictures.left_out(study))
         self.send(request.turn, sliders={"turn": request.turn, "each": sliders.shown(variation, positions)})
-        self.send(request.turn, notes={"text": f"Left out on this page: {'; '.join(words)}." if words else ""})
-        if positions:
-            solved, _ = pictures.light(sliders.moved_study(study, variation, positions))
+        self.send(request.turn, notes={"text": f"Left out on this page: {words}." if words else ""})
+        solved = sliders.moved_study(study, variation, positions)
         self.send(request.turn, modes={"turn": request.turn, **pictures.modes_of(solved)})
-        report, modes = pictures.whole_of(solved, words, positions, self._progress)
+        report, modes = pictures.whole_of(solved, positions, self._progress)
         if modes is not None:
             self.send(request.turn, modes={"turn": request.turn, **modes})
         self.send(request.turn, report={"turn": request.turn, **report})

@@ -7,7 +7,7 @@ const unpacked = async (store) => { // its arrays; first bytes of all doubles, s
   const stream = new Blob([short]).stream().pipeThrough(new DecompressionStream("deflate"));
   const bytes = new Uint8Array(await new Response(stream).arrayBuffer()), count = bytes.length / 8;
   const doubles = new Uint8Array(bytes.length);
-  bytes.forEach((byte, at) => { doubles[8 * (at % count) + Math.floor(at / count)] = byte; });
+  for (let place = 0; place < 8; place++) for (let at = 0; at < count; at++) doubles[8 * at + place] = bytes[place * count + at];
   let from = 0;
   return store.lengths.map((length) => new Float64Array(doubles.buffer, 8 * ((from += length) - length), length));
 };
