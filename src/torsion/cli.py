@@ -206,17 +206,19 @@ def live(
     is for this machine alone and writes nothing; its address bears a token. Ctrl-C ends it. Exit status: 0, or 2 where
     there is no such file or the port is taken.
     """
-    from torsion.live.server import follow
+    from torsion.live.server import Server
+    from torsion.live.session import Session
 
     if not file.is_file():
         _stop(f"{file}: this is no file", BAD_INPUT)
     try:
-        server = follow(file, case, port)
+        server = Server(Session(file, case), port)
     except OSError as error:
         _stop(f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)", BAD_INPUT)
     try:
         typer.echo(f"{file} is shown at {server.address}\nCtrl-C ends it")
         sys.stdout.flush()
+        server.session.start()
         if not no_browser:
             import webbrowser
 

@@ -18,7 +18,9 @@ from torsion.rules import rule
 from torsion.runner import run
 from torsion.study import Study
 
-LEFT_OUT = ("tolerances", "sweep", "design", "fit", "stability", "transient", "check")  # what a picture cannot wait for
+LEFT_OUT = (  # what a picture cannot wait for
+    "tolerances", "sweep", "design", "fit", "periodic", "stability", "stability map", "transient", "check",
+)  # fmt: skip
 ELSEWHERE = "the live page leaves it out; `torsion solve` computes it"
 Fragment = dict[str, str]
 

@@ -10,7 +10,6 @@ import json
 import secrets
 import sys
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from typing import Any
 
 from torsion.live.page import POLICY, page
@@ -140,11 +139,3 @@ class Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Nothing is printed."""
-
-
-def follow(file: str | Path, case: str | None = None, port: int = 0) -> Server:
-    """A server that shows a file, its solver under way; `serve_forever` answers. Raises OSError: the port is taken."""
-    session = Session(file, case)
-    server = Server(session, port)
-    session.start()
-    return server

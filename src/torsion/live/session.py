@@ -148,10 +148,9 @@ class Session:
             if self._is_ended or self._process is None:
                 return
             self._process.join()
-            is_late, is_overtaken = time.monotonic() > self._limit, 0 < self._at < self._turn
-            is_late &= not is_overtaken or time.monotonic() < self._overtaken
+            is_late, is_pending = time.monotonic() > self._limit, 0 < self._at < self._turn
             self._start_worker()
-            if is_overtaken and not is_late:
+            if is_pending:
                 self._send()
                 return
             why = f"there is no picture within {LIMIT:.0f} s" if is_late else "the process that solves has ended"

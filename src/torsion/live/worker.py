@@ -116,12 +116,13 @@ class Solver:
 
     def _opened(self, request: Request) -> "tuple[Study, Variation]":
         from torsion.commands import one_case
-        from torsion.schema.scene_reader import movable, read
+        from torsion.schema.scene_reader import read, reread
+        from torsion.schema.variation import movable
 
         self.reads.paths = {str(Path(request.file).absolute())}
         whole = read(request.file)
         study = whole if request.case is None else one_case(whole, request.case)
-        return study, movable(study)
+        return study, movable(study, *reread(study))
 
     def _progress(self, what: str, share: float) -> None:
         if self.pipe.poll():

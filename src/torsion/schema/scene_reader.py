@@ -3,10 +3,10 @@
 The kind of every entry of a train is decided first; the entry is then read in the words of that kind.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from torsion.analyses import ANALYSES, UNBUILT, VARYING
 from torsion.components import KINDS, component
@@ -27,9 +27,6 @@ from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, Several, ShaftModel, Study
 from torsion.train import Link, Train, lowered, name_fault
-
-if TYPE_CHECKING:
-    from torsion.schema.variation import Variation
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
 Section = TypeVar("Section", bound=Declared)
@@ -80,13 +77,10 @@ def located(error: InputError, study: Study) -> InputError:
     return input_error(list(error.faults), _with_tables(parse_source(study.text, study.file), dict(study.tables)))
 
 
-def movable(study: Study) -> "Variation":
-    """Every figure of a study, as read, that may be moved by hand; nothing is read from the disk for it."""
-    from torsion.schema import variation
-
+def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
+    """The file of a study as it was read, of a case with its values, and what reads one with other values."""
     case = None if study.case is None else study.case.source
-    source = _with_tables(parse_source(study.text, study.file), dict(study.tables)) if case is None else case
-    return variation.movable(study, source, _study)
+    return case or _with_tables(parse_source(study.text, study.file), dict(study.tables)), _study
 
 
 def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:
