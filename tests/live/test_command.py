@@ -41,7 +41,7 @@ def test_ctrl_c_ends_it_without_a_word(tmp_path: Path) -> None:
         with urlopen(first.split()[-1].partition("#")[0]) as page:  # it has begun to answer
             assert page.status == 200
         process.send_signal(signal.SIGINT)
-        rest, errors = process.communicate(timeout=20)
+        rest, errors = process.communicate(timeout=60)
     assert first.startswith(f"{file} is shown at http://127.0.0.1:")
     assert (second, rest, errors, process.returncode) == ("Ctrl-C ends it\n", "", "", 0)
     assert [path.name for path in tmp_path.iterdir()] == ["pair.yaml"]

@@ -57,7 +57,7 @@ class Follower:
         for _ in range(100):
             news = self.session.news(self.seen, wait)
             assert wait == 0.0 or news["seen"] > self.seen, f"{words} are not shown: {plain(text)}"
-            self.seen, wait = news.pop("seen"), 10.0
+            self.seen, wait = news.pop("seen"), 60.0
             self.known |= news
             text = str(self.known.get(key, ""))
             if all(one in text for one in words):

@@ -7,8 +7,8 @@ from torsion.analyses import ANALYSES
 from torsion.analyses.undamped_modes import Modes
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Progress
-from torsion.output.blocks import Block, Box, Heading, Paragraph
-from torsion.output.chapters import critical_speeds, forced_response, natural_frequencies, verdict
+from torsion.output.blocks import Block, Heading, PageEnd, Paragraph
+from torsion.output.chapters import critical_speeds, first_page, forced_response, natural_frequencies
 from torsion.output.document import numbered
 from torsion.output.figures.figure import Figure
 from torsion.output.html import fragment
@@ -55,8 +55,9 @@ def whole_of(study: Study, moved: Iterable[str], progress: Progress) -> tuple[Fr
     if names := listed(moved):  # no checksum of a file stands for them
         study = replace(study, file=f"{study.file} with another {names}", text="")
     found = replace(found, plan=plan, study=study)
-    first, response = _kept(verdict.chapter(found)), _kept(forced_response.chapter(found))
-    return fragment([*numbered([*first, *response])]), _modes(found) if barred(found) else None
+    blocks = [Heading("Verdict"), *first_page.blocks(found, ()), *forced_response.without_tables(found)]
+    page = fragment([*numbered([one for one in blocks if not isinstance(one, PageEnd)])])
+    return page, _modes(found) if barred(found) else None
 
 
 def _modes(found: Findings) -> Fragment:
@@ -71,12 +72,4 @@ def _modes(found: Findings) -> Fragment:
 def _criticals(found: Findings) -> Iterator[Block]:
     """The Campbell diagram; nothing where no order excites."""
     if "critical_speeds" in found.results:
-        yield from _kept(critical_speeds.chapter(found))
-
-
-def _kept(blocks: Iterable[Block]) -> Iterator[Block]:
-    """What of a chapter has room beside sliders: headings, the verdict, figures and notes."""
-    for block in blocks:
-        match block:
-            case Heading(level=1) | Box() | Figure() | Paragraph(kind="note" | "pass" | "fail"):
-                yield block
+        yield from (one for one in critical_speeds.chapter(found) if isinstance(one, Heading | Figure))

@@ -48,19 +48,19 @@ def html(document: Document) -> str:
 
 def fragment(body: Sequence[Numbered]) -> dict[str, str]:
     """Blocks without cover and contents, as a page that is there already takes them: `main`, its `numbers`, `dark`."""
-    drawn, template = _drawn(body), environment().get_template("report_main.html")
+    drawn, template = _drawn(body, level=1), environment().get_template("report_main.html")
     main = template.render(drawn=drawn, body=body, chapters=(), has_first_page=False)
     return {"main": main, "numbers": str(drawn.numbers), "dark": str(drawn.on_dark)}
 
 
-def _drawn(body: Sequence[Numbered]) -> Drawn:
-    """Every figure drawn."""
+def _drawn(body: Sequence[Numbered], level: int = 9) -> Drawn:
+    """Every figure drawn; level: of zlib, 1 where it is to be soon rather than short."""
     live = Page()
     figures = [item.block for item in body if isinstance(item.block, Figure)]
     drawings = {figure.name: _figure(live, figure) for figure in figures}
     surfaces = {figure.name for figure in figures if any(isinstance(panel, Twisted) for panel in figure.panels)}
     dark = rules(text for name, text in drawings.items() if name not in surfaces)  # theirs are a scale
-    return Drawn(drawings, Markup(live.numbers()), Markup(dark))
+    return Drawn(drawings, Markup(live.numbers(level)), Markup(dark))
 
 
 @cache

@@ -51,7 +51,7 @@ class Live:
 
     def until(self, frame: Any, words: str) -> None:
         """Wait until a frame shows the words."""
-        frame.get_by_text(words, exact=True).first.wait_for(timeout=20_000)
+        frame.get_by_text(words, exact=True).first.wait_for(timeout=60_000)
 
 
 @pytest.fixture(scope="module")
