@@ -18,7 +18,7 @@ FLOORS = {
     "rules": 7,
     "schema": 8,
     "output": 9,
-    "runner": 10, "commands": 11, "cli": 12, "__main__": 13,
+    "runner": 10, "commands": 11, "live": 12, "cli": 13, "__main__": 14,
 }  # fmt: skip
 DOORS = {
     "yaml": ("schema/yaml_source.py",),

@@ -193,6 +193,44 @@ def sketch(
         typer.echo(f"Sketch: {commands.sketch(file, out, case=case)}")
 
 
+@app.command()
+def live(
+    file: File,
+    case: Case = None,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page (default: a free one).")] = 0,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open no browser.")] = False,
+) -> None:
+    """Show a page that follows the file: verdict, Campbell diagram and response, solved again whenever it is saved.
+
+    Every toleranced figure of the file, and every figure that its sweep, design or fit varies, has a slider. The page
+    is for this machine alone and writes nothing; its address bears a token. Ctrl-C ends it. Exit status: 0, or 2 where
+    there is no such file or the port is taken.
+    """
+    from torsion.live.server import Server
+    from torsion.live.session import Session
+
+    if not file.is_file():
+        _stop(f"{file}: this is no file", BAD_INPUT)
+    try:
+        server = Server(Session(file, case), port)
+    except OSError as error:
+        _stop(f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)", BAD_INPUT)
+    try:
+        typer.echo(f"{file} is shown at {server.address}\nCtrl-C ends it")
+        sys.stdout.flush()
+        server.session.start()
+        if not no_browser:
+            import webbrowser
+
+            webbrowser.open(server.address)
+        server.serve_forever(0.1)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        server.session.end()
+        server.server_close()
+
+
 @contextmanager
 def _refusals(file: Path) -> Iterator[None]:
     """End with a message and its exit status where there is no answer."""

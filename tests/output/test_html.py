@@ -18,8 +18,9 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.document import Cover, Document, Numbered, document, numbered
-from torsion.output.html import SCRIPTS, anchor, css_text, has_long_word, html
+from torsion.output.html import anchor, css_text, has_long_word, html
 from torsion.output.numbers import number
+from torsion.output.page_files import SCRIPTS
 from torsion.output.selection import elements
 from torsion.rules.verdict_line import Checks
 

@@ -1,10 +1,10 @@
 """The report as one self-contained HTML page: style, figures and their script are in the page, which prints on A4."""
 
-import re
 from base64 import b64encode
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
-from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -17,36 +17,58 @@ from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import SUBSCRIPT
 from torsion.output.figures.figure import Figure, Twisted
 from torsion.output.numbers import NONE
+from torsion.output.page_files import TEMPLATES, script, style
 
 LONG_WORD = 20  # characters
-SCRIPTS = tuple(f"report_{part}.js" for part in ("numbers", "plots", "cursor", "input", "modes", "page"))
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The drawings of a page by the names of their figures, and what they need beside them."""
+
+    drawings: Mapping[str, Markup]
+    numbers: Markup  # JSON for the script of the page
+    on_dark: Markup  # rules of style on a dark screen
+
+    def __call__(self, figure: Figure) -> Markup:
+        """The drawing of a figure, as the templates show it."""
+        return self.drawings[figure.name]
 
 
 def html(document: Document) -> str:
     """The page."""
+    drawn, own = _drawn(document.body), Markup(script())
+    chapters = [item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1]
+    return environment().get_template("report.html").render(
+        drawn=drawn, cover=document.cover, body=document.body, chapters=chapters, style=Markup(style()), script=own,
+        on_dark=drawn.on_dark, digest=b64encode(sha256(f"\n{own}\n".encode()).digest()).decode(),
+        numbers=drawn.numbers, has_first_page=document.has_first_page,
+    )  # fmt: skip
+
+
+def fragment(body: Sequence[Numbered]) -> dict[str, str]:
+    """Blocks without cover and contents, as a page that is there already takes them: `main`, its `numbers`, `dark`."""
+    drawn, template = _drawn(body, level=1), environment().get_template("report_main.html")
+    main = template.render(drawn=drawn, body=body, chapters=(), has_first_page=False)
+    return {"main": main, "numbers": str(drawn.numbers), "dark": str(drawn.on_dark)}
+
+
+def _drawn(body: Sequence[Numbered], level: int = 9) -> Drawn:
+    """Every figure drawn; level: of zlib, 1 where it is to be soon rather than short."""
     live = Page()
-    figures = [item.block for item in document.body if isinstance(item.block, Figure)]
+    figures = [item.block for item in body if isinstance(item.block, Figure)]
     drawings = {figure.name: _figure(live, figure) for figure in figures}
     surfaces = {figure.name for figure in figures if any(isinstance(panel, Twisted) for panel in figure.panels)}
-    style, script = _template("report.css"), Markup("\n".join(map(_without_indents, map(_template, SCRIPTS))))
-    chapters = [item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1]
-    return environment(drawn=lambda figure: drawings[figure.name]).get_template("report.html").render(
-        cover=document.cover, body=document.body, chapters=chapters, style=style, script=script,
-        on_dark=Markup(rules(text for name, text in drawings.items() if name not in surfaces)),  # theirs are a scale
-        digest=b64encode(sha256(f"\n{script}\n".encode()).digest()).decode(),
-        numbers=Markup(live.numbers()),
-        has_first_page=document.has_first_page,
-    )  # fmt: skip
+    dark = rules(text for name, text in drawings.items() if name not in surfaces)  # theirs are a scale
+    return Drawn(drawings, Markup(live.numbers(level)), Markup(dark))
 
 
-def environment(drawn: Callable[[Figure], str]) -> Environment:
-    """Of the templates of pages: everything is escaped but what `drawn` makes of a figure."""
-    made = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True,
-    )  # fmt: skip
+@cache
+def environment() -> Environment:
+    """Of the templates of pages: everything is escaped but what their `drawn` makes of a figure."""
+    made = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     made.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word, linked=linked)
-    made.filters.update(drawn=lambda figure: Markup(drawn(figure)), kind=lambda block: type(block).__name__)
+    made.filters.update(kind=lambda block: type(block).__name__)
     return made
 
 
@@ -54,14 +76,6 @@ def _figure(live: Page, figure: Figure) -> Markup:
     """A drawing, with its numbers for the script of the page."""
     text, frames = framed(figure)
     return Markup(f'{text}<script type="application/json">{live.figure(figure, frames)}</script>')
-
-
-def _without_indents(script: str) -> str:
-    return re.sub(r"\n\s+", "\n", script)
-
-
-def _template(name: str) -> Markup:
-    return Markup((Path(__file__).parent / "templates" / name).read_text(encoding="utf-8").strip())
 
 
 def words(text: str) -> Markup:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
@@ -36,7 +37,7 @@ def bundle(shown: Any) -> dict[str, str]:
             line, blocks = " at ".join(counts), _response(shown)
         case _:
             raise TypeError(f"{type(shown).__name__} has no display")
-    page = environment(drawn=svg).get_template("notebook.html").render(blocks=blocks)
+    page = environment().get_template("notebook.html").render(blocks=blocks, drawn=lambda one: Markup(svg(one)))
     return {"text/plain": f"{type(shown).__name__}: {line}", "text/html": page}
 
 

@@ -3,7 +3,7 @@
 The kind of every entry of a train is decided first; the entry is then read in the words of that kind.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, TypeVar
@@ -75,6 +75,12 @@ def located(error: InputError, study: Study) -> InputError:
 
         return located_in_case(error, study.case)
     return input_error(list(error.faults), _with_tables(parse_source(study.text, study.file), dict(study.tables)))
+
+
+def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
+    """The file of a study as it was read, of a case with its values, and what reads one with other values."""
+    case = None if study.case is None else study.case.source
+    return case or _with_tables(parse_source(study.text, study.file), dict(study.tables)), _study
 
 
 def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:

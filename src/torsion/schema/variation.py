@@ -81,6 +81,12 @@ class Figure:
             high = low + float(units.amount(str(step))[0]) * (self.places - 1)
         return np.linspace(low, high, self.places)
 
+    @property
+    def ends(self) -> FloatArray:
+        """Its lowest and its highest value."""
+        is_endless = isinstance(self.law, Law) and self.law.lognormal is not None
+        return self.at(ENDS if is_endless else np.array([0.0, 1.0]))
+
     def words(self, value: float) -> str:
         """A value of it as the file would state it."""
         if self.rows:
@@ -138,6 +144,19 @@ def with_variations(study: Study, source: Source, read: Callable[[Source], Study
         if isinstance(settings, Varying):
             found[name] = _variation(study, source, read, faults, name, settings)
     return replace(study, variations=found)
+
+
+def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Variation:
+    """Every figure of a file that its sweep, design or fit varies, and its other tolerances, for moving by hand."""
+    columns: dict[object, int] = {}
+    figures: dict[str, Figure] = {}
+    for name, variation in study.variations.items():
+        for figure in variation.figures:
+            column = columns.setdefault((name, figure.column), len(columns))
+            figures.setdefault(figure.name, replace(figure, column=column))
+    for figure in _tolerances(study, _overlay(study, source)):
+        figures.setdefault(figure.name, replace(figure, column=columns.setdefault(figure.name, len(columns))))
+    return Variation(tuple(figures.values()), source, read, study)
 
 
 def _variation(
@@ -258,9 +277,7 @@ def _in_columns(
 def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
     """Figures whose range, or any of whose alternatives, leaves what the file may say."""
     for place, figure in enumerate(variation.figures):
-        relative = isinstance(figure.law, Law) and figure.law.lognormal is not None
-        ends = figure.every() if figure.rows else figure.at(ENDS if relative else np.array([0.0, 1.0]))
-        for value in ends.tolist():
+        for value in (figure.every() if figure.rows else figure.ends).tolist():
             try:
                 variation.only(place, value)
             except InputError as error:

@@ -37,6 +37,7 @@ from torsion.output.selection import NO_VALUE, Element, elements, highest, large
 from torsion.results import listed
 from torsion.rules import needed
 
+TITLE = "Response over the speed range"
 MOST_CURVES = 10  # in a figure over frequency
 MOST_FIGURES = 12
 SMALLEST = 0.02  # of the element's largest torque of one line; a lower peak is not listed
@@ -59,15 +60,34 @@ def chapter(findings: Findings) -> Iterator[Block]:
     response = findings.get(Response)
     if response is None or not response.lines:
         return
-    found = [e for e in elements(findings.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
+    found = _carrying(findings, response)
     unit = torques(amplitude(findings, e.spans) for e in found)
-    yield Heading("Response over the speed range")
+    yield Heading(TITLE)
     yield _introduction(findings, response)
     yield _status(findings, response)
     if found:
         yield _summary(findings, found, unit)
         yield _peaks(findings, found, unit)
         yield _angles(findings, response)
+    yield from _figures(findings, found)
+
+
+def without_tables(findings: Findings) -> Iterator[Block]:
+    """The same of its figures alone, and of what is to be noted."""
+    response = findings.get(Response)
+    if response is not None and response.lines:
+        yield Heading(TITLE)
+        yield _status(findings, response)
+        yield from _figures(findings, _carrying(findings, response))
+
+
+def _carrying(findings: Findings, response: Response) -> list[Element]:
+    """The elements with any torque."""
+    return [e for e in elements(findings.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
+
+
+def _figures(findings: Findings, found: list[Element]) -> Iterator[Block]:
+    """The curves of the elements that are worth a figure, and which others there are."""
     drawn = worth_a_figure(findings, {e: highest(amplitude(findings, e.spans)) for e in found}, MOST_FIGURES)
     yield from (curves(findings, element) for element in drawn)
     if len(drawn) < len(found):

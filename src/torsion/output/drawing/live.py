@@ -51,16 +51,16 @@ class Page:
             }  # fmt: skip
         return packed(found)
 
-    def numbers(self) -> str:
+    def numbers(self, level: int = 9) -> str:
         """JSON of the lengths of all arrays, of their numbers one after another, and of all lists of names.
 
         The numbers are little-endian doubles; the first bytes of all come first, then the second and so on, which
-        shortens them most (zlib), in base64.
+        shortens them most (zlib, at that level), in base64.
         """
         every = b"".join(self._arrays)
         by_place = np.frombuffer(every, dtype=np.uint8).reshape(-1, 8).T.tobytes()
         lengths = [len(values) // 8 for values in self._arrays]
-        doubles = b64encode(zlib.compress(by_place, 9)).decode()
+        doubles = b64encode(zlib.compress(by_place, level)).decode()
         return packed({"lengths": lengths, "names": list(self._names), "doubles": doubles})
 
     def array(self, values: FloatArray | IntArray) -> int:

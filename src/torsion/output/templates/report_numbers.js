@@ -1,14 +1,15 @@
 "use strict";
 // The numbers of the page: arrays of doubles, scales of axes, texts of values, tables as CSV.
-const STORE = JSON.parse(document.getElementById("numbers").textContent), ARRAYS = [];
-const unpacked = async () => { // first bytes of all doubles, second bytes and so on, shortened by zlib
-  const short = Uint8Array.from(atob(STORE.doubles), (sign) => sign.charCodeAt(0));
+let STORE = JSON.parse(document.getElementById("numbers").textContent);
+const ARRAYS = [];
+const unpacked = async (store) => { // its arrays; first bytes of all doubles, second bytes and so on, shortened by zlib
+  const short = Uint8Array.from(atob(store.doubles), (sign) => sign.charCodeAt(0));
   const stream = new Blob([short]).stream().pipeThrough(new DecompressionStream("deflate"));
   const bytes = new Uint8Array(await new Response(stream).arrayBuffer()), count = bytes.length / 8;
   const doubles = new Uint8Array(bytes.length);
-  bytes.forEach((byte, at) => { doubles[8 * (at % count) + Math.floor(at / count)] = byte; });
+  for (let place = 0; place < 8; place++) for (let at = 0; at < count; at++) doubles[8 * at + place] = bytes[place * count + at];
   let from = 0;
-  for (const length of STORE.lengths) ARRAYS.push(new Float64Array(doubles.buffer, 8 * from, length)), from += length;
+  return store.lengths.map((length) => new Float64Array(doubles.buffer, 8 * ((from += length) - length), length));
 };
 const numbers = (at) => ARRAYS[at];
 const minus = (text) => text.replace("-", "−");

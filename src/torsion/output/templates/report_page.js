@@ -61,12 +61,7 @@ const began = (script) => { // one figure
   figure.own.filter((plot) => plot.isRead).forEach((plot) => plot.area.addEventListener("keydown", (event) => pressed(plot, event)));
   touched(figure, svg, pointed(figure, svg));
 };
-const start = () => {
-  const tools = document.createElement("p"), dialog = help();
-  tools.className = "tools page";
-  document.body.prepend(tools);
-  dark(tools);
-  button("keys ?", tools, () => dialog.showModal());
+const answering = () => { // every figure and table that is there
   document.querySelectorAll("figure > script[type='application/json']").forEach(began);
   for (const table of document.querySelectorAll(".table > table")) {
     const number = table.querySelector("caption b")?.textContent;
@@ -76,6 +71,14 @@ const start = () => {
     if (box.scrollWidth > box.clientWidth) for (const [key, value] of [["tabindex", 0], ["role", "region"], ["aria-label", number || "table"]])
       box.setAttribute(key, value);
   }
+};
+const start = () => {
+  const tools = document.createElement("p"), dialog = help();
+  tools.className = "tools page";
+  document.body.prepend(tools);
+  dark(tools);
+  button("keys ?", tools, () => dialog.showModal());
+  answering();
   let views = [];
   addEventListener("beforeprint", () => {
     views = PLOTS.map((plot) => plot.view);
@@ -85,4 +88,4 @@ const start = () => {
   addEventListener("afterprint", () => PLOTS.forEach((plot, k) => show(plot, views[k] || [0, 1])));
   document.documentElement.classList.add("live");
 };
-unpacked().then(start); // without what unpacks them the figures stay as they are
+unpacked(STORE).then((arrays) => { ARRAYS.push(...arrays); start(); }); // without what unpacks them the figures stay as they are

@@ -1,0 +1,141 @@
+"""The server of `torsion live`: one page and two requests, for this machine alone.
+
+Bound to 127.0.0.1. Host and Origin must be its own (against rebinding of names and requests of other pages), every
+request but that for the page bears a token, which stands in the fragment of the address alone, and no path of a
+request reaches the disk: nothing is read but what the session follows, and nothing is written.
+"""
+
+import hmac
+import json
+import secrets
+import sys
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+from torsion.live.page import POLICY, page
+from torsion.live.session import Session
+
+MOST = 1_000_000  # bytes of a request
+TOKEN = "X-Torsion-Token"  # the header that bears it
+HEADERS = {
+    "Cache-Control": "no-store", "X-Content-Type-Options": "nosniff", "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer", "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+}  # fmt: skip
+
+
+class Refusal(Exception):
+    """A request that is not answered, by its status."""
+
+
+class Server(ThreadingHTTPServer):
+    """Shows one session; raises OSError where the port is taken. Port 0 is any that is free."""
+
+    daemon_threads, allow_reuse_address = True, False
+
+    def __init__(self, session: Session, port: int = 0) -> None:
+        super().__init__(("127.0.0.1", port), Handler)
+        self.session, self.token, self.page = session, secrets.token_urlsafe(32), page()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A connection that breaks off is no fault."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
+
+    @property
+    def address(self) -> str:
+        """Of the page, with the token."""
+        return f"http://127.0.0.1:{self.server_port}/#{self.token}"
+
+
+class Handler(BaseHTTPRequestHandler):
+    """One connection."""
+
+    server: Server
+    server_version, sys_version, protocol_version = "torsion", "", "HTTP/1.1"
+    timeout, disable_nagle_algorithm = 60, True
+
+    def do_GET(self) -> None:
+        """The page."""
+        try:
+            self._is_own()
+            if self.path != "/":
+                raise Refusal(404)
+        except Refusal as refusal:
+            self._answer(int(refusal.args[0]))
+            return
+        nonce = secrets.token_urlsafe(16)
+        body = self.server.page.replace("@NONCE@", nonce).encode()
+        self._answer(200, body, "text/html; charset=utf-8", {"Content-Security-Policy": POLICY.format(nonce=nonce)})
+
+    def do_POST(self) -> None:
+        """What a page requests: `/next`, news when there are any, or `/set`, sliders at other positions."""
+        try:
+            answer = self._requested()
+        except Refusal as refusal:
+            self._answer(int(refusal.args[0]))
+        else:
+            self._answer(200, json.dumps(answer, ensure_ascii=False, allow_nan=False).encode())
+
+    def _requested(self) -> dict[str, Any]:
+        self._is_own()
+        if not hmac.compare_digest(self.headers.get(TOKEN, "").encode(), self.server.token.encode()):
+            raise Refusal(403)
+        body, session = self._body(), self.server.session
+        match self.path, body:
+            case "/next", {"seen": int(seen), **rest} if not rest:
+                return session.news(seen)
+            case "/set", {"values": dict(values), **rest} if not rest:
+                if not all(isinstance(one, int | float) and abs(one) < MOST for one in values.values()):  # nor NaN
+                    raise Refusal(400)
+                return {"turn": session.move({name: float(one) for name, one in values.items()})}
+            case "/next" | "/set", _:
+                raise Refusal(400)
+        raise Refusal(404)
+
+    def _is_own(self) -> None:
+        """Raises Refusal of a request that was not made by the page itself, or by whoever typed its address."""
+        port = self.server.server_port
+        hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
+        origin, site = self.headers.get_all("Origin", []), self.headers.get("Sec-Fetch-Site", "none")
+        if self.headers.get_all("Host", []) not in [[host] for host in hosts] or site not in ("none", "same-origin"):
+            raise Refusal(403)
+        if origin not in [[], *([f"http://{host}"] for host in hosts)]:
+            raise Refusal(403)
+
+    def _body(self) -> Any:
+        """The JSON of a request."""
+        if self.headers.get("Content-Type") != "application/json":
+            raise Refusal(415)
+        size = self.headers.get("Content-Length", "")
+        if not (size.isascii() and size.isdigit()) or "Transfer-Encoding" in self.headers:
+            raise Refusal(411)
+        if len(size) > len(str(MOST)) or int(size) > MOST:
+            raise Refusal(413)
+        try:
+            return json.loads(self.rfile.read(int(size)))
+        except (ValueError, RecursionError):
+            raise Refusal(400) from None
+
+    def _answer(
+        self, status: int, body: bytes = b"", kind: str = "application/json", more: dict[str, str] | None = None
+    ) -> None:
+        self.close_connection |= status != 200  # what is left of its body is not read
+        try:
+            self.send_response(status)
+            for key, value in {
+                **HEADERS,
+                "Content-Type": kind,
+                "Content-Length": str(len(body)),
+                **(more or {}),
+            }.items():
+                self.send_header(key, value)
+            if self.close_connection:
+                self.send_header("Connection", "close")
+            self.end_headers()
+            self.wfile.write(body)
+        except OSError:  # the page has gone
+            self.close_connection = True
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Nothing is printed."""

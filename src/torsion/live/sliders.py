@@ -1,0 +1,104 @@
+"""The sliders of `torsion live`: one for every figure, or figures together, of a file that may vary."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from torsion.errors import Fault, InputError
+from torsion.schema.overlay import in_words, node_at
+from torsion.schema.variation import Figure, Variation
+from torsion.study import Study
+
+STEPS = 100  # of a slider without steps of its own, about
+
+
+@dataclass(frozen=True)
+class Slider:
+    """Figures that vary as one, and the positions of their slider: a value, or the number of one."""
+
+    name: str
+    figures: tuple[Figure, ...]
+    low: float
+    high: float
+    step: float
+
+    @property
+    def nominal(self) -> float | None:
+        """The position that is the file as it stands; None where there is none."""
+        first = self.figures[0]
+        found = np.flatnonzero(np.isclose(first.every(), first.nominal)) if first.places else None
+        if found is not None:
+            return float(found[0]) if found.size else None
+        return None if math.isnan(first.nominal) else first.nominal
+
+    def value(self, position: float) -> float:
+        """The value of its figures at a position; raises InputError where it has no such position."""
+        if not self.low - 1e-9 <= position <= self.high + 1e-9:
+            message = f"the slider '{self.name}' goes from {self.low:g} to {self.high:g}"
+            raise InputError([Fault((), message)], message)
+        first = self.figures[0]
+        return float(first.every()[round(position)]) if first.places else position
+
+
+def sliders_of(variation: Variation) -> dict[str, Slider]:
+    """The sliders by their names."""
+    columns: dict[int, list[Figure]] = {}
+    for figure in variation.figures:
+        columns.setdefault(figure.column, []).append(figure)
+    return {one.name: one for one in map(_slider, columns.values())}
+
+
+def _slider(figures: list[Figure]) -> Slider:
+    name, first = ", ".join(figure.name for figure in figures), figures[0]
+    if first.places:
+        return Slider(name, tuple(figures), 0.0, first.places - 1.0, 1.0)
+    low, high = np.sort(first.ends).tolist()
+    digits = 1 - math.floor(math.log10((high - low) / STEPS))
+    step = 10.0 ** (1 - digits)
+    ends = math.ceil(low / step - 0.01) * step, math.floor(high / step + 0.01) * step
+    return Slider(name, tuple(figures), round(ends[0], max(digits, 0)), round(ends[1], max(digits, 0)), step)
+
+
+def moved_study(study: Study, variation: Variation, positions: Mapping[str, float]) -> Study:
+    """The study with its sliders at these positions; the others are as in the file. Raises InputError."""
+    known, pairs = sliders_of(variation), list[tuple[Figure, float]]()
+    for name, position in positions.items():
+        if name not in known:
+            message = f"the file has no figure '{name}' that may vary"
+            raise InputError([Fault((), message)], message)
+        value = known[name].value(position)
+        pairs += [(figure, value) for figure in known[name].figures]
+    if not pairs:
+        return study
+    figures, values = zip(*pairs, strict=True)
+    return replace(replace(variation, figures=figures).study(values), case=study.case)
+
+
+def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Every slider as the page shows it, with the figure of the file in words."""
+    found = []
+    for name, slider in sliders_of(variation).items():
+        position = positions.get(name, slider.nominal)
+        found.append({
+            "name": name, "low": slider.low, "high": slider.high, "step": slider.step, "nominal": slider.nominal,
+            "now": slider.low if position is None else position, "moved": name in positions,
+            "text": _words(slider, positions.get(name), variation),
+        })  # fmt: skip
+    return found
+
+
+def _words(slider: Slider, position: float | None, variation: Variation) -> str:
+    """What the file says, or would say with the slider at a position."""
+    first = slider.figures[0]
+    if position is None:
+        there = node_at(variation.source.root, first.paths[0][0]) if first.paths else None
+        return "as in the file" if there is None else in_words(there.value)
+    value = slider.value(position)
+    if first.rows:
+        return first.words(value)
+    _, node = next(first.puts(value, variation.source))
+    share = f" ({100.0 * (value - 1.0):+.3g} %)" if first.law.first is None else ""
+    return f"{in_words(node.value)}{share}"

@@ -1,0 +1,150 @@
+"""The process that solves for `torsion live`: it stays warm, and its latest request is the one that counts."""
+
+import gc
+import signal
+import sys
+from collections.abc import Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from torsion.errors import InputError, SolveError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from torsion.schema.variation import Variation
+    from torsion.study import Study
+
+OWN = tuple(str(Path(path).resolve()) for path in (sys.prefix, sys.base_prefix, Path(__file__).parents[1]))
+NO_FILES = (*OWN, "/proc", "/sys", "/dev")  # folders whose files are no part of a scene
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be solved: a file, or one case of it, read again or with its sliders at these positions."""
+
+    turn: int
+    file: str
+    case: str | None = None
+    positions: Mapping[str, float] | None = None  # None: the file is read
+
+
+class Overtaken(Exception):
+    """A later request has come."""
+
+
+class Reads:
+    """The files that are opened for reading, also in vain; what a picture follows from."""
+
+    def __init__(self) -> None:
+        self.paths: set[str] = set()
+        sys.addaudithook(self._heard)
+
+    def _heard(self, event: str, details: tuple[Any, ...]) -> None:
+        if event != "open" or not isinstance(details[0], str | bytes) or "r" not in (details[1] or "r"):
+            return
+        path = str(Path(details[0].decode() if isinstance(details[0], bytes) else details[0]).absolute())
+        if not path.startswith(NO_FILES) and not path.endswith((".py", ".pyc")):
+            self.paths.add(path)
+
+
+def work(pipe: Connection) -> None:
+    """Answer requests until the other end of the pipe is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the command, which ends this process
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    gc.set_threshold(100_000, 20, 50)
+    solver = Solver(pipe)
+    while True:
+        try:
+            request = pipe.recv()
+            while pipe.poll():
+                request = pipe.recv()
+            solver.answer(request)
+        except (EOFError, OSError):
+            return
+
+
+class Solver:
+    """Reads and solves; what was read last stays for the sliders."""
+
+    def __init__(self, pipe: Connection) -> None:
+        self.pipe, self.reads = pipe, Reads()
+        self.read: tuple[Study, Variation] | None = None
+        self.is_warm = False
+
+    def answer(self, request: Request) -> None:
+        """Send the pictures of a request, or its faults, one by one."""
+        turn = request.turn
+        self.send(turn, began={})
+        try:
+            with _words_of_faults():
+                self._pictures(request)
+            self.send(turn, faults={"text": ""})
+        except Overtaken:
+            pass
+        except _Faulty as fault:
+            self.send(turn, faults={"text": str(fault)})
+        self.send(turn, done={"files": sorted(self.reads.paths)})
+        if not self.is_warm:
+            self.is_warm = True
+            gc.freeze()
+
+    def send(self, turn: int, **found: Any) -> None:
+        """One message: what was found under its name."""
+        self.pipe.send((turn, found))
+
+    def _pictures(self, request: Request) -> None:
+        from torsion.live import pictures, sliders
+
+        if request.positions is None or self.read is None:
+            self.read = None
+            self.read = self._opened(request)
+        positions = request.positions or {}
+        study, variation = self.read
+        words = "; ".join(pictures.left_out(study))
+        self.send(request.turn, sliders={"turn": request.turn, "each": sliders.shown(variation, positions)})
+        self.send(request.turn, notes={"text": f"Left out on this page: {words}." if words else ""})
+        solved = sliders.moved_study(study, variation, positions)
+        self.send(request.turn, modes={"turn": request.turn, **pictures.modes_of(solved)})
+        report, modes = pictures.whole_of(solved, positions, self._progress)
+        if modes is not None:
+            self.send(request.turn, modes={"turn": request.turn, **modes})
+        self.send(request.turn, report={"turn": request.turn, **report})
+
+    def _opened(self, request: Request) -> "tuple[Study, Variation]":
+        from torsion.commands import one_case
+        from torsion.schema.scene_reader import read, reread
+        from torsion.schema.variation import movable
+
+        self.reads.paths = {str(Path(request.file).absolute())}
+        whole = read(request.file)
+        study = whole if request.case is None else one_case(whole, request.case)
+        return study, movable(study, *reread(study))
+
+    def _progress(self, what: str, share: float) -> None:
+        if self.pipe.poll():
+            raise Overtaken
+
+
+class _Faulty(Exception):
+    """Why there is no picture, in words."""
+
+
+@contextmanager
+def _words_of_faults() -> "Iterator[None]":
+    """Whatever keeps a picture from being made in words, as the commands say it."""
+    try:
+        yield
+    except Overtaken:
+        raise
+    except InputError as error:
+        raise _Faulty(str(error)) from None
+    except SolveError as error:
+        raise _Faulty(error.located or str(error)) from None
+    except MemoryError:
+        raise _Faulty("this machine has too little memory for it; request fewer speeds, orders or modes") from None
+    except Exception as error:  # the page outlives what is our fault
+        raise _Faulty(f"torsion has failed: {type(error).__name__}: {error}; please report it") from None
