@@ -224,6 +224,12 @@ class Variation(Protocol):
     def only(self, place: int, value: float) -> "Study":
         """The study with one figure at a value, all others as in the file."""
 
+    def stated(self, place: int, value: float) -> tuple[str, str]:
+        """The value of a figure in words, as the file has it and at a value."""
+
+    def text(self, values: Sequence[float]) -> str:
+        """The text of that file."""
+
     def file(self, values: Sequence[float]) -> Any:
         """The file with every figure at its value, `torsion.schema.fault_text.Source`."""
 

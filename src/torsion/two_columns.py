@@ -1,4 +1,4 @@
-"""Two columns of numbers from a text file whose first line names their units."""
+"""One or two columns of numbers from a text file whose first line names their units."""
 
 import math
 import re
@@ -16,10 +16,10 @@ _BETWEEN = re.compile(r"[;,\t]")
 
 @dataclass(frozen=True)
 class Columns:
-    """What the two columns are, and an example of the first line and of a row."""
+    """What the columns are, and an example of the first line and of a row."""
 
-    names: tuple[str, str]
-    units: tuple[str, str]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
     head: str
     row: str
     meant: str  # what a row must be: "a finite torque at a finite time"
@@ -32,8 +32,8 @@ class Columns:
         return " and ".join(self.names)
 
 
-def pairs(file: Path, columns: Columns) -> tuple[tuple[float, float], ...]:
-    """Both values of every row in SI, those of the first column ascending but for a loop.
+def pairs(file: Path, columns: Columns) -> tuple[tuple[float, ...], ...]:
+    """The values of every row in SI, those of the first column ascending but for a loop.
 
     Raises ValueError with two arguments, what is wrong and what would be right, where it is no such file.
     """
@@ -45,7 +45,7 @@ def pairs(file: Path, columns: Columns) -> tuple[tuple[float, float], ...]:
 
 
 @lru_cache(maxsize=8)
-def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, float], ...]:
+def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, ...], ...]:
     """Those of a text; a file that has changed is read anew."""
     lines = text.splitlines()
     numbered = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
@@ -76,11 +76,11 @@ def named(file: Path, choices: Sequence[Columns]) -> Columns:
     return choices[0]
 
 
-def _factors(file: Path, header: str, columns: Columns) -> tuple[float, float]:
-    """SI per unit of both columns."""
+def _factors(file: Path, header: str, columns: Columns) -> tuple[float, ...]:
+    """SI per unit of every column."""
     cells = _BETWEEN.split(header)
-    if len(cells) != 2:
-        raise ValueError(f"'{file}' has {len(cells)} columns in line 1, not 2", columns.head)
+    if len(cells) != len(columns.names):
+        raise ValueError(f"'{file}' has {len(cells)} columns in line 1, not {len(columns.names)}", columns.head)
     found = []
     for cell, unit in zip(cells, columns.units, strict=True):
         match = _UNIT.fullmatch(cell.strip())
@@ -90,18 +90,19 @@ def _factors(file: Path, header: str, columns: Columns) -> tuple[float, float]:
         except units.UnitFault as fault:
             message = f"'{file}', line 1: '{cell.strip()}' has no unit of {unit}: {fault.message}"
             raise ValueError(message, f"the first line names the units: {columns.head}") from None
-    return found[0], found[1]
+    return tuple(found)
 
 
-def _row(file: Path, number: int, line: str, factors: tuple[float, float], columns: Columns) -> tuple[float, float]:
+def _row(file: Path, number: int, line: str, factors: tuple[float, ...], columns: Columns) -> tuple[float, ...]:
     cells = _BETWEEN.split(line)
-    if len(cells) != 2:
-        hint = "a point in decimals, one separator" if len(cells) > 2 else columns.both
-        raise ValueError(f"'{file}', line {number}: {len(cells)} columns, not 2", hint)
+    if len(cells) != len(factors):
+        hint = "a point in decimals, one separator" if len(cells) > len(factors) else columns.both
+        raise ValueError(f"'{file}', line {number}: {len(cells)} columns, not {len(factors)}", hint)
     try:
-        first, second = (float(cell) * factor for cell, factor in zip(cells, factors, strict=True))
+        values = tuple(float(cell) * factor for cell, factor in zip(cells, factors, strict=True))
     except ValueError:
-        raise ValueError(f"'{file}', line {number}: '{line.strip()}' is no pair of numbers", columns.row) from None
-    if not (math.isfinite(first) and math.isfinite(second) and first >= columns.least):
+        what = "pair of numbers" if len(factors) > 1 else "number"
+        raise ValueError(f"'{file}', line {number}: '{line.strip()}' is no {what}", columns.row) from None
+    if not (all(map(math.isfinite, values)) and values[0] >= columns.least):
         raise ValueError(f"'{file}', line {number}: {columns.meant} is meant", columns.row)
-    return first, second
+    return values

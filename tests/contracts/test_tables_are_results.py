@@ -83,6 +83,13 @@ def as_number(value: Any) -> float:
     return float(value)
 
 
+def written_number(path: str) -> Values:
+    """The number of a value with its unit, as the file states it, in the row of its figure."""
+    return lambda found, row: (
+        float(str(one[path]).partition(" ")[0]) for one in found["fit"]["figures"] if one["name"] == row["Figure"]
+    )
+
+
 def largest(path: str) -> Values:
     """The largest over speed of the element that the row is about."""
     return lambda found, row: [max(flat(of_element(found, path, row)))]
@@ -329,6 +336,30 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Probability that a check fails", "Median"): swept("median"),
     ("Probability that a check fails", "Worst"): swept("worst"),
     ("Probability that a check fails", "Rank"): swept("correlation"),
+    ("Fitted figures", "In the file"): written_number("given"),
+    ("Fitted figures", "Fitted"): written_number("fitted"),
+    ("Fitted figures", "Factor"): key("fit.figures[].factor"),
+    ("Fitted figures", "95 % from"): key("fit.figures[].lower"),
+    ("Fitted figures", "95 % to"): key("fit.figures[].upper"),
+    ("Fitted figures", "Deviation before"): key("fit.figures[].prior"),
+    ("Fitted figures", "Deviation behind"): key("fit.figures[].deviation"),
+    ("Fitted figures", "Moved"): key("fit.figures[].shift"),
+    ("Fitted figures", "Known"): key("fit.figures[].from_data"),
+    ("Measured natural", "Mode"): key("fit.modes[].mode"),
+    ("Measured natural", "Measured"): key("fit.modes[].measured_Hz"),
+    ("Measured natural", "Deviation"): key("fit.modes[].within"),
+    ("Measured natural", "Band from"): key("fit.modes[].lower_Hz"),
+    ("Measured natural", "Band to"): key("fit.modes[].upper_Hz"),
+    ("Measured natural", "Before"): key("fit.modes[].before_Hz"),
+    ("Measured natural", "Fitted"): key("fit.modes[].after_Hz"),
+    ("Measured natural", "Residual"): key("fit.modes[].residual"),
+    ("Measured a", "Speed"): key(f"fit.curves[].{RPM}"),
+    ("Measured a", "Measured"): key("fit.curves[].measured"),
+    ("Measured a", "Before"): key("fit.curves[].before"),
+    ("Measured a", "Fitted"): key("fit.curves[].after"),
+    ("Measured a", "Residual"): key("fit.curves[].residual", "fit.curves[].phase_residual"),
+    ("What the measurements say", "Information"): key("fit.directions[].information"),
+    ("Correlation of fitted", "Correlation"): key("fit.correlation"),
     ("Harmonic components", "Order"): key("response.lines[].order"),
     ("Mean torque at", "Mean torque"): key("mean.torque_Nm"),
     ("Mean torque at", "Largest"): lambda found, row: (abs(one) for one in at(found, "mean.torque_Nm")),

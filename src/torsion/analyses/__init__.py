@@ -14,7 +14,7 @@ from torsion.fields import Declared
 if TYPE_CHECKING:
     from torsion.study import Study
 
-UNBUILT = ("design", "fit")  # of the format, but not built yet
+UNBUILT = ("design",)  # of the format, but not built yet
 VARYING = ("sweep", "design", "fit")  # whose settings vary figures of the file; a variant of it has none of them
 MODELS = ("lumped", "fem", "exact")
 
@@ -197,6 +197,11 @@ ANALYSES: dict[str, Analysis] = {
     "sweep": Analysis(
         "sweep", "torsion.analyses.sweep.sweep_run", settings="torsion.analyses.sweep.sweep_settings:SweepSettings",
         needs=("modes",), results={"sweep": "torsion.analyses.sweep.sweep_results:Sweep"}, chapters=("sweep",),
+    ),
+    "fit": Analysis(
+        "fit to measurements", "torsion.analyses.fit.fit_run",
+        settings="torsion.analyses.fit.fit_settings:FitSettings", needs=("modes",),
+        results={"fit": "torsion.analyses.fit.fit_results:Fit"}, chapters=("fit",),
     ),
     "check": Analysis(
         "comparison of the models", "torsion.analyses.compare.side_by_side", "run_check", settings="CheckSettings",

@@ -98,6 +98,12 @@ def pressure_files(study: Study) -> list[str]:
     return list(dict.fromkeys(name for record in known for name in record.files))
 
 
+def signal_files(study: Study) -> list[str]:
+    """The files of measured signals, as the scene names them."""
+    measured = getattr(study.analyses.get("fit"), "measured", ())
+    return list(dict.fromkeys(one.signal for one in measured if one.signal))
+
+
 def checksum(study: Study) -> str | None:
     """SHA-256 of the input as read, in UTF-8: the scene and its tables one behind the other; None without a text.
 

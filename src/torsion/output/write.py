@@ -14,7 +14,7 @@ from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS, Content, files
 from torsion.output.reports import REPORTS, Report
-from torsion.output.scene import pressure_files
+from torsion.output.scene import pressure_files, signal_files
 from torsion.output.stored_report import named, naming
 from torsion.primitives import SectionMesh
 from torsion.study import Study
@@ -60,7 +60,7 @@ def _results(report: Report, folder: str | Path) -> Path:
 def inputs(study: Study) -> list[Path]:
     """Every file that a scene was read from."""
     folder, bars = Path(study.file).parent, study.train.bars
-    names = [name for name, _ in study.tables] + pressure_files(study)
+    names = [name for name, _ in study.tables] + pressure_files(study) + signal_files(study)
     if study.document is not None and study.document.logo:
         names.append(study.document.logo)
     if "transient" in study.analyses:

@@ -22,8 +22,12 @@ BY_POLAR, BY_PARTS = ("order", "amplitude", "phase"), ("order", "a", "b")  # of 
 HARMONIC = {"order": ("1",), "amplitude": ("N*m", "Pa"), "phase": ("rad",), "a": ("N*m", "Pa"), "b": ("N*m", "Pa")}
 LOADS = {"imep": ("Pa",), "torque": ("N*m",), "speed": ("rad/s",)}  # at which a table of harmonics stands
 HARMONICS, BY_LOAD = "harmonics", "harmonics by load"
+TORSIOGRAM = "torsiogram"  # a list of mappings, measured
+TORSIOGRAM_NEEDS: tuple[str, ...] = ("speed", "amplitude")
+OF_SPEED = {"speed": ("rad/s",), "amplitude": ("rad", "rad/s", "N*m"), "phase": ("rad",)}
 FIGURES: dict[str, dict[str, tuple[str, ...]]] = {  # of lists without a declaration: columns with their units
     **dict.fromkeys(PAIRS, SPEED_AND_TORQUE), HARMONICS: HARMONIC, BY_LOAD: HARMONIC | LOADS,
+    TORSIOGRAM: OF_SPEED,
 }  # fmt: skip
 
 

@@ -27,6 +27,8 @@ from torsion.schema.csv_columns import (
     MAPPINGS,
     PAIRS,
     SPEED_AND_TORQUE,
+    TORSIOGRAM,
+    TORSIOGRAM_NEEDS,
     columns_of,
 )
 from torsion.schema.csv_harmonics import by_load, harmonic, list_node
@@ -35,10 +37,11 @@ from torsion.schema.csv_text import FORMULA_ERROR, Cell, first_comment, rows_of,
 from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.yaml_source import parse_source, resolved
 
-OF_GAS = {  # what of an engine's gas may be the name of a file, by the key before it and its own
+BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("gas", "table"): HARMONICS, ("gas", "motored"): HARMONICS, ("tables", "rows"): HARMONICS,
-    ("gas", "tables"): BY_LOAD,
+    ("gas", "tables"): BY_LOAD, ("measured", TORSIOGRAM): TORSIOGRAM,
 }  # fmt: skip
+INNER = ("tables", "measured")  # lists whose mappings name files
 _HEAD = re.compile(r"(.*?)\s*[\[(](.+)[\])]")  # inertia [kg*m**2]
 _FIRST = "kind"  # the column of a train that says the kind of every row
 _ROW = "size"  # the column of a library that says which row
@@ -93,7 +96,7 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         parts: list[Node] = []
         for part in node.parts.values():
             is_table = key == "train" and table_name(part.value)
-            parts += _table(part, key, reading) if is_table else [_spliced(part, key * (key == "tables"), reading)]
+            parts += _table(part, key, reading) if is_table else [_spliced(part, key * (key in INNER), reading)]
         return node if parts == list(node.parts.values()) else list_node(node, parts)
     if key == LIBRARY and isinstance(node.value, dict) and {"from", _ROW} <= node.value.keys():
         return _from_library(node, reading)
@@ -101,7 +104,7 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         inner = {}
         for step, part in node.parts.items():
             before, last = f"{key}.{step}".split(".")[-2:]  # a case writes `operation.load`
-            name = OF_GAS.get((before, last)) if isinstance(part.value, str) else None
+            name = BY_NAME.get((before, last)) if isinstance(part.value, str) else None
             inner[step] = list_node(part, _table(part, name, reading)) if name else _spliced(part, last, reading)
         if inner != node.parts:
             value = node.value | {step: part.value for step, part in inner.items()}
@@ -213,6 +216,8 @@ class _Rows:
             return "`kind`, `name`, `inertia [kg*m**2]`, ..."
         if self.key.startswith("harmonics"):
             return "`imep [bar]`, " * ("load" in self.key) + "`order`, `amplitude [bar]`, `phase [deg]`"
+        if self.key == TORSIOGRAM:
+            return "`speed [rpm]`, `amplitude [deg]`, ..."
         if self.key == LIBRARY:
             return "`size`, `stiffness [N*m/rad]`, `psi`, ..."
         return "`speed [rpm]`, `torque [N*m]`" if self.key in PAIRS else "`order`, `torque [N*m]`, `phase [deg]`, ..."
@@ -260,7 +265,8 @@ class _Rows:
 
     def _needed(self, there: Mapping[tuple[str, str], Cell]) -> tuple[str, ...]:
         """The columns that the table must have, with what it has."""
-        by_list = {"train": (_FIRST,), LIBRARY: (_ROW,), **dict.fromkeys(PAIRS, tuple(SPEED_AND_TORQUE))}
+        by_list = {"train": (_FIRST,), LIBRARY: (_ROW,), TORSIOGRAM: TORSIOGRAM_NEEDS}
+        by_list |= dict.fromkeys(PAIRS, tuple(SPEED_AND_TORQUE))
         if self.key not in FIGURES or self.key in by_list:
             return by_list.get(self.key, ())
         loads = ([key for key in LOADS if ("", key) in there] or ["imep"])[: "load" in self.key]

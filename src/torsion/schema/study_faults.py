@@ -142,6 +142,7 @@ _engine_faults = _of_analysis(
 _transient_faults = _of_analysis(
     "transient.transient_settings:transient_faults", lambda study: "transient" in study.analyses
 )
+_fit_faults = _of_analysis("fit.fit_faults:fit_faults", lambda study: "fit" in study.analyses)
 _lateral_faults = _of_analysis(
     "lateral.shaft_bending:lateral_faults", lambda study: "lateral" in study.analyses or study.has_supports,
     lambda study: (study.train, study.analyses.get("lateral")),
@@ -161,6 +162,7 @@ _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that
     (_growth_faults, ("train", "links", "operation", "analyses")),
     (_engine_faults, ("train", "operation")),
     (_transient_faults, ("train", "operation", "analyses")),
+    (_fit_faults, ("train", "operation", "analyses", "excitations")),
     (_lateral_faults, ("train", "materials", "operation", "analyses")),
     (lacking, ("train", "links", "materials", "operation", "analyses", "rules", "excitations")),
 )

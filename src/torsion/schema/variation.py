@@ -16,6 +16,7 @@ from torsion.errors import Fault, InputError, Path, nearest
 from torsion.schema.cases import stiffness_paths
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
+from torsion.schema.yaml_source import parse_source
 from torsion.study import Study
 
 ENDS = np.array([1e-4, 1.0 - 1e-4])  # of a law without ends, where the file is read as a trial
@@ -124,6 +125,25 @@ class Variation:
     def only(self, place: int, value: float) -> Study:
         """The study with one figure at a value, all others as in the file."""
         return replace(self, figures=(self.figures[place],)).study([value])
+
+    def stated(self, place: int, value: float) -> tuple[str, str]:
+        """The first value of a figure in words, as the file has it and at a value."""
+        path, node = next(self.figures[place].puts(value, self.source))
+        there = node_at(self.source.root, path)
+        return "not given" if there is None else in_words(there.value), in_words(node.value)
+
+    def text(self, values: Sequence[float]) -> str:
+        """That file as text, with the words and comments of the file where they can be kept."""
+        from torsion.schema.csv_tables import with_tables
+        from torsion.schema.scene_text import text_with
+
+        each = zip(self.figures, values, strict=True)
+        puts = [put for figure, value in each for put in figure.puts(float(value), self.source)]
+        gone = [("analyses", name) for name in VARYING]
+        name, tables = self.base.file, dict(self.base.tables)
+        return text_with(
+            self.source, puts, gone, self.file(values), lambda text: with_tables(parse_source(text, name), tables)
+        )
 
     def file(self, values: Sequence[float]) -> Source:
         """The file with every figure at its value, without what varies figures."""

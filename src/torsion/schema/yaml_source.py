@@ -209,6 +209,11 @@ class _Builder:
             self.faults.append(_fault(f"tags are not read: {tag}", "remove it, or put text in quotes", *_mark(event)))
 
 
+def written(data: Any) -> str:
+    """What a text says, as a text."""
+    return str(yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=120))
+
+
 def resolved(text: str) -> str | int | float | bool | None:
     """What a plain scalar stands for by the core rules of YAML 1.2, with underscores between digits."""
     if text in _WORDS:

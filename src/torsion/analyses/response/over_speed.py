@@ -1,7 +1,7 @@
 """Forced response: complex amplitudes of every order and fixed frequency over the speed range, and their synthesis."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -122,7 +122,11 @@ def response(
 
 def response_at(study: Study, system: System, found: Response, speeds: FloatArray) -> Response:
     """The response at `speeds` (speeds,) rad/s alone, ascending, of the lines that are found."""
-    orders = [line.order for line in found.lines if line.order is not None]
+    return response_of_orders(study, system, [line.order for line in found.lines if line.order is not None], speeds)
+
+
+def response_of_orders(study: Study, system: System, orders: Sequence[Fraction], speeds: FloatArray) -> Response:
+    """The response of some orders of the reference at `speeds` (speeds,) rad/s alone, ascending."""
     return _solved(study, system, excitations(system, orders), silent, speeds)
 
 

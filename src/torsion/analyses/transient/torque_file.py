@@ -12,4 +12,4 @@ TIME_AND_TORQUE = Columns(
 
 def torque_rows(file: Path) -> tuple[tuple[float, float], ...]:
     """(s, N m) of every row, times ascending; raises ValueError as `pairs` does."""
-    return pairs(file, TIME_AND_TORQUE)
+    return tuple((time, torque) for time, torque in pairs(file, TIME_AND_TORQUE))

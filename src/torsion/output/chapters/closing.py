@@ -82,12 +82,16 @@ def conclusion(findings: Findings) -> Iterator[Block]:
 
 
 def beside(findings: Findings) -> Iterator[Paragraph]:
-    """What the comparison of models, and the exact periodic motion, say of the verdict."""
+    """What the comparison of models, a fit to measurements and the exact periodic motion, say of the verdict."""
     compared = findings.results.get("check")
     if compared is not None:
         from torsion.output.chapters.model_comparison import conclusion as compared_models
 
         yield compared_models(compared)
+    if findings.results.get("fit") is not None:
+        from torsion.output.chapters.fit import conclusion as fitted
+
+        yield fitted(findings.results["fit"])
     if findings.results.get("periodic") is not None:
         from torsion.output.chapters.exact_response import first_order_judged
 

@@ -78,7 +78,7 @@ def case_name(findings: Findings) -> str:
 def headline(findings: Findings) -> tuple[Head, Kind]:
     """Sign and words of the verdict, and how it stands out; nothing but a whole answer reads PASS."""
     every, unknown = findings.need(Checks).lines, bool(findings.plan.unanswered)
-    compared = bool(getattr(findings.results.get("check"), "fails", False))
+    compared = any(getattr(findings.results.get(name), "fails", False) for name in ("check", "fit"))
     found = Counter(check.verdict for check in every)
     more = ["an analysis without an answer"] if unknown else []
     if found["fail"] or compared:

@@ -7,7 +7,7 @@ from pathlib import Path
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim, table
 from torsion.output.numbers import number
-from torsion.output.scene import checksum, pressure_files
+from torsion.output.scene import checksum, pressure_files, signal_files
 from torsion.primitives import SectionMesh
 from torsion.study import Study
 
@@ -52,7 +52,8 @@ def _files(study: Study) -> dict[str, list[str]]:
     folder = Path(study.file or "").parent
     meshes = (bar.section.file for bar in study.train.bars if isinstance(bar.section, SectionMesh))
     pressures = [str(folder / file) for file in pressure_files(study)]
-    return {"meshes": list(dict.fromkeys(meshes)), "pressures": pressures}
+    signals = [str(folder / file) for file in signal_files(study)]
+    return {"meshes": list(dict.fromkeys(meshes)), "pressures": pressures, "signals": signals}
 
 
 def _sha256(file: str) -> str:

@@ -1,0 +1,1 @@
+"""Measured frequencies, torsiograms and speed signals: the figures of the file that agree with them best."""

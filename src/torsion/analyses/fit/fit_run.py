@@ -1,0 +1,180 @@
+"""A fit: the figures of a file, each with what is known of it beforehand, that agree best with measurements."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from torsion.analyses.fit.fit_results import (
+    MOST_CHI2,
+    OUTSIDE,
+    Fit,
+    FittedCurve,
+    FittedFigure,
+    FittedMode,
+)
+from torsion.analyses.fit.fit_settings import FIT, FitSettings
+from torsion.analyses.fit.identified import directions, unidentified
+from torsion.analyses.fit.measurements import curves, unit
+from torsion.analyses.fit.pairing import Pairs, highest_mode, paired
+from torsion.analyses.fit.predictions import Train, resolved_for
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
+from torsion.errors import Fault, InputError
+from torsion.findings import Progress, Work
+from torsion.kernels.fitting import FARTHEST, Fitted, fitted, identified
+
+NINETY_FIVE = 1.959963984540054  # deviations of a normal distribution
+FAR = 2.0  # deviations that a figure may move without a remark
+CURVE_POINTS = 201
+USUAL_STEPS = 10
+DIGITS = 7  # of a factor in the fitted file
+
+
+def run(work: Work) -> None:
+    """Where the file was read with figures that vary; the fitted file is solved the ordinary way too."""
+    settings, variation = work.settings("fit", FitSettings), work.study.variations.get("fit")
+    if variation is None or work.solve is None:
+        work.log.without("fit", "no figure of the file varies")
+        return
+    with work.log.step("fit to measurements", "the file names it") as step:
+        made, unused = curves(work.study, settings.measured)
+        modes = work.get(Modes)
+        count = highest_mode(settings.measured, 0 if modes is None else modes.frequency.size)
+        system = work.system.whole if modes is None else modes.system.whole
+        train = Train(variation, resolved_for(system, made), made, count)
+        deviation = np.array([one.law.lognormal for one in variation.figures])
+        pairs = paired(train, deviation, settings.measured)
+        problem = _Problem(train, deviation, pairs, settings, work.progress)
+        if len(deviation) > problem.sigma.size:
+            message = f"{len(deviation)} figures vary, and {problem.sigma.size} values were measured"
+            raise InputError([Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")])
+        found = fitted(problem.residual, problem.jacobian, len(deviation))
+        values = [float(f"{value:.{DIGITS}g}") for value in np.exp(found.values * deviation)]
+        solved = work.solve(variation.study(values), only=("modes",)).get(Modes)
+        frequency = np.empty(0) if solved is None else solved.frequency
+        step.method = "least squares of logarithms (Gauss-Newton in a trust region), with what is known beforehand"
+        step.size = f"{len(deviation)} figures, {problem.sigma.size} measured values, {found.steps} steps"
+    work.put(fit=_result(problem, found, values, frequency, unused))
+
+
+class _Problem:
+    """Residuals of the measurements in their deviations, over figures in deviations of what is known of them."""
+
+    def __init__(
+        self, train: Train, deviation: FloatArray, pairs: Pairs, settings: FitSettings, progress: Progress
+    ) -> None:
+        self.train, self.deviation, self.pairs, self.settings = train, deviation, pairs, settings
+        self.progress, self.steps = progress, 0
+        measured, within = [], list[FloatArray]()
+        for place in pairs.place:
+            one = settings.measured[place]
+            measured.append(np.log([one.frequency or 1.0]))
+            within.append(np.array([one.within]))
+        for curve in train.curves:
+            logs = np.log(curve.amplitude)
+            measured += [logs.real, logs.imag] if curve.has_phase else [logs.real]
+            within += [np.full(curve.speed.size, curve.within)] * (1 + curve.has_phase)
+        self.measured, self.sigma = np.concatenate(measured), np.concatenate(within)
+
+    def residual(self, values: FloatArray) -> FloatArray:
+        """(measurements,) of figures (figures,)."""
+        logs = self.train.logarithms(np.exp(values * self.deviation).tolist(), self.pairs.number)
+        return self.train.wrapped(logs - self.measured, len(self.pairs.number)) / self.sigma
+
+    def jacobian(self, values: FloatArray) -> FloatArray:
+        """(measurements, figures)."""
+        self.steps += 1
+        self.progress(f"fit to measurements, step {self.steps}", min(self.steps / USUAL_STEPS, 0.99))
+        slopes = self.train.slopes(values * self.deviation, self.pairs.number)
+        return np.asarray(slopes * self.deviation / self.sigma[:, None])
+
+
+def _result(
+    problem: _Problem, found: Fitted, values: Sequence[float], frequency: FloatArray, unused: Mapping[str, int]
+) -> Fit:  # fmt: skip
+    """All that is stated; values: factors as they stand in the fitted file."""
+    known, train = identified(found.jacobian), problem.train
+    each = np.sqrt(np.diag(known.covariance))
+    figures = tuple(_figures(problem, found, each, values))
+    made = Fit(
+        figures, tuple(_modes(problem, found, values)), tuple(_curves(problem, found, values, unused)),
+        directions(known, [one.name for one in figures], problem.deviation), known.covariance / np.outer(each, each),
+        problem.sigma.size, float(np.square(found.residual).sum()), problem.sigma.size - known.used,
+        float(np.square(found.values).sum()), known.rank, found.steps, (), frequency, train.variation.text(values),
+    )  # fmt: skip
+    return replace(made, warnings=tuple(_warnings(made, found)))
+
+
+def _figures(problem: _Problem, found: Fitted, each: FloatArray, values: Sequence[float]) -> Iterator[FittedFigure]:
+    variation, half = problem.train.variation, NINETY_FIVE * each * problem.deviation
+    logs = found.values * problem.deviation
+    for place, one in enumerate(variation.figures):
+        given, fitted_value = variation.stated(place, values[place])
+        yield FittedFigure(
+            one.name, given, fitted_value, float(np.exp(logs[place])), float(problem.deviation[place]),
+            float(each[place] * problem.deviation[place]), float(np.exp(logs[place] - half[place])),
+            float(np.exp(logs[place] + half[place])), float(found.values[place]), float(1.0 - each[place] ** 2),
+        )  # fmt: skip
+
+
+def _modes(problem: _Problem, found: Fitted, values: Sequence[float]) -> Iterator[FittedMode]:
+    pairs, measured = problem.pairs, problem.settings.measured
+    if not pairs.place:
+        return
+    before, after = (problem.train.modes(one).frequency for one in ([1.0] * len(values), values))
+    for row, (place, number) in enumerate(zip(pairs.place, pairs.number, strict=True)):
+        one, lower, upper = measured[place], float(pairs.lower[row]), float(pairs.upper[row])
+        hertz, slack = one.frequency or 0.0, np.exp(OUTSIDE * one.within)
+        yield FittedMode(
+            number + 1, one.mode is not None, hertz, one.within, lower, upper, float(before[number]),
+            float(after[number]), float(found.residual[row]), bool(not lower / slack <= hertz <= upper * slack),
+        )  # fmt: skip
+
+
+def _curves(
+    problem: _Problem, found: Fitted, values: Sequence[float], unused: Mapping[str, int]
+) -> Iterator[FittedCurve]:  # fmt: skip
+    train, place, plain = problem.train, len(problem.pairs.place), [1.0] * len(values)
+    for curve in train.curves:
+        size = curve.speed.size
+        fine = np.union1d(np.linspace(curve.speed[0], curve.speed[-1], CURVE_POINTS), curve.speed)
+        own = found.residual[place : place + size]
+        place += size
+        phase = found.residual[place : place + size] if curve.has_phase else None
+        place += size if curve.has_phase else 0
+        before, after, drawn, fitted_curve = (
+            np.abs(train.amplitudes(factors, curve, speed))
+            for speed in (curve.speed, fine) for factors in (plain, values)
+        )  # fmt: skip
+        yield FittedCurve(
+            curve.at, curve.order, curve.quantity, unit(curve), curve.origin, curve.within, curve.speed,
+            np.abs(curve.amplitude), before, after, own, phase, fine, drawn, fitted_curve,
+            unused.get(curve.origin, 0),
+        )  # fmt: skip
+
+
+def _warnings(made: Fit, found: Fitted) -> Iterator[str]:
+    """What does not go together, the gravest first."""
+    for one in made.modes:
+        if one.is_outside:
+            side = "below" if one.measured < one.lower else "above"
+            yield (
+                f"The measured {one.measured:.6g} Hz of mode {one.mode} lies {side} the band of that mode, "
+                f"{one.lower:.6g} to {one.upper:.6g} Hz with every figure within two of its deviations: the mode is "
+                "another one, the measurement is wrong, or the model lacks something."
+            )
+    if made.is_wrong:
+        yield (
+            f"Chi2 is {made.reduced:.3g} for each degree of freedom, above {MOST_CHI2:g}: no values of these figures "
+            "explain the measurements as exactly as `within` says. The model, not the values, is wrong, or `within` "
+            "is stated too small; the deviations and intervals do not hold."
+        )
+    for figure in made.figures:
+        if abs(figure.shift) > FARTHEST - 1e-6:
+            yield f"{figure.name} went to the end of what is tried, {figure.shift:+.2g} of its deviations beforehand."
+        elif abs(figure.shift) > FAR:
+            yield f"{figure.name} moved by {figure.shift:+.2g} of its deviations beforehand: more than was expected."
+    if not found.converged:
+        yield f"After {found.steps} steps the sum of squares still falls: the figures are not the best ones."
+    yield from unidentified(made.directions, only_frequencies=not made.curves)

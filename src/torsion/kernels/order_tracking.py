@@ -1,0 +1,105 @@
+"""Orders of a measured rotation: complex amplitudes of the angle, window by window, fitted in the domain of the angle.
+
+Over a window the mean rotation is a polynomial of time and every order an exponential of the angle of that mean
+rotation, so that a run-up smears nothing. All of it is one weighted least-squares problem of the samples as they are;
+no sample is interpolated.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+
+DEGREE = 5  # of the mean angle over a window
+ROUNDS = 12  # of placing the samples by the angle of the mean rotation
+SETTLED = 1e-11  # rad, of that angle
+LEAST_SAMPLES = 4  # of a window for each unknown of an order
+
+
+@dataclass(frozen=True)
+class Tracked:
+    """Orders of every window."""
+
+    speed: FloatArray  # (windows,) rad/s, mean rotation in the middle of the window
+    angle: ComplexArray  # (windows, orders) rad, amplitude over the angle of the mean rotation; of speeds any phase
+
+
+def of_pulses(time: FloatArray, pulses: int, orders: FloatArray, revolutions: int) -> Tracked:
+    """Of the times (pulses,) s at which a disc of so many even marks a revolution passes a probe.
+
+    orders: (orders,) per revolution of that shaft, below half the number of marks. Raises ValueError where a window has
+    too few samples.
+
+    >>> angle = 2 * np.pi * np.arange(60 * 12) / 60  # of the marks, at 100 rad/s with 0.01 rad of order 2
+    >>> time = angle / 100
+    >>> for _ in range(30):
+    ...     time = (angle - 0.01 * np.cos(2 * 100 * time)) / 100
+    >>> abs(of_pulses(time, 60, np.array([2.0]), 6).angle).ravel().round(9)
+    array([0.01, 0.01])
+    """
+    angle: FloatArray = 2.0 * np.pi / pulses * np.arange(len(time), dtype=np.float64)
+    return _tracked(time, angle, angle, orders, revolutions)
+
+
+def of_speeds(time: FloatArray, speed: FloatArray, orders: FloatArray, revolutions: int) -> Tracked:
+    """Of samples (samples,) rad/s of the speed at times (samples,) s; raises ValueError as `of_pulses` does."""
+    steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(time)
+    return _tracked(time, np.concatenate([[0.0], np.cumsum(steps)]), speed, orders, revolutions, derived=True)
+
+
+def _tracked(
+    time: FloatArray, angle: FloatArray, values: FloatArray, orders: FloatArray, revolutions: int, *,
+    derived: bool = False,
+) -> Tracked:  # fmt: skip
+    found = []
+    for part in _windows(angle, revolutions):
+        if part.size < DEGREE + 1 + 2 * LEAST_SAMPLES * len(orders):
+            message = f"{part.size} samples of {revolutions} revolutions are too few for {len(orders)} orders"
+            raise ValueError(message)
+        found.append(_window(time[part], values[part], orders, derived))
+    return Tracked(np.array([one[0] for one in found]), np.array([one[1] for one in found]).reshape(-1, len(orders)))
+
+
+def _windows(angle: FloatArray, revolutions: int) -> Iterator[IntArray]:
+    """Positions of the samples of every whole window of so many revolutions."""
+    turned = (angle - angle[0]) / (2.0 * np.pi * revolutions) * (1.0 + 1e-12)
+    number, whole = np.floor(turned).astype(int), int(turned[-1] * len(turned) / (len(turned) - 1))
+    return (np.flatnonzero(number == one) for one in range(whole))
+
+
+def _window(time: FloatArray, values: FloatArray, orders: FloatArray, derived: bool) -> tuple[float, ComplexArray]:
+    """Mean speed in the middle, and amplitude of every order (orders,).
+
+    Unknowns are the coefficients of the mean angle and both parts of every order. Of speeds the derivative of the model
+    is fitted. The angle of the mean rotation, over which the orders run, is that of the fit before.
+    """
+    middle, half = 0.5 * (time[0] + time[-1]), 0.5 * (time[-1] - time[0])
+    u = (time - middle) / half
+    share = np.gradient(u)  # of the window, so that sums of samples that lie unevenly are integrals
+    weight = np.cos(0.5 * np.pi * u * len(u) / (len(u) + 1.0)) * np.sqrt(share)  # its square is Hann's window
+    powers = np.polynomial.polynomial.polyvander(u, DEGREE)
+    slopes = np.zeros_like(powers)
+    slopes[:, 1:] = powers[:, :-1] * np.arange(1, DEGREE + 1) / half
+    rows = slopes[:, 1:] if derived else powers
+    smooth = _least(rows, values, weight)
+    mean = np.concatenate([[0.0], smooth]) if derived else smooth
+    for _ in range(ROUNDS):
+        turned, before = powers @ mean, mean
+        carrier = np.exp(1j * turned[:, None] * orders)
+        if derived:
+            carrier = carrier * (1j * orders * (slopes @ mean)[:, None])
+        found = _least(np.hstack([rows, carrier.real, -carrier.imag]), values, weight)
+        mean = np.concatenate([[0.0], found[:DEGREE]]) if derived else found[: DEGREE + 1]
+        if np.abs(powers @ (mean - before)).max() < SETTLED:
+            break
+    parts = found[rows.shape[1] :]
+    return float(mean[1] / half), parts[: len(orders)] + 1j * parts[len(orders) :]
+
+
+def _least(rows: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:
+    """Weighted least squares, the columns scaled alike."""
+    size = np.sqrt(np.square(rows).sum(axis=0))
+    found, *_ = np.linalg.lstsq(rows / size * weight[:, None], values * weight, rcond=None)
+    return np.asarray(found / size)

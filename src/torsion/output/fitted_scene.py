@@ -1,0 +1,15 @@
+"""The scene with its fitted figures, as a file to solve."""
+
+from torsion.analyses.fit.fit_results import Fit
+from torsion.findings import Findings
+from torsion.output.document import Document
+
+
+def fitted(document: Document, findings: Findings) -> str | None:
+    """The text of the file; None where nothing was fitted."""
+    found = findings.get(Fit)
+    if found is None or document.report.keys:
+        return None
+    changes = "".join(f"# {one.name}: {one.given} -> {one.fitted}\n" for one in found.figures)
+    words = f"# {findings.study.file} with the figures that fit its measurements best; files that it names count from"
+    return f"{words}\n# the folder of that one.\n{changes}{found.scene}"

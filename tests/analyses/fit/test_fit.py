@@ -1,0 +1,385 @@
+"""Fits of trains whose figures are known: frequencies in closed form, torsiograms of the true train, and refusals."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.analyses.fit.fit_results import Fit
+from torsion.analyses.fit.measurements import curves
+from torsion.analyses.fit.predictions import Train, resolved_for
+from torsion.analyses.response.over_speed import response_of_orders
+from torsion.errors import InputError
+from torsion.findings import Findings
+from torsion.output.chapters.first_page import headline
+
+MEASURED = (22.977711237348152, 54.9944875814668042, 192.812725684694512)  # Hz, of 17600, 310000, 51700 N m/rad
+NOMINAL = (24.0742737742577806, 53.3289702398578454, 192.889039168961031)  # of the stiffnesses below
+TRAIN = """\
+name: Four discs
+train:
+  - disc: {name: d1, inertia: 1.2}
+  - coupling: {name: c1, stiffness: 20000}
+  - disc: {name: d2, inertia: 0.35}
+  - coupling: {name: c2, stiffness: 310 kN*m/rad}  # by the maker
+  - disc: {name: d3, inertia: 0.6}
+  - coupling: {name: c3, stiffness: 47000, psi: 0.5}
+  - disc: {name: d4, inertia: 0.95}
+analyses:
+  modes: {count: 3}
+  fit:
+"""
+DRIVEN = """\
+name: Geared drive
+operation: {at: m, speeds: {from: 300 rpm, to: 1800 rpm}}
+train:
+  - motor: {name: m, inertia: 1.2, ripple: [{order: 2, torque: 40 N*m}]}
+  - coupling: {name: soft, stiffness: 20 kN*m/rad, psi: 0.8}
+  - gear: {name: g, ratio: 2, inertia: [0.1, 0.05]}
+  - shaft: {name: s, length: 0.6 m, diameter: 50 mm}
+  - disc: {name: p, inertia: 0.3}
+analyses: {modes: {count: 2}, fit: FIT}
+"""
+
+
+def chain(vary: str, *measured: str, text: str = TRAIN) -> str:
+    rows = "".join(f"      - {one}\n" for one in measured)
+    return f"{text}    vary: {vary}\n    measured:\n{rows}"
+
+
+@cache
+def found(text: str) -> Findings:
+    return torsion.run(torsion.parse(text))
+
+
+def fit(text: str) -> Fit:
+    return found(text).need(Fit)
+
+
+def by_frequency(hertz: float, within: str = "1e-7", mode: int | None = None) -> str:
+    number = "" if mode is None else f"mode: {mode}, "
+    return f"{{{number}frequency: {hertz!r} Hz, within: {within}}}"
+
+
+def test_three_frequencies_give_the_three_stiffnesses_of_the_oracle() -> None:
+    text = chain("{c1.stiffness: 20 %, c2.stiffness: 20 %, c3.stiffness: 20 %}", *map(by_frequency, MEASURED))
+    one = fit(text)
+    assert [figure.factor for figure in one.figures] == pytest.approx([0.88, 1.0, 1.1], rel=1e-11)
+    assert [figure.fitted for figure in one.figures] == ["17600", "310 kN*m/rad", "51700"]
+    assert one.frequency == pytest.approx(MEASURED, rel=1e-12)
+    assert [mode.before for mode in one.modes] == pytest.approx(NOMINAL, rel=1e-14)
+    assert not one.fails
+    assert one.reduced is None
+
+
+def test_the_fitted_file_keeps_words_and_comments_and_has_the_fitted_frequencies() -> None:
+    text = chain("{c1.stiffness: 20 %, c3.stiffness: 20 %}", by_frequency(MEASURED[0]), by_frequency(MEASURED[1]))
+    scene = fit(text).scene
+    assert "310 kN*m/rad}  # by the maker" in scene
+    assert "fit" not in scene.replace("fitted", "")
+    again = torsion.run(torsion.parse(scene))
+    assert np.array_equal(again.results["modes"].frequency, fit(text).frequency)
+
+
+def test_a_file_on_one_line_is_written_anew() -> None:
+    one = "{frequency: 20 Hz, within: 1 %}"
+    disc = "{disc: {inertia: 1}}"
+    text = f"""{{name: a, train: [{disc}, {{coupling: {{stiffness: 9000}}}}, {disc}],
+analyses: {{modes: {{count: 1}}, fit: {{vary: {{coupling-1.stiffness: 10 %}}, measured: [{one}]}}}}}}"""
+    scene = fit(text).scene
+    assert "fit" not in scene
+    assert torsion.run(torsion.parse(scene)).results["modes"].frequency == pytest.approx(fit(text).frequency, rel=1e-15)
+
+
+def test_what_no_measurement_sees_is_said_and_keeps_its_deviation() -> None:
+    text = chain("{c1.stiffness: 20 %, c3.psi: 25 %}", by_frequency(MEASURED[0]), by_frequency(MEASURED[1]))
+    one = fit(text)
+    assert one.rank == 1
+    assert one.directions[1].is_unidentified
+    assert one.directions[1].words == "c3.psi alone"
+    assert any("No measurement identifies c3.psi alone" in words for words in one.warnings)
+    assert one.figures[1].deviation == pytest.approx(0.25, rel=1e-12)
+    assert one.figures[1].factor == 1.0
+
+
+def test_frequencies_never_identify_the_common_scale_of_stiffness_and_inertia() -> None:
+    two = """\
+name: Fixed shaft and disc
+train:
+  - disc: {name: wall, held: true}
+  - coupling: {name: k, stiffness: 20 kN*m/rad}
+  - disc: {name: j, inertia: 1}
+  - coupling: {name: loose, stiffness: 1 N*m/rad}
+  - disc: {name: far, inertia: 1e-4}
+analyses:
+  modes: {count: 2}
+  fit:
+"""
+    hertz = np.sqrt(20000.0 * 1.1) / (2.0 * np.pi)
+    each = by_frequency(float(hertz), "1 %"), by_frequency(15.9, "1 %")
+    one = fit(chain("{k.stiffness: 10 %, j.inertia: 10 %}", *each, text=two))
+    assert one.directions[1].words == "k.stiffness, j.inertia by a common factor"
+    assert one.directions[1].information < 1e-2 * one.directions[0].information
+
+
+def test_a_frequency_outside_its_band_fails_loudly() -> None:
+    findings = found(chain("{c1.stiffness: 5 %}", by_frequency(35.0, "0.5 %", 1)))
+    one = findings.need(Fit)
+    assert one.modes[0].is_outside
+    assert one.fails
+    assert findings.failed
+    assert findings.exit_status == 1
+    assert "lies above the band of that mode" in one.warnings[0]
+    assert headline(findings)[1] == "fail"
+
+
+def test_values_that_contradict_each_other_say_that_the_model_is_wrong() -> None:
+    shifted = [by_frequency(value * factor, "0.5 %") for value, factor in zip(NOMINAL, (1.03, 0.97, 1.0), strict=True)]
+    one = fit(chain("{c2.stiffness: 20 %}", *shifted))
+    assert one.reduced is not None
+    assert one.reduced > 2.0
+    assert "The model, not the values, is wrong" in " ".join(one.warnings)
+
+
+def test_frequencies_without_numbers_go_to_the_modes_in_whose_bands_they_lie() -> None:
+    one = fit(chain("{c1.stiffness: 20 %}", by_frequency(193.0, "1 %"), by_frequency(23.0, "1 %")))
+    assert [mode.mode for mode in one.modes] == [3, 1]
+
+
+def test_two_frequencies_nearest_to_one_mode_need_its_number() -> None:
+    findings = found(chain("{c1.stiffness: 20 %}", by_frequency(23.0, "1 %"), by_frequency(25.0, "1 %")))
+    assert findings.plan.unanswered[0].why == "this frequency and 23 Hz are both nearest to mode 1"
+    assert findings.plan.unanswered[0].line == 16
+
+
+def test_the_band_of_a_mode_has_every_figure_at_two_deviations() -> None:
+    one = fit(chain("{c1.stiffness: 20 %, d4.inertia: 10 %}", by_frequency(23.0, "1 %"), by_frequency(53.0, "1 %")))
+    for side, name in ((-1.0, "lower"), (1.0, "upper")):
+        stiff, heavy = float(20000.0 * np.exp(0.4 * side)), float(0.95 * np.exp(-0.2 * side))
+        plain = TRAIN.removesuffix("  fit:\n")
+        text = plain.replace("20000", repr(stiff)).replace("inertia: 0.95", f"inertia: {heavy!r}")
+        ends = torsion.run(torsion.parse(text)).results["modes"].frequency
+        assert [getattr(mode, name) for mode in one.modes] == pytest.approx(ends[:2], rel=1e-12)
+
+
+def torsiogram(true: str, at: str, quantity: str, order: int, *, phase: bool = False) -> list[str]:
+    """Rows of a torsiogram of the true train, exact."""
+    study = torsion.parse(true)
+    system = torsion.assemble(study.train, frequency=120.0)
+    speed = np.linspace(400.0, 1700.0, 27) * np.pi / 30.0
+    one = response_of_orders(study, system, [order], speed)
+    if quantity == "torque":
+        part = study.train.position(at)
+        values = one.torque[:, 0, next(k for k, span in enumerate(system.spans) if span.part == part)]
+    else:
+        station = next(k for k, each in enumerate(system.stations) if each.name == at)
+        values = one.angle[:, 0, station] * (1j * order * speed if quantity == "speed" else 1.0)
+    unit = {"angle": "rad", "speed": "rad/s", "torque": "N*m"}[quantity]
+    rows = []
+    for n, value in zip(speed.tolist(), values.tolist(), strict=True):
+        angle = f", phase: {float(np.angle(value))!r} rad" if phase else ""
+        rows.append(f"{{speed: {n!r} rad/s, amplitude: {abs(value)!r} {unit}{angle}}}")
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("at", "quantity", "phase"), [("p", "angle", False), ("m", "speed", True), ("soft", "torque", False)]
+)
+def test_an_exact_torsiogram_gives_the_true_figures_through_a_gear(at: str, quantity: str, phase: bool) -> None:
+    plain = re.sub(", fit: FIT", "", DRIVEN)
+    true = plain.replace("20 kN*m/rad", "18 kN*m/rad").replace("psi: 0.8", "psi: 1").replace("a: 0.3", "a: 0.32")
+    rows = torsiogram(true, at, quantity, 2, phase=phase)
+    settings = f"""{{vary: {{soft.stiffness: 20 %, soft.psi: 30 %, p.inertia: 10 %}}, measured: [
+  {{torsiogram: [{", ".join(rows)}], at: {at}, order: 2, quantity: {quantity}, within: 1e-5}}]}}"""
+    one = fit(DRIVEN.replace("FIT", settings))
+    assert [figure.factor for figure in one.figures] == pytest.approx([0.9, 1.25, 0.32 / 0.3], rel=1e-7)
+    assert one.curves[0].after == pytest.approx(one.curves[0].measured, rel=1e-5)
+    assert not one.fails
+
+
+def test_slopes_are_the_closed_forms_of_both_energies() -> None:
+    text = chain("{c1.stiffness: 20 %, d4.inertia: 10 %}", by_frequency(23.0, "1 %"), by_frequency(53.0, "1 %"))
+    study = torsion.parse(text)
+    train = Train(study.variations["fit"], resolved_for(torsion.assemble(study.train), ()), (), 3)
+    exact = [[0.403343153160794559, -0.164302497776000125], [0.0842550621870688425, -0.182110224743479586],
+             [0.0124017846521365989, -0.000361471028907385519]]  # fmt: skip
+    assert train.mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=2e-11)
+
+
+def two_discs() -> Train:
+    """With a torsiogram of three speeds."""
+    scene = """\
+name: a
+operation: {speeds: {from: 300 rpm, to: 1800 rpm}}
+train:
+  - motor: {name: m, inertia: 1.2, ripple: [{order: 2, torque: 40 N*m}]}
+  - coupling: {name: soft, stiffness: 20 kN*m/rad, psi: 0.8}
+  - disc: {name: p, inertia: 0.3}
+analyses: {modes: {count: 1}, fit: FIT}
+"""
+    rows = ", ".join(GOOD.replace("600", str(speed)) for speed in (600, 1100, 1400))
+    settings = f"{{vary: {{soft.stiffness: 9 %, p.inertia: 9 %}}, measured: [{{torsiogram: [{rows}], at: p, order: 2,"
+    study = torsion.parse(scene.replace("FIT", f"{settings} quantity: angle, within: 1 %}}]}}"))
+    made, _ = curves(study, study.analyses["fit"].measured)
+    return Train(study.variations["fit"], resolved_for(torsion.assemble(study.train), made), made, 1)
+
+
+def test_slopes_of_an_amplitude_are_those_of_its_closed_form() -> None:
+    """Two discs: |angle| = T |K|/|w^4 J1 J2 - w^2 K (J1 + J2)|, K = k (1 + i psi/2 pi)."""
+    train = two_discs()
+    w, first, second = 2.0 * train.curves[0].speed, 1.2, 0.3
+    stiffness = 20e3 * (1.0 + 1j * 0.8 / (2.0 * np.pi))
+    below = w**4 * first * second - w**2 * stiffness * (first + second)
+    by_stiffness = (w**4 * first * second / below).real
+    by_inertia = -((w**4 * first - w**2 * stiffness) * second / below).real
+    found = train.slopes(np.zeros(2), ())
+    assert found == pytest.approx(np.stack([by_stiffness, by_inertia], axis=1), rel=2e-8)
+
+
+def test_a_phase_on_the_other_side_of_half_a_revolution_is_near() -> None:
+    train = two_discs()
+    train.curves = (replace(train.curves[0], has_phase=True),)
+    found = train.wrapped(np.array([5.0, 4.0, 4.1, 4.2, 6.2, -6.2, 0.1]), 1)  # a mode, three amplitudes, their phases
+    assert found == pytest.approx([5.0, 4.0, 4.1, 4.2, 6.2 - 2.0 * np.pi, 2.0 * np.pi - 6.2, 0.1])
+
+
+def read_scene(folder: Path, files: Mapping[str, str], settings: str) -> Findings:
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    (folder / "scene.yaml").write_text(DRIVEN.replace("FIT", settings), encoding="utf-8")
+    return torsion.run(torsion.read(folder / "scene.yaml"))
+
+
+def test_a_signal_of_the_slow_shaft_counts_orders_of_the_reference(tmp_path: Path) -> None:
+    """Order 2 of the motor is order 4 of the shaft that turns half as fast."""
+    plain = torsion.parse(re.sub(", fit: FIT", "", DRIVEN).replace("20 kN*m/rad", "18 kN*m/rad"))
+    system = torsion.assemble(plain.train, frequency=120.0)
+    speeds = np.linspace(38.0, 185.0, 800)
+    station = next(k for k, each in enumerate(system.stations) if each.name == "p")
+    sizes = response_of_orders(plain, system, [2], speeds).angle[:, 0, station]
+    time = np.arange(0.0, 30.0, 2e-3)
+    own = 0.5 * (45.0 + 4.0 * time)  # of the slow shaft
+    mean = np.cumsum(own) * 2e-3
+    size = np.interp(2.0 * own, speeds, sizes.real) + 1j * np.interp(2.0 * own, speeds, sizes.imag)
+    values = own * (1.0 + (4j * size * np.exp(4j * mean)).real)
+    rows = "".join(f"{a:.4f},{b:.9f}\n" for a, b in zip(time, values, strict=True))
+    settings = """{vary: {soft.stiffness: 20 %}, measured: [
+      {signal: run.csv, at: p, orders: [2], within: 3 %, revolutions: 12}]}"""
+    one = read_scene(tmp_path, {"run.csv": f"time [s],speed [rad/s]\n{rows}"}, settings).need(Fit)
+    assert one.figures[0].factor == pytest.approx(0.9, rel=2e-3)
+    assert one.curves[0].speed[0] == pytest.approx(50.92, abs=0.02)
+
+
+def message(text: str) -> str:
+    with pytest.raises(InputError) as caught:
+        torsion.run(torsion.parse(text))
+    return str(caught.value)
+
+
+GOOD = "{speed: 600 rpm, amplitude: 0.1 deg}"
+
+
+def of_curve(rows: str, more: str) -> str:
+    return f"{{vary: {{soft.stiffness: 20 %}}, measured: [{{torsiogram: {rows}, order: 2, {more}, within: 1 %}}]}}"
+
+
+def of_frequencies(vary: str, *more: str) -> str:
+    return f"{{vary: {{{vary}}}, measured: [{', '.join(f'{{{one}}}' for one in more)}]}}"
+
+
+FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
+
+
+@pytest.mark.parametrize(
+    ("settings", "place", "expected"),
+    [
+        ("{vary: {soft.stiffness: 20 %}}", "9", "`measured` is missing"),
+        (of_frequencies("", FREQUENCY), "9:", "`vary` is empty"),
+        (of_frequencies("soft.stiffness: 20 %, soft.psi: 20 %", FREQUENCY), "9:37",
+         "2 figures vary, and 1 value was measured"),
+        (of_frequencies("soft.stifness: 20 %", FREQUENCY), "9:44", "soft.stifness"),
+        (of_frequencies("soft.loss_factor: 20 %", FREQUENCY), "9:44", "does not give"),
+        (of_frequencies("sift.stiffness: 20 %", FREQUENCY), "9:44", "did you mean `soft`"),
+        (of_frequencies("m.name: 20 %", FREQUENCY), "9:44", "name"),
+        (of_frequencies(SOFT, "frequency: 20 Hz, within: 0"), "9:105", "out of range"),
+        (of_frequencies(SOFT, "within: 1 %"), "9:", "nothing is measured"),
+        (of_frequencies(SOFT, "at: m, " + FREQUENCY), "9:", "`at` does not go with `frequency`"),
+        (of_frequencies(SOFT, "mode: 1, " + FREQUENCY, "mode: 1, " + FREQUENCY), "9:", "mode 1 is measured twice"),
+        (of_frequencies(SOFT, "signal: none.csv, at: m, orders: [2], within: 1 %"), "9:", "cannot be read"),
+        (of_curve(f"[{GOOD}]", "at: m"), "9:", "`quantity` is missing"),
+        (of_curve(f"[{GOOD}]", "at: m, quantity: angle").replace("order: 2", "order: 3"), "9:",
+         "no excitation has order 3"),
+        (of_curve(f"[{GOOD}]", "at: x, quantity: angle"), "9:", "no component is called 'x'"),
+        (of_curve(f"[{GOOD}]", "at: m, quantity: torque"), "9:", "0.1 deg"),
+        (of_curve(f"[{GOOD}, {GOOD}]", "at: m, quantity: angle"), "9:", "the speed does not rise"),
+        (of_curve(f"[{GOOD}]", "at: m, quantity: angle").replace("600", "2600"), "9:100",
+         "2600 rpm lies outside the speeds 300 to 1800 rpm"),
+        (of_curve(f"[{GOOD}]", "at: m, quantity: torque").replace("0.1 deg", "5 N*m"), "9:",
+         "'m' is no coupling and no shaft"),
+    ],
+)  # fmt: skip
+def test_what_does_not_go_is_refused_where_it_stands(settings: str, place: str, expected: str) -> None:
+    words = message(DRIVEN.replace("FIT", settings))
+    assert f"train.yaml:{place}" in words
+    assert expected in words
+
+
+def test_a_mode_that_the_train_does_not_have_has_no_answer() -> None:
+    findings = found(chain("{c1.stiffness: 20 %}", by_frequency(23.0, "1 %", 9)))
+    assert [one.why for one in findings.plan.unanswered] == ["mode 9 is not among the 3 of the train"]
+    assert findings.exit_status == 2
+
+
+TABLES = [
+    ("speed [rpm],amplitude [deg]\n400,0.1\n300,0.2\n", "run.csv:3:1: the speed does not rise"),
+    ("speed [rpm],amplitude [deg]\n400,0.1\n2300,0.2\n", "run.csv:3:1: 2300 rpm lies outside the speeds"),
+    ("speed [rpm],amplitude [N*m]\n400,0.1\n", "run.csv:2:5: angle: "),
+    ("speed [rpm],amplitude [kg]\n400,0.1\n", "run.csv:1:13: the unit of the column `amplitude`"),
+    ("speed [rpm]\n400\n", "run.csv:1:1: the column `amplitude` is missing"),
+    ("speed [rpm],amplitude [deg]\n", "run.csv:1:1: the table has no rows below"),
+    ("", "run.csv:1:1: the table has nothing"),
+    ("speed [rpm],amplitude [deg],phase [deg]\n400,0.1,5\n500,0.1,\n", "run.csv:3:1: some rows have a phase"),
+    ("speed [rpm],amplitude [deg]\n400,0\n", "run.csv:2:5: angle: 0 deg is out of range"),
+    ("speed [rpm],amplitude [deg]\n400,x\n", "run.csv:2:5"),
+    ("speed [rpm],amplitud [deg]\n400,1\n", "did you mean `amplitude`?"),
+]
+
+
+@pytest.mark.parametrize(("table", "expected"), TABLES)
+def test_faults_of_a_torsiogram_stand_in_its_file(tmp_path: Path, table: str, expected: str) -> None:
+    settings = """{vary: {soft.stiffness: 20 %}, measured: [
+      {torsiogram: run.csv, at: m, order: 2, quantity: angle, within: 1 %}]}"""
+    with pytest.raises(InputError) as caught:
+        read_scene(tmp_path, {"run.csv": table}, settings)
+    assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "expected"),
+    [
+        ("time [s]\n0\n0.1\n", ", pulses: 8", "shorter than a window"),
+        ("time [s]\n0\n0.2\n0.1\n", ", pulses: 8", "the time does not rise"),
+        ("time [s],speed [rpm]\n0,600\n0.1,600\n", "", "samples a revolution"),
+        ("time [s],speed [rpm]\n0,600\n0.1,600\n", ", pulses: 8", "has 2 columns in line 1, not 1"),
+        ("time [s]\n0\n0.1\n", ", pulses: 4", "order 2 needs more than 4 samples"),
+    ],
+)  # fmt: skip
+def test_faults_of_a_signal(tmp_path: Path, text: str, more: str, expected: str) -> None:
+    settings = f"""{{vary: {{soft.stiffness: 20 %}}, measured: [
+      {{signal: run.csv, at: m, orders: [2], within: 1 %{more}}}, {{frequency: 20 Hz, within: 1 %}}]}}"""
+    with pytest.raises(InputError) as caught:
+        read_scene(tmp_path, {"run.csv": text}, settings)
+    assert expected in str(caught.value)
+
+
+def test_a_signal_outside_the_speeds_is_refused(tmp_path: Path) -> None:
+    rows = "".join(f"{k * 0.001:.3f}\n" for k in range(2000))
+    settings = """{vary: {soft.stiffness: 20 %}, measured: [
+      {signal: run.csv, at: m, orders: [2], within: 1 %, pulses: 8, revolutions: 4}]}"""
+    with pytest.raises(InputError, match=r"the signal runs from 7500 to 7500 rpm"):
+        read_scene(tmp_path, {"run.csv": f"time [s]\n{rows}"}, settings)

@@ -1,0 +1,84 @@
+"""Orders of a rotation that is known in closed form: a run-up at constant acceleration with known vibrations."""
+
+import numpy as np
+import pytest
+
+from torsion.kernels.order_tracking import of_pulses, of_speeds
+
+BEGIN, ACCELERATION, MARKS = 80.0, 6.0, 60  # rad/s, rad/s2
+ORDERS = {1.0: 0.002 * np.exp(0.3j), 2.0: 0.01 * np.exp(-1.0j), 2.5: 0.004 + 0j}
+
+
+def turned(time: np.ndarray, orders: dict[float, complex]) -> np.ndarray:
+    mean = BEGIN * time + ACCELERATION * time**2 / 2.0
+    return mean + sum((size * np.exp(1j * order * mean)).real for order, size in orders.items())
+
+
+def speed(time: np.ndarray, orders: dict[float, complex]) -> np.ndarray:
+    mean = BEGIN * time + ACCELERATION * time**2 / 2.0
+    rate = sum((1j * order * size * np.exp(1j * order * mean)).real for order, size in orders.items())
+    return (BEGIN + ACCELERATION * time) * (1.0 + rate)
+
+
+def pulses(orders: dict[float, complex], revolutions: int = 200) -> np.ndarray:
+    """Times at which the marks pass, by Newton's steps."""
+    angle = 2.0 * np.pi * np.arange(MARKS * revolutions) / MARKS + turned(np.zeros(1), orders)
+    time = (np.sqrt(BEGIN**2 + 2.0 * ACCELERATION * angle) - BEGIN) / ACCELERATION
+    for _ in range(40):
+        time = time - (turned(time, orders) - angle) / speed(time, orders)
+    return time
+
+
+def error(found: np.ndarray, expected: dict[float, complex]) -> float:
+    """Largest, over the amplitude of that order."""
+    sizes = np.abs(list(expected.values()))
+    return float((np.abs(np.abs(found) - sizes) / sizes).max())
+
+
+def test_pulses_of_a_run_up_give_every_amplitude_to_ten_digits() -> None:
+    found = of_pulses(pulses(ORDERS), MARKS, np.array(list(ORDERS)), 16)
+    assert found.angle.shape == (12, 3)
+    assert error(found.angle, ORDERS) < 1e-9
+
+
+def test_samples_of_the_speed_give_them_to_twelve_digits() -> None:
+    time = np.arange(0.0, 12.0, 5e-4)
+    assert error(of_speeds(time, speed(time, ORDERS), np.array(list(ORDERS)), 16).angle, ORDERS) < 1e-11
+
+
+def test_the_phase_of_pulses_counts_from_the_first_mark() -> None:
+    start = turned(np.zeros(1), ORDERS)[0]  # angle at the first mark, from which the mean angle of the fit counts
+    found = of_pulses(pulses(ORDERS), MARKS, np.array(list(ORDERS)), 16).angle[0]
+    shifted = [size * np.exp(1j * order * start) for order, size in ORDERS.items()]
+    assert np.abs(found - shifted).max() < 1e-10
+
+
+def test_an_order_that_is_not_fitted_leaks_four_digits_below_itself() -> None:
+    present = ORDERS | {4.0: 0.01 + 0j}
+    found = of_pulses(pulses(present), MARKS, np.array(list(ORDERS)), 16).angle
+    assert np.abs(np.abs(found) - np.abs(list(ORDERS.values()))).max() < 2e-4 * 0.01
+
+
+def test_the_error_at_a_resonance_falls_with_the_square_of_the_window() -> None:
+    """An amplitude that bends over the window is averaged: error ~ (window)^2 of its curvature."""
+
+    def resonance(time: np.ndarray) -> np.ndarray:
+        mean = BEGIN * time + ACCELERATION * time**2 / 2.0
+        here = BEGIN + ACCELERATION * time
+        size = 0.01 / np.sqrt(1.0 + ((here - 120.0) / 12.0) ** 2)
+        rate = -size * np.sin(2.0 * mean) * 2.0 * here
+        drift = -0.01 * (here - 120.0) / 144.0 * (size / 0.01) ** 3 * ACCELERATION
+        return here + rate + drift * np.cos(2.0 * mean)
+
+    time, errors = np.arange(0.0, 12.0, 5e-4), []
+    for revolutions in (32, 16, 8):
+        found = of_speeds(time, resonance(time), np.array([2.0]), revolutions)
+        exact = 0.01 / np.sqrt(1.0 + ((found.speed - 120.0) / 12.0) ** 2)
+        errors.append(float((np.abs(np.abs(found.angle[:, 0]) - exact) / exact).max()))
+    assert errors[2] < 2e-3
+    assert errors[0] > 8.0 * errors[2]
+
+
+def test_too_few_samples_are_refused() -> None:
+    with pytest.raises(ValueError, match="too few"):
+        of_speeds(np.arange(0.0, 4.0, 0.05), np.full(80, 100.0), np.array([1.0, 2.0, 3.0]), 2)
