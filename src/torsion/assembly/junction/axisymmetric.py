@@ -96,11 +96,7 @@ def solved(profile: Profile, fine: float = FINE) -> Solved:
 
 def on_mesh(profile: Profile, here: Meridian) -> tuple[Bounds, Fields]:
     """Both problems on one mesh."""
-    basis = skfem.Basis(here.curved, skfem.ElementTriP4(), intorder=ORDER)
-    r = np.asarray(basis.global_coordinates()[1])
-    values = np.array([np.broadcast_to(np.asarray(one[0]), r.shape) for one in basis.basis])
-    slopes = np.array([one[0].grad for one in basis.basis])  # (unknowns, z and r, triangles, places)
-    modulus = _modulus(profile, np.asarray(basis.global_coordinates()[0]))
+    basis, values, slopes, r, modulus = _functions(profile, here)
     weight = modulus * r**3
     twist = _matrix(basis, slopes, weight * basis.dx)
     end, begin, outer, inner = _boundaries(profile, here, basis)
@@ -119,6 +115,24 @@ def on_mesh(profile: Profile, here: Meridian) -> tuple[Bounds, Fields]:
     gap = np.sum(np.sum(apart**2, axis=0) / weight * basis.dx, axis=1) / (2.0 * math.pi)
     lower, upper = 1.0 / stiffness / (2.0 * math.pi), flexibility / (2.0 * math.pi)
     return Bounds(r.shape[0], lower, upper, gap), Fields(basis, psi / stiffness, chi)
+
+
+def dynamic_matrices(profile: Profile, here: Meridian) -> tuple[csc_array, csc_array]:
+    """Stiffness and consistent inertia of a free line of density 1 and shear modulus 1, for its vibration.
+
+    The unknowns are psi at the points of the elements; 2 pi int G r^3 grad u grad v and 2 pi int rho r^3 u v.
+    """
+    basis, values, slopes, r, modulus = _functions(profile, here)
+    weight = 2.0 * math.pi * r**3 * basis.dx
+    return _matrix(basis, slopes, modulus * weight), _matrix(basis, values[:, None], weight)
+
+
+def _functions(profile: Profile, here: Meridian) -> tuple[Any, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """The elements; their functions (unknowns, triangles, places) and slopes (.., z and r, ..); radius and modulus."""
+    basis = skfem.Basis(here.curved, skfem.ElementTriP4(), intorder=ORDER)
+    z, r = np.asarray(basis.global_coordinates())
+    values = np.array([np.broadcast_to(np.asarray(one[0]), r.shape) for one in basis.basis])
+    return basis, values, np.array([one[0].grad for one in basis.basis]), r, _modulus(profile, z)
 
 
 def _modulus(profile: Profile, z: FloatArray) -> FloatArray:
