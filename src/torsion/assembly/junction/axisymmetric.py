@@ -181,7 +181,7 @@ def _middle(profile: Profile, z: FloatArray) -> FloatArray:
         for key in ("outer", "bore"):
             ends = np.array([getattr(one, key) for one in profile.lengths])[owner]
             found.append((ends[:, 0] + np.diff(ends, axis=1)[:, 0] * share) / 2.0)
-    return (np.minimum(found[0], found[2]) + np.maximum(found[1], found[3])) / 2.0
+    return np.asarray((np.minimum(found[0], found[2]) + np.maximum(found[1], found[3])) / 2.0)
 
 
 def _solution(matrix: Any, number: int, known: dict[float, IntArray]) -> FloatArray:
