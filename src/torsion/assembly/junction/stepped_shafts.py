@@ -46,7 +46,10 @@ def stepped(train: Train, form: object, faults: list[Fault]) -> Train:
             faults += [fault] if record.step is not None else []
             continue
         smaller = min(ends, key=lambda end: end.outer)
-        excess = excess_length(step, *ends)
+        excess, source = excess_length(step, *ends)
+        form_words = step.form or f"{'fillet' if step.fillet else 'chamfer'} of {1e3 * step.size:g} mm"
+        remark = f"its step to '{two.name}' ({form_words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
+        found = _remarked(found, one.part, f"{remark} beyond both shafts, {source}")
         saved = shorter.get(smaller.bar.name, 0.0) - excess
         if excess > 0.0:
             found = _with_spring(found, one, two, smaller, excess)
@@ -100,24 +103,25 @@ def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...]) -> Fa
     return None
 
 
-def excess_length(step: Step, one: End, two: End) -> float:
-    """m of the smaller shaft, whose twist the step has beyond both shafts; from the table, else by finite elements."""
+def excess_length(step: Step, one: End, two: End) -> tuple[float, str]:
+    """m of the smaller shaft, whose twist the step has beyond both shafts; and where that is from, in words."""
     smaller, larger = sorted((one, two), key=lambda end: end.outer)
     unit = smaller.outer
     if step.form == "handbook":
-        return unit * handbook(larger.outer / unit)
+        return unit * handbook(larger.outer / unit), "by a handbook's table, from memory, to be verified"
     if step.chamfer is None and one.bore == two.bore and one.bar.shear_modulus == two.bar.shear_modulus:
         height = (larger.outer - unit) / 2.0
         known = junction_table().excess_length(smaller.bore / unit, height / unit, step.size / unit)
         if known is not None:
-            return unit * known
+            return unit * known, f"from the table of finite elements, within {junction_table().error:.1g} diameters"
     from torsion.assembly.junction.axisymmetric import solved
     from torsion.assembly.junction.profile import Corner, junction
 
     corner = Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
     sizes = [(end.outer / unit, end.bore / unit) for end in (smaller, larger)]
     moduli = 1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus
-    return unit * solved(junction(sizes[0], sizes[1], corner, moduli=moduli)).excess_length
+    found = solved(junction(sizes[0], sizes[1], corner, moduli=moduli))
+    return unit * found.excess_length, f"by finite elements, within {found.error:.1g} diameters"
 
 
 def handbook(larger: float) -> float:
@@ -130,6 +134,12 @@ def handbook(larger: float) -> float:
         if begin <= larger <= end:
             return low + (high - low) * (1.0 / begin - 1.0 / larger) / (1.0 / begin - 1.0 / end)
     raise ValueError("the larger diameter is the smaller one")
+
+
+def _remarked(train: Train, part: int, remark: str) -> Train:
+    parts = list(train.parts)
+    parts[part] = replace(parts[part], remark=remark)
+    return replace(train, parts=tuple(parts))
 
 
 def _with_spring(train: Train, one: Bar, two: Bar, smaller: End, excess: float) -> Train:
