@@ -67,6 +67,11 @@ class Train:
         return any(isinstance(bar.section, SectionMesh) for bar in self.bars)
 
     @property
+    def has_steps(self) -> bool:
+        """A shaft says what its step to the next one is."""
+        return any(part.shaft is not None and part.shaft.step is not None for part in self.parts)
+
+    @property
     def damping_of_components(self) -> str:
         """The name of one that has damping of its own; empty where none has."""
         named = [spring.name for spring in self.springs if spring.damps]

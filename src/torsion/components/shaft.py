@@ -3,11 +3,11 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering, Role, ShaftRecord, Support
+from torsion.components.lowering import Lowering, Role, ShaftRecord, Step, Support
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
 
@@ -17,6 +17,9 @@ Feature = Literal[
     "flange", "shrink fit", "taper keyway", "cylinder keyway", "radial hole", "slot", "thrust collar", "roller bearing",
     "propeller flange", "propeller keyless", "propeller keyed", "tube shaft",
 ]  # fmt: skip
+StepOrForm = Annotated[
+    Step, BeforeValidator(lambda value: {"form": value} if isinstance(value, str) else value, str | Step)
+]
 
 
 class MeshedSection(Declared):
@@ -42,6 +45,9 @@ class Shaft(Component, keyword="shaft", sort="link"):
     loss_factor: fields.LossFactor | None = given("loss factor (default: the material's)")
     role: Role | None = given("what the class rules call this shaft")
     features: Annotated[tuple[Feature, ...], OneOrMany] = given("details that the rules reduce the limit for", ())
+    step: StepOrForm | None = given(
+        "corner to the shaft after it: {fillet: 4 mm}, {chamfer: 5 mm}, sharp, handbook or none (default: `steps`)"
+    )
     support: Annotated[tuple[Support, ...], OneOrMany] = given("bearings on springs that hold the shaft sideways", ())
 
     @field_validator("section")
@@ -75,7 +81,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
 
     def lower(self, build: Lowering) -> None:
         build.record(
-            shaft=ShaftRecord(self.material, self.role, self.features, self.support),
+            shaft=ShaftRecord(self.material, self.role, self.features, self.support, step=self.step),
             damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
         )
         driving, driven = build.link()

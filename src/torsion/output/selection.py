@@ -34,8 +34,9 @@ def elements(system: System) -> tuple[Element, ...]:
     bars = {bar.part: bar.name for bar in system.train.bars}
     found: dict[tuple[int, str], list[int]] = {}
     for index, span in enumerate(system.own_spans):
-        if not _joins_points_rigidly(system, index):
-            found.setdefault((span.part, bars.get(span.part, span.name)), []).append(index)
+        if not _joins_points_rigidly(system, index):  # a spring of a shaft is that of its step
+            name = span.name if index < len(system.train.springs) else bars.get(span.part, span.name)
+            found.setdefault((span.part, name), []).append(index)
     named: list[tuple[int, str, Sequence[int]]] = [(part, name, tuple(spans)) for (part, name), spans in found.items()]
     first = len(system.own_spans)
     for row in system.rows:

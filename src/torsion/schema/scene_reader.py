@@ -12,6 +12,7 @@ from torsion.analyses import ANALYSES, UNBUILT, VARYING
 from torsion.components import KINDS, component
 from torsion.components.component import Component
 from torsion.components.harmonic_torques import Excitation
+from torsion.components.lowering import StepForm
 from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, given, required, shown
@@ -49,6 +50,7 @@ class Scene(Declared):
     operation: Any = given("speeds, rated point and law of load")
     damping: Any = given("damping by mode, in place of that of the components: {modal: 2 %}")
     train: Any = required("the components from one end to the other")
+    steps: StepForm = given("twist of corners between shafts that say no `step`: sharp, handbook or none", "none")
     links: Any = given("links that close loops between named points")
     excitations: Any = given("torques beyond those that components bring")
     analyses: Any = given("what is computed (default: modes, and response when something excites)")
@@ -107,7 +109,11 @@ def _study(source: Source) -> Study:
     study = _sections(source, faults)
     if study is not None:
         if "train" not in _faulty(faults):
-            study = _with_meshes(study, faults)
+            study, steps = _with_meshes(study, faults), source.data.get("steps", "none")
+            if steps != "none" or study.train.has_steps:
+                from torsion.assembly.junction.stepped_shafts import stepped
+
+                study = replace(study, train=stepped(study.train, steps, faults))
         if study.document is not None and study.document.logo is not None:
             from torsion.schema.logo import with_logo
 
@@ -199,7 +205,7 @@ def _top(data: object) -> object:
     """The keys of the top level alone: `present` stands for a section."""
     if not isinstance(data, dict):
         return {} if data is None else data
-    plain = ("name", "description")
+    plain = ("name", "description", "steps")
     return {key: value if key in plain or value is None else "present" for key, value in data.items()}
 
 

@@ -1,0 +1,48 @@
+"""A stepped line of shafts: its natural frequencies by a fine axisymmetric model, and by shafts one after another."""
+
+import numpy as np
+from scipy.sparse.linalg import eigsh
+
+from torsion.analyses.undamped_modes import modes
+from torsion.assembly import assemble
+from torsion.assembly.junction.axisymmetric import dynamic_matrices, solved
+from torsion.assembly.junction.profile import Corner, Length, Profile, junction
+from torsion.components.coupling import Coupling
+from torsion.components.material import Material
+from torsion.components.shaft import Shaft
+from torsion.train import train
+
+DIAMETERS = (0.10, 0.12, 0.20, 0.14, 0.28, 0.16, 0.12, 0.10)  # m
+LENGTHS = (0.45, 0.60, 0.70, 0.75, 0.90, 0.60, 0.55, 0.45)  # m
+MATERIAL = Material(shear_modulus=80e9, youngs_modulus=206e9, density=7800.0)
+
+
+def line(fillet: float = 0.0, scale: float = 1.0) -> Profile:
+    """All eight sections; fillet: radius (m) in every corner; scale: of the lengths."""
+    lengths = tuple(Length(scale * one, (d, d)) for d, one in zip(DIAMETERS, LENGTHS, strict=True))
+    corner = Corner("fillet", fillet) if fillet else None
+    return Profile(lengths, (corner,) * (len(lengths) - 1))
+
+
+def axisymmetric(profile: Profile, count: int = 5, fine: float = 1e-6) -> np.ndarray:
+    """The first elastic frequencies, Hz, with consistent inertia on the mesh that the static twist needs."""
+    stiffness, inertia = dynamic_matrices(profile, solved(profile, fine).meridian)
+    speed2 = MATERIAL.shear_modulus / MATERIAL.density
+    shift = -((1.0 / profile.places[-1]) ** 2)  # below the rigid motion, far nearer to it than to the first root
+    found = eigsh(stiffness, count + 1, inertia, sigma=shift, return_eigenvectors=False)
+    return np.sqrt(np.sort(found)[1:] * speed2) / (2.0 * np.pi)
+
+
+def one_dimensional(count: int = 5, *, junctions: bool, fillet: float = 0.0, scale: float = 1.0) -> np.ndarray:
+    """The first elastic frequencies, Hz, of the exact model of the shafts, with junctions as springs or without."""
+    parts: list[Shaft | Coupling] = []
+    for place, (length, diameter) in enumerate(zip(LENGTHS, DIAMETERS, strict=True)):
+        parts.append(Shaft(length=scale * length, diameter=(diameter,), material="line"))
+        if junctions and place < len(LENGTHS) - 1:
+            small, large = sorted(DIAMETERS[place : place + 2])
+            corner = Corner("fillet", fillet / small) if fillet else None
+            excess = solved(junction((1.0, 0.0), (large / small, 0.0), corner), 1e-6).excess_length
+            twist = Length(excess * small, (small, small)).twist
+            parts.append(Coupling(flexibility=twist / MATERIAL.shear_modulus))
+    system = assemble(train(parts, materials={"line": MATERIAL}), "exact", frequency=5000.0)
+    return np.asarray(modes(system, count).frequency)

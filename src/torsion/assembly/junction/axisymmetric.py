@@ -1,0 +1,197 @@
+"""Torsion of a round shaft line of any profile by finite elements (scikit-fem): bounds of its flexibility.
+
+Angle psi(z, r) of a ring (Michell 1899): div(G r^3 grad psi) = 0, on a free surface d psi/dn = 0, the ends plane.
+Stiffness 2 pi int G r^3 |grad psi|^2 at a twist of 1: elements store too much, a lower bound of the flexibility.
+
+Stress function phi (Foeppl 1905): the torque / 2 pi inside of a line of constant phi; 0 on the axis or bore, 1 on the
+outer surface, div(grad phi / (G r^3)) = 0. Flexibility int |grad phi|^2 / (G r^3) / 2 pi: an upper bound. Around the
+axis phi is r^4 times what the elements give, so that the integrals stay finite.
+
+The two together measure their own error in every triangle (Prager and Synge 1947): the integral of
+|G r^3 grad psi - rot phi|^2 / (G r^3) sums to the gap of the bounds. It says what to divide.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import skfem
+from scipy.sparse import coo_array, csc_array
+from scipy.sparse.linalg import splu
+
+from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.junction.profile import Profile
+from torsion.assembly.junction.profile_mesh import CLOSE, Meridian, meridian
+from torsion.errors import SolveError
+
+ORDER = 10  # of the quadrature: r^3 with two gradients of degree 3, and one more for curved sides
+GRADED = 10  # halvings of the triangles at a sharp corner before the first solution
+SHARE = 0.8  # of the squared gap that the triangles to be divided have
+MOST = 10_000  # triangles
+FINE = 3e-5  # length in units of the diameter: gap at which the elements are fine enough
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What one mesh says of a line of shear modulus 1."""
+
+    triangles: int
+    lower: float  # flexibility, 1/length^3
+    upper: float
+    gap: FloatArray  # (triangles,) share of upper - lower
+
+
+@dataclass(frozen=True)
+class Fields:
+    """psi and phi on one mesh for a torque of 2 pi; phi over r^4 / core^4 within the core."""
+
+    basis: Any
+    psi: FloatArray
+    chi: FloatArray
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A line, solved: lengths in units of the smaller diameter."""
+
+    profile: Profile
+    meridian: Meridian
+    levels: tuple[Bounds, ...]
+    fields: Fields
+
+    @property
+    def excess(self) -> tuple[float, float]:
+        """Bounds of the excess length: of the smaller shaft, over the sum of its lengths each as if it were long."""
+        end = self.profile.smaller
+        unit = end.twist / end.length * end.outer[0]
+        plain = sum(one.twist for one in self.profile.lengths)
+        return (self.levels[-1].lower - plain) / unit, (self.levels[-1].upper - plain) / unit
+
+    @property
+    def excess_length(self) -> float:
+        """The middle of the bounds."""
+        return sum(self.excess) / 2.0
+
+    @property
+    def error(self) -> float:
+        """Half their gap."""
+        return (self.excess[1] - self.excess[0]) / 2.0
+
+
+def solved(profile: Profile, fine: float = FINE) -> Solved:
+    """A line by elements of degree 4, divided until the bounds of its excess length are `fine` apart."""
+    here, levels = meridian(profile).graded(GRADED), list[Bounds]()
+    end = profile.smaller
+    unit = end.twist / end.length * end.outer[0]
+    while True:
+        bounds, fields = on_mesh(profile, here)
+        levels.append(bounds)
+        if bounds.upper - bounds.lower <= fine * unit:
+            return Solved(profile, here, tuple(levels), fields)
+        if bounds.triangles > MOST:
+            raise SolveError("the finite elements of a junction do not converge; look at its dimensions")
+        here = here.refined(skfem.adaptive_theta(bounds.gap, theta=1.0 - SHARE))
+
+
+def on_mesh(profile: Profile, here: Meridian) -> tuple[Bounds, Fields]:
+    """Both problems on one mesh."""
+    basis, values, slopes, r, modulus = _functions(profile, here)
+    weight = modulus * r**3
+    twist = _matrix(basis, slopes, weight * basis.dx)
+    end, begin, outer, inner = _boundaries(profile, here, basis)
+    psi = _solution(twist, basis.N, {0.0: begin, 1.0: end})
+    stiffness = float(psi @ (twist @ psi))
+    inside = r < here.core
+    share = np.where(inside, r / here.core, 1.0) ** 4 if here.core else np.ones_like(r)
+    steep = np.where(inside, 4.0 * share / r, 0.0)  # d share / dr
+    flows = slopes * share
+    flows[:, 1] += values * steep
+    flow = _matrix(basis, flows, basis.dx / weight)
+    chi = _solution(flow, basis.N, {0.0: inner, 1.0: outer})
+    flexibility = float(chi @ (flow @ chi))
+    one, two = (_at(basis, parts, field) for parts, field in ((slopes, psi / stiffness), (flows, chi)))
+    apart = np.array([weight * one[0] - two[1], weight * one[1] + two[0]])
+    gap = np.sum(np.sum(apart**2, axis=0) / weight * basis.dx, axis=1) / (2.0 * math.pi)
+    lower, upper = 1.0 / stiffness / (2.0 * math.pi), flexibility / (2.0 * math.pi)
+    return Bounds(r.shape[0], lower, upper, gap), Fields(basis, psi / stiffness, chi)
+
+
+def dynamic_matrices(profile: Profile, here: Meridian) -> tuple[csc_array, csc_array]:
+    """Stiffness and consistent inertia of a free line of density 1 and shear modulus 1, for its vibration.
+
+    The unknowns are psi at the points of the elements; 2 pi int G r^3 grad u grad v and 2 pi int rho r^3 u v.
+    """
+    basis, values, slopes, r, modulus = _functions(profile, here)
+    weight = 2.0 * math.pi * r**3 * basis.dx
+    return _matrix(basis, slopes, modulus * weight), _matrix(basis, values[:, None], weight)
+
+
+def _functions(profile: Profile, here: Meridian) -> tuple[Any, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """The elements; their functions (unknowns, triangles, places) and slopes (.., z and r, ..); radius and modulus."""
+    basis = skfem.Basis(here.curved, skfem.ElementTriP4(), intorder=ORDER)
+    z, r = np.asarray(basis.global_coordinates())
+    values = np.array([np.broadcast_to(np.asarray(one[0]), r.shape) for one in basis.basis])
+    return basis, values, np.array([one[0].grad for one in basis.basis]), r, _modulus(profile, z)
+
+
+def _modulus(profile: Profile, z: FloatArray) -> FloatArray:
+    owner = np.searchsorted(np.array(profile.places[1:-1]), z)
+    return np.array([one.modulus for one in profile.lengths])[owner]
+
+
+def _matrix(basis: Any, slopes: FloatArray, weight: FloatArray) -> csc_array:
+    """The energy of every pair of unknowns."""
+    left = slopes.transpose(2, 0, 1, 3).reshape(slopes.shape[2], slopes.shape[0], -1)
+    right = (slopes * weight).transpose(2, 1, 3, 0).reshape(slopes.shape[2], -1, slopes.shape[0])
+    own, of = left @ right, basis.element_dofs.T
+    row, column = (np.broadcast_to(one, own.shape) for one in (of[:, :, None], of[:, None, :]))
+    return csc_array(coo_array((own.ravel(), (row.ravel(), column.ravel())), shape=(basis.N, basis.N)))
+
+
+def _at(basis: Any, slopes: FloatArray, field: FloatArray) -> FloatArray:
+    """The gradient (2, triangles, places) of a field."""
+    return np.asarray(np.einsum("udtp,ut->dtp", slopes, field[basis.element_dofs]))
+
+
+def _boundaries(profile: Profile, here: Meridian, basis: Any) -> tuple[IntArray, ...]:
+    """Unknowns at the two ends, last first, on the outer and on the inner surface; the axis is none of them."""
+    mesh = here.mesh
+    facets = mesh.boundary_facets()
+    z, r = mesh.p[:, mesh.facets[:, facets]].mean(axis=1)
+    places = profile.places
+    near = CLOSE * places[-1]
+    at_begin, at_end = z < near, z > places[-1] - near
+    side = ~(at_begin | at_end | (r < near))
+    outer = side & (r > _middle(profile, z))
+    return tuple(
+        np.asarray(basis.get_dofs(facets[chosen]).all(), dtype=np.int64)
+        if chosen.any()
+        else np.zeros(0, dtype=np.int64)
+        for chosen in (at_end, at_begin, outer, side & ~outer)
+    )
+
+
+def _middle(profile: Profile, z: FloatArray) -> FloatArray:
+    """A radius (places,) in the material on both sides of every place."""
+    places, found = np.array(profile.places), []
+    for nudge in (-1e-7, 1e-7):
+        owner = np.clip(np.searchsorted(places, z + nudge * places[-1]) - 1, 0, len(profile.lengths) - 1)
+        share = (z - places[owner]) / np.diff(places)[owner]
+        for key in ("outer", "bore"):
+            ends = np.array([getattr(one, key) for one in profile.lengths])[owner]
+            found.append((ends[:, 0] + np.diff(ends, axis=1)[:, 0] * share) / 2.0)
+    return np.asarray((np.minimum(found[0], found[2]) + np.maximum(found[1], found[3])) / 2.0)
+
+
+def _solution(matrix: Any, number: int, known: dict[float, IntArray]) -> FloatArray:
+    """The field of least energy with some values given."""
+    field, free = np.zeros(number), np.ones(number, dtype=bool)
+    for value, unknowns in known.items():
+        field[unknowns], free[unknowns] = value, False
+    rows = matrix[free]
+    factors = splu(
+        csc_array(rows[:, free]), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    field[free] = factors.solve(-(rows @ field))
+    return field

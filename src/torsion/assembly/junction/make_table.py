@@ -1,0 +1,53 @@
+"""Computes the table of junctions: `python -m torsion.assembly.junction.make_table` writes it in a minute or two."""
+
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from torsion.assembly.junction.axisymmetric import Solved, solved
+from torsion.assembly.junction.profile import Corner, junction
+from torsion.kernels import junction_table
+from torsion.kernels.junction_table import FILE, HIGHEST, LOWEST, SIZES, JunctionTable, table_places
+
+FINE = 2e-6  # gap of the bounds of every value
+BETWEEN = 300  # places between those of the table at which it is compared with the elements
+
+
+def of_step(bore: float, height: float, share: float, fine: float = FINE) -> Solved:
+    """Two shafts of one bore; bore and height of the step / diameter, radius of its fillet / height."""
+    corner = Corner("fillet", share * height) if share else None
+    return solved(junction((1.0, bore), (1.0 + 2.0 * height, bore), corner), fine)
+
+
+def computed() -> JunctionTable:
+    """The table, with its error at places between its own."""
+    found = [of_step(*map(float, place)) for place in product(*table_places())]
+    table = JunctionTable(np.array([one.excess_length for one in found]).reshape(SIZES), 0.0)
+    return replace(table, error=float(max(errors_between(table, BETWEEN)) + max(one.error for one in found)))
+
+
+def errors_between(table: JunctionTable, number: int, seed: int = 1) -> list[float]:
+    """Differences from the elements at places drawn over the whole table."""
+    random, low, high = np.random.default_rng(seed), np.array(LOWEST), np.array(HIGHEST)
+    low[1], high[1] = np.log(low[1]), np.log(high[1])
+    errors = []
+    for bore, height, share in random.uniform(low, high, (number, 3)):
+        place = float(bore), float(np.exp(height)), float(share)
+        known = table.excess_length(place[0], place[1], place[1] * place[2])
+        errors.append(abs((known or 0.0) - of_step(*place).excess_length))
+    return errors
+
+
+def main() -> None:
+    """Writes the file of the package."""
+    table = computed()
+    rows = [" ".join(f"{value:.6f}" for value in row) for row in table.values.reshape(-1, SIZES[-1])]
+    text = "\n".join([f"{table.error:.1e}", *rows]) + "\n"
+    Path(junction_table.__file__).with_name(FILE).write_text(text, encoding="utf-8")
+    print(f"{len(rows) * SIZES[-1]} values, error {table.error:.1e}")
+
+
+if __name__ == "__main__":
+    main()

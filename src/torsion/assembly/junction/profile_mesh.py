@@ -1,0 +1,316 @@
+"""A coarse mesh of the meridian of a round shaft line, graded to its corners, and its refinement along curved fillets.
+
+Slabs between lines across the shaft, each in triangles between the points on its two lines; a fan of triangles from a
+point inside surrounds a filled corner, so that no triangle ends in the cusp between a fillet and its tangent. All
+coordinates are (z, r).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import skfem
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.assembly.junction.profile import Corner, Profile
+
+CLOSE = 1e-9  # relative to the largest radius: one point
+SLICES = 8  # of the fan in a fillet
+GRADING = 2.0  # from line to line away from a corner
+LINES = 24  # of a grading; more than any wall takes
+CROWDED = 0.35  # of a point's distance from its corner: no second point so near
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A fillet: its circle, and the box in which every point of the boundary is on it."""
+
+    center: tuple[float, float]
+    radius: float
+    box: tuple[tuple[float, float], tuple[float, float]]  # of z, of r
+
+    def snapped(self, points: FloatArray, outline: BoolArray) -> FloatArray:
+        """The points (2, points) with those of the outline inside of the box moved to the circle."""
+        (z0, z1), (r0, r1) = self.box
+        z, r = points
+        edge = CLOSE * max(r1, abs(z1))
+        inside = outline & (z > z0 + edge) & (z < z1 - edge) & (r > r0 + edge) & (r < r1 - edge)
+        found, center = points.copy(), np.array(self.center)[:, None]
+        away = points[:, inside] - center
+        found[:, inside] = center + away * (self.radius / np.hypot(*away))
+        return found
+
+
+@dataclass(frozen=True)
+class Meridian:
+    """A mesh and what its refinement must know."""
+
+    mesh: Any  # skfem.MeshTri1
+    arcs: tuple[Arc, ...]
+    sharp: tuple[tuple[float, float], ...]  # corners at which the stress is unbounded
+    core: float  # radius up to which the stress function is a multiple of r^4; 0 where the whole line is bored
+
+    def refined(self, marked: Any) -> "Meridian":
+        """Some of its triangles divided, new points of a fillet moved to its circle."""
+        return Meridian(_snapped(self.mesh.refined(marked), self.arcs), self.arcs, self.sharp, self.core)
+
+    def graded(self, times: int) -> "Meridian":
+        """The triangles at sharp corners divided several times."""
+        found = self
+        for _ in range(times if self.sharp else 0):
+            z, r = found.mesh.p
+            here = np.any([np.hypot(z - z0, r - r0) <= CLOSE * r0 for z0, r0 in self.sharp], axis=0)
+            found = found.refined(np.flatnonzero(here[found.mesh.t].any(axis=0)))
+        return found
+
+    @property
+    def fillets(self) -> IntArray:
+        """Numbers of the mesh's facets along its fillets."""
+        facets = np.asarray(self.mesh.boundary_facets())
+        z, r = self.mesh.p[:, self.mesh.facets[:, facets]].mean(axis=1)
+        on = np.zeros(len(facets), dtype=bool)
+        for arc in self.arcs:
+            (z0, z1), (r0, r1) = arc.box
+            on |= (z > z0) & (z < z1) & (r > r0) & (r < r1)
+        return facets[on]
+
+    @property
+    def curved(self) -> Any:
+        """The mesh with curved sides along fillets."""
+        if not self.arcs:
+            return self.mesh
+        second = skfem.MeshTri2.from_mesh(self.mesh)
+        outline = np.zeros(second.doflocs.shape[1], dtype=bool)
+        vertices = self.mesh.p.shape[1]
+        outline[:vertices][self.mesh.boundary_nodes()] = True
+        outline[vertices + self.mesh.boundary_facets()] = True
+        points = second.doflocs
+        for arc in self.arcs:
+            points = arc.snapped(points, outline)
+        return skfem.MeshTri2(np.ascontiguousarray(points), second.t)
+
+
+def _snapped(mesh: Any, arcs: tuple[Arc, ...]) -> Any:
+    outline = np.zeros(mesh.p.shape[1], dtype=bool)
+    outline[mesh.boundary_nodes()] = True
+    points = mesh.p
+    for arc in arcs:
+        points = arc.snapped(points, outline)
+    return skfem.MeshTri1(np.ascontiguousarray(points), mesh.t)
+
+
+@dataclass(frozen=True)
+class _Fill:
+    """What fills a corner, and the patch around it that is meshed by a fan."""
+
+    corner: Corner
+    z: float
+    r: float
+    begin: float  # z where it begins on the smaller shaft
+    top: float  # r where it ends on the face
+    depth: float  # of the patch below the corner and behind the face
+
+    @property
+    def behind(self) -> float:
+        """z behind the face where the patch ends."""
+        return self.z + math.copysign(self.depth, self.z - self.begin)
+
+    @property
+    def below(self) -> float:
+        """r where the patch begins."""
+        return self.r - self.depth
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """z of the patch, ascending."""
+        return min(self.begin, self.behind), max(self.begin, self.behind)
+
+    @property
+    def size(self) -> float:
+        """Of the triangles that it wants beside it."""
+        return max(abs(self.z - self.begin), self.top - self.r)
+
+
+def meridian(profile: Profile) -> Meridian:
+    """The coarse mesh of a line. Raises ValueError where a corner cannot be filled as stated."""
+    core = profile.thinnest / 4.0 if any(0.0 in one.bore for one in profile.lengths) else 0.0
+    fills = _fills(profile, core)
+    grains, sharp = _grains(profile, fills)
+    lines = _lines(profile, fills, grains)
+    radii = [_radii(profile, z, core, fills, grains) for z in lines]
+    points, triangles = _Points(max(max(one.outer) for one in profile.lengths)), list[tuple[int, int, int]]()
+    for (z0, left), (z1, right) in pairwise(zip(lines, radii, strict=True)):
+        for (low0, low1), (high0, high1) in _strips(profile, (z0, z1), core, fills):
+            one = [points.at(z0, r) for r in left if low0 * (1 - CLOSE) <= r <= high0 * (1 + CLOSE)]
+            two = [points.at(z1, r) for r in right if low1 * (1 - CLOSE) <= r <= high1 * (1 + CLOSE)]
+            triangles += _strip(points, one, two)
+    arcs = tuple(arc for fill in fills for arc in _fan(points, triangles, fill))
+    mesh = skfem.MeshTri1(np.array(points.found).T.copy(), np.array(triangles).T.copy())
+    return Meridian(mesh, arcs, tuple(sharp), core)
+
+
+class _Points:
+    """Points by their place."""
+
+    def __init__(self, scale: float) -> None:
+        self.scale, self.found, self.places = scale, list[tuple[float, float]](), dict[tuple[int, int], int]()
+
+    def at(self, z: float, r: float) -> int:
+        """The number of the point there."""
+        key = round(z / self.scale / CLOSE), round(r / self.scale / CLOSE)
+        for one in ((key[0] + i, key[1] + k) for i in (0, -1, 1) for k in (0, -1, 1)):
+            if one in self.places:
+                return self.places[one]
+        self.found.append((z, r))
+        return self.places.setdefault(key, len(self.found) - 1)
+
+
+def _fills(profile: Profile, core: float) -> list[_Fill]:
+    found = []
+    for place, (corner, (before, after)) in enumerate(zip(profile.corners, profile.steps, strict=True)):
+        if corner is None or before == after:
+            continue
+        low, high = sorted((before / 2.0, after / 2.0))
+        along, up = corner.legs(high - low)
+        smaller, larger = profile.lengths[place : place + 2][:: 1 if before < after else -1]
+        if along >= smaller.length:
+            raise ValueError("a fillet or chamfer is longer than the shaft that it begins on")
+        inner = max(2.0 * core, *smaller.bore, *larger.bore) / 2.0
+        depth = min(along, (low - inner) / 2.0, larger.length / 3.0)
+        z = profile.places[place + 1]
+        found.append(_Fill(corner, z, low, z - along if before < after else z + along, low + up, depth))
+    return found
+
+
+def _grains(profile: Profile, fills: list[_Fill]) -> tuple[list[tuple[float, float, float]], list[tuple[float, float]]]:
+    """Every corner (z, r) with the size of the triangles that it wants; and those corners that are sharp."""
+    found = [(fill.z, fill.r, fill.size) for fill in fills]
+    sharp = [(fill.begin, fill.r) for fill in fills if fill.corner.kind == "chamfer"]
+    filled = {(fill.z, fill.r) for fill in fills}
+    wall = min(min(o - b for o, b in zip(one.outer, one.bore, strict=True)) for one in profile.lengths) / 2.0
+    for z, (one, two) in zip(profile.places[1:], pairwise(profile.lengths), strict=False):
+        outer, bore = (one.outer[1] / 2.0, two.outer[0] / 2.0), (one.bore[1] / 2.0, two.bore[0] / 2.0)
+        for pair, r in ((outer, min(outer)), (bore, max(bore))):  # where a face meets the outside, or the inside
+            if pair[0] != pair[1] and (z, r) not in filled:
+                found.append((z, r, min(abs(pair[1] - pair[0]), wall) / 2.0))
+                sharp.append((z, r))
+    return found, sharp
+
+
+def _lines(profile: Profile, fills: list[_Fill], grains: list[tuple[float, float, float]]) -> list[float]:
+    """Lines across the shaft: where a length or a patch ends, and graded away from every corner."""
+    kept = [*profile.places, *(z for fill in fills for z in fill.span)]
+    wanted = [(z + side * step, step) for z, _, size in grains for step in _steps(size) for side in (-1, 1)]
+    for begin, one in zip(profile.places, profile.lengths, strict=False):
+        wall = (max(one.outer) - min(one.bore)) / 2.0
+        number = max(int(one.length / wall), 1)
+        wanted += [(begin + one.length * k / number, wall) for k in range(1, number)]
+    closed = [fill.span for fill in fills]
+    return _thinned(kept, [one for one in wanted if not any(low < one[0] < high for low, high in closed)])
+
+
+def _steps(size: float) -> list[float]:
+    return [size * GRADING**k for k in range(LINES)]
+
+
+def _radii(
+    profile: Profile, z: float, core: float, fills: list[_Fill], grains: Sequence[tuple[float, float, float]]
+) -> list[float]:
+    """Points on a line across the shaft: its walls on both sides, the core, a patch, graded to corners."""
+    kept = [r for pair in _walls(profile, z, (z, z)) for r in pair]
+    low, high = min(kept), max(kept)
+    if low < core:
+        kept.append(core)
+    near = CLOSE * high
+    here = [fill for fill in fills if min(abs(z - at) for at in (fill.begin, fill.z, fill.behind)) <= near]
+    kept += [r for fill in here for r in ((fill.below,) if abs(z - fill.begin) <= near else (fill.below, fill.top))]
+    wanted = [
+        (r0 + side * step, step)
+        for z0, r0, size in grains for step in _steps(size) if step >= abs(z - z0) / GRADING for side in (-1, 0, 1)
+    ]  # fmt: skip
+    return _thinned(kept, [
+        (r, step) for r, step in wanted
+        if max(low, core) < r < high and not any(fill.below < r < fill.top for fill in here)
+    ])  # fmt: skip
+
+
+def _thinned(kept: list[float], wanted: list[tuple[float, float]]) -> list[float]:
+    """All that is kept, and of what is wanted with its spacing what does not crowd; inside of what is kept."""
+    low, high = min(kept), max(kept)
+    found: list[float] = []
+    for one in sorted(kept):
+        if not found or one - found[-1] > CLOSE * max(high, high - low):
+            found.append(one)
+    for one, step in sorted(wanted, key=lambda pair: pair[1]):
+        if low < one < high and min(abs(one - other) for other in found) > CROWDED * step:
+            found.append(one)
+    return sorted(found)
+
+
+Pair = tuple[float, float]
+
+
+def _strips(profile: Profile, ends: Pair, core: float, fills: list[_Fill]) -> list[tuple[Pair, Pair]]:
+    """The inner and outer edge of each strip of triangles of a slab, their radii at its two lines."""
+    amid = (ends[0] + ends[1]) / 2.0
+    (bore0, outer0), (bore1, outer1) = _walls(profile, amid, ends)
+    edges = [(bore0, bore1), (outer0, outer1)]
+    if bore0 < core:
+        edges.insert(1, (core, core))
+    found = list(pairwise(edges))
+    for fill in fills:
+        if fill.span[0] < amid < fill.span[1]:
+            inner, outer = found.pop()
+            found.append((inner, (fill.below, fill.below)))
+            if min(fill.z, fill.behind) < amid < max(fill.z, fill.behind) and fill.top < outer0 * (1.0 - CLOSE):
+                found.append(((fill.top, fill.top), outer))
+    return found
+
+
+def _walls(profile: Profile, inside: float, at: Pair) -> tuple[Pair, Pair]:
+    """Bore and outer radius at two places of the length that a place is inside of; of both lengths at their joint."""
+    found = list[Pair]()
+    owners = [
+        (begin, one) for begin, one in zip(profile.places, profile.lengths, strict=False)
+        if begin - CLOSE * one.length <= inside <= begin + one.length * (1.0 + CLOSE)
+    ]  # fmt: skip
+    for (begin, one), z in zip((owners[0], owners[-1]), at, strict=True):
+        share = (z - begin) / one.length
+        bore, outer = ((pair[0] + (pair[1] - pair[0]) * share) / 2.0 for pair in (one.bore, one.outer))
+        found.append((bore, outer))
+    return found[0], found[1]
+
+
+def _strip(points: _Points, left: list[int], right: list[int]) -> list[tuple[int, int, int]]:
+    """Triangles between two rows of points."""
+    found, i, k = list[tuple[int, int, int]](), 0, 0
+    rows = [[points.found[one][1] for one in row] for row in (left, right)]
+    share = [[(r - row[0]) / (row[-1] - row[0]) for r in row] for row in rows]
+    while i < len(left) - 1 or k < len(right) - 1:
+        if k == len(right) - 1 or (i < len(left) - 1 and share[0][i + 1] <= share[1][k + 1]):
+            found.append((left[i], right[k], left[i + 1]))
+            i += 1
+        else:
+            found.append((left[i], right[k], right[k + 1]))
+            k += 1
+    return found
+
+
+def _fan(points: _Points, triangles: list[tuple[int, int, int]], fill: _Fill) -> list[Arc]:
+    """Adds the triangles of a patch; its arc, if it is round."""
+    center, radius = (fill.begin, fill.r + fill.corner.size), fill.corner.size
+    rim = [(fill.z, fill.top), (fill.begin, fill.r)]
+    is_round = fill.corner.kind == "fillet"
+    if is_round:
+        turns = np.linspace(0.0, math.acos(1.0 - (fill.top - fill.r) / radius), SLICES + 1)[-2:0:-1]
+        toward = math.copysign(radius, fill.z - fill.begin)
+        rim[1:1] = [(center[0] + toward * math.sin(turn), center[1] - radius * math.cos(turn)) for turn in turns]
+    around = [(fill.begin, fill.below), (fill.z, fill.below), (fill.behind, fill.below), (fill.behind, fill.top), *rim]
+    apex = points.at((fill.z + fill.behind) / 2.0, (fill.r + fill.below) / 2.0)
+    loop = [points.at(*one) for one in around]
+    triangles += [(apex, one, two) for one, two in pairwise([*loop, loop[0]])]
+    low, high = sorted((fill.begin, fill.z))
+    return [Arc(center, radius, ((low, high), (fill.r, fill.top)))] if is_round else []

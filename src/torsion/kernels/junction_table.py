@@ -1,0 +1,78 @@
+"""Excess length of the junction of two round shafts of one bore, from a table of finite elements.
+
+The table has the values at Chebyshev's points over bore / diameter, the logarithm of the height of the step / diameter,
+and (fillet radius / height)^(2/3); the polynomial through them is evaluated (Berrut and Trefethen 2004, SIAM Rev.
+46:501, eq. 4.2). The power is that of the field at a corner, so that the values are smooth over it.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+
+from torsion.arrays import FloatArray
+
+LOWEST, HIGHEST = (0.0, 0.01, 0.0), (0.8, 1.5, 1.0)  # bore, height of the step (both / diameter); radius / height
+SIZES = (7, 16, 8)
+FILE = "junction_table.txt"
+
+
+@dataclass(frozen=True)
+class JunctionTable:
+    """The values, and how far the polynomial was from the finite elements at places between them."""
+
+    values: FloatArray  # SIZES; lengths of the smaller shaft / its diameter
+    error: float  # largest at places between its own, with that of the elements themselves
+
+    def excess_length(self, bore: float, height: float, fillet: float) -> float | None:
+        """In units of the smaller diameter, as all three arguments; None outside of the table.
+
+        >>> round(junction_table().excess_length(0.0, 0.5, 0.0), 4)
+        0.1257
+        """
+        at = (bore, height, fillet / height if height else math.inf)
+        if not all(low <= one <= high for low, one, high in zip(LOWEST, at, HIGHEST, strict=True)):
+            return None
+        low, place, high = (np.array(_smooth(one)) for one in (LOWEST, at, HIGHEST))
+        found = self.values
+        for one, size in zip((2.0 * place - low - high) / (high - low), SIZES, strict=True):
+            found = np.tensordot(_weights(float(one), size), found, axes=1)
+        return float(found)
+
+
+@cache
+def junction_table() -> JunctionTable:
+    """The table as it was computed, read once."""
+    text = files("torsion.kernels").joinpath(FILE).read_text(encoding="utf-8").split()
+    return JunctionTable(np.array(text[1:], dtype=float).reshape(SIZES), float(text[0]))
+
+
+def table_places() -> list[FloatArray]:
+    """Of bore, height and radius: where the table has values."""
+    low, high = _smooth(LOWEST), _smooth(HIGHEST)
+    bore, height, fillet = (
+        a + (b - a) * (1.0 + _nodes(size)) / 2.0 for a, b, size in zip(low, high, SIZES, strict=True)
+    )
+    return [bore, np.exp(height), fillet**1.5]
+
+
+def _smooth(place: tuple[float, float, float]) -> tuple[float, float, float]:
+    bore, height, fillet = place
+    return bore, math.log(height), fillet ** (2.0 / 3.0)
+
+
+def _nodes(size: int) -> FloatArray:
+    return np.asarray(-np.cos(math.pi * np.arange(size) / (size - 1)))
+
+
+def _weights(at: float, size: int) -> FloatArray:
+    """Of each value in the polynomial through all of them, at a place from -1 to 1."""
+    away = at - _nodes(size)
+    if np.any(here := np.abs(away) < 1e-14):  # rounding of a place
+        return here.astype(float)
+    sign = (-1.0) ** np.arange(size)
+    sign[[0, -1]] /= 2.0
+    found = sign / away
+    return np.asarray(found / found.sum())
