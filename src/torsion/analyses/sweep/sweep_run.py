@@ -1,16 +1,23 @@
-"""A sweep: variants of the file solved one by one where they are judged, or all side by side where frequencies do."""
+"""A sweep: variants of the file in chunks, one by one where they are judged, side by side where frequencies answer."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from torsion.analyses.sweep.sweep_settings import CHECKED, SweepSettings
 from torsion.analyses.sweep.sweep_summary import summed
 from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.variants.chunks import Chunk, Pace, Part, chunks, joined
 from torsion.analyses.variants.one_by_one import Answers, solved
-from torsion.analyses.variants.sampling import units
+from torsion.analyses.variants.sampling import SCRAMBLES, units
 from torsion.analyses.variants.side_by_side import side_by_side
+from torsion.arrays import FloatArray
 from torsion.findings import Work
+from torsion.study import Variation
 
 UNJUDGED = 16384  # variants of frequencies alone
+JUDGED_AT_ONCE, ALONE_AT_ONCE, TOGETHER_AT_ONCE = 16, 1024, 32768  # variants of a chunk: about a second (measured)
 
 
 def run(work: Work) -> None:
@@ -20,20 +27,62 @@ def run(work: Work) -> None:
     if variation is None or work.solve is None:
         work.log.without("sweep", "no figure of the file varies")
         return
-    judged = "checks" in settings.results or (not settings.results and bool(study.rules))
-    if judged and not study.rules:
+    if not study.rules and "checks" in settings.results:
         work.log.without("the probability that a check fails", "the file names no rules")
-    count = settings.samples or (CHECKED if judged else UNJUDGED)
-    drawn = units(count, 1 + max(one.column for one in variation.figures), settings.method, settings.seed)
-    values = np.stack([one.at(drawn[:, one.column]) for one in variation.figures], axis=1)
     with work.log.step("sweep", "the file names it") as step:
         nominal = np.empty(0) if modes is None else modes.frequency
-        frequency = None if judged else side_by_side(work.system, variation, values, nominal.size)
-        if frequency is not None:
-            answers = Answers(frequency)
-            step.method = "frequencies of all variants side by side, each certified by counts"
-        else:
-            answers = solved(work, variation, values, nominal.size, judged=judged)
-            step.method = "every variant solved" + (" and judged" if judged else "")
-        step.size = f"{count} variants ({settings.method}) of {len(variation.figures)} figures"
+        each = chunks_of(work, variation)
+        parts = (work.answered or in_turn)(work, variation, each)
+        values, answers = joined(each[-1].end, nominal.size, parts)
+        step.method = answers.method
+        step.size = f"{len(values)} variants ({settings.method}) of {len(variation.figures)} figures"
     work.put(sweep=summed(variation, settings, values, nominal, answers))
+
+
+def chunks_of(work: Work, variation: Variation) -> tuple[Chunk, ...]:
+    """The chunks of a sweep, which follow from its file alone; of Sobol's sequences none reaches over two."""
+    settings, judged = work.settings("sweep", SweepSettings), is_judged(work)
+    count = settings.samples or (CHECKED if judged else UNJUDGED)
+    length = JUDGED_AT_ONCE if judged else ALONE_AT_ONCE
+    if not judged and count > SCRAMBLES * ALONE_AT_ONCE:
+        few = draw(variation, settings, Chunk(0, 0, 2), count)
+        length = ALONE_AT_ONCE if _together(work, variation, few) is None else TOGETHER_AT_ONCE
+    return chunks(count, min(length, count // SCRAMBLES) if settings.method == "sobol" else length)
+
+
+def is_judged(work: Work) -> bool:
+    """Variants answer checks."""
+    settings = work.settings("sweep", SweepSettings)
+    return "checks" in settings.results or (not settings.results and bool(work.study.rules))
+
+
+def draw(variation: Variation, settings: SweepSettings, chunk: Chunk, count: int) -> FloatArray:
+    """Values (variants, figures) of a chunk of the `count` variants, whatever the others are."""
+    columns = 1 + max(one.column for one in variation.figures)
+    drawn = units(count, columns, settings.method, settings.seed, slice(chunk.begin, chunk.end))
+    return np.stack([one.at(drawn[:, one.column]) for one in variation.figures], axis=1)
+
+
+def answer(work: Work, variation: Variation, values: FloatArray) -> Answers:
+    """What variants (variants, figures) answer; nothing is put into the work."""
+    judged, modes = is_judged(work), work.get(Modes)
+    frequency = None if judged else _together(work, variation, values)
+    if frequency is not None:
+        return Answers(frequency, method="frequencies of all variants side by side, each certified by counts")
+    found = solved(work, variation, values, 0 if modes is None else modes.frequency.size, judged=judged)
+    found.method = "every variant solved" + (" and judged" if judged else "")
+    return found
+
+
+def in_turn(work: Work, variation: Variation, each: Sequence[Chunk]) -> Iterator[Part]:
+    """The answers of chunks, one after another in this process."""
+    settings, pace = work.settings("sweep", SweepSettings), Pace(each[-1].end, work.progress)
+    for chunk in each:
+        values = draw(variation, settings, chunk, each[-1].end)
+        yield values, answer(replace(work, progress=pace.within(chunk)), variation, values)
+        pace.finish(chunk)
+
+
+def _together(work: Work, variation: Variation, values: FloatArray) -> FloatArray | None:
+    modes = work.get(Modes)
+    return None if modes is None else side_by_side(work.system, variation, values, modes.frequency.size)
