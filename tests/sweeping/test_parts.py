@@ -59,6 +59,13 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Eight chunks of variants that are found side by side or one by one."""
+    monkeypatch.setattr(sweep_run, "TOGETHER_AT_ONCE", 16)
+    monkeypatch.setattr(sweep_run, "ALONE_AT_ONCE", 16)
+
+
 def by(folder: Path, text: str = PLAIN % MODES, **more: bool) -> tuple[Sweep, Sweeper]:
     taken = Sweeper(folder, **more)
     return torsion.run(torsion.parse(text), answered=taken).need(Sweep), taken
@@ -96,7 +103,18 @@ def test_answers_that_are_judged_are_the_same_for_chunks_of_another_length(
     same(torsion.run(torsion.parse(PLAIN % VARY)).need(Sweep), whole)
 
 
-def test_chunks_of_sobol_lie_within_one_sequence_and_cover_all() -> None:
+def test_frequencies_one_by_one_in_many_parts_are_those_of_one_chunk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = PLAIN % f"{VARY}, results: [modes]"
+    whole = torsion.run(torsion.parse(text)).need(Sweep)
+    monkeypatch.setattr(sweep_run, "ALONE_AT_ONCE", 48)
+    found, taken = by(tmp_path, text)
+    assert taken.solved == 3
+    same(found, whole)
+
+
+def test_chunks_cover_all_variants_once() -> None:
     for count, length in ((128, 16), (100, 16), (5, 32)):
         each = chunks(count, length)
         assert [variant for one in each for variant in range(one.begin, one.end)] == list(range(count))
@@ -142,7 +160,7 @@ def test_parts_of_another_table_or_program_are_refused(tmp_path: Path, monkeypat
         solve()
 
 
-def test_parts_that_are_another_s_or_broken_are_refused(tmp_path: Path) -> None:
+def test_parts_that_are_another_s_or_broken_are_refused(tmp_path: Path, short: None) -> None:
     by(tmp_path, PLAIN % MODES)
     first, second = (next((tmp_path / "parts").glob(f"part-00000{k}.*")) for k in (0, 1))
     first.write_bytes(second.read_bytes())
@@ -174,7 +192,7 @@ def test_faults_and_unknown_numbers_come_back_as_they_were(tmp_path: Path) -> No
             assert all(np.array_equal(*pair, equal_nan=True) for pair in zip(mine, others, strict=True))
 
 
-def test_a_worker_answers_the_same_and_refuses_other_programs_and_files(tmp_path: Path) -> None:
+def test_a_worker_answers_the_same_and_refuses_other_programs_and_files(tmp_path: Path, short: None) -> None:
     kept = []
     study = torsion.parse(PLAIN % MODES)
 
@@ -245,7 +263,7 @@ def test_a_worker_with_another_version_is_named() -> None:
         cluster._compare(Client(), errand)
 
 
-def test_the_command_writes_report_and_parts_and_says_what_was_there(tmp_path: Path) -> None:
+def test_the_command_writes_report_and_parts_and_says_what_was_there(tmp_path: Path, short: None) -> None:
     scene, out = tmp_path / "scene.yaml", tmp_path / "out"
     scene.write_text(PLAIN % MODES, encoding="utf-8")
 
@@ -269,7 +287,7 @@ def test_the_command_writes_report_and_parts_and_says_what_was_there(tmp_path: P
     assert (status, "names no sweep" in words) == (BAD_INPUT, True)
 
 
-def test_every_case_has_parts_of_its_own(tmp_path: Path) -> None:
+def test_every_case_has_parts_of_its_own(tmp_path: Path, short: None) -> None:
     text = f"{PLAIN % MODES}cases: {{heavy: {{set: {{load.inertia: 1.6}}}}}}\n"
     taken = Sweeper(tmp_path)
     found, direct = torsion.run(torsion.parse(text), answered=taken), torsion.run(torsion.parse(text))

@@ -161,7 +161,7 @@ class Workers:
         try:
             client.wait_for_workers(1, timeout=JOIN)
         except TimeoutError:
-            hint = f"dask worker {given.address} --nthreads 1 --nworkers auto"
+            hint = f"dask worker {given.address} --nthreads 1 --nworkers -1"
             raise _refused(f"no worker has joined the scheduler {given.address}", hint) from None
         return client
 

@@ -10,14 +10,15 @@ from torsion.analyses.sweep.sweep_summary import summed
 from torsion.analyses.undamped_modes import Modes
 from torsion.analyses.variants.chunks import Chunk, Pace, Part, chunks, joined
 from torsion.analyses.variants.one_by_one import Answers, solved
-from torsion.analyses.variants.sampling import SCRAMBLES, units
+from torsion.analyses.variants.sampling import units
 from torsion.analyses.variants.side_by_side import side_by_side
 from torsion.arrays import FloatArray
 from torsion.findings import Work
 from torsion.study import Variation
 
 UNJUDGED = 16384  # variants of frequencies alone
-JUDGED_AT_ONCE, ALONE_AT_ONCE, TOGETHER_AT_ONCE = 16, 1024, 32768  # variants of a chunk: about a second (measured)
+JUDGED_AT_ONCE, ALONE_AT_ONCE, TOGETHER_AT_ONCE = 16, 1024, 65536  # variants of a chunk: about a second
+MOST = 4096  # chunks of variants that are judged
 
 
 def run(work: Work) -> None:
@@ -40,14 +41,18 @@ def run(work: Work) -> None:
 
 
 def chunks_of(work: Work, variation: Variation) -> tuple[Chunk, ...]:
-    """The chunks of a sweep, which follow from its file alone; of Sobol's sequences none reaches over two."""
+    """The chunks of a sweep, which follow from its file alone: last digits of answers side by side follow from it.
+
+    Variants that are solved one by one do not, and where nobody keeps them they stay one chunk.
+    """
     settings, judged = work.settings("sweep", SweepSettings), is_judged(work)
     count = settings.samples or (CHECKED if judged else UNJUDGED)
-    length = JUDGED_AT_ONCE if judged else ALONE_AT_ONCE
-    if not judged and count > SCRAMBLES * ALONE_AT_ONCE:
-        few = draw(variation, settings, Chunk(0, 0, 2), count)
-        length = ALONE_AT_ONCE if _together(work, variation, few) is None else TOGETHER_AT_ONCE
-    return chunks(count, min(length, count // SCRAMBLES) if settings.method == "sobol" else length)
+    if judged:
+        return chunks(count, max(JUDGED_AT_ONCE, count // MOST))
+    if work.answered is None and count <= TOGETHER_AT_ONCE:
+        return chunks(count, count)
+    few = draw(variation, settings, Chunk(0, 0, 2), count)
+    return chunks(count, ALONE_AT_ONCE if _together(work, variation, few) is None else TOGETHER_AT_ONCE)
 
 
 def is_judged(work: Work) -> bool:
