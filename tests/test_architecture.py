@@ -18,7 +18,7 @@ FLOORS = {
     "rules": 7,
     "schema": 8,
     "output": 9,
-    "runner": 10, "commands": 11, "live": 12, "cli": 13, "__main__": 14,
+    "runner": 10, "commands": 11, "live": 12, "sweeping": 12, "cli": 13, "__main__": 14,
 }  # fmt: skip
 DOORS = {
     "yaml": ("schema/yaml_source.py",),
@@ -29,7 +29,9 @@ DOORS = {
     "jinja2": ("output/",),
     "typst": ("output/",),
     "typer": ("cli.py",),
-    "dask": (),
+    "dask": ("sweeping/cluster.py",),
+    "distributed": ("sweeping/cluster.py",),
+    "pyarrow": ("sweeping/parts.py",),
 }
 FILES = sorted(path for path in SOURCE.rglob("*.py") if path != SOURCE / "__init__.py")
 

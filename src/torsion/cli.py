@@ -71,6 +71,49 @@ def solve(
 
 
 @app.command()
+def sweep(
+    file: File,
+    out: Out = None,
+    *,
+    workers: Annotated[int, typer.Option("--workers", min=1, help="Processes of this machine (above 1: dask).")] = 1,
+    scheduler: Annotated[str, typer.Option("--scheduler", help="Address of a dask scheduler: tls://host:8786.")] = "",
+    scheduler_file: Annotated[
+        Path | None, typer.Option("--scheduler-file", help="File that a scheduler wrote its address to.")
+    ] = None,
+    tls_ca: Annotated[Path | None, typer.Option("--tls-ca", help="Certificate of the authority, PEM.")] = None,
+    tls_cert: Annotated[Path | None, typer.Option("--tls-cert", help="Certificate of this client, PEM.")] = None,
+    tls_key: Annotated[Path | None, typer.Option("--tls-key", help="Its key, PEM.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Remove the parts that are there and begin anew.")] = False,
+    case: Case = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
+    csv: Annotated[
+        bool, typer.Option("--csv", help="Write every variant to variants.csv, and as `solve` does.")
+    ] = False,
+) -> None:
+    """Solve a scene as `solve` does, the variants of its sweep by several processes or machines.
+
+    Variants are solved in chunks; each is kept in DIR/parts as soon as it is answered, and the same command goes on
+    where it was ended. Results are the same to the last bit however many workers there are. Exit status as of `solve`.
+    """
+    from torsion import commands
+    from torsion.sweeping import swept
+    from torsion.sweeping.cluster import Scheduler
+
+    place = Scheduler(workers, scheduler, scheduler_file, tls_ca, tls_cert, tls_key)
+    solved = partial(
+        swept.swept, file, out, scheduler=place, fresh=fresh, csv=csv, case=case,
+        notice=partial(typer.echo, err=True),
+    )  # fmt: skip
+    try:
+        _report("solve", file, out, solved, commands.outputs(pdf=pdf, figures=csv, tables=csv), as_json=False)
+    except (KeyboardInterrupt, SystemExit) as ended:
+        typer.echo("ended; the parts that are finished stay, and the same command goes on from there", err=True)
+        if isinstance(ended, SystemExit):
+            raise
+        raise typer.Exit(128 + signal.SIGINT) from None
+
+
+@app.command()
 def joint(
     file: File,
     out: Out = None,

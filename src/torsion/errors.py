@@ -40,6 +40,10 @@ class InputError(TorsionError):
         self.faults = tuple(faults)
         super().__init__(text or "\n".join(fault.sentence for fault in self.faults))
 
+    def __reduce__(self) -> tuple[type["InputError"], tuple[tuple[Fault, ...], str]]:
+        """As it goes from one process to another."""
+        return type(self), (self.faults, str(self))
+
 
 class SolveError(TorsionError):
     """No answer to the promised accuracy: the cause, what to try, and the place of the file that it is about."""

@@ -1,7 +1,8 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
@@ -21,32 +22,36 @@ ANSWERS = (  # results of which one at least makes a report
 
 
 def run(
-    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent
-) -> Findings:
+    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent,
+    answered: Callable[..., Any] | None = None,
+) -> Findings:  # fmt: skip
     """Compute everything that the study requests, and its cases, or of it `only` those analyses and what they need.
 
     An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
     raised where a rule of the file reads it, or nothing else has an answer. Raises InputError (located in the study's
-    file) and SolveError. memory: bytes, or text such as "4 GB", that a response may need (default: 2 GB).
+    file) and SolveError. memory: bytes, or text such as "4 GB", that a response may need (default: 2 GB). answered: of
+    a sweep, what takes its chunks to their parts in place of this process.
     """
     if memory is not None:
         study = replace(study, memory=bytes_of(memory))
     if not study.cases:
-        return _misfires(study, only, progress)
+        return _misfires(study, only, progress, answered)
     total = 1 + len(study.cases)
-    found = _misfires(study, only, _part_of(progress, f"case {NORMAL}", (0, total)))
+    found = _misfires(study, only, _part_of(progress, f"case {NORMAL}", (0, total)), answered)
     cases = {}
     for place, (name, case) in enumerate(study.cases.items(), start=1):
         part = _part_of(progress, f"case {name}", (place, total))
         part("", 0.0)
         try:
-            cases[name] = _misfires(replace(case, memory=study.memory), only, part)
+            cases[name] = _misfires(replace(case, memory=study.memory), only, part, answered)
         except (InputError, SolveError) as error:
             cases[name] = _without_answer(case, error)
     return replace(found, cases=cases)
 
 
-def _misfires(study: Study, only: Collection[str], progress: Progress) -> Findings:
+def _misfires(
+    study: Study, only: Collection[str], progress: Progress, answered: Callable[..., Any] | None
+) -> Findings:  # fmt: skip
     """The findings of a study, without its cases.
 
     Where every cylinder of an engine is to misfire in turn, it is computed once for each: the checks are the worst of
@@ -54,14 +59,14 @@ def _misfires(study: Study, only: Collection[str], progress: Progress) -> Findin
     the worst of these.
     """
     if not any(part.engine is not None and part.engine.tries_all for part in study.train.parts):
-        return _one(study, only, progress)
+        return _one(study, only, progress, answered)
     from torsion.components.engine.misfire_cases import misfire_cases
 
     each = list(misfire_cases(study.train.parts, study.train.torques))
     return _worst({
         words: _one(
             replace(study, train=replace(study.train, parts=parts, torques=torques)),
-            only, _part_of(progress, words, (place, len(each))),
+            only, _part_of(progress, words, (place, len(each))), answered,
         )
         for place, (words, parts, torques) in enumerate(each)
     })  # fmt: skip
@@ -126,11 +131,15 @@ def _message(fault: Fault, study: Study) -> str:
     return fault.message.removeprefix(f"case '{study.case.name}': ") if study.case is not None else fault.message
 
 
-def _one(study: Study, only: Collection[str], progress: Progress) -> Findings:
+def _one(
+    study: Study, only: Collection[str], progress: Progress, answered: Callable[..., Any] | None = None
+) -> Findings:  # fmt: skip
     """The findings of a study with its cylinders as they are, without its cases."""
     names = _with_needs(only) if only else list(ANALYSES)
     judged = replace(study, rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)))
-    work = Work(judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement, solve=run)
+    work = Work(
+        judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement, solve=run, answered=answered
+    )
     for name, _ in study.rules:
         if name not in dict(judged.rules):
             work.log.without(f"the rule {name}", "what it reads is not requested")

@@ -39,7 +39,7 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
             whole[0][part], whole[1][part] = used, fails
             errors.setdefault(key, np.zeros(count))[part] = error
         left[part] = found.left
-        work.progress(f"sweep, {part.stop} of {count} variants side by side", part.stop / count)
+        work.progress(f"{part.stop} of {count} variants side by side", part.stop / count)
     compared = sorted({k * (count - 1) // (COMPARED - 1) for k in range(COMPARED)})
     if not _agree(answers, errors, solved(work, variation, values[compared], modes, judged=True), compared, left):
         return None, "a few of the variants do not say the same side by side"
@@ -52,6 +52,11 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
         f"judged side by side, shares of limits right to {largest:.0e}; {len(places)} variants near a limit, and "
         f"{len(compared)} to compare, solved by themselves"
     )
+
+
+def can_be_together(work: Work, variation: Variation, values: FloatArray) -> bool:
+    """Whether variants like these (variants, figures) can be tried side by side."""
+    return not unfit(work) and swept(work, variation, values) is not None
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """Variants of a file solved one by one, and what is kept of each."""
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -23,6 +22,7 @@ class Answers:
     frequency: FloatArray  # (modes, variants) Hz, NaN where unknown
     checks: dict[Key, tuple[FloatArray, BoolArray]] = field(default_factory=dict)  # utilisation, fails: (variants,)
     faults: dict[int, str] = field(default_factory=dict)  # why a variant has no answer
+    method: str = ""  # by which they were found
 
     def keep(self, place: int, found: Findings | str) -> None:
         """Put the frequencies and the verdicts of a variant, or why it has none, in its column."""
@@ -68,11 +68,8 @@ def _each(
 
     own = [name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)]
     only = ("modes", *((*work.ruled, *own) if judged else ()))
-    begin = time.perf_counter()
     for place, row in enumerate(values.tolist()):
-        left = (time.perf_counter() - begin) / max(place, 1) * (len(values) - place)
-        words = f", about {left:.0f} s left" if place else ""
-        work.progress(f"sweep, variant {place + 1} of {len(values)}{words}", place / len(values))
+        work.progress(f"variant {place + 1} of {len(values)}", place / len(values))
         try:
             study = variation.study(row)
             one = study if judged else replace(study, rules=())

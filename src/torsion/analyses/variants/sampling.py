@@ -1,6 +1,7 @@
 """Samples of laws, the same for the same seed, and what they say of a probability."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -11,16 +12,33 @@ SCRAMBLES = 8  # of Sobol's sequence, whose spread is the error of their mean
 LEVEL = 0.95
 
 
-def units(count: int, figures: int, method: str, seed: int) -> FloatArray:
-    """(count, figures) evenly distributed within 0 and 1; of sobol the scrambled sequences one after another."""
+def units(count: int, figures: int, method: str, seed: int, part: slice | None = None) -> FloatArray:
+    """(count, figures) evenly distributed within 0 and 1; of sobol the scrambled sequences one after another.
+
+    `part`: these of them alone, the same to the last bit; of sobol all or some of one sequence.
+    """
+    begin, end = (0, count) if part is None else (part.start, part.stop)
+    if method == "random":
+        bits = np.random.PCG64(seed).advance(begin * figures)  # one draw a number
+        return np.random.Generator(bits).random((end - begin, figures))
+    if method == "latin":
+        return _latin(count, figures, seed)[begin:end]
     from scipy.stats import qmc
 
-    if method == "random":
-        return np.random.default_rng(seed).random((count, figures))
-    if method == "latin":
-        return np.asarray(qmc.LatinHypercube(figures, rng=seed).random(count))
-    each = (qmc.Sobol(figures, rng=np.random.default_rng([seed, k])) for k in range(SCRAMBLES))
-    return np.concatenate([one.random(count // SCRAMBLES) for one in each])
+    length, found = count // SCRAMBLES, []
+    for k in range(begin // length, -(-end // length)):
+        sequence = qmc.Sobol(figures, rng=np.random.default_rng([seed, k]))
+        first, last = max(begin - k * length, 0), min(end - k * length, length)
+        found.append((sequence.fast_forward(first) if first else sequence).random(last - first))
+    return np.concatenate(found)
+
+
+@lru_cache(maxsize=1)
+def _latin(count: int, figures: int, seed: int) -> FloatArray:
+    """A design whose rows depend on each other, and so are drawn at once."""
+    from scipy.stats import qmc
+
+    return np.asarray(qmc.LatinHypercube(figures, rng=seed).random(count))
 
 
 def factors(law: Law, unit: FloatArray) -> FloatArray:

@@ -1,0 +1,93 @@
+"""A chunk of a sweep as a file: Parquet, or .npz without pyarrow; a row a variant, the same columns in both."""
+
+import json
+import os
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.variants.chunks import Chunk, Part
+from torsion.analyses.variants.one_by_one import Answers
+from torsion.errors import Fault, InputError
+from torsion.study import Variation
+
+SUFFIXES = (".parquet", ".npz")
+ABOUT = "torsion"  # key of what a part says of its columns, in JSON
+Columns = Mapping[str, np.ndarray]  # (variants,) each
+
+
+def has_parquet() -> bool:
+    """Parts are written as Parquet."""
+    return find_spec("pyarrow") is not None
+
+
+def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, dict[str, Any]]:
+    """The columns of a part, and what they hold."""
+    values, answers = part
+    found: dict[str, np.ndarray] = {"variant": np.arange(chunk.begin, chunk.end)}
+    about: dict[str, Any] = {"figures": [one.name for one in variation.figures], "method": answers.method}
+    for figure, own in zip(variation.figures, values.T, strict=True):
+        found[figure.name] = own
+        if figure.rows:
+            found[f"{figure.name} label"] = np.array([figure.words(value) for value in own.tolist()])
+    about["modes"] = [f"mode {mode} (Hz)" for mode in range(1, 1 + len(answers.frequency))]
+    found |= dict(zip(about["modes"], answers.frequency, strict=True))
+    about["checks"] = []
+    for key, (used, fails) in answers.checks.items():
+        name = ", ".join(filter(None, key))
+        about["checks"].append([*key, name])
+        found[f"{name}: utilisation"], found[f"{name}: fails"] = used, fails
+    found["fault"] = np.array([answers.faults.get(place, "") for place in range(chunk.size)])
+    return found, about
+
+
+def part_of(found: Columns, about: Mapping[str, Any]) -> Part:
+    """What the columns of a part hold, to the last bit as they were written."""
+    values = np.stack([found[name] for name in about["figures"]], axis=1)
+    frequency = np.stack([found[name] for name in about["modes"]]) if about["modes"] else np.empty((0, len(values)))
+    checks = {
+        (rule, clause, where, what): (found[f"{name}: utilisation"], found[f"{name}: fails"])
+        for rule, clause, where, what, name in about["checks"]
+    }
+    faults = {place: str(why) for place, why in enumerate(found["fault"].tolist()) if why}
+    return values, Answers(frequency, checks, faults, about["method"])
+
+
+def write_part(path: Path, found: Columns, about: Mapping[str, Any]) -> None:
+    """Write the columns so that the file is there whole or not at all; the suffix says how."""
+    under_way = path.with_name(f"{path.name}.part")
+    with under_way.open("wb") as file:
+        if path.suffix == ".npz":
+            np.savez_compressed(file, **{**found, ABOUT: np.array(json.dumps(about))})  # type: ignore[arg-type]
+        else:
+            import pyarrow
+            from pyarrow import parquet
+
+            table = pyarrow.table({name: pyarrow.array(own) for name, own in found.items()})
+            parquet.write_table(table.replace_schema_metadata({ABOUT: json.dumps(about)}), file)
+        file.flush()
+        os.fsync(file.fileno())
+    under_way.replace(path)
+
+
+def read_part(path: Path) -> tuple[Columns, dict[str, Any]]:
+    """The columns of a file, and what they hold; raises InputError where it is no part of a sweep."""
+    if path.suffix == ".parquet" and not has_parquet():
+        message = f"{path} is Parquet, which pyarrow reads"
+        raise InputError([Fault((), message)], f"{message} (pip install 'torsion[sweep]', or begin anew: --fresh)")
+    try:
+        if path.suffix == ".npz":
+            with np.load(path) as file:
+                found = {name: file[name] for name in file.files}
+            return found, json.loads(str(found.pop(ABOUT)))
+        from pyarrow import parquet
+
+        table = parquet.read_table(path, memory_map=False)
+        about = json.loads(table.schema.metadata[ABOUT.encode()])
+        return {name: table[name].to_numpy() for name in table.column_names}, about
+    except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
+        message = f"{path} cannot be read as a part of a sweep: {error}"
+        raise InputError([Fault((), message)], f"{message} (remove it; it is then solved again)") from None

@@ -1,0 +1,176 @@
+"""The folder of a sweep: what it is of, and the parts that are there; another sweep is never mixed into it."""
+
+import csv
+import hashlib
+import json
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsion.analyses.sweep.sweep_settings import SweepSettings
+from torsion.analyses.variants.chunks import Chunk, Part
+from torsion.errors import Fault, InputError
+from torsion.findings import Work, version
+from torsion.output.write import inputs
+from torsion.study import Study, Variation
+from torsion.sweeping.parts import SUFFIXES, columns, has_parquet, part_of, read_part, write_part
+
+OF = "sweep.json"  # what the parts are of
+LIBRARIES = ("torsion", "numpy", "scipy")  # which may change the last bits of the answers
+
+
+@dataclass(frozen=True)
+class SweepFolder:
+    """Where the parts of one sweep are."""
+
+    folder: Path
+
+    @property
+    def parts(self) -> Path:
+        """The folder of the parts."""
+        return self.folder / "parts"
+
+    def open(self, identity: Mapping[str, Any], *, fresh: bool) -> None:
+        """Begin the sweep, or go on with it; raises InputError where parts of another one are there.
+
+        fresh: those are removed.
+        """
+        place = self.folder / OF
+        if fresh:
+            place.unlink(missing_ok=True)
+            shutil.rmtree(self.parts, ignore_errors=True)
+        self.parts.mkdir(parents=True, exist_ok=True)
+        for left in self.parts.glob("part-*.part"):
+            left.unlink()
+        if place.exists():
+            _refuse_another(place, identity)
+            return
+        if any(self.parts.glob("part-*")):
+            message = f"{self.parts} holds parts, and no {OF} says of which sweep"
+            raise InputError([Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)")
+        under_way = place.with_name(f"{OF}.part")
+        under_way.write_text(json.dumps({"hash": hash_of(identity), **identity}, indent=1), encoding="utf-8")
+        under_way.replace(place)
+
+    def found(self, chunk: Chunk) -> Path | None:
+        """The part of a chunk; None where it is not there."""
+        stems = (self.parts / f"part-{chunk.number:06d}{suffix}" for suffix in SUFFIXES)
+        return next((path for path in stems if path.exists()), None)
+
+    def write(self, chunk: Chunk, variation: Variation, part: Part) -> None:
+        """Keep what a chunk answers."""
+        name = f"part-{chunk.number:06d}{SUFFIXES[0 if has_parquet() else 1]}"
+        write_part(self.parts / name, *columns(chunk, variation, part))
+
+    def read(self, chunk: Chunk) -> Part:
+        """What a chunk answers; raises InputError where its part is missing or another's."""
+        path = self.found(chunk)
+        if path is None:
+            message = f"the part {chunk.number} is no longer in {self.parts}"
+            raise InputError([Fault((), message)], f"{message} (the same command solves it again)")
+        found, about = read_part(path)
+        if not np.array_equal(found["variant"], np.arange(chunk.begin, chunk.end)):
+            message = f"{path} does not hold the variants {chunk.begin} to {chunk.end - 1}"
+            raise InputError([Fault((), message)], f"{message} (remove it; it is then solved again)")
+        return part_of(found, about)
+
+    def write_csv(self, chunks: Sequence[Chunk]) -> Path:
+        """Write all variants into one table, a part at a time; its path."""
+        paths = [path for path in map(self.found, chunks) if path is not None]
+        names: dict[str, None] = {}
+        for path in paths:
+            names |= dict.fromkeys(read_part(path)[0])
+        target = self.folder / "variants.csv"
+        under_way = target.with_name("variants.csv.part")
+        with under_way.open("w", newline="", encoding="utf-8") as file:
+            rows = csv.writer(file)
+            rows.writerow(names)
+            for path in paths:
+                rows.writerows(_rows(read_part(path)[0], list(names)))
+        under_way.replace(target)
+        return target
+
+
+def _rows(found: Mapping[str, np.ndarray], names: Sequence[str]) -> Iterator[tuple[object, ...]]:
+    """The rows of a part; an empty cell where a number is not known or a column is not there."""
+    size = len(found["variant"])
+    each = (found[name].tolist() if name in found else [None] * size for name in names)
+    return zip(*([None if one != one else one for one in own] for own in each), strict=True)  # noqa: PLR0124
+
+
+def identity(work: Work, variation: Variation, chunks: Sequence[Chunk]) -> dict[str, Any]:
+    """What a sweep is of: its files, settings and chunks, and the programs that solve it."""
+    study = work.study
+    return {
+        "scene": Path(study.file).name,
+        "case": "" if study.case is None else study.case.name,
+        "files": digests(study),
+        "settings": work.settings("sweep", SweepSettings).model_dump(mode="json", exclude_defaults=True),
+        "figures": [f"{one.name} ({one.law.words})" for one in variation.figures],
+        "variants": chunks[-1].end, "variants of a chunk": chunks[0].size,
+        "versions": {name: version(name) for name in LIBRARIES},
+    }  # fmt: skip
+
+
+def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
+    """SHA-256 of every file that a scene was read from: of the scene and its tables as they were read.
+
+    Without the `shipped` ones: of those that variants read themselves, by their paths.
+    """
+    folder = Path(study.file).parent
+    known = {Path(study.file): study.text, **{folder / name: text for name, text in study.tables}}
+    found = {}
+    for path in inputs(study):
+        if shipped:
+            name = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()
+            found[name] = digest(known[path].encode() if path in known else path.read_bytes())
+        elif path not in known:
+            found[str(path)] = digest(path.read_bytes())
+    return found
+
+
+def digest(content: bytes) -> str:
+    """SHA-256 in hexadecimal digits."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def hash_of(identity: Mapping[str, Any]) -> str:
+    """SHA-256 of all that a sweep is of."""
+    return digest(json.dumps(identity, sort_keys=True).encode())
+
+
+def _refuse_another(place: Path, identity: Mapping[str, Any]) -> None:
+    """Raise InputError where a file says that its parts are of another sweep, with what differs."""
+    try:
+        known = json.loads(place.read_text(encoding="utf-8"))
+        if known.pop("hash") == hash_of(identity) == hash_of(known):
+            return
+        words = "; ".join(_differences(known, json.loads(json.dumps(identity)))) or "it was changed"
+    except (OSError, ValueError, KeyError, AttributeError, TypeError):
+        words = "it cannot be read"
+    message = f"{place} is of another sweep: {words}"
+    raise InputError([Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)")
+
+
+def _differences(known: Mapping[str, Any], now: Mapping[str, Any], above: str = "") -> Iterator[str]:
+    """What differs, in words."""
+    for key in dict.fromkeys((*known, *now)):
+        before, after = known.get(key), now.get(key)
+        if before == after:
+            continue
+        if isinstance(before, Mapping) and isinstance(after, Mapping):
+            yield from _differences(before, after, key)
+        elif above == "files":
+            change = "is new" if before is None else "is no longer read" if after is None else "was changed"
+            yield f"the file {key} {change}"
+        else:
+            name = {"settings": f"`{key}`", "versions": key}.get(above, key)
+            yield f"{name} was {_said(before)} and is {_said(after)}"
+
+
+def _said(value: object) -> str:
+    return "not given" if value is None else value if isinstance(value, str) else json.dumps(value)

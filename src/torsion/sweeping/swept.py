@@ -1,0 +1,51 @@
+"""What the command `torsion sweep` does: a scene solved as always, the variants of its sweep kept and shared out."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from torsion.commands import OTHER_FOLDER, folder_of, one_case
+from torsion.errors import Fault, InputError
+from torsion.findings import Findings, Progress, silent
+from torsion.runner import run
+from torsion.schema.scene_reader import located, read
+from torsion.sweeping.cluster import Scheduler, Workers, checked, unprotected
+from torsion.sweeping.sweeper import Stopped, Sweeper
+
+
+def swept(
+    file: str | Path,
+    out: str | Path | None = None,
+    *,
+    scheduler: Scheduler | None = None,
+    fresh: bool = False,
+    csv: bool = False,
+    case: str | None = None,
+    progress: Progress = silent,
+    notice: Callable[[str], object] = print,
+) -> Findings:
+    """Read, solve and judge a scene as `commands.solved`; what its variants answer is kept in `out` as it comes.
+
+    Parts that are there are not solved again; `fresh`: they are removed first. csv: all variants as a table too.
+    notice: is given what the user should know. Raises InputError, also where the file names no sweep or the parts are
+    of another one, and SolveError.
+    """
+    place, scene = checked(scheduler or Scheduler()), read(file)
+    study = scene if case is None else one_case(scene, case)
+    if not any("sweep" in one.variations for one in (study, *study.cases.values())):
+        hint = "`analyses: {sweep: {vary: {disc-1.inertia: {uniform: 5 %}}}}`"
+        raise located(InputError([Fault(("analyses",), "the file names no sweep", hint)]), study)
+    if warning := unprotected(place):
+        notice(warning)
+    folder = folder_of(file, out, study.case)
+    with Workers(place) as workers:
+        sweeper = Sweeper(folder, workers if place.is_needed else None, fresh, csv)
+        try:
+            findings = run(study, progress=progress, answered=sweeper)
+        except Stopped as stopped:
+            raise stopped.error from None
+        except OSError as error:
+            message = f"the parts cannot be written to {folder}: {error.strerror or error}"
+            raise InputError([Fault((), message)], message + OTHER_FOLDER) from None
+    if sweeper.kept:
+        notice(f"{sweeper.kept} of {sweeper.kept + sweeper.solved} parts were there already")
+    return findings

@@ -1,0 +1,69 @@
+"""What a worker does: one chunk of a sweep, of the same scene by the same programs as where it was sent from."""
+
+import pickle
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from threading import Lock
+
+from torsion.analyses.sweep.sweep_run import answer, draw
+from torsion.analyses.sweep.sweep_settings import SweepSettings
+from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.variants.chunks import Chunk, Part
+from torsion.errors import Fault, InputError
+from torsion.findings import Work, version
+from torsion.rules import judgement
+from torsion.runner import run
+from torsion.study import Variation
+from torsion.sweeping.sweep_folder import LIBRARIES, digest, digests
+
+_ALONE = Lock()  # threads of a worker take turns
+
+
+@dataclass(frozen=True)
+class Errand:
+    """What every chunk of a sweep needs."""
+
+    scene: bytes  # the work up to the sweep, and what varies
+    files: tuple[tuple[str, str], ...]  # that variants read themselves, and their digests
+    versions: tuple[tuple[str, str], ...]
+    count: int  # variants of all chunks
+
+
+def errand(work: Work, variation: Variation, count: int) -> Errand:
+    """The errand of a sweep, which any process can do."""
+    modes, study = work.get(Modes), replace(work.study, cases={})
+    results = {"system": work.system} | ({} if modes is None else {"modes": modes})
+    plain = Work(study, results, ruled=work.ruled)
+    files = tuple(digests(study, shipped=False).items())
+    return Errand(pickle.dumps((plain, variation)), files, tuple((name, version(name)) for name in LIBRARIES), count)
+
+
+def answered(given: Errand, chunk: Chunk) -> Part:
+    """The values of a chunk and what they answer; raises InputError where this process would not answer the same."""
+    with _ALONE:
+        work, variation = _opened(given)
+        values = draw(variation, work.settings("sweep", SweepSettings), chunk, given.count)
+        return values, answer(work, variation, values)
+
+
+@lru_cache(maxsize=4)
+def _opened(given: Errand) -> tuple[Work, Variation]:
+    fault = others(given.versions, {name: version(name) for name, _ in given.versions}) or _other_files(given.files)
+    if fault:
+        raise InputError([Fault((), fault)], fault)
+    work, variation = pickle.loads(given.scene)
+    return replace(work, solve=run, rules=judgement), variation
+
+
+def others(versions: Iterable[tuple[str, str]], found: Mapping[str, str | None]) -> str:
+    """Which of the versions found on a worker are others, in words; empty where none is."""
+    differ = ((name, own) for name, own in versions if found.get(name) != own)
+    return ", ".join(f"{name} {own} is needed and {found.get(name) or 'none'} is there" for name, own in differ)
+
+
+def _other_files(files: Iterable[tuple[str, str]]) -> str:
+    """Which files are not here as they were, in words; empty where all are."""
+    missing = [name for name, own in files if not Path(name).is_file() or digest(Path(name).read_bytes()) != own]
+    return f"not there as where the sweep was begun: {', '.join(missing)}" if missing else ""

@@ -1,0 +1,69 @@
+"""A sweep by workers of which one is killed, and then the command itself: nothing is lost and nothing solved twice."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.contracts.frozen import SCENES, solved
+
+import torsion
+from torsion.analyses.sweep.sweep_results import Sweep
+from torsion.sweeping.sweeper import Sweeper
+
+pytest.importorskip("distributed", reason="workers need pip install -e '.[sweep]'")
+NAME = "toleranced_drive"
+
+
+def parts(folder: Path) -> dict[str, int]:
+    """Every finished part, and when it was written."""
+    finished = (path for path in (folder / "parts").glob("part-*") if path.suffix != ".part")
+    return {path.name: path.stat().st_mtime_ns for path in finished}
+
+
+def workers_of(process: int) -> list[int]:
+    """Processes that a process began as workers."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            words = status.read_text().rpartition(")")[2].split()
+            if int(words[1]) == process and b"spawn_main" in status.with_name("cmdline").read_bytes():
+                found.append(int(status.parent.name))
+        except OSError:  # it has ended
+            continue
+    return found
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for processes in /proc")
+def test_a_killed_worker_and_a_killed_command_lose_nothing(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "torsion", "sweep", str(SCENES[NAME]), "-o", str(tmp_path), "--workers", "2"]
+    began = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+    def until(count: int) -> None:
+        end = time.monotonic() + 120.0
+        while len(parts(tmp_path)) < count and began.poll() is None and time.monotonic() < end:
+            time.sleep(0.005)
+
+    until(1)
+    workers = workers_of(began.pid)
+    assert len(workers) == 2, began.stderr and began.stderr.read1().decode()
+    os.kill(workers[0], signal.SIGKILL)
+    until(4)
+    began.kill()
+    began.communicate(timeout=60)
+    before = parts(tmp_path)
+    assert 4 <= len(before) < 8
+    with_workers = Sweeper(tmp_path)
+    found = torsion.run(torsion.read(SCENES[NAME]), answered=with_workers).need(Sweep)
+    assert (with_workers.kept, with_workers.solved) == (len(before), 8 - len(before))
+    assert before.items() <= parts(tmp_path).items()
+    whole = solved(NAME).need(Sweep)
+    assert np.array_equal(found.factor, whole.factor)
+    assert np.array_equal(found.frequency, whole.frequency)
+    for mine, others in zip(found.checks, whole.checks, strict=True):
+        assert np.array_equal(mine.utilisation, others.utilisation)
+        assert np.array_equal(mine.fails, others.fails)
