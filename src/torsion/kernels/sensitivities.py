@@ -2,7 +2,8 @@
 
 With shapes of generalised inertia 1, the share of a span in the elastic energy is h t^2/w^2, that of a station in the
 kinetic one J x^2, and a frequency follows ln k by half the first, ln J by minus half the second (Rayleigh 1877, 1,
-art. 90). Of a forced response one more right side, the adjoint, gives the derivatives by all figures at once.
+art. 90). The second derivatives are sums over all modes (Fox and Kapoor 1968). Of a forced response one more right
+side, the adjoint, gives the derivatives by all figures at once.
 """
 
 from dataclasses import dataclass
@@ -54,6 +55,38 @@ def _elastic(flexibility: FloatArray, torque: FloatArray, modes: TreeModes) -> F
         return np.empty((0, len(modes.frequency)))
     used = np.where(np.isfinite(flexibility), flexibility, 0.0)[:, None]
     return np.asarray(0.5 * used * (torque / modes.frequency) ** 2)
+
+
+def frequency_curvature(tree: Tree, modes: TreeModes, mode: int) -> FloatArray:
+    """d2 ln f/(d ln p d ln q) of one mode (from 0), by the stiffnesses and behind them the inertias of the stations.
+
+    (2 stations, 2 stations), from all modes of a tree of springs: modes of close frequencies change fast, and a
+    repeated one has no second derivative (Fox and Kapoor 1968). Raises ValueError unless all modes are given and every
+    station that moves has inertia.
+
+    >>> two = Tree(np.array([-1, 0]), np.array([0.0, 5e-5]), np.array([1.2, 0.8]), np.zeros(2, dtype=bool))
+    >>> from torsion.kernels.natural_modes import tree_modes
+    >>> frequency_curvature(two, tree_modes(two), 0)[2:, 2:].round(12)  # +- J1 J2/(2 (J1 + J2)^2)
+    array([[ 0.12, -0.12],
+           [-0.12,  0.12]])
+    """
+    soft = tree.flexibility[tree.parent >= 0]
+    if tree.shafts is not None or not (tree.inertia > 0.0).all() or not ((soft > 0.0) & np.isfinite(soft)).all():
+        raise ValueError("expected springs alone, and inertia at every station")
+    if len(modes.frequency) + modes.rigid != np.count_nonzero(~tree.held):
+        raise ValueError(f"{len(modes.frequency)} elastic modes; expected all of them")
+    angle = np.hstack([modes.rigid_angle, modes.angle])
+    torque = np.hstack([np.zeros_like(modes.rigid_angle), modes.torque])
+    square, own = np.append(np.zeros(modes.rigid), modes.frequency**2), modes.rigid + mode
+    kinetic = tree.moving_inertia[:, None] * angle[:, [own]] * angle
+    flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)[:, None]
+    change = np.vstack([flexibility * torque[:, [own]] * torque / square[own], -kinetic])
+    mass = np.append(np.zeros(tree.size), kinetic[:, own])
+    first, others = change[:, own].copy(), np.delete(change, own, axis=1)
+    gap = np.delete(1.0 - square / square[own], own)
+    crossed = np.outer(first, mass)
+    second = np.diag(first) - crossed - crossed.T + 2.0 * (others / gap) @ others.T
+    return np.asarray(0.5 * (second - np.outer(first, first)))
 
 
 @dataclass(frozen=True)
@@ -108,16 +141,18 @@ def response_sensitivity(
 
 
 def compliance_slopes(
-    stiffness: FloatArray, viscous: FloatArray, loss_factor: FloatArray, w: FloatArray
+    stiffness: FloatArray, viscous: FloatArray, loss_factor: FloatArray, s: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Derivatives (spans, frequencies) of 1/(k (1 + i eta) + i w c) by ln k, by eta, and by c in N m s/rad.
+    """Derivatives (spans, columns) of 1/(k (1 + i eta) + s c) by ln k, by eta, and by c in N m s/rad.
 
-    >>> compliance_slopes(*(np.array([v]) for v in (2.0, 0.0, 0.0, 5.0)))[0]
+    s: (columns,) 1/s, i w of a response or the root of a damped mode.
+
+    >>> compliance_slopes(*(np.array([v]) for v in (2.0, 0.0, 0.0, 5j)))[0]
     array([[-0.5+0.j]])
     """
     k, c, eta = (np.asarray(values, dtype=np.float64)[:, None] for values in (stiffness, viscous, loss_factor))
-    square = -1.0 / (k * (1 + 1j * eta) + 1j * w * c) ** 2
-    return square * k * (1 + 1j * eta), square * 1j * k, square * 1j * w
+    square = -1.0 / (k * (1 + 1j * eta) + s * c) ** 2
+    return square * k * (1 + 1j * eta), square * 1j * k, square * s
 
 
 def of_amplitude(value: NDArray[Any], derivative: NDArray[Any]) -> FloatArray:
