@@ -59,7 +59,7 @@ def with_variation(study: Study, source: Source, read: Callable[[Source], Study]
     found = list(_named(settings.vary, overlay) if settings.vary else _tolerances(study, overlay))
     faults += overlay.faults
     if not found and len(faults) == before:
-        hint = "give a coupling its `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
+        hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
         faults.append(Fault(SWEEP, "no figure of the file varies", hint))
     figures = list(_in_columns(found, settings.together, faults))
     variation = Variation(tuple(figures), source, read, study)
@@ -100,13 +100,18 @@ def _named(vary: dict[str, Law], overlay: Overlay) -> Iterator[Figure]:
 
 
 def _tolerances(study: Study, overlay: Overlay) -> Iterator[Figure]:
-    """The stiffness of every coupling with a tolerance."""
+    """The stiffness, or the inertia with its water, of every component with a tolerance."""
     for part in study.train.parts:
-        if part.ratings is None or not part.ratings.tolerance:
+        if part.inertia_tolerance:
+            made = (*part.path, "inertia"), (*part.path, "entrained")
+            there = [(path, node_at(overlay.source.root, path)) for path in made]
+            given = [(path, 1) for path, node in there if node is not None and "%" not in str(node.value)]
+            yield Figure(f"{part.name}.inertia", Law(uniform=part.inertia_tolerance), tuple(given), 0)
+        if not part.stiffness_tolerance:
             continue
         paths = [(path, -1 if path[-1] == "flexibility" else 1) for path in stiffness_paths(overlay, part)]
         if paths:
-            law = Law(uniform=part.ratings.tolerance)
+            law = Law(uniform=part.stiffness_tolerance)
             yield Figure(f"{part.name}.{'flexibility' if paths[0][1] < 0 else 'stiffness'}", law, tuple(paths), 0)
 
 
