@@ -46,7 +46,7 @@ def campbell(
         ends = np.array([0.0, end]), np.array([0.0, order * end / 60.0])
         lines.append(Line(words, *ends, pen, words.removeprefix("order "), label_at="end"))
     within = (Band("within the tolerances", *ends, "spread", "y") for ends in spread[: len(shown)])
-    moved = (Band("barred range over the tolerances", *ends, "doubt") for ends in tolerated)
+    moved = (Band("barred range over the tolerances", *ends, "spread") for ends in tolerated)
     bands = (Band("speed range", *speeds, "range"), *moved, *within, *barred_bands(barred))
     x, y = replace(SPEED, low=0.0, high=right), Axis("frequency", "Hz", low=0.0, high=top)
     levels = (*modes, *rated_level(rated))
