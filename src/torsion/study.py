@@ -268,9 +268,9 @@ class Study:
 
     @property
     def has_tolerances(self) -> bool:
-        """A coupling has a tolerance, and is not at an end of it."""
+        """A stiffness or an inertia has a tolerance, and couplings are not at an end of theirs."""
         at_its_end = self.case is not None and self.case.is_corner
-        return not at_its_end and any(part.ratings is not None and part.ratings.tolerance for part in self.train.parts)
+        return not at_its_end and any(part.stiffness_tolerance or part.inertia_tolerance for part in self.train.parts)
 
     @property
     def has_joints(self) -> bool:

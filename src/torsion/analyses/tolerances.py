@@ -1,12 +1,14 @@
-"""Natural frequencies over the tolerances of couplings: proven bands, which coupling matters, and exact inverses.
+"""Natural frequencies over the tolerances of the file: proven bands, which figure matters, and exact inverses.
 
-Every natural frequency rises with every stiffness (Courant and Fischer), so that the band of a mode over independent
-tolerances is what all couplings at their soft and all at their stiff end give: two solutions, no sampling. The same
-says how far one coupling alone can move a mode, and at which stiffness, if any, the mode has a frequency.
+Every natural frequency rises with every stiffness and falls with every inertia (Courant and Fischer), so that the band
+of a mode over independent tolerances is what all stiffnesses low with all inertias high, and the reverse, give: two
+solutions, no sampling. The same says how far one coupling alone can move a mode, and at which stiffness, if any, the
+mode has a frequency.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated
 
@@ -17,6 +19,7 @@ from torsion import fields
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.undamped_modes import MOST_MODES, Modes, modes_as_discretised
 from torsion.arrays import FloatArray
+from torsion.assembly import rediscretised
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import with_springs
 from torsion.errors import Fault, InputError
@@ -71,14 +74,30 @@ class AimedStiffness:
 
 
 @reported
+class RankedFigure:
+    """A figure of the file with a tolerance, and how far it moves every mode."""
+
+    figure: str = result("", (), "the component and its key")
+    tolerance: float = result("1", (), "relative, either way")
+    sensitivity: FloatArray = result(
+        "1", ("mode",), "relative change of each natural frequency over that of the figure"
+    )
+    change: FloatArray = result("1", ("mode",), "by how much the tolerance moves each either way, to first order")
+
+
+@reported
 class Tolerances:
-    """Bands of the natural frequencies over the tolerances of the couplings, each independent of the others."""
+    """Bands of the natural frequencies over the tolerances of the file, each independent of the others."""
 
     frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies at the figures of the file")
     lower: FloatArray = result("Hz", ("mode",), "least natural frequency within all tolerances, a proven bound")
     upper: FloatArray = result("Hz", ("mode",), "greatest natural frequency within all tolerances, a proven bound")
     critical_lower: FloatArray = result("rad/s", ("critical speed",), "least critical speed, as `critical_speeds`")
     critical_upper: FloatArray = result("rad/s", ("critical speed",), "greatest critical speed")
+    figures: tuple[RankedFigure, ...] = result(
+        "", (), "every figure with a tolerance, the one that moves a mode most first; none where a stiffness follows "
+        "the frequency"
+    )  # fmt: skip
     couplings: tuple[CouplingReach, ...] = result("", (), "what each coupling alone does")
     aims: tuple[AimedStiffness, ...] = result("", (), "stiffnesses with which modes are where they should be")
 
@@ -90,9 +109,12 @@ class _Varied:
         self.system, self.nominal, self.count = found.system, found, found.frequency.size
         self.at = lru_cache(maxsize=256)(self._at)
 
-    def _at(self, factors: Factors) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Frequency (modes,) Hz and its proven bounds; 0 of what no longer vibrates, infinite where no mode is left."""
-        found = modes_as_discretised(scaled(self.system, dict(factors)), self.count)
+    def _at(self, factors: Factors, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Frequency (modes,) Hz and its proven bounds; 0 of what no longer vibrates, infinite where no mode is left.
+
+        end: 1 with all inertias at the high end of their tolerance, -1 at the low one.
+        """
+        found = modes_as_discretised(scaled(with_inertias(self.system, end), dict(factors)), self.count)
         loose = max(found.rigid - self.nominal.rigid, 0)
         values = []
         for one in (found.frequency, found.lower, found.upper):
@@ -137,6 +159,40 @@ def scaled(system: System, factors: Mapping[int, float]) -> System:
     return with_springs(system, values, tables)
 
 
+def with_inertias(system: System, end: int) -> System:
+    """The system with every inertia that has a tolerance at its high (1) or low (-1) end, as its shafts are divided."""
+    parts, train = system.train.parts, system.train
+    if not end or not any(part.inertia_tolerance for part in parts):
+        return system
+    inertias = tuple(
+        replace(one, inertia=one.inertia * (1.0 + end * (parts[one.part].inertia_tolerance or 0.0)))
+        for one in train.inertias
+    )
+    return rediscretised(replace(system, train=replace(train, inertias=inertias)), system.requested.frequency)
+
+
+def ranked(found: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
+    """Every figure with a tolerance: half its shares of elastic or kinetic energy are its sensitivities (T132)."""
+    system, figures = found.system, list[RankedFigure]()
+    if system.tables_over("frequency"):
+        return ()
+    parts = system.train.parts
+    moved = np.zeros((len(parts), found.frequency.size))
+    for one in system.train.inertias:
+        if parts[one.part].inertia_tolerance:
+            moved[one.part] -= 0.5 * one.inertia * np.square(found.shape[one.station])
+    for number, part in enumerate(parts):
+        if part.inertia_tolerance:
+            wide = part.inertia_tolerance
+            figures.append(RankedFigure(f"{part.name}.inertia", wide, moved[number], np.abs(moved[number]) * wide))
+        if part.stiffness_tolerance and part.name in spans:
+            own = 0.5 * found.elastic[spans[part.name]]
+            figures.append(
+                RankedFigure(f"{part.name}.stiffness", part.stiffness_tolerance, own, own * part.stiffness_tolerance)
+            )
+    return tuple(sorted(figures, key=lambda one: -float(one.change.max(initial=0.0))))
+
+
 def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims: Sequence[Aim] = ()) -> Tolerances:
     """Of a study with its modes. Raises InputError for an aim at a mode that was not computed."""
     train, system, varied = study.train, found.system, _Varied(found)
@@ -144,14 +200,13 @@ def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims
         train.parts[span.part].name: number for number, span in enumerate(system.own_spans)
         if train.parts[span.part].kind == "coupling" and 0.0 < system.flexibility[number] < math.inf
     }  # fmt: skip
-    rated = {name: train.part(name).ratings for name in spans}
-    width = {name: (own.tolerance or 0.0) if own is not None else 0.0 for name, own in rated.items()}
+    width = {name: train.part(name).stiffness_tolerance for name in spans}
     _refuse(aims, found)
 
-    def at(factor: Callable[[float], float], *names: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-        return varied.at(tuple((spans[name], factor(width[name])) for name in names if width[name]))
+    def at(factor: Callable[[float], float], *names: str, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return varied.at(tuple((spans[name], factor(width[name])) for name in names if width[name]), end)
 
-    lower, upper = at(lambda t: 1.0 - t, *spans)[1], at(lambda t: 1.0 + t, *spans)[2]
+    lower, upper = at(lambda t: 1.0 - t, *spans, end=1)[1], at(lambda t: 1.0 + t, *spans, end=-1)[2]
     each = [
         CouplingReach(
             name, width[name], at(lambda t: 1.0 - t, name)[0], at(lambda t: 1.0 + t, name)[0],
@@ -169,8 +224,9 @@ def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims
     moved = np.array([[lower[c.mode - 1], upper[c.mode - 1]] for c in crossings]).reshape(-1, 2)
     speed = np.array([c.speed / c.frequency for c in crossings])
     return Tolerances(
-        found.frequency, lower, upper, moved[:, 0] * speed, moved[:, 1] * speed, tuple(each), tuple(aimed)
-    )
+        found.frequency, lower, upper, moved[:, 0] * speed, moved[:, 1] * speed, ranked(found, spans), tuple(each),
+        tuple(aimed),
+    )  # fmt: skip
 
 
 def _refuse(aims: Sequence[Aim], found: Modes) -> None:
@@ -196,8 +252,12 @@ def run(work: Work) -> None:
     follows = work.study.train.has_tables_over("mean torque")
     if follows:
         work.log.without("bands of the critical speeds", "the stiffness of a coupling follows the mean torque")
-    with work.log.step("bands of the natural frequencies", "couplings have tolerances") as step:
+    if found.system.tables_over("frequency"):
+        work.log.without("which figure matters", "the stiffness of a coupling follows the frequency")
+    with work.log.step("bands of the natural frequencies", "figures have tolerances") as step:
         made = tolerances(work.study, found, None if follows else work.get(CriticalSpeeds), aims)
-        step.method = "every frequency rises with every stiffness: all couplings soft, all stiff, certified by counts"
+        step.method = (
+            "every frequency rises with every stiffness and falls with every inertia: two corners, certified by counts"
+        )
         step.size = f"{len(made.couplings)} couplings"
     work.put(tolerances=made)

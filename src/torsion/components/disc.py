@@ -15,16 +15,20 @@ class Rotor(Component, sort="point"):
     inertia: fields.Inertia | None = given("polar mass moment of inertia")
     held: bool = given("turns at exactly its mean speed: a fixed end", False)
     damping: fields.Damping | None = given("viscous damping to ground of the deviation from the mean motion")
+    tolerance: fields.Tolerance | None = given("tolerance of the inertia, for example 5 %")
 
     def refuse_clashes(self) -> None:
         if self.held and self.inertia is not None:
             raise refuse("`inertia` and `held: true` exclude each other", "a fixed point needs no inertia", "inertia")
         if not self.held and self.inertia is None:
             raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
+        if self.held and self.tolerance is not None:
+            raise refuse("a fixed point has no inertia that could vary", "leave it out", "tolerance")
 
     def place(self, build: Lowering) -> int:
         """The station of this point, with its inertia and its damping."""
         here = build.point()
+        build.record(inertia_tolerance=self.tolerance)
         build.inertia(here, math.inf if self.held else self.inertia or 0.0)
         if self.damping:
             build.add(Damper(here, constant=build.own(self.damping)))

@@ -213,6 +213,7 @@ class Part:
     application_factor: float | None = None  # K_A, of a gear
     max_torque: float | None = None  # N m, greatest of a gear, at its driving side
     ratings: CouplingRatings | None = None
+    inertia_tolerance: float | None = None  # relative, of all its inertias
     shaft: ShaftRecord | None = None
     joint: JointRecord | None = None
     propeller: PropellerRecord | None = None
@@ -234,6 +235,11 @@ class Part:
         if rare is None:
             return "T_Kmax", normal
         return ("T_Kmax2", rare) if is_rare else ("T_Kmax1", normal)
+
+    @property
+    def stiffness_tolerance(self) -> float:
+        """Relative, of a coupling; 0 where the file gives none."""
+        return 0.0 if self.ratings is None else self.ratings.tolerance or 0.0
 
     @property
     def line(self) -> Path:

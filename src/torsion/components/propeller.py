@@ -59,6 +59,7 @@ class Propeller(Component, keyword="propeller", sort="point"):
     entrained: Annotated[Any, BeforeValidator(_read_entrained, json_schema_input_type=float | str)] = given(
         "entrained water: % of dry, or kg*m**2"
     )
+    tolerance: fields.Tolerance | None = given("tolerance of the inertia and of the entrained water, for example 10 %")
     blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades")
     diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
     pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
@@ -90,6 +91,7 @@ class Propeller(Component, keyword="propeller", sort="point"):
             self.inertia, entrained, *shape, model, factor, self.hub_ratio, self.ducted,
         ))  # fmt: skip
         here = build.point()
+        build.record(inertia_tolerance=self.tolerance)
         build.inertia(here, self.inertia, "dry" if water else "")
         build.inertia(here, water, "entrained water")
         if self.damping is not None:

@@ -18,6 +18,7 @@ from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
 from torsion.rules.judgement import Continuous, in_rpm, within_reach
+from torsion.rules.over_tolerances import margin_words
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, verdict_of
 from torsion.study import Study
 
@@ -103,11 +104,14 @@ class SeparationMargins(Rule):
         requested = evidence.study.analyses.get("modes")
         count = (requested if isinstance(requested, ModesSettings) else ModesSettings()).count
         is_whole = modes.frequency.size < count
-        found = (self._of(one, modes, is_whole=is_whole) for one in _excited(evidence, settings, self.standard))
+        found = (
+            self._of(one, modes, margin_words(evidence, one.lowest, one.highest), is_whole=is_whole)
+            for one in _excited(evidence, settings, self.standard)
+        )
         study, use = evidence.study, settings.continuous
         return tuple(within_reach(line, study, use=use) for line in found if line is not None)
 
-    def _of(self, one: Excited, modes: Modes, *, is_whole: bool) -> Check | None:
+    def _of(self, one: Excited, modes: Modes, tolerated: list[str], *, is_whole: bool) -> Check | None:
         """Of one excitation; None where the train has no elastic mode. is_whole: there are no more modes than these."""
         frequency, last = modes.frequency, float(modes.frequency.max(initial=0.0))
         apart = np.maximum((one.lowest - frequency) / one.lowest, (frequency - one.highest) / one.highest)
@@ -118,7 +122,7 @@ class SeparationMargins(Rule):
             return None
         near = np.flatnonzero(apart < one.margin * (1.0 - ROUNDING))
         worst = int(np.argmin(apart))
-        words = [f"{self.standard.edition}, from memory, to be verified against the edition in force"]
+        words = [*tolerated, f"{self.standard.edition}, from memory, to be verified against the edition in force"]
         if near.size:
             words += [f"modes {', '.join(str(mode + 1) for mode in near.tolist())}: {STRESS_ANALYSIS}"]
         if not is_known:

@@ -28,6 +28,7 @@ from torsion.rules.judgement import (
     within_reach,
     worst_of,
 )
+from torsion.rules.over_tolerances import over_tolerances
 from torsion.rules.shaft_limits import BARRED_BELOW, LimitedShaft, Mark, barred_range, may_be_barred, nominal_stress
 from torsion.rules.verdict_line import BarredRange, Check
 from torsion.study import Study
@@ -175,7 +176,9 @@ class ShaftStress(RuleOverSpeed):
         if line is None:
             return None
         spans = judgement.spans_of(evidence.system, shaft.part)
-        ranges = tuple(_with_order(evidence, band, spans) for band in barred.permitted)
+        rated = rated_speed(evidence.study)
+        ordered = (_with_order(evidence, band, spans) for band in barred.permitted)
+        ranges = tuple(over_tolerances(evidence, band, rated, meter) for band in ordered)
         return replace(line, verdict="fail" if reasons else line.verdict, barred=ranges, times=times)
 
 

@@ -52,6 +52,11 @@ class BarredRange:
     )
     formula_upper: float = result("rad/s", (), "upper end by the same formula", default=math.nan)
     order: Fraction | None = result("", (), "order with the greatest torque at that speed, exact", default=None)
+    tolerance_lower: float = result(
+        "rad/s", (), "lower end that covers the critical speed at every tolerance of the file; null without such",
+        default=math.nan,
+    )  # fmt: skip
+    tolerance_upper: float = result("rad/s", (), "upper end of the same", default=math.nan)
 
 
 @reported

@@ -224,12 +224,12 @@ def _rules(overlay: Overlay, own: Node, fault: Path) -> None:
 def _tolerances(one: _Requested, overlay: Overlay) -> None:
     """All couplings with a tolerance together at one end of it."""
     at = node_at(overlay.source.root, one.path) or Node(None, 1, 1)
-    varied = [part for part in overlay.parts if part.ratings is not None and part.ratings.tolerance]
+    varied = [part for part in overlay.parts if part.stiffness_tolerance]
     if not varied:
         hint = "give a coupling its `tolerance`, or leave `from` out"
         overlay.faults.append(Fault(one.path, "no coupling of the file has a tolerance", hint))
     for part in varied:
-        tolerance = Fraction(repr(part.ratings.tolerance if part.ratings else 0.0))
+        tolerance = Fraction(repr(part.stiffness_tolerance))
         factor = 1 + one.corner * tolerance
         if factor <= 0:
             message = f"a tolerance of {float(100 * tolerance):g} % leaves '{part.name}' no stiffness"

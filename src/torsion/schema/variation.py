@@ -187,7 +187,7 @@ def _variation(
     found = list(_named(varied, overlay, (*place, key)) if varied else _tolerances(study, overlay))
     faults += overlay.faults
     if not found and len(faults) == before:
-        hint = "give a coupling its `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
+        hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
         faults.append(Fault(place, "no figure of the file varies", hint))
     figures = list(_in_columns(found, settings.together, (*place, "together"), faults))
     variation = Variation(tuple(figures), source, read, study)
@@ -256,9 +256,14 @@ def _nominal(value: object, unit: str) -> float:
 
 
 def _tolerances(study: Study, overlay: Overlay) -> Iterator[Figure]:
-    """The stiffness of every coupling with a tolerance."""
+    """The stiffness, or the inertia with its water, of every component with a tolerance."""
     for part in study.train.parts:
-        if part.ratings is None or not part.ratings.tolerance:
+        if part.inertia_tolerance:
+            made = (*part.path, "inertia"), (*part.path, "entrained")
+            there = [(path, node_at(overlay.source.root, path)) for path in made]
+            given = [(path, 1) for path, node in there if node is not None and "%" not in str(node.value)]
+            yield Figure(f"{part.name}.inertia", Law(uniform=part.inertia_tolerance), tuple(given), 0)
+        if not part.stiffness_tolerance:
             continue
         paths = [(path, -1 if path[-1] == "flexibility" else 1) for path in stiffness_paths(overlay, part)]
         if paths:

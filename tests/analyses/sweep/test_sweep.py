@@ -185,6 +185,22 @@ def test_tolerances_are_the_default() -> None:
     assert (figure.name, figure.law) == ("rubber.stiffness", "uniform ±10 %")
 
 
+@pytest.mark.parametrize(("water", "keys"), [("30 %", ["inertia"]), ("2", ["inertia", "entrained"])])
+def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: list[str]) -> None:
+    study = torsion.parse(
+        "name: x\ntrain:\n  - motor: {inertia: 1, tolerance: 3 %}\n  - coupling: {stiffness: 1e4}\n"
+        f"  - propeller: {{inertia: 4, entrained: {water}, tolerance: 8 %}}\n"
+        "analyses: {modes: , sweep: {samples: 128, results: [modes]}}\n"
+    )
+    assert study.variation is not None
+    motor, propeller = study.variation.figures
+    assert (motor.name, motor.law.uniform, propeller.name) == ("motor-1.inertia", 0.03, "propeller-1.inertia")
+    assert [path[-1] for path, _ in propeller.paths] == keys
+    factor = 1.0 + np.array([[0.03, -0.08]])
+    heavy = study.variation.study(factor[0].tolist())
+    assert sum(one.inertia for one in heavy.train.inertias) == pytest.approx(1.03 + 0.92 * (5.2 if "%" in water else 6))
+
+
 @pytest.mark.parametrize(
     ("sweep", "place", "words"),
     [

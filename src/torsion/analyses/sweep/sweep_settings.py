@@ -22,7 +22,7 @@ class SweepSettings(Declared):
     """Settings of `sweep`."""
 
     vary: Annotated[dict[str, Law], BeforeValidator(_of_tolerances)] = given(
-        "figures by `component.key` and how they vary (default: every coupling uniformly within its tolerance)", {}
+        "figures by `component.key` and how they vary (default: those with a tolerance, uniformly)", {}
     )
     together: tuple[tuple[str, ...], ...] = given("figures that vary as one, such as two couplings of one batch", ())
     samples: Annotated[int, Field(ge=FEWEST, le=MOST)] | None = given(

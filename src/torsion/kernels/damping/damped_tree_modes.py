@@ -72,7 +72,7 @@ def damped_modes(
     """
     flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)
     tree = Tree(tree.parent, flexibility, tree.moving_inertia, tree.held)
-    ground, across, loss = (_per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
+    ground, across, loss = (per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
     train = DampedTree(tree, ground, across, loss, laws or {})
     zeros, others = number_of_roots(train)
     if start is None:
@@ -82,7 +82,8 @@ def damped_modes(
     return _with_shapes(train, upper, np.sort(real)[::-1])
 
 
-def _per_station(tree: Tree, values: FloatArray | None) -> FloatArray:
+def per_station(tree: Tree, values: FloatArray | None) -> FloatArray:
+    """Damping (stations,), 0 where none is given; raises ValueError for values that do not fit."""
     result = np.zeros(tree.size) if values is None else np.asarray(values, dtype=np.float64)
     if result.shape != (tree.size,) or not (np.isfinite(result) & (result >= 0)).all():
         raise ValueError(f"damping of shape {result.shape}; expected ({tree.size},) finite values, none negative")
@@ -241,13 +242,20 @@ def newton_step(
     train: DampedTree, at: BothSides, root: ComplexArray, pushed: IntArray, shape: ComplexArray, torque: ComplexArray
 ) -> ComplexArray:
     """Correction of each root, -Z/Z', from the shape in which station `pushed` turns by 1."""
+    step: ComplexArray = -at.whole[pushed, np.arange(len(root))] / slope_at(train, at, root, shape, torque)
+    return step
+
+
+def slope_at(
+    train: DampedTree, at: BothSides, root: ComplexArray, shape: ComplexArray, torque: ComplexArray
+) -> ComplexArray:
+    """x' (dT/dl) x at each root (roots,), N m s/rad."""
     wound = at.compliance * torque
     slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(axis=0)
     slope += (train.viscous[:, None] * wound * wound).sum(axis=0)
     for station, law in train.laws.items():
         slope += law.at_root(root)[1] * wound[station] ** 2
-    step: ComplexArray = -at.whole[pushed, np.arange(len(root))] / slope
-    return step
+    return np.asarray(slope)
 
 
 def independent_shapes(train: DampedTree, root: complex, count: int) -> tuple[ComplexArray, ComplexArray] | None:

@@ -11,7 +11,7 @@ from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import frequencies_over_speed
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
-from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference
+from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference, tolerated_rpm
 
 MOST_ORDERS = 12  # in the figure
 MOST_ROWS = 60
@@ -43,6 +43,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         "campbell", "Campbell diagram", frequencies=findings.need(Modes).frequency.tolist(),
         orders=[(float(one), f"order {order(one)}") for one in shown], crossings=crossings,
         speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings), barred=barred_rpm(findings),
+        tolerated=tolerated_rpm(findings),
         curves=None if by_torque is None else (by_torque.speed * RPM, by_torque.frequency),
         spread=() if by_torque is not None else _spread(findings.get(Tolerances)),
     ))  # fmt: skip

@@ -1,4 +1,4 @@
-"""Chapter: bands of the natural frequencies over the tolerances of the couplings, and what each coupling does."""
+"""Chapter: bands of the natural frequencies over the tolerances, which figure matters, and what each coupling does."""
 
 from collections.abc import Iterator
 
@@ -10,12 +10,19 @@ from torsion.output.numbers import given_rpm, number, order, rpm
 from torsion.output.reported_values import reference
 
 MOST_ROWS = 60
+MOST_FIGURES = 6  # of a mode
 WHAT = (
-    "Every natural frequency rises with every stiffness. The least and the greatest value of each mode within the "
-    "tolerances are therefore those with all couplings at their soft and all at their stiff end, bounds proven by "
-    "counts: no combination of the couplings, each within its tolerance, lies outside. Torques, stresses and heat do "
-    "not rise or fall with a stiffness in one sense; they are at the stiffness of the file here, and at both ends with "
-    "the cases of the tolerances (cases: {from: tolerances})."
+    "Every natural frequency rises with every stiffness and falls with every inertia. The least and the greatest value "
+    "of each mode within the tolerances are therefore those with all stiffnesses low and all inertias high, and the "
+    "reverse, bounds proven by counts: no combination, each figure within its tolerance, lies outside. Torques, "
+    "stresses and heat do not rise or fall in one sense; they are at the figures of the file here, and at both ends of "
+    "the couplings with the cases of the tolerances (cases: {from: tolerances})."
+)
+MATTERS = (
+    "The figure whose tolerance moves a mode most comes first: the one to ask its maker about. The sensitivity is the "
+    "relative change of the frequency over that of the figure, half the share of the elastic energy of a stiffness and "
+    "minus half that of the kinetic energy of an inertia; times the tolerance it is, to first order, what the figure "
+    "moves the mode by, either way."
 )
 ALONE = (
     "Each coupling alone, all others as the file has them; the coupling that moves a mode most comes first. Without it "
@@ -26,8 +33,8 @@ ALONE = (
 def chapter(findings: Findings) -> Iterator[Block]:
     """Bands where a coupling has a tolerance, aims where the file states them."""
     found = findings.need(Tolerances)
-    yield Heading("Tolerances of the couplings")
-    if any(one.tolerance for one in found.couplings):
+    yield Heading("Tolerances")
+    if findings.study.has_tolerances:
         yield Paragraph(WHAT)
         rows = [
             (
@@ -44,10 +51,29 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield table(
             titles, rows, "Natural frequencies within the tolerances", short="Frequencies within the tolerances"
         )
+        yield from _matters(found)
         yield from _criticals(findings, found)
     yield from _alone(found)
     if found.aims:
         yield _aims(found)
+
+
+def _matters(found: Tolerances) -> Iterator[Block]:
+    """Figures by what their tolerances do to each mode."""
+    if not found.figures:
+        return
+    yield Paragraph(MATTERS)
+    rows = [
+        (
+            mode + 1, one.figure, number(100.0 * one.tolerance, 3), number(float(one.sensitivity[mode]), 3),
+            number(100.0 * float(one.change[mode]), 3),
+        )
+        for mode in range(found.frequency.size)
+        for one in sorted(found.figures, key=lambda one: -float(one.change[mode]))[:MOST_FIGURES]
+    ]  # fmt: skip
+    titles = "Mode -> | < Figure -> | Tolerance [%] | Sensitivity | Moves it either way by [%] -> +- %"
+    rest = f" (the first {MOST_FIGURES} of {len(found.figures)} of each mode)" * (len(found.figures) > MOST_FIGURES)
+    yield table(titles, rows[:MOST_ROWS], f"Which figure matters{rest}", short="Which figure matters")
 
 
 def _criticals(findings: Findings, found: Tolerances) -> Iterator[Block]:

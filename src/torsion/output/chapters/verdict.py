@@ -111,6 +111,13 @@ def _sources(findings: Findings) -> Paragraph:
     return Paragraph("Where the figures come from is stated for every component and excitation.")
 
 
+OVER_TOLERANCES = (
+    "Over the tolerances of the file the critical speed moves; the last two columns are the range that covers it, with "
+    "the rule's width, wherever it lies. That is proven of the critical speed alone: how far the stress then exceeds "
+    "its limit follows no figure in one sense, and the verdict is that of the file's figures."
+)
+
+
 def barred_ranges(findings: Findings) -> Iterator[Block]:
     """Nothing where no range is barred."""
     found, speed = barred(findings), rated(findings)
@@ -123,12 +130,16 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
         "formula 16 n_{c}/(18 − λ) to (18 − λ) n_{c}/16 with λ = n_{c}/n_{rated}, extended to every speed at which the "
         f"stress exceeds its limit and by the tolerance of the tachometer ({by}); n_{{c}} is the critical speed."
     )
+    moved = any(math.isfinite(b.tolerance_lower) for b in found)
+    if moved:
+        yield Paragraph(OVER_TOLERANCES)
     yield table(
         "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ | "
-        "From by formula [rpm] | To by formula [rpm]",
+        "From by formula [rpm] | To by formula [rpm]" + " | From, tolerances [rpm] | To, tolerances [rpm]" * moved,
         [
             (b.shaft, rpm(b.lower), rpm(b.upper), contributing(findings, b.order), _mode(findings, b), rpm(b.critical),
-             number(b.critical / speed, 4) if speed else NONE, rpm(b.formula_lower), rpm(b.formula_upper))
+             number(b.critical / speed, 4) if speed else NONE, rpm(b.formula_lower), rpm(b.formula_upper),
+             *(rpm(b.tolerance_lower), rpm(b.tolerance_upper)) * moved)
             for b in found
         ],
         f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",

@@ -21,8 +21,11 @@ def campbell(
     name: str, caption: str, *, frequencies: Sequence[float], orders: Sequence[tuple[float, str]],
     crossings: Sequence[Crossing], speeds: tuple[float, float], rated: float | None, barred: Bands = (),
     curves: tuple[FloatArray, FloatArray] | None = None, spread: Sequence[tuple[float, float]] = (),
+    tolerated: Bands = (),
 ) -> Figure:  # fmt: skip
     """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm; spread: Hz, of each mode by tolerances.
+
+    barred, tolerated: rpm, of the file's figures and over its tolerances.
 
     curves: speeds (points,) rpm and frequencies (modes, points) Hz, of modes that move over the speed.
     """
@@ -43,7 +46,8 @@ def campbell(
         ends = np.array([0.0, end]), np.array([0.0, order * end / 60.0])
         lines.append(Line(words, *ends, pen, words.removeprefix("order "), label_at="end"))
     within = (Band("within the tolerances", *ends, "spread", "y") for ends in spread[: len(shown)])
-    bands = (Band("speed range", *speeds, "range"), *within, *barred_bands(barred))
+    moved = (Band("barred range over the tolerances", *ends, "spread") for ends in tolerated)
+    bands = (Band("speed range", *speeds, "range"), *moved, *within, *barred_bands(barred))
     x, y = replace(SPEED, low=0.0, high=right), Axis("frequency", "Hz", low=0.0, high=top)
     levels = (*modes, *rated_level(rated))
     panel = Panel(x, y, tuple(lines), levels, bands, tuple(_met(crossings, right, top)), height=300.0)
