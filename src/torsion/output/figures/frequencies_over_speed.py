@@ -21,8 +21,9 @@ def campbell(
     name: str, caption: str, *, frequencies: Sequence[float], orders: Sequence[tuple[float, str]],
     crossings: Sequence[Crossing], speeds: tuple[float, float], rated: float | None, barred: Bands = (),
     curves: tuple[FloatArray, FloatArray] | None = None, spread: Sequence[tuple[float, float]] = (),
+    of: str = "within the tolerances",
 ) -> Figure:  # fmt: skip
-    """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm; spread: Hz, of each mode by tolerances.
+    """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm; spread: Hz, of each mode, of what is named.
 
     curves: speeds (points,) rpm and frequencies (modes, points) Hz, of modes that move over the speed.
     """
@@ -42,7 +43,7 @@ def campbell(
         end = min(right, 60.0 * top / order)
         ends = np.array([0.0, end]), np.array([0.0, order * end / 60.0])
         lines.append(Line(words, *ends, pen, words.removeprefix("order "), label_at="end"))
-    within = (Band("within the tolerances", *ends, "spread", "y") for ends in spread[: len(shown)])
+    within = (Band(of, *ends, "spread", "y") for ends in spread[: len(shown)])
     bands = (Band("speed range", *speeds, "range"), *within, *barred_bands(barred))
     x, y = replace(SPEED, low=0.0, high=right), Axis("frequency", "Hz", low=0.0, high=top)
     levels = (*modes, *rated_level(rated))
