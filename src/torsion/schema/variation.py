@@ -18,6 +18,7 @@ from torsion.schema.fault_text import Node, Source
 from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
 from torsion.study import Study
 
+EXACT = "ratio", "order", "blade_order"  # keys of exact ratios and orders
 ENDS = np.array([1e-4, 1.0 - 1e-4])  # of a law without ends, where the file is read as a trial
 
 
@@ -188,7 +189,7 @@ def _variation(
     if len(faults) == before and isinstance(settings, Refusing):
         faults += [replace(one, path=(*place, *one.path)) for one in settings.refused(study, figures)]
     if len(faults) == before:
-        faults += _faults_at_ends(variation, (*place, key))
+        faults += _faults_at_ends(variation, (*place, key), varied)
     return variation
 
 
@@ -255,6 +256,10 @@ def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault]
         faults.append(
             Fault(fault, "a catalogue is of a component, and of no key of it", f"`{name.rpartition('.')[0]}`")
         )
+        return None
+    if path[-1] in EXACT:
+        message = f"`{name}` is exact, and varies by `values` alone"
+        faults.append(Fault(fault, message, "for example {values: [41/17, 43/17]}", at_key=True))
         return None
     if (made := multiplied(there.value, Fraction(3, 2))) is None or (made == there.value and law.first is None):
         message = f"`{name}` is {in_words(there.value)}, which no factor varies"
@@ -335,7 +340,7 @@ def _in_pairs(one: Figure, other: Figure) -> bool:
     return 0 < one.places == other.places
 
 
-def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
+def _faults_at_ends(variation: Variation, where: Path, named: Mapping[str, Choice]) -> Iterator[Fault]:
     """Figures whose range, or any of whose alternatives, leaves what the file may say."""
     for place, figure in enumerate(variation.figures):
         relative = isinstance(figure.law, Law) and figure.law.lognormal is not None
@@ -346,5 +351,6 @@ def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
             except InputError as error:
                 why = error.faults[0]
                 message = f"{figure.name} {figure.words(value)}: {why.message}"
-                yield Fault(where, message, why.hint or "a narrower law", at_key=True)
+                at = (*where, figure.name) if figure.name in named else where
+                yield Fault(at, message, why.hint or "a narrower law", at_key=True)
                 break

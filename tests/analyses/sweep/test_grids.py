@@ -131,6 +131,18 @@ def test_a_map_is_the_files_with_both_figures_written_in() -> None:
         assert grid.fails[variant] == alone.need(Checks).fails
 
 
+def test_an_exact_ratio_varies_by_values_alone() -> None:
+    text = FOUR.replace("disc: {inertia: 0.6}", "gear: {name: g, ratio: 41/17}")
+    begin = text.index("vary:")
+    with pytest.raises(InputError, match=r"`g\.ratio` is exact"):
+        torsion.parse(text[:begin] + "vary: {g.ratio: {uniform: 5 %}}}}\n")
+    grid = gridded(
+        torsion.run(torsion.parse(text[:begin] + "vary: {g.ratio: {values: [41/17, 1, 2]}}}}\n")).need(Sweep)
+    )
+    assert grid.axes[0].words == ("41/17", "1", "2")
+    assert not grid.axes[0].is_numeric
+
+
 def test_lists_that_vary_together_go_row_by_row() -> None:
     found = swept("vary: {coupling-1.stiffness: {values: [10 kN*m/rad, 20 kN*m/rad]}, "
                   "disc-2.inertia: {values: [0.4, 0.6]}}, "
@@ -243,6 +255,7 @@ def test_indices_of_a_sweep_are_the_closed_form_within_their_intervals() -> None
     ("vary: {coupling-1.stiffness: {uniform: 5 %}}, indices: true, method: latin", "8:94", "sobol"),
     ("vary: {coupling-1.stiffness: {uniform: 5 %}, '\"coupling-1\".stiffness': {uniform: 6 %}}", "8:84", "already"),
     ("vary: {coupling-1.stiffness: {triangular: [0.9, 0.8, 1]}}", "8:81", "do not rise"),
+    ("vary: {coupling-1.rated_torque: {values: [1 kN*m, 1 m]}}", "8:46", "a torque"),
     ("vary: {coupling-1.inertia: {uniform: 5 %}}", "8:46", "coupling-1.inertia.1"),
 ])  # fmt: skip
 def test_faults_of_grids_and_indices_are_located(sweep: str, place: str, words: str) -> None:
