@@ -18,6 +18,8 @@ MOST_MODES = 3
 
 def sections(found: Sweep) -> Iterator[Block]:
     """Checks, where they turn, the figures and the variants."""
+    if found.nominal.size:
+        yield _frequencies(found)
     if found.any_fails is not None:
         yield _checks(found, found.any_fails)
     grid = found.grid
@@ -55,6 +57,15 @@ def _ranked(grid: Grid) -> list[int]:
     lost[[place for place, _ in grid.why]] = True
     least = np.nan_to_num(grid.greatest, nan=0.0)
     return [int(place) for place in np.lexsort((least, grid.fails, lost))]
+
+
+def _frequencies(found: Sweep) -> Block:
+    rows = [
+        (mode, *(number(value, 7) for value in row))
+        for mode, row in enumerate(np.transpose([found.nominal, found.least, found.greatest]).tolist(), start=1)
+    ]
+    titles = "Mode -> | As in the file [Hz] -> Hz | Least [Hz] -> least | Greatest [Hz] -> greatest"
+    return table(titles, rows, "Natural frequencies of all variants", short="Natural frequencies of the variants")
 
 
 def _checks(found: Sweep, whole: SweptCheck) -> Block:
