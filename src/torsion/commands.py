@@ -11,6 +11,8 @@ import numpy as np
 from torsion.analyses import ANALYSES, ordered
 from torsion.analyses.discretisation import assembled, discretisation_words, has_inertia, highest_excited, no_response
 from torsion.analyses.response.harmonic_components import lines
+from torsion.analyses.sweep.sweep_points import Points
+from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.analyses.undamped_modes import ModesSettings, modes_settings
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, nearest, printable
@@ -320,6 +322,10 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         "lateral": f"{sum(bool(study.train.shaft(bar).support) for bar in study.train.bars)} shafts on supports",
         "steady": "the mean torque in every span",
     }  # fmt: skip
+    if variation := study.variations.get("sweep"):
+        settings = study.analyses["sweep"]
+        assert isinstance(settings, SweepSettings)
+        sizes["sweep"] = Points.of(study, settings, variation.figures).words
     if speeds is not None:
         sizes["response"] = f"{components} harmonic components at {speeds.steps} speeds, and more around resonances"
     return sizes

@@ -221,6 +221,13 @@ class Variation(Protocol):
     def study(self, values: Sequence[float]) -> "Study":
         """The study with every figure at its value."""
 
+    @property
+    def base(self) -> "Study":
+        """The study of the file."""
+
+    def fixed(self, values: Mapping[int, float]) -> "Variation":
+        """The variation of the other figures, in which these, by their places, have values."""
+
     def only(self, place: int, value: float) -> "Study":
         """The study with one figure at a value, all others as in the file."""
 

@@ -107,6 +107,7 @@ def test_frequencies_one_by_one_in_many_parts_are_those_of_one_chunk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = PLAIN % f"{VARY}, results: [modes]"
+    monkeypatch.setattr(sweep_run, "row_by_row", lambda *given: None)
     whole = torsion.run(torsion.parse(text)).need(Sweep)
     monkeypatch.setattr(sweep_run, "ALONE_AT_ONCE", 48)
     found, taken = by(tmp_path, text)
@@ -197,7 +198,7 @@ def test_a_worker_answers_the_same_and_refuses_other_programs_and_files(tmp_path
     study = torsion.parse(PLAIN % MODES)
 
     def errands(work, variation, each):
-        kept.append((pickle.dumps(worker_task.errand(work, variation, 128)), each[5]))
+        kept.append((pickle.dumps(worker_task.errand(work, variation)), each[5]))
         return sweep_run.in_turn(work, variation, each)
 
     whole = torsion.run(study, answered=errands).need(Sweep)
@@ -258,7 +259,7 @@ def test_a_worker_with_another_version_is_named() -> None:
         def get_versions(self, packages: list[str]) -> dict:
             return {"workers": {"tcp://b:1": {"packages": {"torsion": "0.0.9", "numpy": np.__version__}}}}
 
-    errand = worker_task.Errand(b"", (), (("torsion", "0.1.0"), ("numpy", np.__version__), ("scipy", "1")), 1)
+    errand = worker_task.Errand(b"", (), (("torsion", "0.1.0"), ("numpy", np.__version__), ("scipy", "1")))
     with pytest.raises(InputError, match=r"tcp://b:1.*torsion 0\.1\.0 is needed and 0\.0\.9 is there, scipy 1 .* none"):
         cluster._compare(Client(), errand)
 

@@ -52,6 +52,15 @@ def symbols(text: str) -> str:
     return re.sub(r"(?<=\d)e([+-])0*(\d+)", lambda found: _power(int(found[1] + found[2])), text)
 
 
+def unit_words(unit: str) -> str:
+    """A unit of the file as the report writes it.
+
+    >>> unit_words("kN*m/rad"), unit_words("kg*m**2")
+    ('kN m/rad', 'kg m²')
+    """
+    return symbols(unit.replace("**", "^").replace("*", " "))
+
+
 def _power(exponent: int) -> str:
     return f"·10{str(exponent).translate(SUPERSCRIPT)}"
 

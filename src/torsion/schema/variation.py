@@ -19,6 +19,7 @@ from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
 from torsion.schema.yaml_source import parse_source
 from torsion.study import Study
 
+EXACT = "ratio", "order", "blade_order"  # keys of exact ratios and orders
 ENDS = np.array([1e-4, 1.0 - 1e-4])  # of a law without ends, where the file is read as a trial
 
 
@@ -33,6 +34,14 @@ class Varying(Protocol):
     @property
     def varied(self) -> tuple[str, Mapping[str, Choice]]:
         """The key that names the figures, and how each varies; none for every tolerance of the file."""
+
+
+@runtime_checkable
+class Refusing(Protocol):
+    """Such settings that do not take every set of figures."""
+
+    def refused(self, study: Study, figures: Sequence["Figure"]) -> Iterator[Fault]:
+        """What they refuse, at places below the analysis."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +97,24 @@ class Figure:
         is_endless = isinstance(self.law, Law) and self.law.lognormal is not None
         return self.at(ENDS if is_endless else np.array([0.0, 1.0]))
 
+    @property
+    def numbers(self) -> tuple[FloatArray, str]:
+        """Its values as numbers, and their unit; NaN where they are no numbers of one unit."""
+        if not self.rows:
+            return self.every(), self.law.unit
+        stated = [_amount(row.puts[0][1].value) if len(row.puts) == 1 else None for row in self.rows]
+        units_of = {one[1] for one in stated if one is not None}
+        if None in stated or len(units_of) != 1:
+            return np.full(len(self.rows), np.nan), ""
+        return np.array([one[0] for one in stated if one is not None]), units_of.pop()
+
+    @property
+    def in_file(self) -> float:
+        """What the file gives, in the unit of its numbers; NaN where that is not known."""
+        if not self.rows:
+            return self.nominal
+        return float(self.numbers[0][int(self.nominal)]) if self.nominal == self.nominal else np.nan
+
     def words(self, value: float) -> str:
         """A value of it as the file would state it."""
         if self.rows:
@@ -121,6 +148,13 @@ class Variation:
     def study(self, values: Sequence[float]) -> Study:
         """The study with every figure at its value; raises InputError where the file would be at fault."""
         return self.read(self.file(values))
+
+    def fixed(self, values: Mapping[int, float]) -> "Variation":
+        """The variation of the other figures of the file, in which these, by their places, have values."""
+        own = replace(self, figures=tuple(self.figures[place] for place in values))
+        source = own.file(list(values.values()))
+        others = tuple(one for place, one in enumerate(self.figures) if place not in values)
+        return replace(self, figures=others, source=source, base=self.read(source))
 
     def only(self, place: int, value: float) -> Study:
         """The study with one figure at a value, all others as in the file."""
@@ -191,8 +225,10 @@ def _variation(
         faults.append(Fault(place, "no figure of the file varies", hint))
     figures = list(_in_columns(found, settings.together, (*place, "together"), faults))
     variation = Variation(tuple(figures), source, read, study)
+    if len(faults) == before and isinstance(settings, Refusing):
+        faults += [replace(one, path=(*place, *one.path)) for one in settings.refused(study, figures)]
     if len(faults) == before:
-        faults += _faults_at_ends(variation, (*place, key))
+        faults += _faults_at_ends(variation, (*place, key), varied)
     return variation
 
 
@@ -201,29 +237,51 @@ def _overlay(study: Study, source: Source) -> Overlay:
 
 
 def _named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterator[Figure]:
-    """The figures that the file names; `*` stands for every component that has the key."""
-    for words, law in vary.items():
+    """The figures that the file names; `*` stands for every component that has the key and no line of its own."""
+    taken: dict[Path, str] = {}
+    for words, law in sorted(vary.items(), key=lambda item: item[0].startswith("*.")):
         fault = (*place, words)
-        if not words.startswith("*."):
-            each = [words]
-        else:
-            key = words.removeprefix("*.")
-            held = (part.name for part in overlay.parts if node_at(overlay.source.root, (*part.path, key)) is not None)
-            each = [f'"{name}".{key}' for name in held if f"{name}.{key}" not in vary]
-            if not each:
-                overlay.faults.append(Fault(fault, f"no component has a key `{key}`", "a key of the file", at_key=True))
-        for one in each:
-            path = overlay.path(one, fault)
-            if path is None:
+        each = _of_all(words, law, overlay, fault) if words.startswith("*.") else _of_one(words, overlay, fault)
+        for name, path in each:
+            if path in taken and not words.startswith("*."):
+                message = f"`{words}` varies as `{taken[path]}` already"
+                overlay.faults.append(Fault(fault, message, "vary it once", at_key=True))
+            if path in taken:
                 continue
+            taken[path] = words
             there = node_at(overlay.source.root, path)
-            if there is None:
-                hint = "give its value in the file; a path varies what the file says"
-                overlay.faults.append(Fault(fault, f"the file does not give `{one}`", hint, at_key=True))
-            else:
-                figure = _figure(one.replace('"', ""), law, path, there, overlay.faults, fault)
-                if figure is not None:
-                    yield figure
+            figure = None if there is None else _figure(name, law, path, there, overlay.faults, fault)
+            if figure is not None:
+                yield figure
+
+
+def _of_one(words: str, overlay: Overlay, fault: Path) -> Iterator[tuple[str, Path]]:
+    """The figure of a path, with its name."""
+    path = overlay.path(words, fault)
+    if path is not None and node_at(overlay.source.root, path) is None:
+        hint = "give its value in the file; a path varies what the file says"
+        overlay.faults.append(Fault(fault, f"the file does not give `{words}`", hint, at_key=True))
+    elif path is not None:
+        yield words.replace('"', ""), path
+
+
+def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[tuple[str, Path]]:
+    """The figures of a key of any component; of a list each item, and none that is 0, which no factor varies."""
+    key, has = words.removeprefix("*."), False
+    for part in overlay.parts:
+        there = node_at(overlay.source.root, (*part.path, key))
+        if there is None:
+            continue
+        has = True
+        is_list = isinstance(there.value, list) and not any(isinstance(one, list) for one in law.values or ())
+        for steps in [(key, place) for place in range(len(there.value))] if is_list else [(key,)]:
+            node = node_at(overlay.source.root, (*part.path, *steps))
+            amount = None if node is None else _amount(node.value)
+            if not law.is_relative or amount is None or amount[0] != 0.0:
+                name = ".".join([part.name, key, *(str(int(step) + 1) for step in steps[1:])])
+                yield name, (*part.path, *steps)
+    if not has:
+        overlay.faults.append(Fault(fault, f"no component has a key `{key}`", "a key of the file", at_key=True))
 
 
 def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault], fault: Path) -> Figure | None:
@@ -238,11 +296,27 @@ def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault]
             Fault(fault, "a catalogue is of a component, and of no key of it", f"`{name.rpartition('.')[0]}`")
         )
         return None
+    if path[-1] in EXACT:
+        message = f"`{name}` is exact, and varies by `values` alone"
+        faults.append(Fault(fault, message, "for example {values: [41/17, 43/17]}", at_key=True))
+        return None
     if (made := multiplied(there.value, Fraction(3, 2))) is None or (made == there.value and law.first is None):
         message = f"`{name}` is {in_words(there.value)}, which no factor varies"
-        faults.append(Fault(fault, message, "a number that is not 0, or `values`", at_key=True))
+        hint = f"one of its items by number, as `{name}.1`" if isinstance(there.value, list) else ""
+        faults.append(Fault(fault, message, hint or "a number that is not 0, or `values`", at_key=True))
         return None
     return Figure(name, law, ((path, 1),), 0, 1.0 if law.first is None else _nominal(there.value, law.unit))
+
+
+def _amount(value: object) -> tuple[float, str] | None:
+    """A number of the file and its unit; None of anything else."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    try:
+        amount, unit = units.amount(value) if isinstance(value, str) else (value, "")
+    except units.UnitFault:
+        return None
+    return float(amount), unit
 
 
 def _nominal(value: object, unit: str) -> float:
@@ -262,12 +336,11 @@ def _tolerances(study: Study, overlay: Overlay) -> Iterator[Figure]:
             made = (*part.path, "inertia"), (*part.path, "entrained")
             there = [(path, node_at(overlay.source.root, path)) for path in made]
             given = [(path, 1) for path, node in there if node is not None and "%" not in str(node.value)]
-            yield Figure(f"{part.name}.inertia", Law(uniform=part.inertia_tolerance), tuple(given), 0)
+            yield Figure(f"{part.name}.inertia", Law(uniform=part.inertia_tolerance), tuple(given), 0, 1.0)
         if not part.stiffness_tolerance:
             continue
-        paths = [(path, -1 if path[-1] == "flexibility" else 1) for path in stiffness_paths(overlay, part)]
-        if paths:
-            law = Law(uniform=part.ratings.tolerance)
+        law = Law(uniform=part.stiffness_tolerance)
+        if paths := [(path, -1 if path[-1] == "flexibility" else 1) for path in stiffness_paths(overlay, part)]:
             key = "flexibility" if paths[0][1] < 0 else "stiffness"
             yield Figure(f"{part.name}.{key}", law, tuple(paths), 0, 1.0)
 
@@ -287,11 +360,11 @@ def _in_columns(
                 faults.append(Fault(path, f"no figure '{name}' varies", hint))
             elif name in group:
                 faults.append(Fault(path, f"'{name}' varies together twice", "name it once"))
-            elif known[name].law != known[names[0]].law:
+            elif known[name].law != known[names[0]].law and not _in_pairs(known[name], known[names[0]]):
                 message = (
                     f"'{name}' ({known[name].law.words}) and '{names[0]}' ({known[names[0]].law.words}) vary as one"
                 )
-                faults.append(Fault(path, message, "give both the same law"))
+                faults.append(Fault(path, message, "give both the same law, or lists of as many values"))
             else:
                 group[name] = number
     columns: dict[object, int] = {}
@@ -299,7 +372,12 @@ def _in_columns(
         yield replace(figure, column=columns.setdefault(group.get(name, name), len(columns)))
 
 
-def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
+def _in_pairs(one: Figure, other: Figure) -> bool:
+    """Both take as many values, of which the first goes with the first."""
+    return 0 < one.places == other.places
+
+
+def _faults_at_ends(variation: Variation, where: Path, named: Mapping[str, Choice]) -> Iterator[Fault]:
     """Figures whose range, or any of whose alternatives, leaves what the file may say."""
     for place, figure in enumerate(variation.figures):
         for value in (figure.every() if figure.rows else figure.ends).tolist():
@@ -308,5 +386,6 @@ def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
             except InputError as error:
                 why = error.faults[0]
                 message = f"{figure.name} {figure.words(value)}: {why.message}"
-                yield Fault(where, message, why.hint or "a narrower law", at_key=True)
+                at = (*where, figure.name) if figure.name in named else where
+                yield Fault(at, message, why.hint or "a narrower law", at_key=True)
                 break

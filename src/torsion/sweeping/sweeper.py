@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from torsion.analyses.sweep.sweep_run import answer, draw
-from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.analyses.variants.chunks import Chunk, Pace, Part
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
@@ -55,20 +54,18 @@ class Sweeper:
         """Solve the chunks that are not there, each written as soon as it is answered."""
         left = [chunk for chunk in chunks if place.found(chunk) is None]
         pace = Pace(chunks[-1].end, work.progress, chunks[-1].end - sum(chunk.size for chunk in left))
-        for chunk, part in self._answers(work, variation, left, chunks[-1].end, pace):
+        for chunk, part in self._answers(work, variation, left, pace):
             place.write(chunk, variation, part)
             self.solved += 1
             pace.finish(chunk)
 
     def _answers(
-        self, work: Work, variation: Variation, left: Sequence[Chunk], count: int, pace: Pace
+        self, work: Work, variation: Variation, left: Sequence[Chunk], pace: Pace
     ) -> Iterator[tuple[Chunk, Part]]:  # fmt: skip
         if self.workers is not None and left:
             share = pace.kept / pace.count
-            yield from self.workers.answers(
-                errand(work, variation, count), left, lambda words: work.progress(words, share)
-            )
+            yield from self.workers.answers(errand(work, variation), left, lambda words: work.progress(words, share))
             return
         for chunk in left:
-            values = draw(variation, work.settings("sweep", SweepSettings), chunk, count)
+            values = draw(work, variation, chunk)
             yield chunk, (values, answer(replace(work, progress=pace.within(chunk)), variation, values))

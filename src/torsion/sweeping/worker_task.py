@@ -8,7 +8,6 @@ from pathlib import Path
 from threading import Lock
 
 from torsion.analyses.sweep.sweep_run import answer, draw
-from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.analyses.undamped_modes import Modes
 from torsion.analyses.variants.chunks import Chunk, Part
 from torsion.errors import Fault, InputError
@@ -28,23 +27,22 @@ class Errand:
     scene: bytes  # the work up to the sweep, and what varies
     files: tuple[tuple[str, str], ...]  # that variants read themselves, and their digests
     versions: tuple[tuple[str, str], ...]
-    count: int  # variants of all chunks
 
 
-def errand(work: Work, variation: Variation, count: int) -> Errand:
+def errand(work: Work, variation: Variation) -> Errand:
     """The errand of a sweep, which any process can do."""
     modes, study = work.get(Modes), replace(work.study, cases={})
     results = {"system": work.system} | ({} if modes is None else {"modes": modes})
     plain = Work(study, results, ruled=work.ruled)
     files = tuple(digests(study, shipped=False).items())
-    return Errand(pickle.dumps((plain, variation)), files, tuple((name, version(name)) for name in LIBRARIES), count)
+    return Errand(pickle.dumps((plain, variation)), files, tuple((name, version(name)) for name in LIBRARIES))
 
 
 def answered(given: Errand, chunk: Chunk) -> Part:
     """The values of a chunk and what they answer; raises InputError where this process would not answer the same."""
     with _ALONE:
         work, variation = _opened(given)
-        values = draw(variation, work.settings("sweep", SweepSettings), chunk, given.count)
+        values = draw(work, variation, chunk)
         return values, answer(work, variation, values)
 
 

@@ -11,6 +11,8 @@ EXACT = 0.110455774875150582  # two equal discs exceed 34 Hz: ln f is normal
 LAWS = [
     (Law(uniform=0.15), stats.uniform(0.85, 0.3)),
     (Law(triangular=0.2), stats.triang(0.5, 0.8, 0.4)),
+    (Law(triangular=(0.7, 0.8, 1.0)), stats.triang(1 / 3, 0.7, 0.3)),
+    (Law(triangular=(0.8, 0.8, 1.0)), stats.triang(0.0, 0.8, 0.2)),
     (Law(lognormal=0.1), stats.lognorm(0.1)),
     (Law(normal=0.05), stats.truncnorm(-3.0, 3.0, 1.0, 0.05)),
     (Law(normal=0.05, within=0.1), stats.truncnorm(-2.0, 2.0, 1.0, 0.05)),

@@ -12,6 +12,7 @@ import torsion
 from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.analyses.variants import one_by_one
 from torsion.analyses.variants.sampling import probability
+from torsion.commands import plan
 from torsion.errors import InputError, SolveError
 from torsion.findings import Plan, Unanswered
 from torsion.output.chapters import first_page
@@ -159,6 +160,20 @@ def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_
         assert answers.checks.popitem()[1][0] == [0.5]
 
 
+def test_a_variant_that_is_judged_in_part_is_not_known_to_pass() -> None:
+    words = {"rule": "rule", "clause": "clause", "where": "where", "what": "what", "fails": False, "utilisation": 0.5}
+    answers = one_by_one.Answers(np.empty((0, 2)))
+    for place, verdict in enumerate(("pass", "in part")):
+        lines = (SimpleNamespace(verdict=verdict, **words),)
+        answers.keep(place, SimpleNamespace(get=lambda kind: None, results={"checks": SimpleNamespace(lines=lines)}))
+    assert answers.checks.popitem()[1][1].tolist() == [False, True]
+
+
+def test_the_plan_says_how_many_variants_there_are() -> None:
+    steps = {title: size for title, size, _ in plan(SCENES / "coupling_map.yaml").steps}
+    assert steps["sweep"] == "63 variants (grid) of 2 figures"
+
+
 def test_variants_have_every_analysis_that_the_checks_of_the_file_read() -> None:
     text = (SCENES / "rubber_by_frequency.yaml").read_text()
     sweep = "analyses: {response: , sweep: {vary: {engine.inertia: {uniform: 0.001 %}}, samples: 128}}"
@@ -192,12 +207,12 @@ def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: lis
         f"  - propeller: {{inertia: 4, entrained: {water}, tolerance: 8 %}}\n"
         "analyses: {modes: , sweep: {samples: 128, results: [modes]}}\n"
     )
-    assert study.variation is not None
-    motor, propeller = study.variation.figures
+    variation = study.variations["sweep"]
+    motor, propeller = variation.figures
     assert (motor.name, motor.law.uniform, propeller.name) == ("motor-1.inertia", 0.03, "propeller-1.inertia")
     assert [path[-1] for path, _ in propeller.paths] == keys
     factor = 1.0 + np.array([[0.03, -0.08]])
-    heavy = study.variation.study(factor[0].tolist())
+    heavy = variation.study(factor[0].tolist())
     assert sum(one.inertia for one in heavy.train.inertias) == pytest.approx(1.03 + 0.92 * (5.2 if "%" in water else 6))
 
 

@@ -8,7 +8,8 @@ from base64 import b64decode
 import numpy as np
 import pytest
 
-from torsion.output.drawing.image import SHADES, cells, palette, zero_lines
+from torsion.output.drawing.image import SHADES, cells, palette
+from torsion.output.figures.contours import level_line
 from torsion.output.figures.figure import Cells
 
 X, Y = np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0])
@@ -68,12 +69,12 @@ def test_shades_of_logarithms_are_even_in_decades_and_go_from_paper_to_nearly_bl
 def test_the_zero_line_of_a_plane_lies_on_it() -> None:
     x, y = np.linspace(0.0, 1.0, 11), np.linspace(0.0, 1.0, 7)
     plane = Cells(x, y, x[None, :] - 0.3 * y[:, None] - 0.42, "g", "", 1.0)
-    pieces = list(zero_lines(plane))
+    pieces = list(level_line(plane.x, plane.y, plane.values))
     for across, up in pieces:
         np.testing.assert_allclose(across - 0.3 * up - 0.42, 0.0, atol=1e-14)
     ends = np.concatenate([up for _, up in pieces])
     assert (ends.min(), ends.max()) == (0.0, 1.0)
-    assert list(zero_lines(MAP)) == []  # one corner of every square is not known
+    assert list(level_line(MAP.x, MAP.y, MAP.values)) == []  # one corner of every square is not known
 
 
 @pytest.mark.parametrize("even", [True, False])

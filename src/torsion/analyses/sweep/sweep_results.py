@@ -1,6 +1,8 @@
 """What a sweep finds."""
 
-from torsion.arrays import BoolArray, FloatArray
+import numpy as np
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.results import reported, result
 
 
@@ -11,6 +13,7 @@ class VariedFigure:
     name: str = result("", (), "component and key")
     law: str = result("", (), "how it varies about the figure of the file")
     together: int = result("", (), "figures with the same number vary as one")
+    unit: str | None = None  # of values in place of the file's, of lists the row; None of a law about the file's
 
 
 @reported
@@ -21,11 +24,12 @@ class SweptCheck:
     clause: str = result("", (), "its clause")
     where: str = result("", (), "component")
     what: str = result("", (), "what was compared")
-    failing: int = result("", (), "variants that do not keep the limit, or have no answer")
+    failing: int = result("", (), "variants that do not keep the limit, keep it in part, or have no answer")
     probability: float = result("1", (), "share of the variants that fail")
-    lower: float = result("1", (), "lower end of its 95 % interval")
-    upper: float = result("1", (), "upper end")
+    lower: float | None = result("1", (), "lower end of its 95 % interval; null of a grid, which is no sample")
+    upper: float | None = result("1", (), "upper end")
     median: float | None = result("1", (), "median share of the limit that is used; null where none is known")
+    best: float | None = result("1", (), "least share of the limit that is used")
     worst: float | None = result("1", (), "greatest share of the limit that is used")
     decides: str = result("", (), "figure with which the share goes most (by rank); empty where none does")
     correlation: float | None = result("1", (), "rank correlation with that figure, -1 to 1; null where none is known")
@@ -34,12 +38,82 @@ class SweptCheck:
 
 
 @reported
+class GridAxis:
+    """Figures that take their values one after another, as one where they vary together."""
+
+    figures: tuple[str, ...] = result("", (), "their names")
+    words: tuple[str, ...] = result("", ("value",), "the values as the file would state them")
+    number: FloatArray = result("", ("value",), "of the first figure, in `unit`; null where they are no such numbers")
+    unit: str = result("", (), "of the numbers")
+    in_file: float | None = result("", (), "value of the file in that unit; null where it is none such")
+
+    @property
+    def is_numeric(self) -> bool:
+        """Its values are numbers of one unit, one after another."""
+        return bool(np.all(np.diff(self.number) > 0.0))
+
+    @property
+    def name(self) -> str:
+        """The figures."""
+        return ", ".join(self.figures)
+
+
+@reported
+class Turn:
+    """Where, along the one figure of a curve, a check begins or ceases to fail."""
+
+    check: int = result("", (), "its place among the checks, from 0")
+    kept: float = result("", (), "value at which it is kept, in the unit of the figure")
+    failing: float = result("", (), "the value beside it at which it is not")
+    between: float | None = result(
+        "", (), "where the limit is reached, the share of it being taken as linear between both; null where unknown"
+    )
+
+
+@reported
+class Grid:
+    """All combinations of the values of some figures; of variants the last figure changes first."""
+
+    axes: tuple[GridAxis, ...] = result("", (), "the figures")
+    frequency: FloatArray = result("Hz", ("mode", "variant"), "natural frequencies; null where unknown")
+    utilisation: FloatArray = result("1", ("check", "variant"), "share of the limit, of the checks of the sweep")
+    greatest: FloatArray = result("1", ("variant",), "greatest share of all checks; null where none is known")
+    decisive: IntArray = result("", ("variant",), "the check that has it, from 0; -1 where none is known")
+    fails: BoolArray = result("", ("variant",), "a check fails, or the variant has no answer")
+    turns: tuple[Turn, ...] = result("", (), "of a curve, where checks begin or cease to fail")
+    why: tuple[tuple[int, str], ...] = ()  # variant without an answer, and its fault
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each axis has."""
+        return tuple(len(axis.words) for axis in self.axes)
+
+    def words(self, variant: int) -> tuple[str, ...]:
+        """The values of a variant, an axis each."""
+        return tuple(
+            axis.words[int(place)] for axis, place in zip(self.axes, np.unravel_index(variant, self.shape), strict=True)
+        )
+
+
+@reported
+class SobolIndex:
+    """The share of the spread of one answer that is due to one figure (Sobol 1993)."""
+
+    of: str = result("", (), "mode, or check and component")
+    figure: str = result("", (), "figure, or those that vary as one with it")
+    first: float = result("1", (), "share of the variance that goes with the figure alone")
+    first_error: float = result("1", (), "half of its 95 % interval")
+    total: float = result("1", (), "share of the variance that would go if the figure were known")
+    total_error: float = result("1", (), "half of its 95 % interval")
+
+
+@reported
 class Sweep:
     """Frequencies and verdicts where figures of the file vary."""
 
     figures: tuple[VariedFigure, ...] = result("", (), "figures that vary")
     samples: int = result("", (), "number of variants")
-    method: str = result("", (), "how they are drawn: sobol, latin or random")
+    method: str = result("", (), "how they are made: sobol, latin, random or grid")
     seed: int = result("", (), "of the samples")
     unsolved: int = result("", (), "variants without an answer; each counts as failing")
     faults: tuple[str, ...] = result("", (), "why, each cause once")
@@ -52,5 +126,7 @@ class Sweep:
     greatest: FloatArray = result("Hz", ("mode",), "greatest frequency of any variant")
     checks: tuple[SweptCheck, ...] = result("", (), "every check, the likeliest to fail first")
     any_fails: SweptCheck | None = result("", (), "at least one check fails; null where none is judged")
-    factor: FloatArray  # (variants, figures) over the figure of the file
+    indices: tuple[SobolIndex, ...] = result("", (), "Sobol's indices, where they are requested")
+    grid: Grid | None = result("", (), "of a grid what every variant answers; null of samples and of large grids")
+    factor: FloatArray  # (variants, figures) over the figure of the file; of ranges the value, of lists the row
     frequency: FloatArray  # (modes, variants) Hz, NaN where unknown

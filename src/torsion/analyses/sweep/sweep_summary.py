@@ -1,9 +1,13 @@
 """What all variants of a sweep say together: spreads, probabilities, and which figure decides."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from torsion.analyses.sweep.grid_summary import grid_of
+from torsion.analyses.sweep.sobol_indices import sobol_indices
+from torsion.analyses.sweep.sweep_points import Points
 from torsion.analyses.sweep.sweep_results import Sweep, SweptCheck, VariedFigure
 from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.analyses.variants.one_by_one import Answers, Key
@@ -16,30 +20,38 @@ MOST_FAULTS = 10
 
 
 def summed(
-    variation: Variation, settings: SweepSettings, factor: FloatArray, nominal: FloatArray, answers: Answers
-) -> Sweep:
+    variation: Variation, settings: SweepSettings, points: Points, factor: FloatArray, nominal: FloatArray,
+    answers: Answers,
+) -> Sweep:  # fmt: skip
     """Statistics of what all variants (variants, figures) gave; nominal: frequencies of the file (modes,) Hz."""
-    frequency, lines, faults = answers.frequency, answers.checks, answers.faults
+    indices = () if points.sets == 1 else sobol_indices(points, answers)
+    factor, frequency = factor[: points.samples], answers.frequency[:, : points.samples]
+    lines = {key: (used[: points.samples], fails[: points.samples]) for key, (used, fails) in answers.checks.items()}
+    faults = {place: why for place, why in answers.faults.items() if place < points.samples}
     names = [one.name for one in variation.figures]
     unsolved = np.zeros(len(factor), dtype=np.bool_)
     unsolved[list(faults)] = True
-    checks = [
-        _check(key, used, fails | unsolved, factor, names, settings.method) for key, (used, fails) in lines.items()
-    ]
+    checks = [_check(key, used, fails | unsolved, factor, names, points.method) for key, (used, fails) in lines.items()]
+    checks.sort(key=lambda one: (-one.probability, -(one.worst or 0.0)))
     whole = None
     if lines:
         used = np.fmax.reduce([one.utilisation for one in checks])
         fails = np.any([one.fails for one in checks], axis=0)
-        whole = _check(("", "", "", "any check"), used, fails, factor, names, settings.method)
+        whole = _check(("", "", "", "any check"), used, fails, factor, names, points.method)
     known = frequency[:, np.isfinite(frequency).all(axis=0)] if frequency.size else frequency
     known = known if known.size else np.full((len(nominal), 1), np.nan)
     low, high = quantiles(known, (0.025, 0.975)).T.reshape(2, -1)
     return Sweep(
-        tuple(VariedFigure(one.name, one.law.words, one.column + 1) for one in variation.figures), len(factor),
-        settings.method, settings.seed, len(faults), tuple(dict.fromkeys(faults.values()))[:MOST_FAULTS], nominal,
+        tuple(map(_figure, variation.figures)), len(factor),
+        points.method, settings.seed, len(faults), tuple(dict.fromkeys(faults.values()))[:MOST_FAULTS], nominal,
         known.mean(axis=1), known.std(axis=1), low, high, known.min(axis=1), known.max(axis=1),
-        tuple(sorted(checks, key=lambda one: (-one.probability, -(one.worst or 0.0)))), whole, factor, frequency,
+        tuple(checks), whole, indices, grid_of(variation, points, checks, frequency, faults), factor, frequency,
     )  # fmt: skip
+
+
+def _figure(one: Any) -> VariedFigure:
+    unit = None if one.law.is_relative else "row" if one.rows else one.law.unit
+    return VariedFigure(one.name, one.law.words, one.column + 1, unit)
 
 
 def _check(
@@ -48,10 +60,11 @@ def _check(
     share, low, high = probability(fails, method)
     known = used[np.isfinite(used)]
     decides, correlation = _decides(used, factor)
+    middle, best, worst = (float(of(known)) if known.size else None for of in (np.median, np.min, np.max))
     return SweptCheck(
-        *key, int(fails.sum()), share, low, high, float(np.median(known)) if known.size else None,
-        float(known.max()) if known.size else None, names[decides] if correlation is not None else "", correlation,
-        used, fails,
+        *key, int(fails.sum()), share, None if method == "grid" else low,
+        None if method == "grid" else high, middle, best, worst, names[decides] if correlation is not None else "",
+        correlation, used, fails,
     )  # fmt: skip
 
 

@@ -25,6 +25,10 @@ Width = Annotated[
     BeforeValidator(_without_sign),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, +-15 % or 15 %"}]}),
 ]
+Share = Annotated[
+    float, fields.Quantity("1", above=0, usual=(0.005, 50.0), slip=("%",)), BeforeValidator(_without_sign),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, 70 %"}]}),
+]  # fmt: skip
 
 
 def _amount(value: Any, key: str) -> tuple[Fraction, str]:
@@ -88,6 +92,11 @@ class Choice(Declared):
         return "values", "from and to", "catalogue"
 
     @property
+    def is_relative(self) -> bool:
+        """A law about the value of the file."""
+        return False
+
+    @property
     def unit(self) -> str:
         """In which a range is written; empty where it is in SI, or none."""
         return "" if self.first is None else _amount(self.first, "from")[1]
@@ -122,12 +131,25 @@ class Law(Choice):
     uniform: Width | None = given("any value within this of the file's is as likely: +-15 %")
     normal: Width | None = given("standard deviation, the mean being the file's value: 5 %")
     lognormal: Width | None = given("standard deviation of the logarithm, the median being the file's value")
-    triangular: Width | None = given("likeliest at the file's value, falling to nothing this far from it")
+    triangular: Annotated[tuple[Share, ...], fields.OneOrMany] | None = given(
+        "likeliest at the file's value, falling to nothing this far from it; or the least, the likeliest and the "
+        "greatest share of the file's value: [70 %, 80 %, 100 %]"
+    )
     within: Width | None = given("no value farther from the file's than this; of `normal` (default: 3 deviations)")
 
     def refuse_clashes(self) -> None:
         """One way alone, and `within` with a normal law."""
         super().refuse_clashes()
+        if self.triangular is not None and len(self.triangular) not in (1, 3):
+            raise refuse(
+                f"{len(self.triangular)} shares are no triangle", "one, or three: [70 %, 80 %, 100 %]", "triangular"
+            )
+        low, middle, high = self.corners
+        if not low > 0.0:
+            raise refuse("the share of a symmetric triangle is below 100 %", "such as +-15 %", "triangular")
+        if not low <= middle <= high or low == high:
+            hint = "least, likeliest and greatest share of the file's value: [70 %, 80 %, 100 %]"
+            raise refuse(f"{low:g}, {middle:g} and {high:g} do not rise", hint, "triangular")
         if self.within is not None and (self.normal is None or self.within <= self.normal):
             raise refuse(
                 "`within` cuts a normal law at more than its deviation", "{normal: 5 %, within: 15 %}", "within"
@@ -147,10 +169,20 @@ class Law(Choice):
         return any(getattr(self, law) is not None for law in LAWS)
 
     @property
+    def corners(self) -> tuple[float, float, float]:
+        """Of a triangular law: least, likeliest and greatest over the file's value."""
+        shares = self.triangular or (0.5,)
+        return shares if len(shares) == 3 else (1.0 - shares[0], 1.0, 1.0 + shares[0])
+
+    @property
     def words(self) -> str:
         """As the report states it."""
         if not self.is_relative:
             return super().words
+        if self.triangular is not None and len(self.triangular) == 3:
+            low, middle, high = (f"{100.0 * one:.6g} %" for one in self.triangular)
+            return f"triangular {low} to {high}, likeliest {middle}"
         name = next(law for law in LAWS if getattr(self, law) is not None)
-        width = f"{name} {'±' if name in ('uniform', 'triangular') else ''}{100.0 * getattr(self, name):.6g} %"
-        return width + ("" if self.within is None else f" within ±{100.0 * self.within:.6g} %")
+        width = self.triangular[0] if self.triangular is not None else getattr(self, name)
+        words = f"{name} {'±' if name in ('uniform', 'triangular') else ''}{100.0 * width:.6g} %"
+        return words + ("" if self.within is None else f" within ±{100.0 * self.within:.6g} %")

@@ -40,7 +40,7 @@ class Answers:
             key = check.rule, check.clause, check.where, check.what
             used, fails = self.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
             used[place] = np.fmax(used[place], np.nan if check.utilisation is None else check.utilisation)
-            fails[place] |= check.fails
+            fails[place] |= check.fails or check.verdict == "in part"  # what is not judged is not known to be kept
 
 
 def solved(
@@ -76,4 +76,9 @@ def _each(
             found = solve(one, only=only)
             yield "; ".join(f"{left.what}: {left.why}" for left in found.plan.unanswered) or found
         except (InputError, SolveError) as error:
-            yield "; ".join(fault.message for fault in error.faults) if isinstance(error, InputError) else error.message
+            yield why(error)
+
+
+def why(error: InputError | SolveError) -> str:
+    """Why a variant has no answer."""
+    return "; ".join(fault.message for fault in error.faults) if isinstance(error, InputError) else error.message

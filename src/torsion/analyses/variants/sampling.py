@@ -48,8 +48,12 @@ def factors(law: Law, unit: FloatArray) -> FloatArray:
     if law.uniform is not None:
         return np.asarray(1.0 + law.uniform * (2.0 * unit - 1.0))
     if law.triangular is not None:
-        side = np.where(unit < 0.5, -1.0, 1.0)
-        return np.asarray(1.0 + law.triangular * side * (1.0 - np.sqrt(2.0 * np.where(unit < 0.5, unit, 1.0 - unit))))
+        low, middle, high = law.corners
+        wide = high - low
+        rising = low + np.sqrt(unit * wide * (middle - low))
+        return np.asarray(
+            np.where(unit * wide < middle - low, rising, high - np.sqrt((1.0 - unit) * wide * (high - middle)))
+        )
     if law.normal is not None:
         cut = ndtr(-(3.0 if law.within is None else law.within / law.normal))
         return np.asarray(1.0 + law.normal * ndtri(cut + unit * (1.0 - 2.0 * cut)))

@@ -1,9 +1,13 @@
 """Chapter: critical speeds, order by mode, and the Campbell diagram."""
 
 from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
 
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.analyses.tolerances import Tolerances
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
@@ -45,13 +49,19 @@ def chapter(findings: Findings) -> Iterator[Block]:
         speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings), barred=barred_rpm(findings),
         tolerated=tolerated_rpm(findings),
         curves=None if by_torque is None else (by_torque.speed * RPM, by_torque.frequency),
-        spread=() if by_torque is not None else _spread(findings.get(Tolerances)),
+        **({} if by_torque is not None else _spread(findings)),
     ))  # fmt: skip
 
 
-def _spread(found: Tolerances | None) -> list[tuple[float, float]]:
-    """Hz, the band of each mode."""
-    return [] if found is None else list(zip(found.lower.tolist(), found.upper.tolist(), strict=True))
+def _spread(findings: Findings) -> dict[str, Any]:
+    """Hz, the band of each mode by tolerances, which is proven, or else that of most variants of a sweep."""
+    found, swept = findings.get(Tolerances), findings.get(Sweep)
+    if found is not None:
+        return {"spread": list(zip(found.lower.tolist(), found.upper.tolist(), strict=True))}
+    if swept is not None and swept.method != "grid":
+        ends = list(zip(swept.low.tolist(), swept.high.tolist(), strict=True))
+        return {"spread": [one for one in ends if np.isfinite(one).all()], "of": "95 % of the variants"}
+    return {}
 
 
 def _inside(inside: int, total: int) -> str:

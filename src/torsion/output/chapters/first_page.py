@@ -17,7 +17,7 @@ from torsion.output import check_words
 from torsion.output.blocks import Block, Box, PageEnd
 from torsion.output.chapters import closing, plant
 from torsion.output.check_words import SIGNS, contributing, is_judged, use_of_joint, use_of_part
-from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use
+from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use, runs
 from torsion.output.figures.ranges import unanswered
 from torsion.output.figures.speed_range import speed_range
 from torsion.output.nearest_criticals import of_torsion
@@ -138,11 +138,29 @@ def sweep_line(findings: Findings) -> Iterator[tuple[str, str]]:
     whole = None if found is None else found.any_fails
     if found is None or whole is None:
         return
-    share, low, high = (number(100.0 * one, 3) for one in (whole.probability, whole.lower, whole.upper))
-    fail = f"{share} % of the variants fail a check" if whole.failing else f"none of {found.samples:,} variants fails"
-    kept = ", although no check of the file as it stands does" if whole.failing and not failed(findings) else ""
+    if found.method == "grid":
+        fail = f"{whole.failing:,} of {counted(found.samples, 'variant')} fail a check{_turns(found)}"
+        interval = ""
+    else:
+        share, low, high = (number(100.0 * (one or 0.0), 3) for one in (whole.probability, whole.lower, whole.upper))
+        fail = (
+            f"{share} % of the variants fail a check" if whole.failing else f"none of {found.samples:,} variants fails"
+        )
+        interval = f" ({low} to {high} %)"
+    passes = not (failed(findings) or findings.need(Checks).is_partial)
+    kept = ", although no check of the file as it stands does" if whole.failing and passes else ""
     without = f"; {found.unsolved} without an answer among them" if found.unsolved else ""
-    yield "Sweep", f"{fail} ({low} to {high} %){kept}{without}"
+    yield "Sweep", f"{fail}{interval}{kept}{without}"
+
+
+def _turns(found: Sweep) -> str:
+    """Along a curve, between which values the variants begin or cease to fail."""
+    grid = found.grid
+    if grid is None or len(grid.axes) != 1 or not grid.axes[0].is_numeric:
+        return ""
+    axis, edges = grid.axes[0], runs(grid.fails)
+    ranges = [axis.words[a] if a == b else f"{axis.words[a]} to {axis.words[b]}" for a, b in edges[:MOST_BARRED]]
+    return f": {axis.name} {listed(ranges)}{_more(len(edges) - MOST_BARRED)}" if ranges else ""
 
 
 def _barred_words(findings: Findings) -> list[str]:

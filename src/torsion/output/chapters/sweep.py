@@ -5,20 +5,27 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.sweep.sweep_results import Sweep, SweptCheck
+from torsion.analyses.tolerances import Tolerances
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.figures.figure import Axis, Figure, Level, Line, Marks, Panel
-from torsion.output.numbers import counted, number
+from torsion.output.chapters import sweep_grid
+from torsion.output.figures import variants
+from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel, Role
+from torsion.output.numbers import counted, number, unit_words
 
-MOST_LINES, MOST_CHECKS = 6, 60
+MOST_LINES, MOST_CHECKS, MOST_MODES = 6, 60, 3
+MOST_THROUGH = 60  # variants of a kind in parallel coordinates
 METHODS = {
     "sobol": "eight scrambled Sobol sequences; intervals by Student's t over the eight",
     "latin": "a latin hypercube; intervals as of independent samples (Wilson), which is on the wide side",
     "random": "independent random samples; intervals by Wilson",
+    "grid": "all combinations of the values of what varies",
 }
 WHAT = (
     "Probabilities are those of the laws stated here. A tolerance of a maker is an interval and no law: where one is "
-    "varied uniformly, that is an assumption. A variant without an answer counts as failing."
+    "varied uniformly, that is an assumption. A variant without an answer, or "
+    "judged in part alone, counts as failing."
 )
 
 
@@ -26,18 +33,57 @@ def chapter(findings: Findings) -> Iterator[Block]:
     """Laws, frequencies, checks and figures."""
     found = findings.need(Sweep)
     yield Heading("Sweep")
-    yield Paragraph(f"{counted(found.samples, 'variant')} ({METHODS[found.method]}), seed {found.seed}. {WHAT}")
+    is_grid = found.method == "grid"
+    said = f"({METHODS[found.method]})" + ("." if is_grid else f", seed {found.seed}. {WHAT}")
+    yield Paragraph(f"{counted(found.samples, 'variant')} {said}")
     if found.unsolved:
         why = "; ".join(found.faults)
         yield Paragraph(f"{counted(found.unsolved, 'variant')} without an answer: {why}", "note")
     rows = [(one.name, one.law, one.together) for one in found.figures]
     yield table("< Figure | < Law about the figure of the file | Varies as one with its number", rows, "What varies")
+    if is_grid:
+        yield from sweep_grid.sections(found)
+        return
     if found.nominal.size:
         yield _frequencies(found)
+        yield _spread(findings, found)
     if found.any_fails is not None:
         yield _checks(found, found.any_fails)
+        used, levels = Axis("greatest share of any limit", "%"), [Level("limit", 100.0, axis="x")]
+        spread = [(used, 100.0 * found.any_fails.utilisation, levels, ())]
+        yield variants.spread("sweep_use", "Greatest share of any limit of all variants", spread)
         yield _shares(found)
         yield from _failing(found)
+    if found.indices:
+        yield _indices(found)
+
+
+def _spread(findings: Findings, found: Sweep) -> Figure:
+    """How often each frequency lies where, with the band of the tolerances where that is proven."""
+    proven = findings.get(Tolerances)
+    panels = []
+    for mode, values in enumerate(found.frequency[:MOST_MODES], start=1):
+        bands = [Band("95 % of the variants", float(found.low[mode - 1]), float(found.high[mode - 1]), "spread")]
+        levels = [Level("as in the file", float(found.nominal[mode - 1]), "rated", "x")]
+        if proven is not None and mode <= proven.lower.size:
+            ends = (float(proven.lower[mode - 1]), float(proven.upper[mode - 1]))
+            levels += [Level("end of the band of the tolerances (proven)", end, "limit", "x") for end in ends]
+        panels.append((Axis(f"frequency of mode {mode}", "Hz"), values, levels, bands))
+    return variants.spread("sweep_frequencies", "Natural frequencies of all variants", panels)
+
+
+def _indices(found: Sweep) -> Block:
+    rows = [
+        (one.of, one.figure, *(number(value, 3) for value in (one.first, one.first_error, one.total, one.total_error)))
+        for one in found.indices
+    ]
+    return table(
+        "< Answer -> | < Figure -> | By it alone -> alone | ± | With all it does -> in all | ±",
+        rows,
+        "Share of the variance of an answer that is due to a figure (Sobol's first and total index), with half of its "
+        "95 % interval",
+        short="Share of the variance due to a figure",
+    )
 
 
 def _frequencies(found: Sweep) -> Block:
@@ -59,7 +105,7 @@ def _checks(found: Sweep, whole: SweptCheck) -> Block:
     rows = [
         (
             "any check" if one is whole else f"{one.rule} {one.clause}: {one.what}", one.where, one.failing,
-            number(100.0 * one.probability, 3), number(100.0 * one.lower, 3), number(100.0 * one.upper, 3),
+            *(number(100.0 * (share or 0.0), 3) for share in (one.probability, one.lower, one.upper)),
             None if one.median is None else number(100.0 * one.median, 4),
             None if one.worst is None else number(100.0 * one.worst, 4), one.decides,
             None if one.correlation is None else number(one.correlation, 2),
@@ -92,18 +138,34 @@ def _shares(found: Sweep) -> Figure:
 
 
 def _failing(found: Sweep) -> Iterator[Block]:
-    """The variants over the two figures that decide most."""
+    """The variants over the two figures that decide most, and over all."""
     names = [one.name for one in found.figures]
+    if found.any_fails is None or len(names) < 2 or not 0 < found.any_fails.failing < found.samples:
+        return
     ranked = sorted((one for one in found.checks if one.correlation is not None), key=lambda one: -one.probability)
     decisive = list(dict.fromkeys(one.decides for one in ranked if one.failing))
     pair = list(dict.fromkeys([*decisive, *names]))[:2]
-    if found.any_fails is None or len(pair) < 2 or not 0 < found.any_fails.failing < found.samples:
-        return
-    x, y = (100.0 * found.factor[:, names.index(name)] for name in pair)
+    (x, across), (y, down) = (_over(found, names.index(name)) for name in pair)
     fails = found.any_fails.fails
     marks = (
         Marks("every check passes", x[~fails], y[~fails], "dot", "pale"),
         Marks("a check fails", x[fails], y[fails], "cross", "unstable"),
     )
-    panel = Panel(Axis(f"{pair[0]}, of the file's", "%"), Axis(f"{pair[1]}, of the file's", "%"), marks=marks)
-    yield Figure("sweep_variants", f"Variants by {pair[0]} and {pair[1]}", (panel,))
+    yield Figure("sweep_variants", f"Variants by {pair[0]} and {pair[1]}", (Panel(across, down, marks=marks),))
+    if len(names) > 2:
+        low, wide = found.factor.min(axis=0), np.ptp(found.factor, axis=0)
+        share = (found.factor - low) / np.where(wide > 0.0, wide, 1.0)
+        groups: list[tuple[str, Role, FloatArray]] = [
+            ("every check passes", "pale", share[~fails][:MOST_THROUGH]),
+            ("a check fails", "unstable", share[fails][:MOST_THROUGH]),
+        ]
+        caption = "Values of the variants that pass and of those that fail, each figure from its least to its greatest"
+        yield variants.through("sweep_values", caption, axes=names, groups=groups)
+
+
+def _over(found: Sweep, place: int) -> tuple[FloatArray, Axis]:
+    """The values of a figure, and their axis: of a law relative to the file."""
+    one = found.figures[place]
+    if one.unit is None:
+        return 100.0 * found.factor[:, place], Axis(f"{one.name}, of the file's", "%")
+    return found.factor[:, place], Axis(one.name, unit_words(one.unit))

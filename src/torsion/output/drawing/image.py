@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from torsion.arrays import BoolArray, FloatArray
+from torsion.arrays import FloatArray
 from torsion.output.drawing.curves import path
 from torsion.output.drawing.pens import INK
+from torsion.output.figures.contours import level_line
 from torsion.output.figures.figure import Cells
 
 SHADES = 64
@@ -57,7 +58,7 @@ def cells(found: Cells, across: Across, down: Across) -> Iterator[str]:
     data = b64encode(png(shade, palette(is_log=bool(found.decades)))).decode()
     place = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'
     yield f'<image {place} image-rendering="optimizeSpeed" href="data:image/png;base64,{data}"/>'
-    zeros = () if found.decades else zero_lines(found)
+    zeros = () if found.decades else level_line(found.x, found.y, found.values)
     line = "".join(path(10 * across(a), 10 * down(b), 1000) for a, b in zeros)
     if line:
         yield f'<path d="{line}" stroke="{INK}" stroke-width="13"/>'
@@ -92,27 +93,3 @@ def _edges(at: FloatArray) -> FloatArray:
         return np.array([at[0] - 0.5, at[0] + 0.5])
     middle = (at[1:] + at[:-1]) / 2
     return np.concatenate([[2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]])
-
-
-def zero_lines(found: Cells) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Pieces (x, y) of the line on which the values, linear along the sides of each square of four, are zero."""
-    z = found.values
-    for row in range(z.shape[0] - 1):
-        for column in np.flatnonzero(_changes(z[row : row + 2])).tolist():
-            corners = [(row, column), (row, column + 1), (row + 1, column + 1), (row + 1, column)]
-            met = []
-            for (r0, c0), (r1, c1) in zip(corners, corners[1:] + corners[:1], strict=True):
-                a, b = float(z[r0, c0]), float(z[r1, c1])
-                if (a > 0) != (b > 0):
-                    share = a / (a - b)
-                    met.append((found.x[c0] + share * (found.x[c1] - found.x[c0]),
-                                found.y[r0] + share * (found.y[r1] - found.y[r0])))  # fmt: skip
-            for first, last in zip(met[::2], met[1::2], strict=False):
-                yield np.array([first[0], last[0]]), np.array([first[1], last[1]])
-
-
-def _changes(pair: FloatArray) -> BoolArray:
-    """(columns - 1,) whether the sign changes in the square, all of whose values are known."""
-    four = np.stack([pair[0, :-1], pair[0, 1:], pair[1, :-1], pair[1, 1:]])
-    above = (four > 0).sum(axis=0)
-    return np.asarray(np.isfinite(four).all(axis=0) & (above > 0) & (above < 4))

@@ -21,9 +21,9 @@ def campbell(
     name: str, caption: str, *, frequencies: Sequence[float], orders: Sequence[tuple[float, str]],
     crossings: Sequence[Crossing], speeds: tuple[float, float], rated: float | None, barred: Bands = (),
     curves: tuple[FloatArray, FloatArray] | None = None, spread: Sequence[tuple[float, float]] = (),
-    tolerated: Bands = (),
+    of: str = "within the tolerances", tolerated: Bands = (),
 ) -> Figure:  # fmt: skip
-    """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm; spread: Hz, of each mode by tolerances.
+    """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm; spread: Hz, of each mode, of what is named.
 
     barred, tolerated: rpm, of the file's figures and over its tolerances.
 
@@ -45,7 +45,7 @@ def campbell(
         end = min(right, 60.0 * top / order)
         ends = np.array([0.0, end]), np.array([0.0, order * end / 60.0])
         lines.append(Line(words, *ends, pen, words.removeprefix("order "), label_at="end"))
-    within = (Band("within the tolerances", *ends, "spread", "y") for ends in spread[: len(shown)])
+    within = (Band(of, *ends, "spread", "y") for ends in spread[: len(shown)])
     moved = (Band("barred range over the tolerances", *ends, "spread") for ends in tolerated)
     bands = (Band("speed range", *speeds, "range"), *moved, *within, *barred_bands(barred))
     x, y = replace(SPEED, low=0.0, high=right), Axis("frequency", "Hz", low=0.0, high=top)
