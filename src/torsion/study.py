@@ -227,6 +227,12 @@ class Variation(Protocol):
     def file(self, values: Sequence[float]) -> Any:
         """The file with every figure at its value, `torsion.schema.fault_text.Source`."""
 
+    def behind(self, other: Any) -> "Variation":
+        """Both as one: the figures of the other first, and these about what that puts in the file."""
+
+    def written(self, values: Sequence[float]) -> str:
+        """The text of the file with every figure at its value, and without its design."""
+
 
 @dataclass(frozen=True)
 class Study:

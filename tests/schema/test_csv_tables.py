@@ -35,7 +35,12 @@ SI = {
     "crank_inertia": "kg*m**2",
 }  # fmt: skip
 NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)(?: (.*))?")
-BESIDE = ("keyed_shaft", "library_coupling", "reciprocating_compressor")  # other files lie beside theirs
+BESIDE = (
+    "design_coupling",
+    "keyed_shaft",
+    "library_coupling",
+    "reciprocating_compressor",
+)  # other files lie beside theirs
 DIALECTS = {"commas": (",", "."), "semicolons": (";", ","), "tabs": ("\t", ".")}
 
 

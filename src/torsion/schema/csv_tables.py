@@ -3,7 +3,7 @@
 One row stands for one entry, as if it were written there: of a train a component, of `excitations`, `ripple` and
 `excitation` a mapping, of `load` and `torque` speed and torque, of `gas` an order. The first row names the keys, with
 units. Of a library of couplings, `coupling: {from: series.csv, size: "40"}`, the one row of that size stands for its
-keys.
+keys. A `catalogue` of alternatives is opened here, and read where figures vary.
 """
 
 import re
@@ -20,8 +20,10 @@ from torsion.schema.csv_columns import (
     BY_LOAD,
     BY_PARTS,
     BY_POLAR,
+    CATALOGUE,
     FIGURES,
     HARMONICS,
+    LABEL,
     LIBRARY,
     LOADS,
     MAPPINGS,
@@ -98,7 +100,9 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
     if key == LIBRARY and isinstance(node.value, dict) and {"from", _ROW} <= node.value.keys():
         return _from_library(node, reading)
     if isinstance(node.value, dict):
-        inner = {}
+        inner, named = {}, node.parts.get("catalogue")
+        if named is not None and isinstance(named.value, str):
+            _opened(named.value, named, reading)
         for step, part in node.parts.items():
             before, last = f"{key}.{step}".split(".")[-2:]  # a case writes `operation.load`
             name = OF_GAS.get((before, last)) if isinstance(part.value, str) else None
@@ -115,7 +119,7 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     table = _opened(where.value, where, reading)
     if table is None:
         return []
-    return [_spliced(entry, "", reading) for entry in _Rows(table, key).nodes(reading)]
+    return [_spliced(entry, "", reading) for entry in Rows(table, key).nodes(reading)]
 
 
 def _opened(name: str, where: Node, reading: Reading) -> Source | None:
@@ -152,7 +156,7 @@ def _from_library(node: Node, reading: Reading) -> Node:
     if not isinstance(name.value, str) or isinstance(size.value, bool | list | dict | None):
         return node  # its declaration says what is wrong
     table = _opened(name.value, name, reading)
-    rows = [] if table is None else _Rows(table, LIBRARY).nodes(reading)
+    rows = [] if table is None else Rows(table, LIBRARY).nodes(reading)
     if reading.is_ended or table is None:
         return node
     sizes = [str(row.value[_ROW]) for row in rows]
@@ -176,7 +180,7 @@ def _from_library(node: Node, reading: Reading) -> Node:
     )
 
 
-class _Rows:
+class Rows:
     """The rows of one table as nodes of the list at `key`; all that is wrong with its cells is noted."""
 
     def __init__(self, source: Source, key: str) -> None:
@@ -185,7 +189,7 @@ class _Rows:
         self.separator, self.rows = rows_of(source, self.faults)
         self.columns: list[Column | None] = []
         self.numbers = Numbers()
-        self.sizes: dict[str, int] = {}  # of a library: the lines of the rows so far
+        self.sizes: dict[str, int] = {}  # of a library or catalogue: the lines of the rows so far
 
     def nodes(self, reading: Reading) -> list[Node]:
         """Every row below the first; none where the first is at fault, which ends the reading."""
@@ -215,6 +219,8 @@ class _Rows:
             return "`imep [bar]`, " * ("load" in self.key) + "`order`, `amplitude [bar]`, `phase [deg]`"
         if self.key == LIBRARY:
             return "`size`, `stiffness [N*m/rad]`, `psi`, ..."
+        if self.key.startswith(CATALOGUE):
+            return "`name`, the keys of a component with their units, and `mass [kg]`, `cost`"
         return "`speed [rpm]`, `torque [N*m]`" if self.key in PAIRS else "`order`, `torque [N*m]`, `phase [deg]`, ..."
 
     def _column(self, cell: Cell) -> Column | None:
@@ -262,7 +268,7 @@ class _Rows:
         """The columns that the table must have, with what it has."""
         by_list = {"train": (_FIRST,), LIBRARY: (_ROW,), **dict.fromkeys(PAIRS, tuple(SPEED_AND_TORQUE))}
         if self.key not in FIGURES or self.key in by_list:
-            return by_list.get(self.key, ())
+            return by_list.get(self.key, (LABEL,) if self.key.startswith(CATALOGUE) else ())
         loads = ([key for key in LOADS if ("", key) in there] or ["imep"])[: "load" in self.key]
         return (*loads, *(BY_PARTS if {("", "a"), ("", "b")} & there.keys() else BY_POLAR))
 
@@ -301,7 +307,9 @@ class _Rows:
                 hint = f'put a list that holds the separator in quotes: "[0.9{self.separator} 0.6]"'
             self.fault(begin, f"this row has {count}", hint)
             return None
-        filled = [(cell, column) for cell, column in zip(row, self.columns, strict=False) if cell.text]
+        filled = [
+            (cell, column) for cell, column in zip(row, self.columns, strict=False) if self._is_filled(cell, column)
+        ]
         nameless = next((cell for cell, column in filled if column is None), None)
         if nameless is not None:
             self.fault(
@@ -315,7 +323,8 @@ class _Rows:
         for cell, column in filled:
             if column is not None and cell is not kind:
                 self._state(body, cell, column, "" if kind is None else kind.text.casefold())
-        if self.key == LIBRARY and not self._is_new_size(body, begin):
+        own = _ROW if self.key == LIBRARY else LABEL if self.key.startswith(CATALOGUE) else ""
+        if own and not self._is_new(body, begin, own):
             return None
         if self.key in PAIRS:
             pair = [body.parts.get(key, self._node(None, begin)) for key in SPEED_AND_TORQUE]
@@ -329,14 +338,20 @@ class _Rows:
         entry.parts[word], entry.keys[word] = body, (kind.line, kind.column)
         return entry
 
-    def _is_new_size(self, body: Node, begin: Cell) -> bool:
-        """Whether a row of a library says of which size it is, of one that no row before it is of."""
-        size = str(body.value.get(_ROW, ""))
-        if not size or size in self.sizes:
-            message = f"size {shown(size)} stands in line {self.sizes[size]} already" if size else "the row has no size"
-            self.fault(begin, message, "one row a size")
+    def _is_filled(self, cell: Cell, column: Column | None) -> bool:
+        """Whether a cell says something, as every one of a catalogue has to."""
+        if self.key.startswith(CATALOGUE) and column is not None and not cell.text:
+            self.fault(cell, f"`{column.key}` is empty", "every row of a catalogue states every column")
+        return bool(cell.text)
+
+    def _is_new(self, body: Node, begin: Cell, key: str) -> bool:
+        """Whether a row says by its own key which one it is, and no row before it is that one."""
+        own = str(body.value.get(key, ""))
+        if not own or own in self.sizes:
+            message = f"{key} {shown(own)} stands in line {self.sizes[own]} already" if own else f"the row has no {key}"
+            self.fault(begin, message, f"one row a {key}")
             return False
-        self.sizes[size] = begin.line
+        self.sizes[own] = begin.line
         return True
 
     def _node(self, value: Any, cell: Cell) -> Node:

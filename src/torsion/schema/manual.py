@@ -91,6 +91,8 @@ SETTINGS = {  # an example of every analysis and rule
     "transient": "transient: {duration: 2 s, events: [{at: motor-1, time: 0.1 s, step: {torque: 100 N*m}}]}",
     "tolerances": "tolerances: {aim: [{mode: 2, frequency: 40 Hz}]}",
     "sweep": "sweep: {vary: {coupling-1.stiffness: {uniform: +-15 %}, disc-1.inertia: {normal: 2 %}}, samples: 256}",
+    "design": "design: {choose: {shaft-1.diameter: {from: 55 mm, to: 80 mm}},\n"
+    "         keep: [{mode-2.frequency: {outside: [30 Hz, 36 Hz]}}]}",
     "check": "check: {models: [lumped, exact], tolerance: 0.1 %}",
     "iacs-m68": "iacs-m68: {drive: electric, tachometer: 2 %}",
     "iacs-m53": "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm,\n"

@@ -79,7 +79,7 @@ def located(error: InputError, study: Study) -> InputError:
 
 def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:
     """The source with the rows of the tables that it names, from their files or as they were read before."""
-    if "table" not in source.text and "size" not in source.text:
+    if not any(word in source.text for word in ("table", "size", "catalogue")):
         return source
     from torsion.schema.csv_tables import with_tables
 

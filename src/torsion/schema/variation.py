@@ -12,8 +12,10 @@ from torsion.analyses import VARYING
 from torsion.analyses.variants.laws import Choice, Law
 from torsion.analyses.variants.sampling import factors
 from torsion.arrays import FloatArray
+from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.schema.cases import stiffness_paths
+from torsion.schema.catalogues import alternatives
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
 from torsion.study import Study
@@ -96,7 +98,7 @@ class Figure:
         for path, power in self.paths:
             there = node_at(source.root, path) or Node(None, 1, 1)
             if self.law.first is not None:
-                new: object = f"{value!r} {self.law.unit}" if self.law.unit else value
+                new: object = f"{repr(value).removesuffix('.0')} {self.law.unit}" if self.law.unit else value
             else:
                 new = multiplied(there.value, exact if power > 0 else 1 / exact)
             yield path, Node(new, there.line, there.column)
@@ -110,6 +112,7 @@ class Variation:
     source: Source
     read: Callable[[Source], Study]
     base: Study
+    before: "Variation | None" = None  # whose figures are the first of these, and are put in before the others
 
     def study(self, values: Sequence[float]) -> Study:
         """The study with every figure at its value; raises InputError where the file would be at fault."""
@@ -121,13 +124,29 @@ class Variation:
 
     def file(self, values: Sequence[float]) -> Source:
         """The file with every figure at its value, without what varies figures."""
-        overlay = _overlay(self.base, self.source)
+        source, first = self.source, 0 if self.before is None else len(self.before.figures)
+        if self.before is not None:
+            source = self.before.file(values[:first])
+        overlay = _overlay(self.base, source)
         for name in VARYING:
             overlay.remove(("analyses", name))
-        for figure, value in zip(self.figures, values, strict=True):
-            for path, node in figure.puts(float(value), self.source):
+        for figure, value in zip(self.figures[first:], values[first:], strict=True):
+            for path, node in figure.puts(float(value), source):
                 overlay.put(path, node, (node.line, node.column))
         return overlay.applied()
+
+    def behind(self, other: "Variation") -> "Variation":
+        """Both as one: the figures of the other first, and these about what that puts in the file."""
+        return replace(self, figures=(*other.figures, *self.figures), before=other)
+
+    def written(self, values: Sequence[float]) -> str:
+        """The text of the file with every figure at its value, and without its design; its comments are kept."""
+        from torsion.schema.edited_text import edited
+
+        puts = [
+            put for figure, value in zip(self.figures, values, strict=True) for put in figure.puts(value, self.source)
+        ]
+        return edited(self.source, puts, ("analyses", "design"), self.file(values).data)
 
 
 def with_variations(study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault]) -> Study:
@@ -154,6 +173,8 @@ def _variation(
     variation = Variation(tuple(figures), source, read, study)
     if len(faults) == before:
         faults += _faults_at_ends(variation, (*place, key))
+        clashes: Callable[[Study, Variation], Iterable[Fault]] = getattr(settings, "clashes", lambda *_: ())
+        faults += clashes(study, variation)
     return variation
 
 
@@ -165,6 +186,10 @@ def _named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterato
     """The figures that the file names; `*` stands for every component that has the key."""
     for words, law in vary.items():
         fault = (*place, words)
+        part = next((part for part in overlay.parts if part.name == words.strip("\"'")), None)
+        if law.catalogue is not None and part is not None:
+            yield from _of_catalogue(law, law.catalogue, part, overlay)
+            continue
         if not words.startswith("*."):
             each = [words]
         else:
@@ -185,6 +210,18 @@ def _named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterato
                 figure = _figure(one.replace('"', ""), law, path, there, overlay.faults, fault)
                 if figure is not None:
                     yield figure
+
+
+def _of_catalogue(law: Choice, name: str, part: Part, overlay: Overlay) -> Iterator[Figure]:
+    """The figure whose values are the rows of a catalogue; none where those are at fault."""
+    before = len(overlay.faults)
+    rows = [Row(*one) for one in alternatives(name, part, overlay.source, overlay.faults)]
+    there = {path: node.value for row in rows for path, _ in row.puts
+             if (node := node_at(overlay.source.root, path)) is not None}  # fmt: skip
+    own = (k for k, row in enumerate(rows)
+           if all(there.get(path) == node.value for path, node in row.puts if path[-1] != "source"))  # fmt: skip
+    if len(overlay.faults) == before:
+        yield Figure(part.name, law, (), 0, float(next(own, np.nan)), tuple(rows))
 
 
 def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault], fault: Path) -> Figure | None:
@@ -266,5 +303,8 @@ def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
             except InputError as error:
                 why = error.faults[0]
                 message = f"{figure.name} {figure.words(value)}: {why.message}"
+                if why.file:  # in the row of a catalogue
+                    yield replace(why, message=message)
+                    break
                 yield Fault(where, message, why.hint or "a narrower law", at_key=True)
                 break
