@@ -1,7 +1,6 @@
 """The command `torsion`."""
 
 import gc
-import io
 import os
 import signal
 import sys
@@ -9,12 +8,12 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TextIO
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
 from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError
+from torsion.lasting_output import lasting
 
 if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
@@ -374,34 +373,6 @@ def _stop(message: str, status: int) -> NoReturn:
     raise typer.Exit(status)
 
 
-def _ended(number: int, frame: FrameType | None) -> NoReturn:
-    """End as on Ctrl-C: what is under way is taken away, an earlier report stays whole."""
-    raise SystemExit(128 + number)
-
-
-class _Output(io.FileIO):
-    """Standard output or error: where it cannot be written any more the command goes on, and its files are written."""
-
-    lost: OSError | None = None  # the first reason for which something was not written
-
-    def write(self, data: Any, /) -> int:
-        """Bytes written, or given up."""
-        if self.lost is None:
-            try:
-                return super().write(data)
-            except OSError as error:
-                self.lost = error
-        return memoryview(data).nbytes
-
-
-def _lasting(stream: TextIO, number: int) -> tuple[io.TextIOWrapper, _Output]:
-    """A standard stream that lasts, and what it writes to."""
-    stream.flush()
-    raw = _Output(number, "wb", closefd=False)
-    buffered = io.BufferedWriter(raw)
-    return io.TextIOWrapper(buffered, "utf-8", "replace", line_buffering=number == 2 or raw.isatty()), raw
-
-
 def main() -> None:
     """Entry point of the console script.
 
@@ -409,14 +380,14 @@ def main() -> None:
     makes it that of a fault of the input.
     """
     gc.set_threshold(100_000, 20, 50)  # looking for cycles took 12 % of the time of a large train
-    signal.signal(signal.SIGTERM, _ended)
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))  # as on Ctrl-C: files stay whole
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")
     if os.name != "posix" or sys.stdout is not sys.__stdout__ or None in (sys.stdout, sys.stderr):
         app()
-    sys.stderr, _ = _lasting(sys.stderr, 2)
-    sys.stdout, output = _lasting(sys.stdout, 1)
+    sys.stderr, _ = lasting(sys.stderr, 2)
+    sys.stdout, output = lasting(sys.stdout, 1)
     try:
         app()
     except SystemExit:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
 
@@ -234,11 +234,14 @@ class Variation(Protocol):
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The value of a figure in words, as the file has it and at a value."""
 
-    def text(self, values: Sequence[float]) -> str:
-        """The text of that file."""
+    def text(self, values: Sequence[float], without: Iterable[str] = ()) -> str:
+        """The text of that file, without some analyses (default: those whose settings vary figures)."""
 
     def file(self, values: Sequence[float]) -> Any:
         """The file with every figure at its value, `torsion.schema.fault_text.Source`."""
+
+    def behind(self, other: Any) -> "Variation":
+        """Both as one: the figures of the other first, and these about what that puts in the file."""
 
 
 @dataclass(frozen=True)

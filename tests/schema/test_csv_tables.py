@@ -35,7 +35,9 @@ SI = {
     "crank_inertia": "kg*m**2",
 }  # fmt: skip
 NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)(?: (.*))?")
-BESIDE = ("keyed_shaft", "library_coupling", "measured_drive", "reciprocating_compressor")  # files lie beside theirs
+BESIDE = (  # other files lie beside theirs
+    "design_coupling", "keyed_shaft", "library_coupling", "measured_drive", "reciprocating_compressor",
+)  # fmt: skip
 DIALECTS = {"commas": (",", "."), "semicolons": (";", ","), "tabs": ("\t", ".")}
 
 

@@ -14,7 +14,7 @@ from torsion.fields import Declared
 if TYPE_CHECKING:
     from torsion.study import Study
 
-UNBUILT = ("design",)  # of the format, but not built yet
+UNBUILT: tuple[str, ...] = ()  # of the format, but not built yet
 VARYING = ("sweep", "design", "fit")  # whose settings vary figures of the file; a variant of it has none of them
 MODELS = ("lumped", "fem", "exact")
 
@@ -197,6 +197,11 @@ ANALYSES: dict[str, Analysis] = {
     "sweep": Analysis(
         "sweep", "torsion.analyses.sweep.sweep_run", settings="torsion.analyses.sweep.sweep_settings:SweepSettings",
         needs=("modes",), results={"sweep": "torsion.analyses.sweep.sweep_results:Sweep"}, chapters=("sweep",),
+    ),
+    "design": Analysis(
+        "design", "torsion.analyses.design.design_run",
+        settings="torsion.analyses.design.design_settings:DesignSettings", needs=("modes", "sweep"),
+        results={"design": "torsion.analyses.design.design_results:Design"}, chapters=("design",),
     ),
     "fit": Analysis(
         "fit to measurements", "torsion.analyses.fit.fit_run",

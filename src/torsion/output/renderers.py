@@ -33,6 +33,7 @@ OUTPUTS = {
     "csv": Output("torsion.output.csv_table:csv_text", ".csv", of_findings=True),
     "motion": Output("torsion.output.motion_files:motion", ".npz", of_findings=True),
     "fitted": Output("torsion.output.fitted_scene:fitted", "-fitted.yaml", of_findings=True),
+    "designed": Output("torsion.output.designed_scene:designed", ".yaml", of_findings=True),
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
     "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True, of_findings=True),
     "figures": Output("torsion.output.figure_csv:tables", "-figures.csv", on_request=True),

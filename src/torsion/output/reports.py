@@ -32,7 +32,11 @@ REPORTS = {
             "twisted_train", "@critical", "@tolerances", "excitations", "@engine", "damping_given", "@*", "closing",
             "provenance:steps", "verdict:remarks", "provenance:input_file",
         ),
-        "report", {"json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip"},
+        "report",
+        {
+            "json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip",
+            "designed": "designed.yaml",
+        },
         on_request={"twisted_train": "vtu"},
     ),
     "joint": Report(

@@ -18,6 +18,8 @@ MAPPINGS = {  # lists of mappings: key, what declares an entry
 PAIRS = ("load", "torque")  # lists of [speed, torque]
 SPEED_AND_TORQUE = {"speed": ("rad/s",), "torque": ("N*m", "1")}
 LIBRARY = "coupling"  # the kind that libraries have
+CATALOGUE = "catalogue of "  # and a kind: alternatives of one component
+LABEL, SAID = "name", {"mass": ("kg",), "cost": ()}  # of a row of a catalogue beside keys: its name, what it states
 BY_POLAR, BY_PARTS = ("order", "amplitude", "phase"), ("order", "a", "b")  # of a harmonic
 HARMONIC = {"order": ("1",), "amplitude": ("N*m", "Pa"), "phase": ("rad",), "a": ("N*m", "Pa"), "b": ("N*m", "Pa")}
 LOADS = {"imep": ("Pa",), "torque": ("N*m",), "speed": ("rad/s",)}  # at which a table of harmonics stands
@@ -47,6 +49,10 @@ def columns_of(key: str) -> dict[tuple[str, str], Stated]:
     if key == LIBRARY:
         found = {("", name): one for name, one in _declared(component(key)).items() if name != "from"}
         return found | {("", "size"): Stated((), True)}
+    if key.startswith(CATALOGUE):
+        own = _declared(component(key.removeprefix(CATALOGUE)))
+        found = {("", name): one for name, one in own.items() if name not in ("from", "size")}
+        return found | {("", name): Stated(units, False) for name, units in SAID.items()}
     if key in MAPPINGS:
         return {("", name): found for name, found in _declared(resolve_name(MAPPINGS[key])).items()}
     return {(kind, name): found for kind in KINDS for name, found in _declared(component(kind)).items()}

@@ -76,6 +76,11 @@ def end_of(text: str) -> tuple[int, int]:
     return len(lines), len(lines[-1]) + 1
 
 
+def line_starts(text: str) -> list[int]:
+    """Position in a text at which each of its lines begins."""
+    return [0, *(found.end() for found in _BREAK.finditer(text))]
+
+
 def locate(faults: Iterable[Fault], source: Source) -> list[Fault]:
     """The faults with line and column, in the order of the file and then of its tables, each once.
 

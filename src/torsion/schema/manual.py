@@ -94,6 +94,8 @@ SETTINGS = {  # an example of every analysis and rule
     "fit": "fit:\n  vary: {coupling-1.stiffness: 20 %, disc-1.inertia: 5 %}\n  measured:\n"
     "  - {mode: 1, frequency: 17.9 Hz, within: 0.5 %}\n"
     "  - {torsiogram: [{speed: 600 rpm, amplitude: 0.1 deg}], at: motor-1, order: 2, quantity: angle, within: 5 %}",
+    "design": "design: {choose: {shaft-1.diameter: {from: 55 mm, to: 80 mm}},\n"
+    "         keep: [{mode-2.frequency: {outside: [30 Hz, 36 Hz]}}]}",
     "check": "check: {models: [lumped, exact], tolerance: 0.1 %}",
     "iacs-m68": "iacs-m68: {drive: electric, tachometer: 2 %}",
     "iacs-m53": "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm,\n"

@@ -9,8 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any, TypeVar
 
 from torsion.analyses import ANALYSES, UNBUILT, VARYING
-from torsion.components import KINDS, component
-from torsion.components.component import Component
+from torsion.components import KINDS
 from torsion.components.harmonic_torques import Excitation
 from torsion.components.lowering import StepForm
 from torsion.components.material import STEEL, Material
@@ -20,10 +19,10 @@ from torsion.primitives import SectionMesh
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.component_names import kinds_by_name, repeated_names
+from torsion.schema.component_reader import components, one_component
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
-from torsion.schema.missing_marks import without_mark
-from torsion.schema.other_words import KIND_FOR, of_its_number
+from torsion.schema.other_words import of_its_number
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, Several, ShaftModel, Study
@@ -87,7 +86,7 @@ def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
 
 def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:
     """The source with the rows of the tables that it names, from their files or as they were read before."""
-    if not any(word in source.text for word in ("table", "size", "torsiogram")):
+    if not any(word in source.text for word in ("table", "size", "torsiogram", "catalogue")):
         return source
     from torsion.schema.csv_tables import with_tables
 
@@ -339,64 +338,3 @@ def _unknown_names(
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         found.append(name_fault(reference, ("operation", "at"), known, point=False))
     yield from (fault for fault in found if fault is not None)
-
-
-def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Component, ...]:
-    """The sound components of a list; every fault of the others is noted."""
-    if not isinstance(entries, list):
-        hint = "`- disc: {inertia: 1.2}`, ..."
-        if isinstance(entries, dict) and (kind := next((key for key in entries if key in KINDS), None)):
-            path, hint = (*path, kind), f"begin each component with a dash: `- {kind}: ...`"
-        message = f"{shown(entries)} is not a list of components"
-        faults.append(Fault(path, message, hint, at_key=path[-1] in KINDS))
-        return ()
-    read = (_entry(entry, (*path, position), faults) for position, entry in enumerate(entries))
-    return tuple(found for found in read if found is not None)
-
-
-def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:
-    """A component of a kind; `path` ends with the kind. Trains within it are read first."""
-    if kind not in KINDS:
-        faults.append(_unknown_kind(kind, path))
-        return None
-    before = len(faults)
-    read = declared(component(kind), _with_trains(body, path, faults), path, faults)
-    return read if len(faults) == before else None
-
-
-def _unknown_kind(kind: str, path: Path) -> Fault:
-    """The fault of a key that is no kind: without its mark, a word that the format has another for, or a slip."""
-    fault = unknown(path, "component", kind, list(KINDS))
-    return replace(fault, hint=KIND_FOR.get(kind.casefold(), fault.hint))
-
-
-def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:
-    """An entry is a mapping with one key, its kind."""
-    if not isinstance(entry, dict) or not entry:
-        named = without_mark(f"{entry} {{", KINDS) if isinstance(entry, str) else None
-        hint = f"write `- {named[0]}: {{...}}`" if named else "`- disc: {inertia: 1.2}`"
-        faults.append(Fault(path, f"{shown(entry)} is not a component, a mapping with one key", hint))
-        return None
-    if len(entry) > 1:
-        kinds = [key for key in entry if key in KINDS]
-        extra = next(key for key in entry if key != kinds[0]) if kinds else list(entry)[1]
-        hint = "start each with its own `-`" if len(kinds) > 1 else "indent the keys of a component below its kind"
-        message = f"a component is one key, its kind; there are {', '.join(f'`{key}`' for key in list(entry)[:5])}"
-        faults.append(Fault((*path, extra), message, hint, at_key=True))
-        return None
-    ((kind, body),) = entry.items()
-    return one_component(kind, body, (*path, kind), faults)
-
-
-def _with_trains(body: Any, path: Path, faults: list[Fault]) -> Any:
-    """The same with every train in it read into components."""
-    if isinstance(body, list):
-        return [_with_trains(item, (*path, position), faults) for position, item in enumerate(body)]
-    if not isinstance(body, dict):
-        return body
-    return {
-        key: components(item, (*path, key), faults)
-        if key == "train" and item is not None
-        else _with_trains(item, (*path, key), faults)
-        for key, item in body.items()
-    }

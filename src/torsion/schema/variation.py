@@ -2,25 +2,16 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import Protocol, runtime_checkable
 
-import numpy as np
-
-from torsion import units
 from torsion.analyses import VARYING
-from torsion.analyses.variants.laws import Choice, Law
-from torsion.analyses.variants.sampling import factors
-from torsion.arrays import FloatArray
+from torsion.analyses.variants.laws import Choice
 from torsion.errors import Fault, InputError, Path, nearest
-from torsion.schema.cases import stiffness_paths
-from torsion.schema.fault_text import Node, Source
-from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
-from torsion.schema.yaml_source import parse_source
+from torsion.schema.fault_text import Source
+from torsion.schema.figures_by_name import named, overlay_of, with_tolerance
+from torsion.schema.overlay import in_words, node_at
+from torsion.schema.varied_figure import Figure
 from torsion.study import Study
-
-EXACT = "ratio", "order", "blade_order"  # keys of exact ratios and orders
-ENDS = np.array([1e-4, 1.0 - 1e-4])  # of a law without ends, where the file is read as a trial
 
 
 @runtime_checkable
@@ -45,98 +36,6 @@ class Refusing(Protocol):
 
 
 @dataclass(frozen=True)
-class Row:
-    """One alternative of a list or a catalogue."""
-
-    label: str
-    puts: tuple[tuple[Path, Node], ...]
-    said: Mapping[str, float]  # what else it states, such as mass and cost
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One figure that varies.
-
-    A value of it is, of a law, the factor of what the file gives; of a range, a number in its unit; of a list or a
-    catalogue, the number of the row, from 0.
-    """
-
-    name: str  # as the file names it
-    law: Choice
-    paths: tuple[tuple[Path, int], ...]  # of its values, and the power of the factor that each takes
-    column: int  # of the samples; figures that vary together share one
-    nominal: float  # its value in the file as it stands; NaN where the file's is none of the alternatives
-    rows: tuple[Row, ...] = ()
-
-    def at(self, unit: FloatArray) -> FloatArray:
-        """The values at samples (count,) evenly distributed within 0 and 1."""
-        if isinstance(self.law, Law) and self.law.is_relative:
-            return factors(self.law, unit)
-        if not self.places:
-            low, high = self.law.ends
-            return np.asarray(low + unit * (high - low))
-        return self.every()[np.minimum((unit * self.places).astype(np.intp), self.places - 1)]
-
-    @property
-    def places(self) -> int:
-        """How many values it takes; 0 where any within its range, or by its law."""
-        return len(self.rows) or (0 if self.law.first is None else self.law.places or 0)
-
-    def every(self) -> FloatArray:
-        """All of these values."""
-        if self.rows:
-            return np.arange(float(len(self.rows)))
-        (low, high), step = self.law.ends, self.law.step
-        if step is not None:
-            high = low + float(units.amount(str(step))[0]) * (self.places - 1)
-        return np.linspace(low, high, self.places)
-
-    @property
-    def ends(self) -> FloatArray:
-        """Its lowest and its highest value."""
-        is_endless = isinstance(self.law, Law) and self.law.lognormal is not None
-        return self.at(ENDS if is_endless else np.array([0.0, 1.0]))
-
-    @property
-    def numbers(self) -> tuple[FloatArray, str]:
-        """Its values as numbers, and their unit; NaN where they are no numbers of one unit."""
-        if not self.rows:
-            return self.every(), self.law.unit
-        stated = [_amount(row.puts[0][1].value) if len(row.puts) == 1 else None for row in self.rows]
-        units_of = {one[1] for one in stated if one is not None}
-        if None in stated or len(units_of) != 1:
-            return np.full(len(self.rows), np.nan), ""
-        return np.array([one[0] for one in stated if one is not None]), units_of.pop()
-
-    @property
-    def in_file(self) -> float:
-        """What the file gives, in the unit of its numbers; NaN where that is not known."""
-        if not self.rows:
-            return self.nominal
-        return float(self.numbers[0][int(self.nominal)]) if self.nominal == self.nominal else np.nan
-
-    def words(self, value: float) -> str:
-        """A value of it as the file would state it."""
-        if self.rows:
-            return self.rows[int(value)].label
-        return f"{value:.6g} {self.law.unit}".strip() if self.law.first is not None else f"times {value:.6g}"
-
-    def puts(self, value: float, source: Source) -> Iterator[tuple[Path, Node]]:
-        """What stands in the file with a value of it."""
-        if self.rows:
-            yield from self.rows[int(value)].puts
-            return
-        exact = Fraction(repr(float(value)))
-        for path, power in self.paths:
-            there = node_at(source.root, path) or Node(None, 1, 1)
-            if self.law.first is not None:
-                new: object = f"{value!r} {self.law.unit}" if self.law.unit else value
-            else:
-                new = multiplied(there.value, exact if power > 0 else 1 / exact)
-            yield path, Node(new, there.line, there.column)
-
-
-@dataclass(frozen=True)
 class Variation:
     """The figures that vary, and how a study of other values is read."""
 
@@ -144,6 +43,7 @@ class Variation:
     source: Source
     read: Callable[[Source], Study]
     base: Study
+    before: "Variation | None" = None  # whose figures are the first of these, and are put in before the others
 
     def study(self, values: Sequence[float]) -> Study:
         """The study with every figure at its value; raises InputError where the file would be at fault."""
@@ -166,28 +66,30 @@ class Variation:
         there = node_at(self.source.root, path)
         return "not given" if there is None else in_words(there.value), in_words(node.value)
 
-    def text(self, values: Sequence[float]) -> str:
-        """That file as text, with the words and comments of the file where they can be kept."""
-        from torsion.schema.csv_tables import with_tables
-        from torsion.schema.scene_text import text_with
+    def text(self, values: Sequence[float], without: Iterable[str] = VARYING) -> str:
+        """That file as text without some analyses, with its words and comments where they can be kept."""
+        from torsion.schema.edited_text import edited
 
         each = zip(self.figures, values, strict=True)
         puts = [put for figure, value in each for put in figure.puts(float(value), self.source)]
-        gone = [("analyses", name) for name in VARYING]
-        name, tables = self.base.file, dict(self.base.tables)
-        return text_with(
-            self.source, puts, gone, self.file(values), lambda text: with_tables(parse_source(text, name), tables)
-        )
+        return edited(self.source, puts, [("analyses", name) for name in without], self.file(values).data)
 
     def file(self, values: Sequence[float]) -> Source:
         """The file with every figure at its value, without what varies figures."""
-        overlay = _overlay(self.base, self.source)
+        source, first = self.source, 0 if self.before is None else len(self.before.figures)
+        if self.before is not None:
+            source = self.before.file(values[:first])
+        overlay = overlay_of(self.base, source)
         for name in VARYING:
             overlay.remove(("analyses", name))
-        for figure, value in zip(self.figures, values, strict=True):
-            for path, node in figure.puts(float(value), self.source):
+        for figure, value in zip(self.figures[first:], values[first:], strict=True):
+            for path, node in figure.puts(float(value), source):
                 overlay.put(path, node, (node.line, node.column))
         return overlay.applied()
+
+    def behind(self, other: "Variation") -> "Variation":
+        """Both as one: the figures of the other first, and these about what that puts in the file."""
+        return replace(self, figures=(*other.figures, *self.figures), before=other)
 
 
 def with_variations(study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault]) -> Study:
@@ -208,7 +110,7 @@ def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Va
         for figure in variation.figures:
             column = columns.setdefault((name, figure.column), len(columns))
             figures.setdefault(figure.name, replace(figure, column=column))
-    for figure in _tolerances(study, _overlay(study, source)):
+    for figure in with_tolerance(study, overlay_of(study, source)):
         figures.setdefault(figure.name, replace(figure, column=columns.setdefault(figure.name, len(columns))))
     return Variation(tuple(figures.values()), source, read, study)
 
@@ -216,9 +118,9 @@ def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Va
 def _variation(
     study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault], name: str, settings: Varying
 ) -> Variation:  # fmt: skip
-    overlay, before, place = _overlay(study, source), len(faults), ("analyses", name)
+    overlay, before, place = overlay_of(study, source), len(faults), ("analyses", name)
     key, varied = settings.varied
-    found = list(_named(varied, overlay, (*place, key)) if varied else _tolerances(study, overlay))
+    found = list(named(varied, overlay, (*place, key)) if varied else with_tolerance(study, overlay))
     faults += overlay.faults
     if not found and len(faults) == before:
         hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
@@ -230,119 +132,6 @@ def _variation(
     if len(faults) == before:
         faults += _faults_at_ends(variation, (*place, key), varied)
     return variation
-
-
-def _overlay(study: Study, source: Source) -> Overlay:
-    return Overlay(source, study.train.parts, study.operation.at or study.train.parts[0].name)
-
-
-def _named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterator[Figure]:
-    """The figures that the file names; `*` stands for every component that has the key and no line of its own."""
-    taken: dict[Path, str] = {}
-    for words, law in sorted(vary.items(), key=lambda item: item[0].startswith("*.")):
-        fault = (*place, words)
-        each = _of_all(words, law, overlay, fault) if words.startswith("*.") else _of_one(words, overlay, fault)
-        for name, path in each:
-            if path in taken and not words.startswith("*."):
-                message = f"`{words}` varies as `{taken[path]}` already"
-                overlay.faults.append(Fault(fault, message, "vary it once", at_key=True))
-            if path in taken:
-                continue
-            taken[path] = words
-            there = node_at(overlay.source.root, path)
-            figure = None if there is None else _figure(name, law, path, there, overlay.faults, fault)
-            if figure is not None:
-                yield figure
-
-
-def _of_one(words: str, overlay: Overlay, fault: Path) -> Iterator[tuple[str, Path]]:
-    """The figure of a path, with its name."""
-    path = overlay.path(words, fault)
-    if path is not None and node_at(overlay.source.root, path) is None:
-        hint = "give its value in the file; a path varies what the file says"
-        overlay.faults.append(Fault(fault, f"the file does not give `{words}`", hint, at_key=True))
-    elif path is not None:
-        yield words.replace('"', ""), path
-
-
-def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[tuple[str, Path]]:
-    """The figures of a key of any component; of a list each item, and none that is 0, which no factor varies."""
-    key, has = words.removeprefix("*."), False
-    for part in overlay.parts:
-        there = node_at(overlay.source.root, (*part.path, key))
-        if there is None:
-            continue
-        has = True
-        is_list = isinstance(there.value, list) and not any(isinstance(one, list) for one in law.values or ())
-        for steps in [(key, place) for place in range(len(there.value))] if is_list else [(key,)]:
-            node = node_at(overlay.source.root, (*part.path, *steps))
-            amount = None if node is None else _amount(node.value)
-            if not law.is_relative or amount is None or amount[0] != 0.0:
-                name = ".".join([part.name, key, *(str(int(step) + 1) for step in steps[1:])])
-                yield name, (*part.path, *steps)
-    if not has:
-        overlay.faults.append(Fault(fault, f"no component has a key `{key}`", "a key of the file", at_key=True))
-
-
-def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault], fault: Path) -> Figure | None:
-    """The figure whose value stands there; None with its fault noted where its law does not take such a value."""
-    if law.values is not None:
-        nodes = [Node(value, there.line, there.column) for value in law.values]
-        rows = tuple(Row(in_words(node.value), ((path, node),), {}) for node in nodes)
-        own = next((place for place, node in enumerate(nodes) if node.value == there.value), np.nan)
-        return Figure(name, law, ((path, 1),), 0, float(own), rows)
-    if law.catalogue is not None:
-        faults.append(
-            Fault(fault, "a catalogue is of a component, and of no key of it", f"`{name.rpartition('.')[0]}`")
-        )
-        return None
-    if path[-1] in EXACT:
-        message = f"`{name}` is exact, and varies by `values` alone"
-        faults.append(Fault(fault, message, "for example {values: [41/17, 43/17]}", at_key=True))
-        return None
-    if (made := multiplied(there.value, Fraction(3, 2))) is None or (made == there.value and law.first is None):
-        message = f"`{name}` is {in_words(there.value)}, which no factor varies"
-        hint = f"one of its items by number, as `{name}.1`" if isinstance(there.value, list) else ""
-        faults.append(Fault(fault, message, hint or "a number that is not 0, or `values`", at_key=True))
-        return None
-    return Figure(name, law, ((path, 1),), 0, 1.0 if law.first is None else _nominal(there.value, law.unit))
-
-
-def _amount(value: object) -> tuple[float, str] | None:
-    """A number of the file and its unit; None of anything else."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        return None
-    try:
-        amount, unit = units.amount(value) if isinstance(value, str) else (value, "")
-    except units.UnitFault:
-        return None
-    return float(amount), unit
-
-
-def _nominal(value: object, unit: str) -> float:
-    """What the file gives in the unit of a range; NaN where that is not known."""
-    if isinstance(value, str):
-        try:
-            return units.to_si(value, unit) if unit else float(units.amount(value)[0])
-        except units.UnitFault:
-            return np.nan
-    return np.nan if unit or not isinstance(value, int | float) else float(value)
-
-
-def _tolerances(study: Study, overlay: Overlay) -> Iterator[Figure]:
-    """The stiffness, or the inertia with its water, of every component with a tolerance."""
-    for part in study.train.parts:
-        if part.inertia_tolerance:
-            made = (*part.path, "inertia"), (*part.path, "entrained")
-            there = [(path, node_at(overlay.source.root, path)) for path in made]
-            given = [(path, 1) for path, node in there if node is not None and "%" not in str(node.value)]
-            yield Figure(f"{part.name}.inertia", Law(uniform=part.inertia_tolerance), tuple(given), 0, 1.0)
-        if not part.stiffness_tolerance:
-            continue
-        law = Law(uniform=part.stiffness_tolerance)
-        if paths := [(path, -1 if path[-1] == "flexibility" else 1) for path in stiffness_paths(overlay, part)]:
-            key = "flexibility" if paths[0][1] < 0 else "stiffness"
-            yield Figure(f"{part.name}.{key}", law, tuple(paths), 0, 1.0)
 
 
 def _in_columns(
@@ -386,6 +175,9 @@ def _faults_at_ends(variation: Variation, where: Path, named: Mapping[str, Choic
             except InputError as error:
                 why = error.faults[0]
                 message = f"{figure.name} {figure.words(value)}: {why.message}"
+                if why.file:  # in the row of a catalogue
+                    yield replace(why, message=message)
+                    break
                 at = (*where, figure.name) if figure.name in named else where
                 yield Fault(at, message, why.hint or "a narrower law", at_key=True)
                 break

@@ -6,13 +6,15 @@ merge keys, repeated keys, keys other than text and several documents are refuse
 
 import math
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
 import yaml
 
 from torsion.errors import Fault, InputError, printable
-from torsion.schema.fault_text import Node, Source, end_of, input_error
+from torsion.schema.fault_text import Node, Source, end_of, input_error, line_starts
 from torsion.schema.missing_marks import missing_mark
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
@@ -94,6 +96,44 @@ def parse_source(text: str, name: str) -> Source:
     if builder.faults:
         raise input_error(builder.faults, bare)
     return Source(name, text, builder.root)
+
+
+@dataclass(frozen=True)
+class Extents:
+    """Where the values of a text end, as positions in it, by the line and column at which they begin."""
+
+    scalars: dict[tuple[int, int], int]
+    collections: dict[tuple[int, int], tuple[int, bool]]  # end, and whether it stands in brackets
+
+
+def extents(text: str) -> Extents:
+    """Of a text that can be read; a list or mapping without brackets ends with the last value in it."""
+    starts = line_starts(text)
+    found, opened, last = Extents({}, {}), list[Any](), 0
+    events: Iterator[Any] = yaml.parse(text, Loader=_LOADER)
+    for event in events:
+        end = starts[event.end_mark.line] + event.end_mark.column
+        if isinstance(event, yaml.ScalarEvent | yaml.AliasEvent):
+            found.scalars[_mark(event)] = last = end
+        elif isinstance(event, yaml.CollectionStartEvent):
+            opened.append(event)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            begin = opened.pop()
+            last = end if begin.flow_style else last
+            found.collections[_mark(begin)] = last, bool(begin.flow_style)
+    return found
+
+
+def yaml_text(value: object) -> str:
+    """A mapping as YAML, in the order of its keys."""
+    made: str = yaml.safe_dump(value, default_flow_style=None, sort_keys=False, allow_unicode=True, width=110)
+    return made
+
+
+def in_brackets(value: object) -> str:
+    """A value as it may stand on one line, in brackets with others."""
+    made: str = yaml.safe_dump([value], default_flow_style=True, sort_keys=False, allow_unicode=True, width=math.inf)
+    return made.strip()[1:-1]
 
 
 class _EndError(Exception):
@@ -207,11 +247,6 @@ class _Builder:
         if event.tag is not None:
             tag = event.tag.replace("tag:yaml.org,2002:", "!!")
             self.faults.append(_fault(f"tags are not read: {tag}", "remove it, or put text in quotes", *_mark(event)))
-
-
-def written(data: Any) -> str:
-    """What a text says, as a text."""
-    return str(yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=120))
 
 
 def resolved(text: str) -> str | int | float | bool | None:

@@ -151,7 +151,15 @@ def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
 
 
 def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_other() -> None:
-    words = {"rule": "rule", "clause": "clause", "where": "where", "what": "what", "verdict": "pass", "fails": False}
+    words = {
+        "rule": "rule",
+        "clause": "clause",
+        "where": "where",
+        "what": "what",
+        "verdict": "pass",
+        "fails": False,
+        "standing": "maker",
+    }
     half, unknown = (SimpleNamespace(utilisation=share, **words) for share in (0.5, None))
     for one in ((half, unknown), (unknown, half)):
         found = SimpleNamespace(get=lambda kind: None, results={"checks": SimpleNamespace(lines=one)})

@@ -19,7 +19,8 @@ NOT_IN_THIS_TRAIN = (
     "frequency_response", "check.", "checks[].barred", "checks[].times", "checks[].reach",
     "compressors", "lateral", "joints.lines[].optimum",
     "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks", "tooth_forces", "dampers", "engines",
-    "pendulums", "coupling_tables", "sweep", "fit", "tolerances", "coupling_temperatures", "frequencies_over_speed",
+    "pendulums", "coupling_tables", "design", "sweep", "fit", "tolerances", "coupling_temperatures",
+    "frequencies_over_speed",
     "vibratory_torques",
     "files", "report",  # in files alone
 )  # fmt: skip

@@ -12,6 +12,7 @@ from torsion.findings import Findings, Work
 from torsion.study import Variation
 
 READ = "engine", "coupling temperatures", "nonlinear peaks", "stability", "joints", "lateral", "transient"  # by checks
+TO_BE_VERIFIED = "to be verified"  # standing of a limit, as the rules call it
 Key = tuple[str, str, str, str]  # rule, clause, where, what
 
 
@@ -23,6 +24,8 @@ class Answers:
     checks: dict[Key, tuple[FloatArray, BoolArray]] = field(default_factory=dict)  # utilisation, fails: (variants,)
     faults: dict[int, str] = field(default_factory=dict)  # why a variant has no answer
     method: str = ""  # by which they were found
+    standing: dict[Key, str] = field(default_factory=dict)  # where the limit of a check is from
+    partly: set[int] = field(default_factory=set)  # variants that are not wholly judged
 
     def keep(self, place: int, found: Findings | str) -> None:
         """Put the frequencies and the verdicts of a variant, or why it has none, in its column."""
@@ -41,6 +44,9 @@ class Answers:
             used, fails = self.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
             used[place] = np.fmax(used[place], np.nan if check.utilisation is None else check.utilisation)
             fails[place] |= check.fails or check.verdict == "in part"  # what is not judged is not known to be kept
+            self.standing[key] = check.standing
+            if check.verdict == "in part":
+                self.partly.add(place)
 
 
 def solved(
@@ -60,14 +66,19 @@ def solved(
     return answers
 
 
+def read(work: Work, *, judged: bool) -> tuple[str, ...]:
+    """The analyses that a variant has."""
+    from torsion.analyses import ANALYSES
+
+    own = [name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)]
+    return ("modes", *((*work.ruled, *own) if judged else ()))
+
+
 def _each(
     work: Work, solve: Callable[..., Findings], variation: Variation, values: FloatArray, judged: bool
 ) -> Iterator[Findings | str]:  # fmt: skip
     """Of every variant its findings, or why it has none."""
-    from torsion.analyses import ANALYSES
-
-    own = [name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)]
-    only = ("modes", *((*work.ruled, *own) if judged else ()))
+    only = read(work, judged=judged)
     for place, row in enumerate(values.tolist()):
         work.progress(f"variant {place + 1} of {len(values)}", place / len(values))
         try:

@@ -55,7 +55,13 @@ def box(findings: Findings) -> Box:
     """The verdict, its worst place, what is barred and unanswered, and how many checks there are of each verdict."""
     checks = findings.need(Checks).lines
     said = closing.overall(findings).text
-    lines = [("Conclusion", said), *sweep_line(findings), *_engines_line(findings), *worst_line(findings)]
+    lines = [
+        ("Conclusion", said),
+        *sweep_line(findings),
+        *_design_line(findings),
+        *_engines_line(findings),
+        *worst_line(findings),
+    ]
     lines += [("Barred ranges", "; ".join(words)) for words in [_barred_words(findings)] if words]
     if others := closing.other_restrictions(findings, is_barred=bool(barred(findings))):
         lines.append(("Speeds", " ".join(others)))
@@ -121,6 +127,14 @@ def worst_line(findings: Findings) -> Iterator[tuple[str, str]]:
     clause = f"{symbols(check.clause)}, {check.rule}; limit: {check.standing}"
     title = "Worst check" if check.fails else "Largest use"
     yield title, f"{check.where}: {check.what} {against}{used}{at}{order} ({clause})"
+
+
+def _design_line(findings: Findings) -> Iterator[tuple[str, str]]:
+    """What a design chose; nothing where there is none."""
+    if "design" in findings.results:
+        from torsion.output.chapters.design import design_line
+
+        yield from design_line(findings)
 
 
 def _engines_line(findings: Findings) -> Iterator[tuple[str, str]]:

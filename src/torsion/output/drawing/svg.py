@@ -162,4 +162,7 @@ def _colours(cells: Cells) -> tuple[str, tuple[float, str]]:
     long = left + step * len(shades)
     parts += [words(left - 4, 3.7, low, ' text-anchor="end"'), words(long + 4, 3.7, ends)]
     how = ", logarithmic" if cells.decades else ""
-    return f"{cells.quantity}, {cells.unit}{how}", (long + 8 + GROWTH * width(ends), "".join(parts))
+    return f"{', '.join(filter(None, (cells.quantity, cells.unit)))}{how}", (
+        long + 8 + GROWTH * width(ends),
+        "".join(parts),
+    )

@@ -1,0 +1,31 @@
+"""The scene with the values that its design chose, as a file that is solved like any other."""
+
+from torsion.analyses.design.design_results import Design
+from torsion.findings import Findings
+from torsion.output.document import Document
+from torsion.output.table_text import one_line
+from torsion.schema.csv_tables import with_tables
+from torsion.schema.yaml_source import parse_source
+
+
+def designed(document: Document, findings: Findings) -> str | None:
+    """Its text, with what was chosen in the first lines; None where nothing was."""
+    found, variation = findings.get(Design), findings.study.variations.get("design")
+    if found is None or variation is None or not found.picked.size or document.report.keys:
+        return None
+    words = [f"{one.name}: {one.chosen}" + (f", before {one.before}" if one.before else "") for one in found.figures]
+    text = variation.text(found.picked.tolist(), without=["design"])
+    head = [f"{findings.study.name}, with the values that its design chose for {found.aim}:", *words]
+    if _names_files(findings, text):
+        head.append("It names other files: put it into the folder of the scene.")
+    return "".join(f"# {one_line(line)}\n" for line in head) + text
+
+
+def _names_files(findings: Findings, text: str) -> bool:
+    """Whether the text names a table, a mesh or another file that the scene was read from."""
+    from torsion.output.write import inputs
+
+    study = findings.study
+    tables = dict(study.tables)
+    still = with_tables(parse_source(text, study.file), tables).tables
+    return len(inputs(study)) > len(tables) - len(still) + bool(study.file)

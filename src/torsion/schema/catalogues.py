@@ -1,0 +1,40 @@
+"""Rows of a CSV catalogue as alternatives of one component: what each puts in the file, and what else it states."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from torsion import units
+from torsion.components.lowering import Part
+from torsion.errors import Fault, Path
+from torsion.schema.csv_columns import CATALOGUE, LABEL, SAID
+from torsion.schema.csv_rows import Reading, Rows
+from torsion.schema.fault_text import Node, Source
+
+Alternative = tuple[str, tuple[tuple[Path, Node], ...], dict[str, float]]  # name, puts, mass and cost
+
+
+def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> Iterator[Alternative]:
+    """Every row of a catalogue of a component, whose table the reader of the source has opened."""
+    reading = Reading(source, None, dict(source.tables), [])
+    for row in Rows(reading.tables[name], CATALOGUE + part.kind).nodes(reading):
+        label, said = str(row.value[LABEL]), {}
+        for key in SAID.keys() & row.parts.keys():
+            try:
+                said[key] = _number(row.parts[key].value, key)
+            except units.UnitFault as fault:
+                at = row.parts[key]
+                reading.faults.append(
+                    Fault((), fault.message, fault.hint, line=at.line, column=at.column, file=reading.tables[name].name)
+                )
+        puts = {key: node for key, node in row.parts.items() if key not in (LABEL, *SAID)}
+        origin = row.parts.get("source", row.parts[LABEL])
+        puts["source"] = replace(origin, value=f"{name}, {label}" + (f": {origin.value}" if "source" in puts else ""))
+        yield label, tuple(((*part.path, key), node) for key, node in puts.items()), said
+    faults += reading.faults
+
+
+def _number(value: object, key: str) -> float:
+    """A mass in kg, or a cost in whatever it is counted."""
+    if SAID[key]:
+        return units.to_si(str(value), SAID[key][0])
+    return float(units.amount(str(value).partition(" ")[0])[0])

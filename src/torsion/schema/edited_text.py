@@ -1,0 +1,110 @@
+"""The text of a file with other values at some places, all else of it, comments too, as it was written."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from torsion.analyses import VARYING
+from torsion.errors import InputError, Path
+from torsion.schema.csv_tables import with_tables
+from torsion.schema.fault_text import Node, Source, line_starts
+from torsion.schema.overlay import node_at
+from torsion.schema.yaml_source import Extents, extents, in_brackets, parse_source, yaml_text
+
+Edit = tuple[int, int, str]  # from, to, what stands there instead
+LIBRARY = {"from", "size"}  # of a coupling whose row is written out
+
+
+def edited(source: Source, puts: Iterable[tuple[Path, Node]], gone: Iterable[Path], expected: Any) -> str:
+    """The text with values put in, and without what stands at the paths `gone`.
+
+    expected: what the file then says, but for what varies figures. Where the text cannot be changed in its places (a
+    value stands in a table, or is repeated by an alias), all that the file says is written anew; so is a
+    case, without the other cases.
+    """
+    try:
+        removed = [_removal(source, path) for path in gone if node_at(source.root, path) is not None]
+        text = _applied(source.text, [*_edits(source, puts), *removed])
+        if _plain(_read(text, source).data) == _plain(expected):
+            return text
+    except (LookupError, InputError):
+        pass
+    is_case = _read(source.text, source).data != source.data
+    return yaml_text(_written_out({key: expected[key] for key in expected if not (is_case and key == "cases")}))
+
+
+def _read(text: str, source: Source) -> Source:
+    """A text with the tables of a source."""
+    return with_tables(parse_source(text, source.name), {name: table.text for name, table in source.tables})
+
+
+def _plain(data: Any) -> Any:
+    """What a file says without what varies figures."""
+    said = {key: value for key, value in (data.get("analyses") or {}).items() if key not in VARYING}
+    return {key: value for key, value in data.items() if key != "analyses"} | {"analyses": said}
+
+
+def _written_out(value: Any) -> Any:
+    """Without the names of libraries whose rows stand there."""
+    if isinstance(value, dict):
+        keys = value.keys() - LIBRARY if value.keys() > LIBRARY else value.keys()
+        return {key: _written_out(value[key]) for key in value if key in keys}
+    return [_written_out(one) for one in value] if isinstance(value, list) else value
+
+
+def _applied(text: str, edits: Iterable[Edit]) -> str:
+    """From the last to the first; of several at one place the first stands first."""
+    for begin, end, new in sorted(edits, key=lambda edit: edit[0], reverse=True):
+        text = text[:begin] + new + text[end:]
+    return text
+
+
+def _own(source: Source, path: Path) -> Node:
+    """What stands at a path of the text itself; raises LookupError."""
+    node = node_at(source.root, path)
+    if node is None or node.source is not None:
+        raise LookupError
+    return node
+
+
+def _edits(source: Source, puts: Iterable[tuple[Path, Node]]) -> Iterator[Edit]:
+    """Raises LookupError where a value does not stand in the text."""
+    known, starts = extents(source.text), line_starts(source.text)
+    added: dict[Path, dict[str, Any]] = {}
+    for path, new in puts:
+        if node_at(source.root, path) is None:
+            added.setdefault(path[:-1], {})[str(path[-1])] = new.value
+            continue
+        node = _own(source, path)
+        begin = starts[node.line - 1] + node.column - 1
+        yield begin, _end(known, node), in_brackets(new.value)
+    for path, keys in added.items():
+        node = _own(source, path)
+        end, is_flow = known.collections[node.line, node.column]
+        said = [f"{key}: {in_brackets(value)}" for key, value in keys.items()]
+        if is_flow:
+            yield end - 1, end - 1, ", " * bool(node.value) + ", ".join(said)
+        else:
+            behind = next((start - 1 for start in starts if start > end), len(source.text))
+            yield behind, behind, "".join("\n" + " " * (node.column - 1) + line for line in said)
+
+
+def _end(known: Extents, node: Node) -> int:
+    place = node.line, node.column
+    return known.scalars[place] if not isinstance(node.value, dict | list) else known.collections[place][0]
+
+
+def _removal(source: Source, path: Path) -> Edit:
+    """Of what stands at a path with its key, and of the mapping that has nothing else."""
+    parent, node = _own(source, path[:-1]), _own(source, path)
+    if len(parent.parts) == 1 and len(path) > 1:
+        return _removal(source, path[:-1])
+    known, starts, text = extents(source.text), line_starts(source.text), source.text
+    line, column = parent.keys[str(path[-1])]
+    begin, end = starts[line - 1] + column - 1, _end(known, node)
+    if (parent.line, parent.column) in known.collections and known.collections[parent.line, parent.column][1]:
+        following = text[end:].lstrip()
+        if following.startswith(","):
+            return begin, len(text) - len(following[1:].lstrip()), ""
+        return len(text[:begin].rstrip().removesuffix(",")), end, ""
+    behind = next((start for start in starts if start > end), len(text))
+    return starts[line - 1], behind, ""
