@@ -172,7 +172,7 @@ def test_margins_conditions_and_masses_are_those_of_every_file_by_itself(scene: 
 
 def test_the_designed_file_has_the_values_its_comments_and_the_verdict(scene: Findings) -> None:
     variation, found = scene.study.variations["design"], scene.need(Design)
-    text = variation.written(found.picked.tolist())
+    text = variation.text(found.picked.tolist(), without=["design"])
     assert "# R 160" in text
     assert "design:" not in text
     again = torsion.run(torsion.parse(text))
@@ -199,7 +199,7 @@ def test_keys_that_a_catalogue_adds_are_written_beside_the_others(before: str, a
     text = (TWO % "").replace("coupling: {stiffness: 20000, tolerance: 15 %}", before)
     design = "  design: {choose: {coupling-1: {catalogue: k.csv}}, aim: {mode-1.frequency: 33 Hz}}\n"
     study = torsion.parse(text.replace("modes: {count: 1}\n", "modes: {count: 1}\n" + design), str(tmp_path / "t.yaml"))
-    assert study.variations["design"].written([0.0]) == text.replace(
+    assert study.variations["design"].text([0.0], without=["design"]) == text.replace(
         before, after.replace('"k.csv, one"', "'k.csv, one'")
     )
 
@@ -209,7 +209,7 @@ def test_a_file_with_aliases_is_written_anew() -> None:
     study = torsion.parse(
         text % "  design: {choose: {disc-1.inertia: {from: 1, to: 2}}, aim: {mode-1.frequency: 33 Hz}}"
     )
-    again = torsion.parse(study.variations["design"].written([1.5]))
+    again = torsion.parse(study.variations["design"].text([1.5], without=["design"]))
     assert [one.inertia for one in again.train.inertias] == [1.5, 1.2]
 
 

@@ -169,7 +169,15 @@ def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_
 
 
 def test_a_variant_that_is_judged_in_part_is_not_known_to_pass() -> None:
-    words = {"rule": "rule", "clause": "clause", "where": "where", "what": "what", "fails": False, "utilisation": 0.5}
+    words = {
+        "rule": "rule",
+        "clause": "clause",
+        "where": "where",
+        "what": "what",
+        "standing": "",
+        "fails": False,
+        "utilisation": 0.5,
+    }
     answers = one_by_one.Answers(np.empty((0, 2)))
     for place, verdict in enumerate(("pass", "in part")):
         lines = (SimpleNamespace(verdict=verdict, **words),)

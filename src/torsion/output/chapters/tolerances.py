@@ -19,7 +19,7 @@ WHAT = (
     "the couplings with the cases of the tolerances (cases: {from: tolerances})."
 )
 MATTERS = (
-    "The figure whose tolerance moves a mode most comes first: the one to ask its maker about. The sensitivity is the "
+    "The figure whose tolerance moves a mode most comes first: its maker should confirm it. The sensitivity is the "
     "relative change of the frequency over that of the figure, half the share of the elastic energy of a stiffness and "
     "minus half that of the kinetic energy of an inertia; times the tolerance it is, to first order, what the figure "
     "moves the mode by, either way."
