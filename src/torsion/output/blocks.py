@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any, Literal
 
 from torsion.output.figures.figure import Figure
-from torsion.output.numbers import cell
+from torsion.output.numbers import NONE, cell
 
 
 @dataclass(frozen=True)
@@ -126,6 +126,17 @@ def table(
     """
     columns = head(titles) if isinstance(titles, str) else titles
     return Table(columns, tuple(tuple(map(cell, row)) for row in rows), caption, tuple(marks), short)
+
+
+def filled(made: Table) -> Table:
+    """The same table without the columns that have no value in any row.
+
+    >>> filled(table("< Mode | Frequency [Hz] | Cost", [("first", 12.5, None), ("second", 13.0, None)])).rows
+    (('first', '12.500'), ('second', '13.000'))
+    """
+    kept = [k for k in range(len(made.columns)) if not made.rows or any(row[k] != NONE for row in made.rows)]
+    rows = tuple(tuple(row[k] for k in kept) for row in made.rows)
+    return replace(made, columns=tuple(made.columns[k] for k in kept), rows=rows)
 
 
 def texts(title: str, short: str = "") -> Column:

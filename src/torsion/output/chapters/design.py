@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.analyses.design.design_results import Candidate, Design
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.blocks import Block, Heading, Paragraph, filled, table
 from torsion.output.figures.contours import level_line
 from torsion.output.figures.figure import Axis, Cells, Figure, Level, Line, Marks, Panel, Pen, Symbol
 from torsion.output.numbers import counted, number
@@ -104,11 +104,11 @@ def _best(found: Design) -> Block:
         )
         for k, one in enumerate(found.best, start=1)
     ]  # fmt: skip
-    return table(
+    return filled(table(
         "Choice -> | < Values | Smallest margin -> margin | Of its limit [%] | < Decided by | Frequency [Hz] -> Hz | "
         "Mass [kg] -> kg | Cost | < Verdict",
         rows, "The best choices", short="The best choices",
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def _words(one: Candidate, *, is_chosen: bool) -> str:

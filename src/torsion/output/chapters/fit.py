@@ -75,8 +75,8 @@ def _figures(found: Fit) -> Block:
     ]  # fmt: skip
     return table(
         "< Figure -> | < In the file -> | < Fitted -> | Factor | 95 % from -> from | 95 % to -> to | "
-        "Deviation before [%] | Deviation behind [%] -> ± % | Moved, in deviations | Known from measurements [%]",
-        rows, "Fitted figures", short="Fitted figures",
+        "Deviation before [%] | Deviation behind [%] -> ± % | Moved, in deviations | Known [%]",
+        rows, "Fitted figures (known: the share of what is known that the measurements give)", short="Fitted figures",
     )  # fmt: skip
 
 
