@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,11 +20,15 @@ from benchmarks.page_file import Report
 from benchmarks.papers.writing import table
 
 SCENE = Path(__file__).parents[1] / "shafting_specs" / "toleranced_drive.yaml"
-JUDGED, ENDED, FREQUENCIES = 512, 256, 1 << 19
+TOGETHER, JUDGED, ENDED, FREQUENCIES = 1 << 15, 512, 256, 1 << 20
+BY_ITSELF = (
+    "rules: [coupling-maker, {nvh: {at: motor, fluctuation: 200 rpm}}]"  # by which no variants are judged together
+)
 PORT = 8799
 HOW = """\
-`torsion sweep` of the scene toleranced_drive in processes of its own; eight figures vary. Judged: every variant is
-read, solved and judged as a file of its own. Frequencies alone: three modes of every variant side by side, each proven.
+`torsion sweep` of the scene toleranced_drive in processes of its own; eight figures vary. Judged: verdicts
+side by side by the rule of the scene, and, with the rule `nvh` too, each variant read, solved and judged as a file of
+its own. Frequencies alone: three modes of every variant side by side, each proven.
 Wall time is that of the sweep in the plan of the report, with the start of the workers, reading and writing of the
 parts; the rate after the first part leaves the start out. Processor time is that of the whole command with all of its
 processes. The machine is shared with other work: where its load, printed beside them, is near the number of processors
@@ -38,16 +42,31 @@ def main() -> None:
     share = 8 if report.chosen.quick else 1
     with TemporaryDirectory() as place:
         folder = Path(place)
-        judged = _scene(folder / "judged.yaml", JUDGED // share)
+        together = _scene(folder / "together.yaml", TOGETHER // share)
+        judged = _by_itself(_scene(folder / "judged.yaml", JUDGED // share))
         frequencies = _scene(folder / "frequencies.yaml", FREQUENCIES // share, "results: [modes]")
-        ended = _scene(folder / "ended.yaml", ENDED)
-        parts = [HOW, _times(judged, frequencies, folder), _ended(ended, folder), _by_tls(ended, folder)]
+        ended = _by_itself(_scene(folder / "ended.yaml", ENDED))
+        parts = [
+            HOW,
+            _times(
+                {"judged side by side": together, "judged by themselves": judged, "frequencies alone": frequencies},
+                folder,
+            ),
+            _ended(ended, folder),
+            _by_tls(ended, folder),
+        ]
     report.publish("A sweep by several processes", parts)
 
 
 def _scene(file: Path, samples: int, more: str = "") -> Path:
     text = SCENE.read_text(encoding="utf-8")
     file.write_text(text.replace("samples: 128", f"samples: {samples}" + (f"\n    {more}" if more else "")), "utf-8")
+    return file
+
+
+def _by_itself(file: Path) -> Path:
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace("rules: [coupling-maker]", BY_ITSELF), encoding="utf-8")
     return file
 
 
@@ -76,9 +95,9 @@ def _answers(out: Path) -> object:
     return found, [{name: own.tobytes() for name, own in part.items() if own.dtype != object} for part in parts]
 
 
-def _times(judged: Path, frequencies: Path, folder: Path) -> str:
+def _times(scenes: Mapping[str, Path], folder: Path) -> str:
     rows = []
-    for what, scene in (("judged", judged), ("frequencies alone", frequencies)):
+    for what, scene in scenes.items():
         known, first = None, 0.0
         for name, word, more in (
             ("`solve`", "solve", ()), ("no workers", "sweep", ()), ("2 workers", "sweep", ("--workers", "2")),
