@@ -43,7 +43,7 @@ def main() -> None:
     with TemporaryDirectory() as place:
         folder = Path(place)
         together = _scene(folder / "together.yaml", TOGETHER // share)
-        judged = _by_itself(_scene(folder / "judged.yaml", JUDGED // share))
+        judged = _by_itself(_scene(folder / "judged.yaml", max(JUDGED // share, 128)))
         frequencies = _scene(folder / "frequencies.yaml", FREQUENCIES // share, "results: [modes]")
         ended = _by_itself(_scene(folder / "ended.yaml", ENDED))
         parts = [

@@ -214,6 +214,26 @@ def test_a_worker_answers_the_same_and_refuses_other_programs_and_files(tmp_path
         worker_task.answered(replace(errand, files=((str(tmp_path / "mesh.vtu"), "0"),)), chunk)
 
 
+def test_a_worker_judges_side_by_side_where_this_process_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweep_run, "VERDICTS_AT_ONCE", 64)
+    kept = []
+
+    def errands(work, variation, each):
+        kept.append((pickle.dumps(worker_task.errand(work, variation)), each[1]))
+        return sweep_run.in_turn(work, variation, each)
+
+    vary = "vary: {rubber.stiffness: {uniform: 10 %}}, samples: 128"
+    study = torsion.parse(PLAIN.replace("- shaft: {name: tail, length: 0.8 m, diameter: 60 mm}\n", "") % vary)
+    whole = torsion.run(study, answered=errands).need(Sweep)
+    errand, chunk = pickle.loads(kept[0][0]), kept[0][1]
+    answers = worker_task.answered(errand, chunk)[1]
+    assert answers.method.startswith("judged side by side")
+    for check in whole.checks:
+        used, fails = answers.checks[check.rule, check.clause, check.where, check.what]
+        assert np.array_equal(used, check.utilisation[chunk.begin : chunk.end], equal_nan=True)
+        assert np.array_equal(fails, check.fails[chunk.begin : chunk.end])
+
+
 def test_errors_come_whole_from_another_process() -> None:
     one = InputError([Fault(("train",), "message", "hint")], "all of it")
     back = pickle.loads(pickle.dumps(one))

@@ -8,8 +8,8 @@ from pathlib import Path
 from threading import Lock
 
 from torsion.analyses.sweep.sweep_run import answer, draw
-from torsion.analyses.undamped_modes import Modes
 from torsion.analyses.variants.chunks import Chunk, Part
+from torsion.analyses.variants.variant_shares import unfit
 from torsion.errors import Fault, InputError
 from torsion.findings import Work, version
 from torsion.rules import judgement
@@ -31,9 +31,8 @@ class Errand:
 
 def errand(work: Work, variation: Variation) -> Errand:
     """The errand of a sweep, which any process can do."""
-    modes, study = work.get(Modes), replace(work.study, cases={})
-    results = {"system": work.system} | ({} if modes is None else {"modes": modes})
-    plain = Work(study, results, ruled=work.ruled)
+    study, names = replace(work.study, cases={}), ("system", "modes", *(() if unfit(work) else ("mean", "response")))
+    plain = Work(study, {name: work.results[name] for name in names if name in work.results}, ruled=work.ruled)
     files = tuple(digests(study, shipped=False).items())
     return Errand(pickle.dumps((plain, variation)), files, tuple((name, version(name)) for name in LIBRARIES))
 
