@@ -76,6 +76,11 @@ ANALYSES: dict[str, Analysis] = {
         settings="torsion.analyses.undamped_modes:ModesSettings", needs=("assembly",),
         results={"modes": "torsion.analyses.undamped_modes:Modes"}, wanted=always, chapters=("natural_frequencies",),
     ),
+    "sharp steps": Analysis(
+        "steps between shafts", "torsion.analyses.sharp_steps", needs=("modes",),
+        results={"sharp_steps": "SharpSteps"}, chapters=("natural_frequencies",), place=("steps",),
+        wanted=lambda study: study.train.has_corners,
+    ),
     "damped": Analysis(
         "damped modes", "torsion.analyses.damped_modes", needs=("couplings by table",),
         results={"damped_modes": "DampedModes"}, wanted=always, chapters=("natural_frequencies",),

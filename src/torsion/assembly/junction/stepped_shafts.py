@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import get_args
 
 from torsion.components.lowering import Step, StepForm
-from torsion.errors import Fault
+from torsion.errors import Fault, InputError
 from torsion.kernels.junction_table import junction_table
 from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar, Spring, Station
@@ -28,25 +28,42 @@ class End:
     bore: float  # m
 
 
-def stepped(train: Train, form: object, faults: list[Fault]) -> Train:
+def with_steps(train: Train) -> Train:
+    """The train with a spring at every step that twists, by its own words; raises InputError with every fault."""
+    faults = list[Fault]()
+    found = stepped(train, train.steps, faults)
+    if faults:
+        raise InputError(faults)
+    return found
+
+
+def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool = False) -> Train:
     """The train with a spring at every step that twists; form: of the steps that say none, faulty or not.
 
     A spring stands between the end of a shaft and a new station, at which the next shaft begins. A large fillet twists
-    less than the shaft whose end it fills: then the shear modulus of that shaft is raised in place of a spring.
+    less than the shaft whose end it fills: then the shear modulus of that shaft is raised in place of a spring. Steps
+    that a train with `steps` None states are in it already. by_table: no finite elements run; steps that need them
+    are left out, and said to be.
     """
     found, said, shorter = train, set[int](), dict[str, float]()
     for one, two in _adjoining(train):
         record, path = train.shaft(one), (*train.parts[one.part].path, "step")
         said.add(one.part)
+        if train.steps is None and record.step is not None:
+            continue
         step = record.step or Step(form=next((one for one in get_args(StepForm) if one == form), "none"))
         if step.form == "none":
             continue
         ends = End(one, one.outer[1], one.bore[1]), End(two, two.outer[0], two.bore[0])
-        if fault := _fault(step, ends, path):
-            faults += [fault] if record.step is not None else []
+        fault = _fault(step, ends, path)
+        excess, source = (0.0, "") if fault else excess_length(step, *ends, by_table=by_table)
+        if fault or not source:
+            faults += [fault] if fault and record.step is not None else []
+            if not _is_smooth(one, two):
+                why = fault.message if fault else "the table has no such step"
+                found = _remarked(found, one.part, f"its step to '{two.name}' is left out: {why}")
             continue
         smaller = min(ends, key=lambda end: end.outer)
-        excess, source = excess_length(step, *ends)
         form_words = step.form or f"{'fillet' if step.fillet else 'chamfer'} of {1e3 * step.size:g} mm"
         remark = f"its step to '{two.name}' ({form_words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
         found = _remarked(found, one.part, f"{remark} beyond both shafts, {source}")
@@ -62,12 +79,21 @@ def stepped(train: Train, form: object, faults: list[Fault]) -> Train:
         replace(bar, shear_modulus=bar.shear_modulus / (1.0 - shorter.get(bar.name, 0.0) / bar.length))
         for bar in found.bars
     ]
-    found = replace(found, bars=tuple(bars))
-    for number, part in train.of_kind("shaft"):
+    found = replace(found, bars=tuple(bars), steps=None)
+    for number, part in () if train.steps is None else train.of_kind("shaft"):
         if part.shaft is not None and part.shaft.step is not None and number not in said:
             hint = "a step joins two shafts of the train, one right after the other, with nothing at the point between"
             faults.append(Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint))
     return found
+
+
+def has_unstated(train: Train) -> bool:
+    """Shafts of unlike diameter or bore meet, and neither says anything of their step."""
+    return any(train.shaft(one).step is None and not _is_smooth(one, two) for one, two in _adjoining(train))
+
+
+def _is_smooth(one: Bar, two: Bar) -> bool:
+    return one.section is two.section and (one.outer[1], one.bore[1]) == (two.outer[0], two.bore[0])
 
 
 def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
@@ -103,8 +129,11 @@ def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...]) -> Fa
     return None
 
 
-def excess_length(step: Step, one: End, two: End) -> tuple[float, str]:
-    """m of the smaller shaft, whose twist the step has beyond both shafts; and where that is from, in words."""
+def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> tuple[float, str]:
+    """m of the smaller shaft, whose twist the step has beyond both shafts; and where that is from, in words.
+
+    by_table: without words where the table has no such step, in place of finite elements.
+    """
     smaller, larger = sorted((one, two), key=lambda end: end.outer)
     unit = smaller.outer
     if step.form == "handbook":
@@ -114,6 +143,8 @@ def excess_length(step: Step, one: End, two: End) -> tuple[float, str]:
         known = junction_table().excess_length(smaller.bore / unit, height / unit, step.size / unit)
         if known is not None:
             return unit * known, f"from the table of finite elements, within {junction_table().error:.1g} diameters"
+    if by_table:
+        return 0.0, ""
     from torsion.assembly.junction.axisymmetric import solved
     from torsion.assembly.junction.profile import Corner, junction
 
