@@ -81,6 +81,11 @@ class Train:
         return any(ends.get(station, across) != across for station, across in starts)
 
     @property
+    def has_fillets(self) -> bool:
+        """A step between shafts is a fillet of a stated radius."""
+        return any(p.shaft is not None and p.shaft.step is not None and p.shaft.step.fillet for p in self.parts)
+
+    @property
     def damping_of_components(self) -> str:
         """The name of one that has damping of its own; empty where none has."""
         named = [spring.name for spring in self.springs if spring.damps]

@@ -119,6 +119,10 @@ ANALYSES: dict[str, Analysis] = {
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
         chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
     ),
+    "fillets": Analysis(
+        "stress in fillets", "torsion.analyses.fillet_stresses", needs=("response",), results={"fillets": "Fillets"},
+        wanted=lambda study: study.train.has_fillets, chapters=("fillets",), place=("train",),
+    ),
     "pendulums": Analysis(
         "pendulums", "torsion.analyses.pendulums", needs=("modes", "response"), results={"pendulums": "Pendulums"},
         chapters=("pendulums",), place=("train",),

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 from torsion.components.lowering import Step, StepForm
 from torsion.errors import Fault, InputError
@@ -14,8 +14,12 @@ from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar, Spring, Station
 from torsion.train import ENDS, Train
 
+if TYPE_CHECKING:
+    from torsion.assembly.junction.profile import Profile
+
 # Excess length / smaller diameter over larger / smaller diameter, from memory (Wilson; Ker Wilson), to be verified.
 HANDBOOK = ((1.0, 0.0), (1.25, 0.055), (1.5, 0.085), (2.0, 0.100), (3.0, 0.107), (math.inf, 0.125))
+STEP = ", step"  # behind the name of the shaft before it, the name of its spring
 MOST = 0.5  # of its twist that large fillets may take from a shaft
 
 
@@ -146,13 +150,33 @@ def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> 
     if by_table:
         return 0.0, ""
     from torsion.assembly.junction.axisymmetric import solved
+
+    found = solved(profile_of(step, one, two))
+    return unit * found.excess_length, f"by finite elements, within {found.error:.1g} diameters"
+
+
+def profile_of(step: Step, one: End, two: End) -> "Profile":
+    """The outline of a step, in units of its smaller diameter."""
     from torsion.assembly.junction.profile import Corner, junction
 
+    smaller, larger = sorted((one, two), key=lambda end: end.outer)
+    unit = smaller.outer
     corner = Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
     sizes = [(end.outer / unit, end.bore / unit) for end in (smaller, larger)]
-    moduli = 1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus
-    found = solved(junction(sizes[0], sizes[1], corner, moduli=moduli))
-    return unit * found.excess_length, f"by finite elements, within {found.error:.1g} diameters"
+    return junction(sizes[0], sizes[1], corner, moduli=(1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus))
+
+
+def filleted(train: Train) -> Iterator[tuple[Step, Bar, Bar, End, End]]:
+    """Every step with a fillet of a train whose steps are springs: both shafts, smaller and larger end."""
+    starts = {bar.driving: bar for bar in train.bars}
+    behind = {spring.driving: spring.driven for spring in train.springs if spring.name.endswith(STEP)}
+    for one in train.bars:
+        step = train.shaft(one).step if train.parts[one.part].shaft is not None else None
+        two = starts.get(behind.get(one.driven, one.driven))
+        if step is not None and step.fillet is not None and two is not None:
+            ends = End(one, one.outer[1], one.bore[1]), End(two, two.outer[0], two.bore[0])
+            smaller, larger = sorted(ends, key=lambda end: end.outer)
+            yield step, one, two, smaller, larger
 
 
 def handbook(larger: float) -> float:
@@ -179,7 +203,7 @@ def _with_spring(train: Train, one: Bar, two: Bar, smaller: End, excess: float) 
     flexibility = excess / smaller.bar.shear_modulus / area
     before, new = train.stations[one.driven], len(train.stations)
     spring = Spring(
-        f"{one.name}, step", one.part, one.driven, new, flexibility, loss_factor=smaller.bar.loss_factor
+        f"{one.name}{STEP}", one.part, one.driven, new, flexibility, loss_factor=smaller.bar.loss_factor
     )  # fmt: skip
     parts = list(train.parts)
     parts[two.part] = replace(parts[two.part], stations=(new, *parts[two.part].stations[1:]))
