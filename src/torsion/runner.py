@@ -34,6 +34,10 @@ def run(
     """
     if memory is not None:
         study = replace(study, memory=bytes_of(memory))
+    if study.train.has_steps:  # of a train that no file was read for
+        from torsion.assembly.junction.stepped_shafts import with_steps
+
+        study = replace(study, train=with_steps(study.train))
     if not study.cases:
         return _misfires(study, only, progress, answered)
     total = 1 + len(study.cases)

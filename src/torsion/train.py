@@ -9,7 +9,7 @@ from typing import Any
 
 from torsion.components.component import Component, lower_line
 from torsion.components.harmonic_torques import Excitation
-from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord
+from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord, StepForm
 from torsion.components.material import STEEL, Material
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, SectionMesh, Spring, Station, Torque
@@ -39,6 +39,7 @@ class Train:
     torques: tuple[Torque, ...]
     materials: Mapping[str, Material]
     modal_damping: tuple[float, ...] = ()  # damping ratio of each elastic mode, the last of all above; () for none
+    steps: StepForm | None = "none"  # of shafts that say none of their own; None: all are springs already
 
     def part(self, name: str) -> Part:
         """The component of that name; raises KeyError."""
@@ -68,8 +69,21 @@ class Train:
 
     @property
     def has_steps(self) -> bool:
-        """A shaft says what its step to the next one is."""
-        return any(part.shaft is not None and part.shaft.step is not None for part in self.parts)
+        """Steps between shafts are yet to be taken as springs."""
+        stated = (part.shaft is not None and part.shaft.step is not None for part in self.parts)
+        return self.steps is not None and (self.steps != "none" or any(stated))
+
+    @property
+    def has_corners(self) -> bool:
+        """A shaft begins with another diameter or bore where one ends; something may stand between them."""
+        ends = {bar.driven: (bar.outer[1], bar.bore[1]) for bar in self.bars if bar.section is None}
+        starts = [(bar.driving, (bar.outer[0], bar.bore[0])) for bar in self.bars if bar.section is None]
+        return any(ends.get(station, across) != across for station, across in starts)
+
+    @property
+    def has_fillets(self) -> bool:
+        """A step between shafts is a fillet of a stated radius."""
+        return any(p.shaft is not None and p.shaft.step is not None and p.shaft.step.fillet for p in self.parts)
 
     @property
     def damping_of_components(self) -> str:
@@ -122,17 +136,19 @@ def train(
     links: Sequence[Link] = (),
     materials: Mapping[str, Material] | None = None,
     reference: str | None = None,
+    steps: StepForm = "none",
 ) -> Train:
     """Lower a list of components; every speed ratio counts from the component called `reference` (default: the first).
 
-    Raises InputError with every fault of the train as a whole.
+    steps: of the shafts that say no `step`, taken as springs when the train is assembled. Raises InputError with every
+    fault of the train as a whole.
     """
     found, faults = lowered(
         components, excitations=excitations, links=links, materials=materials, reference=reference
     )  # fmt: skip
     if found is None or faults:
         raise InputError(faults)
-    return found
+    return replace(found, steps=steps)
 
 
 def lowered(

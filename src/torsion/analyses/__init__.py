@@ -76,6 +76,11 @@ ANALYSES: dict[str, Analysis] = {
         settings="torsion.analyses.undamped_modes:ModesSettings", needs=("assembly",),
         results={"modes": "torsion.analyses.undamped_modes:Modes"}, wanted=always, chapters=("natural_frequencies",),
     ),
+    "sharp steps": Analysis(
+        "steps between shafts", "torsion.analyses.sharp_steps", needs=("modes",),
+        results={"sharp_steps": "SharpSteps"}, chapters=("natural_frequencies",), place=("steps",),
+        wanted=lambda study: study.train.has_corners,
+    ),
     "damped": Analysis(
         "damped modes", "torsion.analyses.damped_modes", needs=("couplings by table",),
         results={"damped_modes": "DampedModes"}, wanted=always, chapters=("natural_frequencies",),
@@ -113,6 +118,10 @@ ANALYSES: dict[str, Analysis] = {
         "response over speed", "torsion.analyses.response.over_speed", settings="ResponseSettings", needs=("steady",),
         results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
         chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
+    ),
+    "fillets": Analysis(
+        "stress in fillets", "torsion.analyses.fillet_stresses", needs=("response",), results={"fillets": "Fillets"},
+        wanted=lambda study: study.train.has_fillets, chapters=("fillets",), place=("train",),
     ),
     "pendulums": Analysis(
         "pendulums", "torsion.analyses.pendulums", needs=("modes", "response"), results={"pendulums": "Pendulums"},

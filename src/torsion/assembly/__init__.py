@@ -37,6 +37,10 @@ def assemble(
         raise InputError([Fault(("model",), f"no model is called '{model}'", f"give {', '.join(MODELS)}")])
     from torsion.assembly.system import Discretisation
 
+    if train.has_steps:
+        from torsion.assembly.junction.stepped_shafts import with_steps
+
+        train = with_steps(train)
     if train.has_meshed_sections:
         from torsion.assembly.section.solved_sections import resolved
 

@@ -149,6 +149,7 @@ class ShaftRecord:
     role: Role | None
     features: tuple[str, ...]
     support: tuple[Support, ...]
+    endurance: float | None = None  # Pa, amplitude of shear that it endures at a fillet
     journal: tuple[float, float] | None = None  # m, diameter and bore of a crank span, which has no `Bar`
     step: Step | None = None  # to the shaft after it; None: as `steps` of the train says
 

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering, Role, ShaftRecord, Step, Support
+from torsion.components.material import Strength
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
 
@@ -48,6 +49,10 @@ class Shaft(Component, keyword="shaft", sort="link"):
     step: StepOrForm | None = given(
         "corner to the shaft after it: {fillet: 4 mm}, {chamfer: 5 mm}, sharp, handbook or none (default: `steps`)"
     )
+    endurance: Strength | None = given(
+        "amplitude of shear stress that its material endures at the fillet of `step`, surface and size counted in; "
+        "read by the rule `fillets`"
+    )
     support: Annotated[tuple[Support, ...], OneOrMany] = given("bearings on springs that hold the shaft sideways", ())
 
     @field_validator("section")
@@ -81,7 +86,9 @@ class Shaft(Component, keyword="shaft", sort="link"):
 
     def lower(self, build: Lowering) -> None:
         build.record(
-            shaft=ShaftRecord(self.material, self.role, self.features, self.support, step=self.step),
+            shaft=ShaftRecord(
+                self.material, self.role, self.features, self.support, step=self.step, endurance=self.endurance
+            ),
             damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
         )
         driving, driven = build.link()

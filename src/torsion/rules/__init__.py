@@ -32,6 +32,7 @@ RULES = {  # name in the file: class, and what it is made with
     "nvh": "torsion.rules.noise_limits:NoiseLimits",
     "coupling-maker": "torsion.rules.coupling_maker:CouplingMaker",
     "gear-hammer": "torsion.rules.gear_hammer:GearHammer",
+    "fillets": "torsion.rules.fillet_endurance:FilletEndurance",
     "ice": "torsion.rules.ice_peaks:IcePeaks",
     "universal-joints": "torsion.rules.universal_joints:UniversalJoints",
 }

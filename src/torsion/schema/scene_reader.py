@@ -109,7 +109,7 @@ def _study(source: Source) -> Study:
     if study is not None:
         if "train" not in _faulty(faults):
             study, steps = _with_meshes(study, faults), source.data.get("steps", "none")
-            if steps != "none" or study.train.has_steps:
+            if replace(study.train, steps=steps or "none").has_steps:
                 from torsion.assembly.junction.stepped_shafts import stepped
 
                 study = replace(study, train=stepped(study.train, steps, faults))

@@ -5,17 +5,21 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 from torsion.components.lowering import Step, StepForm
-from torsion.errors import Fault
+from torsion.errors import Fault, InputError
 from torsion.kernels.junction_table import junction_table
 from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar, Spring, Station
 from torsion.train import ENDS, Train
 
+if TYPE_CHECKING:
+    from torsion.assembly.junction.profile import Profile
+
 # Excess length / smaller diameter over larger / smaller diameter, from memory (Wilson; Ker Wilson), to be verified.
 HANDBOOK = ((1.0, 0.0), (1.25, 0.055), (1.5, 0.085), (2.0, 0.100), (3.0, 0.107), (math.inf, 0.125))
+STEP = ", step"  # behind the name of the shaft before it, the name of its spring
 MOST = 0.5  # of its twist that large fillets may take from a shaft
 
 
@@ -28,25 +32,42 @@ class End:
     bore: float  # m
 
 
-def stepped(train: Train, form: object, faults: list[Fault]) -> Train:
+def with_steps(train: Train) -> Train:
+    """The train with a spring at every step that twists, by its own words; raises InputError with every fault."""
+    faults = list[Fault]()
+    found = stepped(train, train.steps, faults)
+    if faults:
+        raise InputError(faults)
+    return found
+
+
+def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool = False) -> Train:
     """The train with a spring at every step that twists; form: of the steps that say none, faulty or not.
 
     A spring stands between the end of a shaft and a new station, at which the next shaft begins. A large fillet twists
-    less than the shaft whose end it fills: then the shear modulus of that shaft is raised in place of a spring.
+    less than the shaft whose end it fills: then the shear modulus of that shaft is raised in place of a spring. Steps
+    that a train with `steps` None states are in it already. by_table: no finite elements run; steps that need them
+    are left out, and said to be.
     """
     found, said, shorter = train, set[int](), dict[str, float]()
     for one, two in _adjoining(train):
         record, path = train.shaft(one), (*train.parts[one.part].path, "step")
         said.add(one.part)
+        if train.steps is None and record.step is not None:
+            continue
         step = record.step or Step(form=next((one for one in get_args(StepForm) if one == form), "none"))
         if step.form == "none":
             continue
         ends = End(one, one.outer[1], one.bore[1]), End(two, two.outer[0], two.bore[0])
-        if fault := _fault(step, ends, path):
-            faults += [fault] if record.step is not None else []
+        fault = _fault(step, ends, path)
+        excess, source = (0.0, "") if fault else excess_length(step, *ends, by_table=by_table)
+        if fault or not source:
+            faults += [fault] if fault and record.step is not None else []
+            if not _is_smooth(one, two):
+                why = fault.message if fault else "the table has no such step"
+                found = _remarked(found, one.part, f"its step to '{two.name}' is left out: {why}")
             continue
         smaller = min(ends, key=lambda end: end.outer)
-        excess, source = excess_length(step, *ends)
         form_words = step.form or f"{'fillet' if step.fillet else 'chamfer'} of {1e3 * step.size:g} mm"
         remark = f"its step to '{two.name}' ({form_words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
         found = _remarked(found, one.part, f"{remark} beyond both shafts, {source}")
@@ -62,12 +83,21 @@ def stepped(train: Train, form: object, faults: list[Fault]) -> Train:
         replace(bar, shear_modulus=bar.shear_modulus / (1.0 - shorter.get(bar.name, 0.0) / bar.length))
         for bar in found.bars
     ]
-    found = replace(found, bars=tuple(bars))
-    for number, part in train.of_kind("shaft"):
+    found = replace(found, bars=tuple(bars), steps=None)
+    for number, part in () if train.steps is None else train.of_kind("shaft"):
         if part.shaft is not None and part.shaft.step is not None and number not in said:
             hint = "a step joins two shafts of the train, one right after the other, with nothing at the point between"
             faults.append(Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint))
     return found
+
+
+def has_unstated(train: Train) -> bool:
+    """Shafts of unlike diameter or bore meet, and neither says anything of their step."""
+    return any(train.shaft(one).step is None and not _is_smooth(one, two) for one, two in _adjoining(train))
+
+
+def _is_smooth(one: Bar, two: Bar) -> bool:
+    return one.section is two.section and (one.outer[1], one.bore[1]) == (two.outer[0], two.bore[0])
 
 
 def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
@@ -103,8 +133,11 @@ def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...]) -> Fa
     return None
 
 
-def excess_length(step: Step, one: End, two: End) -> tuple[float, str]:
-    """m of the smaller shaft, whose twist the step has beyond both shafts; and where that is from, in words."""
+def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> tuple[float, str]:
+    """m of the smaller shaft, whose twist the step has beyond both shafts; and where that is from, in words.
+
+    by_table: without words where the table has no such step, in place of finite elements.
+    """
     smaller, larger = sorted((one, two), key=lambda end: end.outer)
     unit = smaller.outer
     if step.form == "handbook":
@@ -114,14 +147,36 @@ def excess_length(step: Step, one: End, two: End) -> tuple[float, str]:
         known = junction_table().excess_length(smaller.bore / unit, height / unit, step.size / unit)
         if known is not None:
             return unit * known, f"from the table of finite elements, within {junction_table().error:.1g} diameters"
+    if by_table:
+        return 0.0, ""
     from torsion.assembly.junction.axisymmetric import solved
+
+    found = solved(profile_of(step, one, two))
+    return unit * found.excess_length, f"by finite elements, within {found.error:.1g} diameters"
+
+
+def profile_of(step: Step, one: End, two: End) -> "Profile":
+    """The outline of a step, in units of its smaller diameter."""
     from torsion.assembly.junction.profile import Corner, junction
 
+    smaller, larger = sorted((one, two), key=lambda end: end.outer)
+    unit = smaller.outer
     corner = Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
     sizes = [(end.outer / unit, end.bore / unit) for end in (smaller, larger)]
-    moduli = 1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus
-    found = solved(junction(sizes[0], sizes[1], corner, moduli=moduli))
-    return unit * found.excess_length, f"by finite elements, within {found.error:.1g} diameters"
+    return junction(sizes[0], sizes[1], corner, moduli=(1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus))
+
+
+def filleted(train: Train) -> Iterator[tuple[Step, Bar, Bar, End, End]]:
+    """Every step with a fillet of a train whose steps are springs: both shafts, smaller and larger end."""
+    starts = {bar.driving: bar for bar in train.bars}
+    behind = {spring.driving: spring.driven for spring in train.springs if spring.name.endswith(STEP)}
+    for one in train.bars:
+        step = train.shaft(one).step if train.parts[one.part].shaft is not None else None
+        two = starts.get(behind.get(one.driven, one.driven))
+        if step is not None and step.fillet is not None and two is not None:
+            ends = End(one, one.outer[1], one.bore[1]), End(two, two.outer[0], two.bore[0])
+            smaller, larger = sorted(ends, key=lambda end: end.outer)
+            yield step, one, two, smaller, larger
 
 
 def handbook(larger: float) -> float:
@@ -148,7 +203,7 @@ def _with_spring(train: Train, one: Bar, two: Bar, smaller: End, excess: float) 
     flexibility = excess / smaller.bar.shear_modulus / area
     before, new = train.stations[one.driven], len(train.stations)
     spring = Spring(
-        f"{one.name}, step", one.part, one.driven, new, flexibility, loss_factor=smaller.bar.loss_factor
+        f"{one.name}{STEP}", one.part, one.driven, new, flexibility, loss_factor=smaller.bar.loss_factor
     )  # fmt: skip
     parts = list(train.parts)
     parts[two.part] = replace(parts[two.part], stations=(new, *parts[two.part].stations[1:]))

@@ -7,10 +7,12 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.holzer import HolzerTable, holzer
+from torsion.analyses.sharp_steps import SharpSteps
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.chapters.sharp_steps import sharp_steps
 from torsion.output.figures import mode_shape
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import LESS, NONE, ROUNDING, counted, number, rpm
@@ -51,6 +53,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if len(modes.frequency) == 0:
         return
     yield frequencies(modes)
+    if (steps := findings.get(SharpSteps)) is not None:
+        yield from sharp_steps(steps)
     if damped is not None:
         yield from _damped(damped)
     yield Heading("Energy shares", 2)

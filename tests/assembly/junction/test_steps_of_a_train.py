@@ -1,0 +1,69 @@
+"""Steps of a train from Python, what sharp corners would do, what is left out, and the stress in fillets."""
+
+import math
+
+import numpy as np
+import pytest
+from tests.assembly.junction.test_stepped_shafts import frequencies, scene
+from tests.contracts.frozen import solved
+
+import torsion
+from torsion.analyses.fillet_stresses import Fillets
+from torsion.analyses.response.amplitudes import Synthesis
+from torsion.analyses.sharp_steps import SharpSteps
+from torsion.analyses.undamped_modes import modes
+from torsion.assembly import assemble
+from torsion.components.disc import Disc
+from torsion.components.lowering import Step
+from torsion.components.shaft import Shaft
+from torsion.errors import InputError
+from torsion.rules.verdict_line import Checks
+from torsion.schema.scene_reader import parse
+from torsion.train import train
+
+
+def line(step: Step | None) -> list[Disc | Shaft]:
+    return [
+        Disc(inertia=20.0), Shaft(name="a", length=0.6, diameter=(0.1,), step=step),
+        Shaft(name="b", length=0.5, diameter=(0.2,)), Disc(inertia=30.0),
+    ]  # fmt: skip
+
+
+def test_steps_from_python_are_those_of_the_file() -> None:
+    stated = modes(assemble(train(line(Step(fillet=0.004))), "exact", frequency=3000.0), 3).frequency
+    np.testing.assert_allclose(stated, frequencies(scene(step=", step: {fillet: 4 mm}")), rtol=1e-12)
+    sharp = modes(assemble(train(line(None), steps="sharp"), "exact", frequency=3000.0), 3).frequency
+    np.testing.assert_allclose(sharp, frequencies(scene("steps: sharp")), rtol=1e-12)
+    with pytest.raises(InputError, match="no shaft follows"):
+        assemble(train(line(Step(fillet=0.004))[:2]))
+
+
+def test_the_change_by_sharp_steps_is_that_of_the_file_with_them() -> None:
+    for model in ("lumped", "exact"):
+        text = f"analyses: {{model: {model}, modes: {{count: 3}}}}"
+        found = torsion.run(parse(scene(text))).need(SharpSteps)
+        with_steps, without = frequencies(scene("steps: sharp"), model), frequencies(scene(), model)
+        np.testing.assert_allclose(found.frequency, with_steps, rtol=1e-9 if model == "exact" else 1e-3)
+        np.testing.assert_allclose(found.change, with_steps / without - 1.0, rtol=1e-2)
+    for text in (scene("steps: sharp"), scene(step=", step: none"), scene().replace("200 mm", "100 mm")):
+        assert torsion.run(parse(text), only=("sharp steps",)).get(SharpSteps) is None
+
+
+def test_a_step_in_the_bore_alone_is_named_where_steps_are_sharp() -> None:
+    text = scene("steps: sharp", bore=", bore: 50 mm").replace("200 mm", "100 mm")
+    assert "left out" in parse(text).train.part("a").remark
+    found = torsion.run(parse(text.replace("steps: sharp", ""))).need(SharpSteps)
+    assert [one.flexibility for one in found.steps] == [None]
+    assert not np.any(found.change)
+
+
+def test_peak_stress_is_the_factor_times_the_nominal_one_at_the_worst_speed() -> None:
+    found = solved("stepped_line")
+    for one in found.need(Fillets).each:
+        torque = found.need(Synthesis).half_range[:, found.system.span_part == found.study.train.position(one.shaft)]
+        nominal = torque[:, -1].max() / (math.pi / 16.0 * one.diameter**3)
+        assert one.nominal == pytest.approx(nominal, rel=1e-12)
+        assert one.peak == pytest.approx(one.factor * nominal, rel=1e-12)
+        assert one.peterson is None or one.factor == pytest.approx(one.peterson, rel=0.03)
+        assert (one.utilisation is None) == (one.shaft not in ("coupling seat", "seal", "first bearing"))
+    assert [line.where for line in found.need(Checks).lines] == ["seal"]
