@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import Tree
@@ -60,13 +61,8 @@ class Trains:
         tree = replace(self.tree, flexibility=one.flexibility, inertia=one.inertia)
         return tree_response(tree, flat, force, ground_damping=one.ground_damping, compliance=hc, check=check)
 
-    def resonances(self, highest: float, least: int = 0) -> tuple[FloatArray, FloatArray]:
-        """Frequencies (modes, trains) rad/s of every mode that any train has below `highest`, and ratios (modes,).
-
-        Of so many modes at `least`, as far as there are.
-        How many these are, the train of the greatest flexibilities and inertias says, whose modes are the lowest; what
-        damps them, the train of the geometric means, to first order by energy.
-        """
+    def _middle(self, highest: float, least: int = 0) -> tuple[Tree, TreeModes, int]:
+        """The train of the geometric means, its modes, and how many of them count below `highest` rad/s."""
         middle, softest = (
             replace(self.tree, flexibility=h, inertia=j)
             for h, j in zip(*(_ends(own) for own in (self.flexibility, self.inertia)), strict=True)
@@ -74,6 +70,34 @@ class Trains:
         below = int(count_below(softest, np.array([highest]))[0])
         known = tree_modes(middle, max(below, least))
         count = min(len(known.frequency), max(below - known.rigid, least))
+        return middle, known, count
+
+    def displaces(self, highest: float) -> bool:
+        """The greatest damping moves a resonance below `highest` rad/s by more than half its width.
+
+        A span of tangent t of its loss angle has the flexibility h/(1 + i t), which is smaller by t^2/(1 + t^2); so
+        much damping couples, or holds, and the peaks stand elsewhere than at the undamped frequencies.
+        """
+        middle, known, count = self._middle(highest)
+        w, torque, angle = known.frequency[:count], known.torque[:, :count], known.angle[:, :count]
+        share = middle.flexibility[:, None] * torque**2 / w**2
+        viscous, loss, ground = (
+            own if own.ndim == 1 else own.max(axis=1) for own in (self.viscous, self.loss_factor, self.ground_damping)
+        )
+        tangent = (middle.flexibility * viscous)[:, None] * w + loss[:, None]
+        held = angle.T**2 @ ground / w
+        softer = share / (1.0 + tangent**2)
+        moved, width = (softer * tangent**2).sum(axis=0), (softer * tangent).sum(axis=0)
+        return bool(np.any((moved > width + held) & (moved > LEAST_RATIO)) or np.any(held > 1.0))
+
+    def resonances(self, highest: float, least: int = 0) -> tuple[FloatArray, FloatArray]:
+        """Frequencies (modes, trains) rad/s of every mode that any train has below `highest`, and ratios (modes,).
+
+        Of so many modes at `least`, as far as there are.
+        How many these are, the train of the greatest flexibilities and inertias says, whose modes are the lowest; what
+        damps them, the train of the geometric means, to first order by energy.
+        """
+        middle, known, count = self._middle(highest, least)
         if count <= 0:
             return np.empty((0, self.count)), np.empty(0)
         viscous, loss, ground = (

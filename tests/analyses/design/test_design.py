@@ -15,6 +15,7 @@ from torsion.analyses.design.design_run import run
 from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
+from torsion.output.chapters.design import design_line
 from torsion.rules import judgement
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
@@ -211,6 +212,18 @@ def test_a_file_with_aliases_is_written_anew() -> None:
     )
     again = torsion.parse(study.variations["design"].text([1.5], without=["design"]))
     assert [one.inertia for one in again.train.inertias] == [1.5, 1.2]
+
+
+def test_the_first_page_says_that_the_cases_of_the_file_are_not_among_what_a_design_keeps() -> None:
+    """No other case has a choice made or proven for it; its verdict may be the opposite."""
+    design = (
+        "  design: {choose: {coupling-1.stiffness: {from: 10000, to: 30000, steps: 3}}, aim: {mode-1.frequency: 30 Hz}}"
+    )
+    said = [
+        dict(design_line(torsion.run(torsion.parse(TWO % (design + more)))))["Design"]
+        for more in ("", "\ncases: {worn: {scale: {coupling-1.stiffness: 50 %}}}")
+    ]
+    assert said[1] == f"{said[0]}; searched and judged without the other cases of the file: solve `designed.yaml`"
 
 
 def test_a_choice_that_the_ordinary_solution_disagrees_with_gives_way_to_the_next() -> None:

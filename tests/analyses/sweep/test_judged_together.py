@@ -155,6 +155,8 @@ def test_variants_that_do_not_say_the_same_by_themselves_are_all_solved_so(monke
     [
         ({"rules": "[coupling-maker, {nvh: {at: motor, fluctuation: 20 rpm}}]"}, "at each speed"),
         ({"vary": "rubber.vibratory_torque: {uniform: 5 %}"}, "neither as a power"),
+        # couples the discs beside it, so that the train resonates between two undamped frequencies
+        ({"damping": "viscous: 900 N*m*s/rad", "vary": "rubber.viscous: {lognormal: 60 %}"}, "moves a resonance"),
     ],
 )
 def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(given: dict[str, str], why: str) -> None:

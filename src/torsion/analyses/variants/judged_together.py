@@ -29,6 +29,8 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
     train = swept(work, variation, values)
     if train is None:
         return None, "a figure enters neither as a power nor as a share of a sum"
+    if train.displaces(train.enters.factors(values)):
+        return None, "damping moves a resonance by more than its width"
     count = len(values)
     answers, left = Answers(np.full((modes, count), np.nan)), np.zeros(count, dtype=np.bool_)
     errors = dict[Key, FloatArray]()

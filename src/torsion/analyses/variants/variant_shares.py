@@ -54,13 +54,21 @@ class Swept:
             raise ValueError("no speeds")
         return speeds.first, speeds.last
 
-    def grid(self, factor: FloatArray, modes: int) -> tuple[FloatArray, FloatArray]:
-        """Speeds (variants, points) rad/s, and natural frequencies (modes, variants) rad/s."""
-        size, (first, last) = self.system.condensed.tree.size, self.band
-        middle = np.array([np.sqrt(first * last)])
+    def trains(self, factor: FloatArray) -> tuple[Trains, list[float]]:
+        """Of variants with factors (rows, variants), as damped in the middle of the band; and the orders that act."""
+        size, middle = self.system.condensed.tree.size, np.sqrt([self.band[0] * self.band[1]])
         own = np.real(_rows(self.system, self.found, self.work.study, middle)[: 5 * size]) * factor[: 5 * size]
         trains = Trains(self.system.condensed.tree, *(own[k * size : (k + 1) * size] for k in range(5)))
-        orders = [float(one.line.order) for one in self.found if one.line.order is not None]
+        return trains, [float(one.line.order) for one in self.found if one.line.order is not None]
+
+    def displaces(self, factor: FloatArray) -> bool:
+        """Damping moves a resonance away from where `grid` looks for it."""
+        trains, orders = self.trains(factor)
+        return trains.displaces(max(orders) * self.band[1])
+
+    def grid(self, factor: FloatArray, modes: int) -> tuple[FloatArray, FloatArray]:
+        """Speeds (variants, points) rad/s, and natural frequencies (modes, variants) rad/s."""
+        (trains, orders), (first, last) = self.trains(factor), self.band
         frequency, ratio = trains.resonances(max(orders, default=0.0) * last, modes)
         centre = [frequency / order for order in orders]
         named = self.work.rules.named_speeds(self.work.study)

@@ -66,7 +66,8 @@ def design_line(findings: Findings) -> Iterator[tuple[str, str]]:
     """The row of the first page."""
     found = findings.get(Design)
     if found is not None:
-        yield "Design", conclusion(found)
+        others = "; searched and judged without the other cases of the file: solve `designed.yaml`"
+        yield "Design", conclusion(found) + (others if findings.study.cases or findings.study.case else "")
 
 
 def _said(found: Design) -> Paragraph:
