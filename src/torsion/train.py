@@ -122,6 +122,15 @@ class Train:
         """A coupling has play, friction, stages or a capacity."""
         return any(part.nonlinear is not None for part in self.parts)
 
+    @cached_property
+    def sectioned(self) -> dict[str, list[Bar]]:
+        """Of every shaft from a table of its sections these, by its name."""
+        found: dict[str, list[Bar]] = {}
+        for bar in self.bars:
+            if (part := self.parts[bar.part]).whole != part.name:
+                found.setdefault(part.whole, []).append(bar)
+        return found
+
     def shaft(self, bar: Bar) -> ShaftRecord:
         """What is known of the shaft that a `Bar` is of; raises LookupError where it is of another component."""
         if (found := self.parts[bar.part].shaft) is None:

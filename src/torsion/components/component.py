@@ -11,6 +11,15 @@ from torsion.errors import Path
 from torsion.fields import Sized, given
 
 
+def section_name(whole: str, number: int) -> str:
+    """What a section of a shaft is called; `Part.whole` is the way back.
+
+    >>> section_name("line", 2)
+    'line [2]'
+    """
+    return f"{whole} [{number}]"
+
+
 class Component(Sized):
     """One entry of the train."""
 

@@ -226,6 +226,12 @@ class Part:
     remark: str = ""  # what it stands for, where that is not what the file says alone
     is_opposed: bool = False  # of the motion of two equal halves against each other
 
+    @property
+    def whole(self) -> str:
+        """Of a section of a shaft, as `line [2]`, the shaft, `line`; of all else its own name."""
+        whole, _, number = self.name.removesuffix("]").rpartition(" [")
+        return whole if self.kind == "shaft" and self.name.endswith("]") and number.isdecimal() else self.name
+
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
         """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""
         if self.max_torque is not None:

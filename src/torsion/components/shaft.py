@@ -1,9 +1,9 @@
 """A shaft: distributed inertia and stiffness from its dimensions and material; uniform, conical or of any section."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema, field_validator
 
 from torsion import fields
 from torsion.components.component import Component
@@ -21,6 +21,19 @@ Feature = Literal[
 StepOrForm = Annotated[
     Step, BeforeValidator(lambda value: {"form": value} if isinstance(value, str) else value, str | Step)
 ]
+ONE_SECTION = {"anyOf": [{"type": "array", "minItems": 2, "maxItems": 3}, {"type": "object"}]}
+SECTIONS: dict[str, Any] = {
+    "anyOf": [
+        {"type": "array", "items": ONE_SECTION, "minItems": 1},
+        {"type": "string"},
+        {"$ref": "#/$defs/table"},
+    ]
+}
+
+
+def _length_or_sections(schema: dict[str, Any]) -> None:
+    """What is required in an editor; the reader puts shafts in the place of their sections first."""
+    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["sections"]}]
 
 
 class MeshedSection(Declared):
@@ -34,6 +47,8 @@ class MeshedSection(Declared):
 
 class Shaft(Component, keyword="shaft", sort="link"):
     """A uniform or conical shaft, solid or hollow, or one of any cross-section."""
+
+    model_config = ConfigDict(json_schema_extra=_length_or_sections)
 
     length: Annotated[float, Quantity("m", above=0, usual=(None, 20e3), slip=("m", "mm"))] = required("length")
     diameter: Annotated[tuple[fields.Across, ...], OneOrMany] = given("outer diameter, or [from, to] of a cone", ())
@@ -54,6 +69,9 @@ class Shaft(Component, keyword="shaft", sort="link"):
         "read by the rule `fillets`"
     )
     support: Annotated[tuple[Support, ...], OneOrMany] = given("bearings on springs that hold the shaft sideways", ())
+    sections: Annotated[tuple[Any, ...], WithJsonSchema(SECTIONS)] = given(
+        "rows [length, diameter, bore], or with the keys above, in place of `length`; or a CSV file of them", ()
+    )
 
     @field_validator("section")
     @classmethod

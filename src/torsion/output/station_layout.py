@@ -36,7 +36,8 @@ def layout(system: System) -> Layout:
     number = len(system.stations)
     x, row = np.full(number, np.nan), np.zeros(number)
     rows, of_path = _Rows(), dict[Path, int]()
-    for part in system.train.parts:
+    widths = _widths(system)
+    for number, part in enumerate(system.train.parts):
         if part.stations and part.kind != "planets":  # they stand beside their gear
             first, last = part.stations[0], part.stations[-1]
             is_new = np.isnan(x[first])
@@ -46,12 +47,21 @@ def layout(system: System) -> Layout:
             if is_new:
                 row[first] = line
             if np.isnan(x[last]):
-                x[last], row[last] = x[first] + WIDTH.get(part.kind, 1.0), line
+                x[last], row[last] = x[first] + widths.get(number, WIDTH.get(part.kind, 1.0)), line
             rows.fill(line, float(x[last]))
             of_path.setdefault(part.path, last)
     _along_shafts(system, x, row)
     _hanging(system, x, row)
     return Layout(x, row)
+
+
+def _widths(system: System) -> dict[int, float]:
+    """By part, of the sections of a shaft: to scale, on the average half a shaft."""
+    train, found = system.train, dict[int, float]()
+    for bars in train.sectioned.values():
+        scale = WIDTH["shaft"] / 2.0 * len(bars) / sum(bar.length for bar in bars)
+        found |= {bar.part: scale * bar.length for bar in bars}
+    return found
 
 
 class _Rows:

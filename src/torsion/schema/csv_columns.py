@@ -14,6 +14,7 @@ MAPPINGS = {  # lists of mappings: key, what declares an entry
     "excitations": "torsion.components.harmonic_torques:Excitation",
     "ripple": "torsion.components.harmonic_torques:Ripple",
     "excitation": "torsion.components.propeller:BladeTorque",
+    "sections": "torsion.components.shaft:Shaft",
 }
 PAIRS = ("load", "torque")  # lists of [speed, torque]
 SPEED_AND_TORQUE = {"speed": ("rad/s",), "torque": ("N*m", "1")}
@@ -64,6 +65,7 @@ def _declared(kind: type[BaseModel]) -> dict[str, Stated]:
         items = list(items_of(field))
         expected = {item.unit for item in items if isinstance(item, Quantity)}
         expected |= {"N*m", "1"} if Amount in items else set()
-        is_text = str in items and not expected and float not in items
+        is_mapping = any(isinstance(one, type) and issubclass(one, BaseModel) for one in items)
+        is_text = str in items and not expected and float not in items and not is_mapping
         found[key] = Stated(tuple(sorted(expected)), is_text)
     return found

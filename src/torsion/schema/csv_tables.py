@@ -24,6 +24,7 @@ from torsion.schema.csv_harmonics import list_node
 from torsion.schema.csv_rows import ROW, Reading, Rows
 from torsion.schema.csv_text import first_comment, table_text
 from torsion.schema.fault_text import Node, Source, input_error
+from torsion.schema.shaft_sections import SECTIONS, has_sections, sections
 
 BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("gas", "table"): HARMONICS, ("gas", "motored"): HARMONICS, ("tables", "rows"): HARMONICS,
@@ -60,10 +61,17 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         parts: list[Node] = []
         for part in node.parts.values():
             is_table = key == "train" and table_name(part.value)
-            parts += _table(part, key, reading) if is_table else [_spliced(part, key * (key in INNER), reading)]
+            if key == "train" and has_sections(part):
+                parts += _sections(part, reading)
+            else:
+                parts += _table(part, key, reading) if is_table else [_spliced(part, key * (key in INNER), reading)]
         return node if parts == list(node.parts.values()) else list_node(node, parts)
     if key == LIBRARY and isinstance(node.value, dict) and {"from", ROW} <= node.value.keys():
         return _from_library(node, reading)
+    if key == "shaft" and isinstance(node.value, dict) and SECTIONS in node.value:
+        hint = "in a link, a case or the table of a train give one shaft a section"
+        _end(node.parts[SECTIONS], "`sections` stand in the list of a train alone", hint, reading)
+        return node
     if isinstance(node.value, dict):
         inner, named = {}, node.parts.get("catalogue")
         if named is not None and isinstance(named.value, str):
@@ -76,6 +84,18 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
             value = node.value | {step: part.value for step, part in inner.items()}
             return replace(node, value=value, parts=inner)
     return node
+
+
+def _sections(entry: Node, reading: Reading) -> list[Node]:
+    """The shafts for which a shaft of sections stands."""
+    shaft = entry.parts["shaft"]
+    listed, parts = shaft.parts[SECTIONS], dict(shaft.parts)
+    if isinstance(listed.value, str) or table_name(listed.value):
+        parts[SECTIONS] = list_node(listed, _table(listed, SECTIONS, reading))
+        if reading.is_ended:
+            return []
+    whole = replace(entry, parts={"shaft": replace(shaft, parts=parts)})
+    return sections(whole, reading.source, lambda node, message, hint: _end(node, message, hint, reading))
 
 
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:

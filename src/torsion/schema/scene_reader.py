@@ -86,7 +86,7 @@ def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
 
 def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:
     """The source with the rows of the tables that it names, from their files or as they were read before."""
-    if not any(word in source.text for word in ("table", "size", "torsiogram", "catalogue")):
+    if not any(word in source.text for word in ("table", "size", "torsiogram", "catalogue", "sections")):
         return source
     from torsion.schema.csv_tables import with_tables
 

@@ -64,6 +64,8 @@ def shafts(findings: Findings) -> Iterator[Block]:
     yield Heading("Stress of the shafts")
     yield Paragraph(text)
     yield _stresses(findings, curves)
+    if said := " ".join(_weakest(findings, curves)):
+        yield Paragraph(said)
     yield _by_order(findings, curves)
     drawn = sorted(curves, key=lambda name: -highest(curves[name].stress))[:MOST_FIGURES]
     for name, curve in curves.items():
@@ -126,6 +128,16 @@ def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
         rows.append((name, None if shaft is None else shaft.role, *own, *((*there, *share) if limited else ())))
     columns = "< Shaft | < Role | Largest stress [N/mm²] | At speed [rpm] " + (LIMITS if limited else "")
     return table(columns, rows, "Largest stress amplitude of every shaft over the speed range")
+
+
+def _weakest(findings: Findings, curves: dict[str, Curves]) -> Iterator[str]:
+    """Of every shaft of sections the one with the largest stress, in a sentence."""
+    for whole, bars in findings.study.train.sectioned.items():
+        name = max((bar.name for bar in bars), key=lambda name: highest(curves[name].stress))
+        if not highest(curves[name].stress):
+            continue
+        stress, speed = worst(curves[name].stress, curves[name].speed)
+        yield f"Of the {len(bars)} sections of {whole}, {name} has the largest stress: {stress} N/mm² at {speed} rpm."
 
 
 def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:

@@ -1,7 +1,7 @@
 """Chapter: the plant, as a sketch and as a list of its components."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -85,7 +85,8 @@ def _links(findings: Findings) -> list[Link]:
     found = [_between(place, s.driving, s.driven, "rigid") for s in system.own_spans if s.name.endswith(" rigid")]
     for position, part in enumerate(system.train.parts):
         if not part.is_point and len(part.stations) == 2:
-            kind, more = _drawing(part, bars.get(position), meshes.get(position))
+            sections = system.train.sectioned.get(part.whole, ())
+            kind, more = _drawing(part, bars.get(position), meshes.get(position), sections)
             looks = kind, {**more, "parts": (position,)}
             found.extend(_link(part, label(system.train.parts, position), place, looks))
     for span in system.own_spans:
@@ -114,10 +115,12 @@ def _link(part: Part, name: str, place: Layout, looks: tuple[str, dict[str, Any]
     return [drawn]
 
 
-def _drawing(part: Part, bar: Bar | None, mesh: Constraint | None) -> tuple[str, dict[str, Any]]:
-    """How a link is drawn: by what it was made into."""
+def _drawing(
+    part: Part, bar: Bar | None, mesh: Constraint | None, sections: Iterable[Bar]
+) -> tuple[str, dict[str, Any]]:
+    """How a link is drawn: by what it was made into, the sections of a shaft to one scale."""
     if bar is not None:
-        widest = max(bar.outer)
+        widest = max(end for one in (bar, *sections) for end in one.outer)
         return "shaft", {"bore": bar.bore[0] / bar.outer[0], "taper": tuple(end / widest for end in bar.outer)}
     if part.joint is not None:
         return "joint", {}
