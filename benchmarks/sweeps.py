@@ -15,10 +15,8 @@ from benchmarks.papers.writing import table
 from benchmarks.peers_opentorsion import assembled, elements, undamped_frequencies
 from benchmarks.references import frequencies, worst
 from benchmarks.swept_responses import responses
-from torsion.kernels.loops import graph_modes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
-from torsion.kernels.variant_loops import looped_variant_modes
 from torsion.kernels.variant_modes import variant_modes
 
 SIZES = ((5, 4, 20_000), (10, 6, 20_000), (20, 6, 10_000), (100, 6, 1_000))  # stations, modes, trains
@@ -36,15 +34,6 @@ HEAD = (
     "error", "openTorsion's error", "alone of",
 )  # fmt: skip
 
-LOOPED_CASES = ((6, 1, 4), (10, 1, 6), (10, 2, 6), (20, 1, 6))  # stations, chords, modes
-LOOPS = """\
-Chains with one chord from the second station to the last but one, and with one from end to end besides, varied in the
-same way: `looped_variant_modes`, every mode proven by counts, beside a loop over `graph_modes`, which proves none. The
-difference is the largest between both; width is that of the widest proven bounds."""
-LOOP_HEAD = (
-    "stations", "chords", "modes", "side by side µs", "one by one µs", "ratio", "difference", "width", "alone of",
-)  # fmt: skip
-
 
 def main() -> None:
     """Runs all cases and writes the page."""
@@ -53,8 +42,7 @@ def main() -> None:
         for stiff in (False, True):
             for make in (chain, _tree):
                 rows.append(_row(make(size, stiff=stiff), modes, trains // (5 if report.chosen.quick else 1)))
-    looped = [_looped_row(*case, 2000 // (5 if report.chosen.quick else 1)) for case in LOOPED_CASES]
-    page = ["## Natural frequencies", HOW, table(HEAD, rows), "## Closed loops", LOOPS, table(LOOP_HEAD, looped)]
+    page = ["## Natural frequencies", HOW, table(HEAD, rows)]
     report.publish("Many trains side by side", [*page, *responses(report.chosen.quick)])
 
 
@@ -95,29 +83,6 @@ def _row(case: Case, modes: int, trains: int) -> tuple[str, ...]:
         f"{1e6 * theirs:.4g}", f"{theirs / ours:.3g}",
         "-" if meant is None else f">= {meant:g}: {verdict(theirs / ours >= meant)}",
         *(f"{error:.1e}" for error in errors), f"{answers[0].alone} of {trains * modes}",
-    )  # fmt: skip
-
-
-def _looped_row(size: int, chords: int, modes: int, trains: int) -> tuple[str, ...]:
-    case, rng = chain(size, stiff=False), np.random.default_rng(1)
-    tree = Tree(np.array(case.parent), *np.zeros((2, size)), np.zeros(size, dtype=bool))
-    inertia = np.array(case.inertia)[:, None] * rng.uniform(1 - SPREAD[0], 1 + SPREAD[0], (size, trains))
-    softness = 1.0 / rng.uniform(1 - SPREAD[1], 1 + SPREAD[1], (size + chords, trains))
-    flexibility, soft = np.zeros_like(inertia), 1.0 / min(case.stiffness[1:])
-    flexibility[1:] = softness[1:size] / np.array(case.stiffness)[1:, None]
-    chord, ends = soft * softness[size:], (np.array([1, 0][:chords]), np.array([size - 2, size - 1][:chords]))
-
-    def loop() -> np.ndarray:
-        own = [replace(tree, flexibility=flexibility[:, k], inertia=inertia[:, k]) for k in range(LOOPED)]
-        return np.array([graph_modes(one, *ends, chord[:, k], modes).frequency for k, one in enumerate(own)]).T
-
-    times, answers = _in_turn(lambda: looped_variant_modes(tree, flexibility, inertia, ends, chord, modes), loop)
-    ours, alone, found = times[0] / trains, times[1] / LOOPED, answers[0]
-    difference = np.abs(found.frequency[:, :LOOPED] / answers[1] - 1.0).max()
-    width = ((found.upper - found.lower) / found.frequency).max()
-    return (
-        str(size), str(chords), str(modes), *(f"{1e6 * one:.3g}" for one in (ours, alone)), f"{alone / ours:.3g}",
-        f"{difference:.1e}", f"{width:.1e}", f"{found.alone} of {trains * modes}",
     )  # fmt: skip
 
 

@@ -113,24 +113,6 @@ def test_variants_that_are_judged_are_those_files_too() -> None:
     assert check.correlation == pytest.approx(np.corrcoef(ranks)[0, 1], rel=1e-12)
 
 
-def test_trains_with_closed_loops_are_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
-    text = TWO.replace("count: 1", "count: 2").replace("analyses:", "  - coupling: {stiffness: 30000}\n%s\nanalyses:")
-    text = text.replace(
-        "%s\nanalyses:", "  - disc: {inertia: 0.5}\nlinks: [{between: [disc-1, disc-3], %s}]\nanalyses:"
-    )
-    vary = "vary: {chord.stiffness: {uniform: 30 %}, coupling-1.stiffness: {uniform: 20 %}}, samples: 128"
-    study = torsion.parse(text % ("coupling: {name: chord, stiffness: 15 kN*m/rad}", vary))
-    found = swept(study)
-    k1, k2, chord = 20000 * found.factor[:, 1], 30000.0, 15000 * found.factor[:, 0]
-    sides = np.array([k1 + chord, k1 + k2, k2 + chord]), np.array([1.2, 0.8, 0.5])
-    trace = (sides[0] / sides[1][:, None]).sum(axis=0)  # of three free discs: s^2 - trace s + product = 0
-    product = (k1 * k2 + k1 * chord + k2 * chord) * sides[1].sum() / sides[1].prod()
-    low = 2 * product / (trace + np.sqrt(trace**2 - 4 * product))
-    exact = np.sqrt([low, product / low]) / (2 * pi)
-    assert found.frequency == pytest.approx(exact, rel=4e-15)
-
-
 def test_figures_that_enter_as_a_sum_are_found_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
     text = TWO.replace("stiffness: 20000", "stiffness: 20000, inertia: [0.1, 0.2]")
