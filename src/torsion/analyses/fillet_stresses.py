@@ -1,10 +1,13 @@
 """Shear stress in the stated fillets between shafts: K_t by finite elements, and the stress under the response."""
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.assembly.system import System
 from torsion.findings import Work
 from torsion.kernels.round_sections import section_modulus
 from torsion.kernels.tree_response import Status
@@ -60,28 +63,33 @@ def peterson(height: float, radius: float) -> float | None:
     return sum(term * share**power for power, term in enumerate(terms))
 
 
-def run(work: Work) -> None:
-    """Of every shaft whose `step` is a fillet."""
+def stated_fillets(system: System) -> Iterator[Fillet]:
+    """Every shaft whose `step` is a fillet, without its stress; raises SolveError where the elements have no answer."""
     from torsion.assembly.junction.fillet_stress import fillet_stress
     from torsion.assembly.junction.stepped_shafts import filleted, profile_of
 
-    found, system = [], work.system
+    for step, one, two, smaller, larger in filleted(system.train):
+        unit, radius = smaller.outer, step.size
+        stress = fillet_stress(profile_of(step, smaller, larger))
+        modulus = float(section_modulus(smaller.outer, smaller.bore))
+        spans = np.flatnonzero(system.span_part == one.part)[-1:]
+        limits = [e for bar in (one, two) if (e := system.train.shaft(bar).endurance) is not None]
+        fit = None if smaller.bore or larger.bore else peterson((larger.outer - unit) / 2.0 / unit, radius / unit)
+        yield Fillet(
+            one.name, two.name, radius, unit, larger.outer, modulus, stress.factor, stress.error, fit,
+            min(limits, default=None), None, None, None, None, (int(spans[0]),),
+        )  # fmt: skip
+
+
+def run(work: Work) -> None:
+    """Of every shaft whose `step` is a fillet."""
+    found = []
     with work.log.step("stress in fillets", "a `step` is a fillet") as log:
-        for step, one, two, smaller, larger in filleted(work.study.train):
-            unit, radius = smaller.outer, step.size
-            stress = fillet_stress(profile_of(step, smaller, larger))
-            modulus = float(section_modulus(smaller.outer, smaller.bore))
-            spans = np.flatnonzero(system.span_part == one.part)[-1:]
-            speed, nominal = _worst(work, int(spans[0]), modulus)
-            limits = [e for bar in (one, two) if (e := system.train.shaft(bar).endurance) is not None]
-            limit, peak = min(limits, default=None), None if nominal is None else stress.factor * nominal
-            fit = None if smaller.bore or larger.bore else peterson((larger.outer - unit) / 2.0 / unit, radius / unit)
-            found.append(
-                Fillet(
-                    one.name, two.name, radius, unit, larger.outer, modulus, stress.factor, stress.error, fit, limit,
-                    speed, nominal, peak, None if peak is None or limit is None else peak / limit, (int(spans[0]),),
-                )
-            )  # fmt: skip
+        for one in stated_fillets(work.system):
+            speed, nominal = _worst(work, one.spans[0], one.modulus)
+            peak = None if nominal is None else one.factor * nominal
+            used = None if peak is None or one.endurance is None else peak / one.endurance
+            found.append(replace(one, speed=speed, nominal=nominal, peak=peak, utilisation=used))
         log.method = "axisymmetric torsion by finite elements, refined in the fillet (scikit-fem)"
         log.size = f"{len(found)} fillets"
     work.log.libraries["scikit-fem"] = None

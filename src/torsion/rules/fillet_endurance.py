@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.fillet_stresses import Fillets
+from torsion.analyses.fillet_stresses import stated_fillets
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import Fault
 from torsion.fields import Declared, given
@@ -38,8 +38,7 @@ class FilletEndurance(RuleOverSpeed):
         """K_t times the half range of the nominal stress at every speed, of every fillet with an endurance."""
         response, torque = evidence.need(Response), evidence.need(Synthesis).half_range
         use = judgement.within(settings.continuous, response.speed)
-        known = evidence.get(Fillets)  # None while the response looks for speeds between its own
-        for one in () if known is None else known.each:
+        for one in stated_fillets(response.system):
             if one.endurance is None:
                 continue
             spans = np.array(one.spans)

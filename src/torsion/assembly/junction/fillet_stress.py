@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import skfem
@@ -26,6 +27,7 @@ class FilletStress:
     place: tuple[float, float]  # z, r where it is
 
 
+@lru_cache(maxsize=256)
 def fillet_stress(profile: Profile) -> FilletStress:
     """K_t of the fillets of a line, the triangles along them divided until both fields agree.
 
