@@ -167,3 +167,10 @@ def test_nothing_was_written(server: Server) -> None:
     file = Path(server.session.file)
     assert [path.name for path in file.parent.iterdir()] == ["pair.yaml"]
     assert file.read_text(encoding="utf-8") == "secret of the scene\n"
+
+
+def test_a_name_that_is_no_unicode_is_answered(send: Send, server: Server) -> None:
+    server.session._show(faults={"text": "sc\udce9ne.yaml"})
+    status, answer = send("POST", "/next")
+    assert status == OK
+    assert json.loads(answer.partition("\r\n\r\n")[2])["faults"]["text"] == "sc\udce9ne.yaml"

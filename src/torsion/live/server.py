@@ -75,7 +75,7 @@ class Handler(BaseHTTPRequestHandler):
         except Refusal as refusal:
             self._answer(int(refusal.args[0]))
         else:
-            self._answer(200, json.dumps(answer, ensure_ascii=False, allow_nan=False).encode())
+            self._answer(200, json.dumps(answer, allow_nan=False).encode())
 
     def _requested(self) -> dict[str, Any]:
         self._is_own()

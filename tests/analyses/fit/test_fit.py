@@ -383,3 +383,26 @@ def test_a_signal_outside_the_speeds_is_refused(tmp_path: Path) -> None:
       {signal: run.csv, at: m, orders: [2], within: 1 %, pulses: 8, revolutions: 4}]}"""
     with pytest.raises(InputError, match=r"the signal runs from 7500 to 7500 rpm"):
         read_scene(tmp_path, {"run.csv": f"time [s]\n{rows}"}, settings)
+
+
+def test_a_fit_that_misses_what_was_measured_fails_though_no_measurement_is_left_over(tmp_path: Path) -> None:
+    file = tmp_path / "crossing.yaml"
+    file.write_text(
+        "name: two branches whose modes cross on the way\n"
+        "train:\n"
+        "  - disc: {name: a, inertia: 1 kg*m**2}\n"
+        "  - coupling: {name: first, stiffness: 10 kN*m/rad}\n"
+        "  - disc: {name: hub, inertia: 100 kg*m**2}\n"
+        "  - coupling: {name: second, stiffness: 11 kN*m/rad}\n"
+        "  - disc: {name: b, inertia: 1 kg*m**2}\n"
+        "analyses:\n  modes:\n  fit:\n"
+        "    vary: {first.stiffness: 2 %, second.stiffness: 2 %}\n"
+        "    measured:\n"
+        "      - {mode: 1, frequency: 16.77 Hz, within: 0.1 %}\n"
+        "      - {mode: 2, frequency: 25 Hz, within: 0.1 %}\n"
+    )
+    found = torsion.solve(file, tmp_path / "report").need(Fit)
+    assert found.reduced is None
+    assert found.chi2 > 100.0
+    assert found.fails
+    assert any("for each measured value" in words for words in found.warnings)

@@ -101,7 +101,7 @@ class Fit:
     @property
     def is_wrong(self) -> bool:
         """No values of the figures explain the measurements."""
-        return self.reduced is not None and self.reduced > MOST_CHI2
+        return self.chi2 > MOST_CHI2 * (self.measurements if self.reduced is None else self.freedom)
 
     @property
     def fails(self) -> bool:

@@ -165,8 +165,11 @@ def _warnings(made: Fit, found: Fitted) -> Iterator[str]:
                 "another one, the measurement is wrong, or the model lacks something."
             )
     if made.is_wrong:
+        share, each = made.reduced, "degree of freedom"
+        if share is None:
+            share, each = made.chi2 / made.measurements, "measured value"
         yield (
-            f"Chi2 is {made.reduced:.3g} for each degree of freedom, above {MOST_CHI2:g}: no values of these figures "
+            f"Chi2 is {share:.3g} for each {each}, above {MOST_CHI2:g}: no values of these figures "
             "explain the measurements as exactly as `within` says. The model, not the values, is wrong, or `within` "
             "is stated too small; the deviations and intervals do not hold."
         )

@@ -55,7 +55,8 @@ def _agreement(found: Fit) -> str:
     """Chi2 over its degrees of freedom, and what that says."""
     known = f"{counted(found.measurements, 'measured value')}, chi2 {number(found.chi2, 3)}"
     if found.reduced is None:
-        return f"{known}: no measurement is left over, so that nothing checks the model."
+        left = "no measurement is left over, so that nothing checks the model"
+        return f"{known}: {'the fit does not reach what was measured' if found.is_wrong else left}."
     words = "model and stated deviations agree with the measurements"
     if found.is_wrong:
         words = "the model, not the values, is wrong, or the deviations are stated too small"
