@@ -170,9 +170,10 @@ def shares(found: Found, row: Row) -> Iterator[float]:
         of, name = (np.array([one[key] for one in found[what]]) for key in ("component", "name"))
         inside = np.array(["/" in one for one in name])
         ends = np.array([one.endswith(" end") for one in name])
+        whole = np.array([not one.endswith(", step") for one in name])
         yield from value.ravel().tolist()
         for part in dict.fromkeys(of.tolist()):
-            for chosen in (of == part, (of == part) & inside, (of == part) & (inside | ends)):
+            for chosen in (of == part, (of == part) & whole, (of == part) & inside, (of == part) & (inside | ends)):
                 yield from value[:, chosen].sum(axis=1).tolist()
 
 

@@ -19,6 +19,7 @@ PARTS = [
     ("gear", {"name": "gearbox", "ratio": 2}),
     ("shaft", {"name": "crank", "length": 0.1, "diameter": 0.1, "role": "crank"}),
     ("disc", {"name": "wheel", "inertia": 1.0}),
+    ("shaft", {"name": "seat", "length": 0.2, "diameter": 0.08, "step": {"fillet": 0.004}, "endurance": 100e6}),
     ("shaft", {"name": "line", "length": 1.0, "diameter": 0.1, "role": "intermediate"}),
     ("joint", {"angle": "2 deg"}),
     ("propeller", {"name": "screw", "inertia": 2.0, "blades": 4}),

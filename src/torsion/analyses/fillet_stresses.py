@@ -50,7 +50,7 @@ def peterson(height: float, radius: float) -> float | None:
     """K_t in torsion, both in smaller diameters: Pilkey (1997), Peterson's Stress Concentration Factors, chart 3.12.
 
     >>> round(peterson(0.5, 0.2), 3), peterson(0.5, 0.02)
-    (1.207, None)
+    (1.252, None)
     """
     ratio, share = height / radius, 2.0 * height / (1.0 + 2.0 * height)
     if not HOLDS[0] <= ratio <= HOLDS[1]:

@@ -20,6 +20,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import taken_at
+from torsion.components.lowering import STEP
 
 MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first: then the largest of a table is 1
 
@@ -125,7 +126,7 @@ def _links(system: System) -> list[Link]:
     bars = {bar.part: bar for bar in system.train.bars}
     found, shafts = list[Link](), dict[int, list[int]]()
     for position, span in enumerate(system.own_spans):
-        if span.part in bars:
+        if span.part in bars and not span.name.endswith(STEP):
             shafts.setdefault(span.part, []).append(position)
         elif np.isfinite(system.flexibility[position]):
             found.append(Link(span.name, span.driving, span.driven, (position, position)))

@@ -120,6 +120,7 @@ class NonlinearRecord:
         return ", ".join(word for word, there in taken.items() if there)
 
 
+STEP = ", step"  # behind the name of the shaft before it, the name of its spring
 StepForm = Literal["none", "sharp", "handbook"]
 Radius = Annotated[float, Quantity("m", above=0, usual=(None, 1.0), slip=("mm",))]
 

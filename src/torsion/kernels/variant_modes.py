@@ -178,7 +178,7 @@ def _polished(trains: Tree, start: FloatArray, sweep: _Sweep) -> tuple[FloatArra
 def _seen_at_root(trains: Tree, square: FloatArray, sweep: _Sweep) -> tuple[FloatArray, FloatArray]:
     """Dynamic stiffness z (trains,) N m/rad at the root, and -dz/ds (trains,) kg m2, at s = `square` (trains,).
 
-    A span passes on z r and r^2 dz/ds with r = 1 / (1 + h z): one division for both, and no sum of unlike signs
+    A span passes on z r and r^2 dz/ds with r = 1 / (1 + h z): one reciprocal for both, and no sum of unlike signs
     among the inertias.
     """
     seen, through, product = trains.inertia * -square, np.empty_like(square), np.empty_like(square)

@@ -117,6 +117,7 @@ SETTINGS = {  # an example of every analysis and rule
     "nvh": "nvh: {at: gearbox, acceleration: 300 rad/s**2, fluctuation: 15 rpm, order: 3}",
     "coupling-maker": "coupling-maker: {continuous: {from: 400 rpm, to: 1800 rpm}}",
     "gear-hammer": "gear-hammer: {limit: 0.35}",
+    "fillets": "fillets: {continuous: {from: 600 rpm, to: 1500 rpm}}",
     "ice": "ice: {factor: 1.3}",
     "universal-joints": "universal-joints: {speed_angle: 17000}",
 }

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, get_args
 
-from torsion.components.lowering import Step, StepForm
+from torsion.components.lowering import STEP, Step, StepForm
 from torsion.errors import Fault, InputError
 from torsion.kernels.junction_table import junction_table
 from torsion.kernels.round_sections import polar_area_moment
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 # Excess length / smaller diameter over larger / smaller diameter, from memory (Wilson; Ker Wilson), to be verified.
 HANDBOOK = ((1.0, 0.0), (1.25, 0.055), (1.5, 0.085), (2.0, 0.100), (3.0, 0.107), (math.inf, 0.125))
-STEP = ", step"  # behind the name of the shaft before it, the name of its spring
 MOST = 0.5  # of its twist that large fillets may take from a shaft
 
 
