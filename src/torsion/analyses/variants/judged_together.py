@@ -19,7 +19,7 @@ from torsion.study import Variation
 MARGIN = 1e-3  # of a limit: five times what a response of one file may miss of a peak (grid.GAIN)
 ROUGH = 0.05  # error of a share from which its variant is solved by itself
 COLUMNS = 2**15  # variants times speeds at once
-COMPARED = 4  # variants that are solved by themselves as well
+COMPARED = 8  # variants that are solved by themselves as well
 
 
 def judged_together(work: Work, variation: Variation, values: FloatArray, modes: int) -> tuple[Answers | None, str]:
