@@ -31,7 +31,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     ]  # fmt: skip
     yield table(
         "< Shaft | < To | Radius [mm] | d [mm] | D [mm] | K_{t} | Error of K_{t} [%] | Peterson | "
-        "Nominal stress [N/mm²] | Peak stress [N/mm²] | At speed [rpm] | Endurance [N/mm²] | Peak / endurance",
+        "Nominal [N/mm²] | Peak [N/mm²] | At speed [rpm] | Endures [N/mm²] | Used",
         rows,
         "Shear stress in the fillets",
         marks=["fail" if one.utilisation is not None and one.utilisation > 1.0 else "" for one in found],
