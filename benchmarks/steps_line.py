@@ -6,10 +6,11 @@ from scipy.sparse.linalg import eigsh
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.junction.axisymmetric import dynamic_matrices, solved
-from torsion.assembly.junction.profile import Corner, Length, Profile, junction
-from torsion.components.coupling import Coupling
+from torsion.assembly.junction.profile import Corner, Length, Profile
+from torsion.assembly.junction.stepped_shafts import with_steps
 from torsion.components.material import Material
 from torsion.components.shaft import Shaft
+from torsion.components.shaft_details import Step
 from torsion.train import train
 
 DIAMETERS = (0.10, 0.12, 0.20, 0.14, 0.28, 0.16, 0.12, 0.10)  # m
@@ -34,15 +35,11 @@ def axisymmetric(profile: Profile, count: int = 5, fine: float = 1e-6) -> np.nda
 
 
 def one_dimensional(count: int = 5, *, junctions: bool, fillet: float = 0.0, scale: float = 1.0) -> np.ndarray:
-    """The first elastic frequencies, Hz, of the exact model of the shafts, with junctions as springs or without."""
-    parts: list[Shaft | Coupling] = []
-    for place, (length, diameter) in enumerate(zip(LENGTHS, DIAMETERS, strict=True)):
-        parts.append(Shaft(length=scale * length, diameter=(diameter,), material="line"))
-        if junctions and place < len(LENGTHS) - 1:
-            small, large = sorted(DIAMETERS[place : place + 2])
-            corner = Corner("fillet", fillet / small) if fillet else None
-            excess = solved(junction((1.0, 0.0), (large / small, 0.0), corner), 1e-6).excess_length
-            twist = Length(excess * small, (small, small)).twist
-            parts.append(Coupling(flexibility=twist / MATERIAL.shear_modulus))
-    system = assemble(train(parts, materials={"line": MATERIAL}), "exact", frequency=5000.0)
+    """The first elastic frequencies, Hz, of the exact model of the shafts, with their steps or without."""
+    step = (Step(fillet=fillet) if fillet else Step(form="sharp")) if junctions else Step(form="none")
+    shafts = [
+        Shaft(length=scale * length, diameter=(diameter,), material="line", step=step if place else None)
+        for place, (length, diameter) in enumerate(zip(LENGTHS[::-1], DIAMETERS[::-1], strict=True))
+    ][::-1]
+    system = assemble(with_steps(train(shafts, materials={"line": MATERIAL})), "exact", frequency=5000.0)
     return np.asarray(modes(system, count).frequency)

@@ -46,8 +46,9 @@ def run(
     for place, (name, case) in enumerate(study.cases.items(), start=1):
         part = _part_of(progress, f"case {name}", (place, total))
         part("", 0.0)
+        others = {key: one for key, one in case.variations.items() if key != "design"}  # which is over all cases
         try:
-            cases[name] = _misfires(replace(case, memory=study.memory), only, part, answered)
+            cases[name] = _misfires(replace(case, memory=study.memory, variations=others), only, part, answered)
         except (InputError, SolveError) as error:
             cases[name] = _without_answer(case, error)
     return replace(found, cases=cases)

@@ -2,15 +2,16 @@
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from torsion import fields
-from torsion.arrays import FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.components.harmonic_torques import Table, read_table
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
@@ -211,6 +212,22 @@ def case_folder(name: str) -> str:
     return re.sub(r"[^\w+]+", "-", name).strip("-") or "case"
 
 
+@dataclass(frozen=True)
+class Group:
+    """Variants of a file that differ in numbers alone."""
+
+    key: tuple[float, ...]  # of all variants of a variation those with the same are of one group
+    places: IntArray  # (variants,) which these are
+    made: "Callable[[], Variation]" = field(repr=False)
+    values: FloatArray  # (variants, numbers)
+    ends: FloatArray  # (2, numbers) the least and the greatest of each that any variant has
+
+    @cached_property
+    def variation(self) -> "Variation":
+        """Of the numbers; the `nominal` of each is that of a variant of the group, or of the file."""
+        return self.made()
+
+
 class Variation(Protocol):
     """Figures of a file that vary, and the studies of other values; made by the reader of files."""
 
@@ -224,6 +241,10 @@ class Variation(Protocol):
     @property
     def base(self) -> "Study":
         """The study of the file."""
+
+    @property
+    def before(self) -> "Variation | None":
+        """Whose figures are the first of these, and are put in before the others; None where there is none."""
 
     def fixed(self, values: Mapping[int, float]) -> "Variation":
         """The variation of the other figures, in which these, by their places, have values."""
@@ -239,6 +260,12 @@ class Variation(Protocol):
 
     def file(self, values: Sequence[float]) -> Any:
         """The file with every figure at its value, `torsion.schema.fault_text.Source`."""
+
+    def in_case(self, case: "Study") -> "Variation":
+        """The same figures of a case of the file: they are put in before the case changes the file."""
+
+    def groups(self, values: FloatArray, apart: Collection[int] = ()) -> Iterator[Group]:
+        """Variants (variants, figures) in groups of numbers alone; `apart`: figures whose every value is a group."""
 
     def behind(self, other: Any) -> "Variation":
         """Both as one: the figures of the other first, and these about what that puts in the file."""

@@ -9,8 +9,9 @@ from typing import Any
 
 from torsion.components.component import Component, lower_line
 from torsion.components.harmonic_torques import Excitation
-from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord, StepForm
+from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord
 from torsion.components.material import STEEL, Material
+from torsion.components.shaft_details import StepForm
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, SectionMesh, Spring, Station, Torque
 
@@ -69,8 +70,8 @@ class Train:
 
     @property
     def has_steps(self) -> bool:
-        """Steps between shafts are yet to be taken as springs."""
-        stated = (part.shaft is not None and part.shaft.step is not None for part in self.parts)
+        """Steps between shafts, or hubs on them, are yet to be taken into their flexibility."""
+        stated = (p.shaft is not None and (p.shaft.step is not None or bool(p.shaft.hubs)) for p in self.parts)
         return self.steps is not None and (self.steps != "none" or any(stated))
 
     @property
@@ -82,8 +83,9 @@ class Train:
 
     @property
     def has_fillets(self) -> bool:
-        """A step between shafts is a fillet of a stated radius."""
-        return any(p.shaft is not None and p.shaft.step is not None and p.shaft.step.fillet for p in self.parts)
+        """A step between shafts is a fillet of a stated radius, or a shaft has notches."""
+        records = [p.shaft for p in self.parts if p.shaft is not None]
+        return any(one.notches or (one.step is not None and one.step.round) for one in records)
 
     @property
     def damping_of_components(self) -> str:

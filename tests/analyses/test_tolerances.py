@@ -140,7 +140,7 @@ def test_an_aim_at_a_mode_that_is_not_computed_is_refused_where_it_stands() -> N
     done = torsion.run(torsion.parse(text))
     (failed,) = done.plan.unanswered
     assert (failed.line, done.exit_status) == (10, 2)
-    assert "mode 3 is not among the 2 computed" in failed.why
+    assert "mode 3 is none of the 2 that are computed" in failed.why
 
 
 def test_critical_speeds_move_with_their_mode_and_may_enter_the_range() -> None:

@@ -172,6 +172,9 @@ def shares(found: Found, row: Row) -> Iterator[float]:
         ends = np.array([one.endswith(" end") for one in name])
         whole = np.array([not one.endswith(", step") for one in name])
         yield from value.ravel().tolist()
+        of_whole = np.array([one.partition(" [")[0] for one in of.tolist()])
+        for part in dict.fromkeys(of_whole.tolist()):
+            yield from value[:, of_whole == part].sum(axis=1).tolist()
         for part in dict.fromkeys(of.tolist()):
             for chosen in (of == part, (of == part) & whole, (of == part) & inside, (of == part) & (inside | ends)):
                 yield from value[:, chosen].sum(axis=1).tolist()
@@ -362,6 +365,8 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Fitted figures", "Deviation behind"): key("fit.figures[].deviation"),
     ("Fitted figures", "Moved"): key("fit.figures[].shift"),
     ("Fitted figures", "Known"): key("fit.figures[].from_data"),
+    ("Other figures that agree", "Chi2"): key("fit.others[].chi2"),
+    ("Other figures that agree", "Squared shifts"): key("fit.others[].prior_chi2"),
     ("Measured natural", "Mode"): key("fit.modes[].mode"),
     ("Measured natural", "Measured"): key("fit.modes[].measured_Hz"),
     ("Measured natural", "Deviation"): key("fit.modes[].within"),
@@ -477,17 +482,17 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Couplings and dampers by table, as given", "Viscous"): key("coupling_tables.tables[].viscous_Nms_per_rad"),
     ("Natural frequencies with sharp", "With sharp"): key("sharp_steps.frequency_Hz"),
     ("Natural frequencies with sharp", "Change"): key("sharp_steps.change"),
-    ("Shear stress in the fillets", "Radius"): key("fillets[].radius_m"),
-    ("Shear stress in the fillets", "d"): key("fillets[].diameter_m"),
-    ("Shear stress in the fillets", "D"): key("fillets[].larger_diameter_m"),
-    ("Shear stress in the fillets", "K_{t}"): key("fillets[].factor"),
-    ("Shear stress in the fillets", "Error"): key("fillets[].error"),
-    ("Shear stress in the fillets", "Peterson"): key("fillets[].peterson"),
-    ("Shear stress in the fillets", "Nominal"): key("fillets[].nominal_Pa"),
-    ("Shear stress in the fillets", "Peak"): key("fillets[].peak_Pa"),
-    ("Shear stress in the fillets", "At speed"): key("fillets[].speed_rad_per_s"),
-    ("Shear stress in the fillets", "Endures"): key("fillets[].endurance_Pa"),
-    ("Shear stress in the fillets", "Used"): key("fillets[].utilisation"),
+    ("Shear stress in fillets and notches", "Radius"): key("fillets[].radius_m"),
+    ("Shear stress in fillets and notches", "d"): key("fillets[].diameter_m"),
+    ("Shear stress in fillets and notches", "D"): key("fillets[].larger_diameter_m"),
+    ("Shear stress in fillets and notches", "K_{t}"): key("fillets[].factor"),
+    ("Shear stress in fillets and notches", "Error"): key("fillets[].error"),
+    ("Shear stress in fillets and notches", "Peterson"): key("fillets[].peterson"),
+    ("Shear stress in fillets and notches", "Nominal"): key("fillets[].nominal_Pa"),
+    ("Shear stress in fillets and notches", "Peak"): key("fillets[].peak_Pa"),
+    ("Shear stress in fillets and notches", "At speed"): key("fillets[].speed_rad_per_s"),
+    ("Shear stress in fillets and notches", "Endures"): key("fillets[].endurance_Pa"),
+    ("Shear stress in fillets and notches", "Used"): key("fillets[].utilisation"),
     ("Couplings and dampers by table at", "Mode"): key("coupling_tables.at_modes[].mode"),
     ("Couplings and dampers by table at", "Frequency"): key("coupling_tables.at_modes[].frequency_Hz"),
     ("Couplings and dampers by table at", "k own"): key("coupling_tables.at_modes[].stiffness_Nm_per_rad"),

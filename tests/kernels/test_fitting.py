@@ -1,5 +1,7 @@
 """Values from measurements: what they identify, and intervals that hold as often as they say."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from torsion.kernels.fitting import fitted, identified
@@ -60,3 +62,35 @@ def test_intervals_of_95_percent_hold_the_true_value_in_93_to_97_of_100_fits() -
         over.append(np.square(found.residual).sum() / (41.0 - identified(found.jacobian).used))
     assert 0.93 <= inside / 900 <= 0.97
     assert abs(np.mean(over) - 1.0) < 0.05  # chi2 for each degree of freedom
+
+
+def test_intervals_over_all_minima_hold_the_truth_where_modes_cross_and_those_around_the_best_alone_do_not() -> None:
+    """A heavy disc between two light ones, stiffnesses known to 10 %: w^4 - w^2 (k1 + k2) 1.01 + k1 k2 1.02 = 0."""
+    rng, sigma = np.random.default_rng(1), 0.005
+
+    def squares(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        k = np.array([10000.0, 11000.0]) * np.exp(0.1 * values)
+        half, product = 0.505 * k.sum(), 1.02 * k.prod()
+        root = np.sqrt(half**2 - product)
+        found = np.array([product / (half + root), half + root])
+        return found, 0.1 * (1.01 * found[:, None] * k - product) / (2.0 * found - 2.0 * half)[:, None]
+
+    inside, alone = 0, 0
+    for _ in range(100):
+        true = rng.normal(size=2)
+        data = 0.5 * np.log(squares(true)[0]) + sigma * rng.normal(size=2)
+
+        def residual(values: np.ndarray, data: np.ndarray = data) -> np.ndarray:
+            return (0.5 * np.log(squares(values)[0]) - data) / sigma
+
+        def slopes(values: np.ndarray) -> np.ndarray:
+            found, rise = squares(values)
+            return 0.5 * rise / found[:, None] / sigma
+
+        found = fitted(residual, slopes, 2)
+        lower, upper = found.interval(1.959964)
+        inside += int(((lower <= true) & (true <= upper)).sum())
+        lower, upper = replace(found, others=()).interval(1.959964)
+        alone += int(((lower <= true) & (true <= upper)).sum())
+    assert inside >= 0.93 * 200
+    assert alone < 0.85 * 200

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.order_tracking import of_pulses, of_speeds
+from torsion.kernels.order_tracking import of_pulses, of_speeds, uneven
 
 BEGIN, ACCELERATION, MARKS = 80.0, 6.0, 60  # rad/s, rad/s2
 ORDERS = {1.0: 0.002 * np.exp(0.3j), 2.0: 0.01 * np.exp(-1.0j), 2.5: 0.004 + 0j}
@@ -82,3 +82,10 @@ def test_the_error_at_a_resonance_falls_with_the_square_of_the_window() -> None:
 def test_too_few_samples_are_refused() -> None:
     with pytest.raises(ValueError, match="too few"):
         of_speeds(np.arange(0.0, 4.0, 0.05), np.full(80, 100.0), np.array([1.0, 2.0, 3.0]), 2)
+
+
+def test_a_run_up_from_rest_is_even_and_a_lost_or_extra_pulse_in_it_is_located() -> None:
+    time = np.sqrt(2.0 * (np.arange(400) * 2.0 * np.pi / 8.0 + 0.2) / 60.0)
+    assert uneven(time) is None
+    assert uneven(np.delete(time, 50)) == 50
+    assert uneven(np.insert(time, 50, (time[49] + time[50]) / 2.0)) in (50, 51)

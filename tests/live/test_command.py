@@ -11,6 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from torsion.cli import app
+from torsion.live.server import Server
+from torsion.live.session import Session
 
 SCENE = "name: pair\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
 
@@ -31,10 +33,22 @@ def test_a_port_that_is_taken_is_refused(tmp_path: Path) -> None:
     assert done.output.startswith(f"port {port} cannot be taken: ")
 
 
+def test_a_port_is_free_again_as_soon_as_the_command_has_ended(tmp_path: Path) -> None:
+    port = 0
+    for _ in range(2):
+        server = Server(Session(tmp_path / "pair.yaml"), port)
+        port = server.server_port
+        with socket.create_connection(("127.0.0.1", port)) as made:
+            made.sendall(b"GET / HTTP/1.0\r\n\r\n")
+            server.handle_request()
+            assert made.makefile().read().startswith("HTTP/1.1 403")  # and the server has ended the connection first
+        server.server_close()
+
+
 def test_ctrl_c_ends_it_without_a_word(tmp_path: Path) -> None:
     file = tmp_path / "pair.yaml"
     file.write_text(SCENE, encoding="utf-8")
-    command = [sys.executable, "-m", "torsion", "live", str(file), "--no-browser"]
+    command = [sys.executable, "-m", "torsion", "live", str(file), "--no-browser", "--edit"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         first, second = process.stdout.readline(), process.stdout.readline()
@@ -45,3 +59,23 @@ def test_ctrl_c_ends_it_without_a_word(tmp_path: Path) -> None:
     assert first.startswith(f"{file} is shown at http://127.0.0.1:")
     assert (second, rest, errors, process.returncode) == ("Ctrl-C ends it\n", "", "", 0)
     assert [path.name for path in tmp_path.iterdir()] == ["pair.yaml"]
+
+
+BEGUN = """
+import os
+from multiprocessing import forkserver
+from torsion.live.session import warm_context
+warm_context()
+forkserver.ensure_running()
+near, far = os.pipe()
+status, data = forkserver.connect_to_new_process([near])
+os.close(data)
+os.read(status, 8)
+while os.read(status, 8):
+    pass
+"""
+
+
+def test_a_process_whose_command_ends_while_it_begins_says_nothing() -> None:
+    done = subprocess.run([sys.executable, "-c", BEGUN], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stderr == ""

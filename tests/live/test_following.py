@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+import sys
 from collections.abc import Iterator
 from math import pi, sqrt
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 from torsion.live import session as sessions
 from torsion.live.session import Session
+from torsion.live.worker import Reads, stamp
 from torsion.output.numbers import number
 
 SCENE = """
@@ -105,6 +107,30 @@ def test_a_saved_file_is_shown(page: Follower) -> None:
 def test_a_saved_table_that_the_file_names_is_shown(page: Follower) -> None:
     page.table.write_text(ends(3.5), encoding="utf-8")
     page.until(shown(12e3, 2, 3.5))
+
+
+def test_a_table_that_was_saved_while_it_was_read_is_read_again(page: Follower) -> None:
+    late, turn = page.file.with_name("late.csv"), page.session._turn
+    late.write_text("first", encoding="utf-8")
+    before = stamp(str(late))
+    late.write_text("second", encoding="utf-8")
+    page.session._heard(turn, {"files": {**page.session._files, str(late): before}})
+    page.until("solving", key="state")
+    page.until("solved", key="state")
+    assert page.session._turn == turn + 1
+
+
+@pytest.mark.parametrize(("name", "is_followed"), [
+    (f"{sys.prefix}/lib/x.csv", False), (f"{sys.prefix}_scenes/x.csv", True), ("/proc/x.csv", False),
+    ("/process/x.csv", True),
+])  # fmt: skip
+def test_a_table_beside_the_installation_is_followed(
+    monkeypatch: pytest.MonkeyPatch, name: str, is_followed: bool
+) -> None:
+    monkeypatch.setattr(sys, "addaudithook", lambda hook: None)  # which would stay for good
+    reads = Reads()
+    reads._heard("open", (name, "r", 0))
+    assert list(reads.stamps) == [name] * is_followed
 
 
 def test_a_file_that_another_takes_the_place_of_is_shown(page: Follower) -> None:

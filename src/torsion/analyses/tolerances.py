@@ -17,12 +17,12 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.undamped_modes import MOST_MODES, Modes, modes_as_discretised
+from torsion.analyses.undamped_modes import MOST_MODES, Modes, modes_as_discretised, without_mode
 from torsion.arrays import FloatArray
 from torsion.assembly import rediscretised
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import with_springs
-from torsion.errors import Fault, InputError
+from torsion.errors import InputError
 from torsion.fields import Declared, given
 from torsion.findings import Work
 from torsion.results import reported, result
@@ -201,7 +201,7 @@ def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims
         if train.parts[span.part].kind == "coupling" and 0.0 < system.flexibility[number] < math.inf
     }  # fmt: skip
     width = {name: train.part(name).stiffness_tolerance for name in spans}
-    _refuse(aims, found)
+    _refuse(study, aims, found)
 
     def at(factor: Callable[[float], float], *names: str, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
         return varied.at(tuple((spans[name], factor(width[name])) for name in names if width[name]), end)
@@ -229,15 +229,13 @@ def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims
     )  # fmt: skip
 
 
-def _refuse(aims: Sequence[Aim], found: Modes) -> None:
+def _refuse(study: Study, aims: Sequence[Aim], found: Modes) -> None:
+    there = found.frequency.size
     faults = [
-        Fault(
-            ("analyses", WHAT, "aim", k, "mode"), f"mode {aim.mode} is not among the {found.frequency.size} computed",
-            "raise `modes: {count: ...}`, or name a lower mode",
-        )
+        without_mode(study, aim.mode, there, ("analyses", WHAT, "aim", k, "mode"))
         for k, aim in enumerate(aims)
-        if aim.mode > found.frequency.size
-    ]  # fmt: skip
+        if aim.mode > there
+    ]
     if faults:
         raise InputError(faults)
 
@@ -256,8 +254,7 @@ def run(work: Work) -> None:
         work.log.without("which figure matters", "the stiffness of a coupling follows the frequency")
     with work.log.step("bands of the natural frequencies", "figures have tolerances") as step:
         made = tolerances(work.study, found, None if follows else work.get(CriticalSpeeds), aims)
-        step.method = (
-            "every frequency rises with every stiffness and falls with every inertia: two corners, certified by counts"
-        )
+        step.method = "every frequency rises with every stiffness and falls with every inertia: two corners"
+        step.method += ", certified by counts" if found.certified else ", with the error bound of the method"
         step.size = f"{len(made.couplings)} couplings"
     work.put(tolerances=made)

@@ -13,7 +13,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, given
 from torsion.kernels.tree import Tree
 from torsion.results import Displayed, derived, reported, result
@@ -50,6 +50,15 @@ def modes_settings(study: Study, ruled: Ruled) -> ModesSettings | None:
         return settings
     reads = "modes" in ruled or "transient" in study.analyses  # a motion over time is a sum of modes
     return None if study.analyses and not reads else ModesSettings()
+
+
+def without_mode(study: Study, mode: int, there: int, path: Path) -> Fault:
+    """The fault of a setting about a mode that is not computed, or that the train does not have."""
+    settings = study.analyses.get("modes")
+    if there < (settings if isinstance(settings, ModesSettings) else ModesSettings()).count:
+        message = f"mode {mode} is none of the {there} elastic modes of the train"
+        return Fault(path, message, f"one of 1 to {there}" if there else "a train with an elastic mode")
+    return Fault(path, f"mode {mode} is none of the {there} that are computed", f"`modes: {{count: {mode}}}`")
 
 
 @reported

@@ -2,6 +2,10 @@
 
 import math
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsion.arrays import FloatArray
 from torsion.assembly.shafts import bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
 from torsion.assembly.system_builder import Collected
@@ -23,11 +27,20 @@ def segments_for(bar: Bar, frequency: float) -> int:
         return bar.segments
     if bar.density == 0:
         return 1
-    number = math.ceil(phase(bar, frequency) / LARGEST_PHASE)
-    return min(max(number * _excess(bar), FEWEST), MOST)
+    return int(segments_along(phase(bar, frequency), excess(bar)))
 
 
-def _excess(bar: Bar) -> int:
+def segments_along(phase: ArrayLike, excess: ArrayLike) -> FloatArray:
+    """Segments of shafts with a phase (rad) along each, and as many times more as a uniform one."""
+    return np.clip(np.ceil(np.asarray(phase) / LARGEST_PHASE) * excess, FEWEST, MOST)
+
+
+def is_refined(bar: Bar) -> bool:
+    """The number of its segments depends on the highest frequency."""
+    return bar.density > 0 and bar.segments is None
+
+
+def excess(bar: Bar) -> int:
     """How many times more segments a shaft is given than a uniform one."""
     return 1 if is_uniform(bar) else 2
 
@@ -40,7 +53,7 @@ def assemble_lumped(train: Train, requested: Discretisation) -> System:
         segments[bar.name] = number = segments_for(bar, requested.frequency)
         found.row(bar, *bar_segments(bar, number))
     resolved = (
-        segments[bar.name] / _excess(bar) * LARGEST_PHASE / phase(bar, 1.0)
-        for bar in train.bars if bar.density > 0 and bar.segments is None
+        segments[bar.name] / excess(bar) * LARGEST_PHASE / phase(bar, 1.0)
+        for bar in filter(is_refined, train.bars)
     )  # fmt: skip
     return found.system("lumped", segments, requested, min(resolved, default=math.inf))

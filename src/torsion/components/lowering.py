@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from torsion.components.compressor.record import CompressorRecord
     from torsion.components.coupling_limits import HeatInMisfire, OverFrequency
     from torsion.components.engine.record import EngineRecord
+    from torsion.components.shaft_details import Hub, Notch, Step
     from torsion.kernels.warming import Warming
 
 Role = Literal["intermediate", "thrust", "propeller", "crank", "generator"]
@@ -120,28 +121,6 @@ class NonlinearRecord:
         return ", ".join(word for word, there in taken.items() if there)
 
 
-STEP = ", step"  # behind the name of the shaft before it, the name of its spring
-StepForm = Literal["none", "sharp", "handbook"]
-Radius = Annotated[float, Quantity("m", above=0, usual=(None, 1.0), slip=("mm",))]
-
-
-class Step(Declared):
-    """The corner between this shaft and the one after it, where their diameters differ; one of its keys."""
-
-    form: StepForm | None = given("sharp; by the handbook's table; or none: no twist of its own")
-    fillet: Radius | None = given("radius of the fillet on the smaller shaft")
-    chamfer: Radius | None = given("leg of a chamfer of 45 degrees in the corner")
-
-    def refuse_clashes(self) -> None:
-        if sum(one is not None for one in (self.form, self.fillet, self.chamfer)) != 1:
-            raise refuse("a step has one form", "`fillet`, `chamfer`, or one of the words sharp, handbook and none")
-
-    @property
-    def size(self) -> float:
-        """m, of what fills the corner; 0 where nothing does."""
-        return self.fillet or self.chamfer or 0.0
-
-
 @dataclass(frozen=True)
 class ShaftRecord:
     """What a shaft is for the class rules, what it is made of, and its bearings (its dimensions are on its `Bar`)."""
@@ -152,7 +131,9 @@ class ShaftRecord:
     support: tuple[Support, ...]
     endurance: float | None = None  # Pa, amplitude of shear that it endures at a fillet
     journal: tuple[float, float] | None = None  # m, diameter and bore of a crank span, which has no `Bar`
-    step: Step | None = None  # to the shaft after it; None: as `steps` of the train says
+    step: "Step | None" = None  # to the shaft after it; None: as `steps` of the train says
+    notches: "tuple[Notch, ...]" = ()
+    hubs: "tuple[Hub, ...]" = ()
 
 
 @dataclass(frozen=True)

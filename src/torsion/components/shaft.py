@@ -7,8 +7,9 @@ from pydantic import BeforeValidator, ConfigDict, Field, ValidationInfo, WithJso
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.lowering import Lowering, Role, ShaftRecord, Step, Support
+from torsion.components.lowering import Lowering, Role, ShaftRecord, Support
 from torsion.components.material import Strength
+from torsion.components.shaft_details import Hub, Notch, Step, faults_of
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
 
@@ -62,11 +63,18 @@ class Shaft(Component, keyword="shaft", sort="link"):
     role: Role | None = given("what the class rules call this shaft")
     features: Annotated[tuple[Feature, ...], OneOrMany] = given("details that the rules reduce the limit for", ())
     step: StepOrForm | None = given(
-        "corner to the shaft after it: {fillet: 4 mm}, {chamfer: 5 mm}, sharp, handbook or none (default: `steps`)"
+        "corner to the shaft after it: {fillet: 4 mm}, {chamfer: 5 mm}, {undercut: {...}}, {flange: {...}}, sharp, "
+        "handbook or none (default: `steps`)"
     )
     endurance: Strength | None = given(
-        "amplitude of shear stress that its material endures at the fillet of `step`, surface and size counted in; "
-        "read by the rule `fillets`"
+        "amplitude of shear stress that its material endures at the fillet of `step` and in its `notches`, surface and "
+        "size counted in; read by the rule `fillets`"
+    )
+    notches: Annotated[tuple[Notch, ...], OneOrMany] = given(
+        "{keyway: {...}}, {splines: {...}} or {hole: 8 mm}, for the stress in them; class rules read `features`", ()
+    )
+    hub: Annotated[tuple[Hub, ...], OneOrMany] = given(
+        "hub on its end, in which it twists over a part of the seat (default: over all of its length)", ()
     )
     support: Annotated[tuple[Support, ...], OneOrMany] = given("bearings on springs that hold the shaft sideways", ())
     sections: Annotated[tuple[Any, ...], WithJsonSchema(SECTIONS)] = given(
@@ -94,6 +102,8 @@ class Shaft(Component, keyword="shaft", sort="link"):
         if self.section is not None:
             if "bore" in self.model_fields_set:
                 raise refuse("a shaft with a `section` has no `bore`", "the mesh says the dimensions", "bore")
+            if self.notches or self.hub:
+                faults_of(self)
             return
         for key in ("diameter", "bore"):
             if len(getattr(self, key)) not in (1, 2):
@@ -101,11 +111,20 @@ class Shaft(Component, keyword="shaft", sort="link"):
         pairs = zip(_ends(self.diameter), _ends(self.bore), strict=True)
         if any(bore >= outer for outer, bore in pairs):
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
+        if self.notches or self.hub:
+            faults_of(self)
 
     def lower(self, build: Lowering) -> None:
         build.record(
             shaft=ShaftRecord(
-                self.material, self.role, self.features, self.support, step=self.step, endurance=self.endurance
+                self.material,
+                self.role,
+                self.features,
+                self.support,
+                step=self.step,
+                endurance=self.endurance,
+                notches=self.notches,
+                hubs=self.hub,
             ),
             damping=None if self.loss_factor is None else ("loss_factor", self.loss_factor),
         )

@@ -15,6 +15,8 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 DEGREE = 5  # of the mean angle over a window
 ROUNDS = 12  # of placing the samples by the angle of the mean rotation
 SETTLED = 1e-11  # rad, of that angle
+LOST = 1.6  # of the interval that `NEAR` on either side say: a lost pulse makes 2, one too many two of some 1/2
+NEAR = 3
 LEAST_SAMPLES = 4  # of a window for each unknown of an order
 
 
@@ -24,6 +26,23 @@ class Tracked:
 
     speed: FloatArray  # (windows,) rad/s, mean rotation in the middle of the window
     angle: ComplexArray  # (windows, orders) rad, amplitude over the angle of the mean rotation; of speeds any phase
+
+
+def uneven(time: FloatArray) -> int | None:
+    """The first pulse behind an interval unlike those around it, as where one is lost; None where there is none.
+
+    An interval is compared with the geometric mean of the medians on both sides, which follows a run-up.
+
+    >>> uneven(np.array([0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0]))
+    5
+    """
+    intervals = np.diff(time)
+    if intervals.size < 2 * NEAR + 1:
+        return None
+    side = np.median(np.lib.stride_tricks.sliding_window_view(intervals, NEAR), axis=1)
+    share = intervals[NEAR:-NEAR] / np.sqrt(side[: -NEAR - 1] * side[NEAR + 1 :])
+    wrong = np.flatnonzero((share > LOST) | (share < 1.0 / LOST))
+    return int(wrong[0]) + NEAR + 1 if wrong.size else None
 
 
 def of_pulses(time: FloatArray, pulses: int, orders: FloatArray, revolutions: int) -> Tracked:

@@ -52,7 +52,7 @@ def variant_modes(tree: Tree, flexibility: FloatArray, inertia: FloatArray, coun
     """
     if not flexibility.shape == inertia.shape == (tree.size, flexibility.shape[-1]):
         raise ValueError(f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}")
-    middle = replace(tree, flexibility=_middle(flexibility), inertia=_middle(inertia))
+    middle = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
     known = tree_modes(middle, count)
     if len(known.frequency) < count:
         raise ValueError(f"the trains have {len(known.frequency)} elastic modes, not {count}")
@@ -61,10 +61,10 @@ def variant_modes(tree: Tree, flexibility: FloatArray, inertia: FloatArray, coun
     by_flexibility = -0.5 * middle.flexibility[:, None] * known.torque**2 / square
     by_inertia = -0.5 * middle.moving_inertia[:, None] * known.angle**2
     bounds, alone = np.empty((3, count, flexibility.shape[1])), 0
-    for part in _parts(tree.size, flexibility.shape[1]):
+    for part in parts(tree.size, flexibility.shape[1]):
         h, j = flexibility[:, part], inertia[:, part]
-        start = np.log(known.frequency)[:, None] + by_flexibility.T @ _changes(h, middle.flexibility)
-        start += by_inertia.T @ _changes(j, middle.moving_inertia)
+        start = np.log(known.frequency)[:, None] + by_flexibility.T @ changes(h, middle.flexibility)
+        start += by_inertia.T @ changes(j, middle.moving_inertia)
         trains = _side_by_side(numbered, h, j)
         found = [_polished(trains, one, sweep) for one, sweep in zip(np.exp(start), sweeps, strict=False)]
         bounds[:, :, part], proven = _proven(trains, found or _settled_each(trains, np.exp(start)), known.rigid)
@@ -77,18 +77,18 @@ def variant_modes(tree: Tree, flexibility: FloatArray, inertia: FloatArray, coun
         for column in np.flatnonzero(~proven).tolist():
             one = tree_modes(replace(tree, flexibility=h[:, column], inertia=j[:, column]), count)
             bounds[:, :, part.start + column] = one.frequency, one.lower, one.upper
-            alone += 1
+            alone += count
     frequency, lower, upper = bounds
     return VariantModes(frequency, lower, upper, alone)
 
 
-def _middle(values: FloatArray) -> FloatArray:
+def middle_of(values: FloatArray) -> FloatArray:
     """Geometric mean (stations,) over the trains; 0 where all are 0, or not used."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.exp(np.log(values).mean(axis=1)))
 
 
-def _changes(values: FloatArray, middle: FloatArray) -> FloatArray:
+def changes(values: FloatArray, middle: FloatArray) -> FloatArray:
     """ln of each of `values` (stations, trains) over the middle; 0 of what is 0."""
     used = (middle > 0.0) & np.isfinite(middle)
     return np.asarray(np.log(np.where(used[:, None], values, 1.0) / np.where(used, middle, 1.0)[:, None]))
@@ -100,7 +100,7 @@ def _numbered(tree: Tree) -> Rerooted:
     return moved if moved.tree.is_ready else by_layers(tree)
 
 
-def _parts(size: int, trains: int) -> Iterator[slice]:
+def parts(size: int, trains: int) -> Iterator[slice]:
     width = max(1, min(_COLUMNS, _LARGEST // size))
     return (slice(begin, min(begin + width, trains)) for begin in range(0, trains, width))
 
@@ -140,10 +140,10 @@ def _sweeps(numbered: Rerooted, known: TreeModes) -> list[_Sweep]:
     angle, torque = np.abs(known.angle[station]), np.abs(known.torque[span])
     passed = (torque[1:] * angle[tree.parent[1:]]).sum(axis=0) / known.frequency**2
     roots = np.argmax(tree.inertia[:, None] * angle**2, axis=0)
-    return [_Sweep(_toward(tree, root), root, one) for root, one in zip(roots.tolist(), passed.tolist(), strict=True)]
+    return [_Sweep(toward(tree, root), root, one) for root, one in zip(roots.tolist(), passed.tolist(), strict=True)]
 
 
-def _toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
+def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
     """Every station but the root, the next one toward it and the span between, the farthest first."""
     steps, reached = [], [(root, -1)]
     for station, behind in reached:

@@ -166,7 +166,8 @@ class VariantPeaks:
 
     torque: FloatArray  # (spans, trains) N m; infinite where a response in the band is not ok
     frequency: FloatArray  # (spans, trains) rad/s at which it stands
-    error: FloatArray  # (spans, trains) relative: what half of the points, and the parabola, would have said otherwise
+    error: FloatArray  # (spans, trains) relative: what half of the points, and the parabola, would have said otherwise;
+    # infinite where damping moves resonances away from the points
     ok: BoolArray  # (trains,) the response at every peak is ok
 
 
@@ -197,7 +198,7 @@ def variant_peaks(trains: Trains, force: FloatArray, band: tuple[float, float]) 
         torque[:, part], where[:, part] = np.fmax(own, found.max(axis=2)), place
         with np.errstate(invalid="ignore", divide="ignore"):
             gap = np.abs(np.stack([fine, coarse]) / torque[:, part] - 1.0).max(axis=0)
-        error[:, part] = np.where(torque[:, part] > 0.0, gap, 0.0)
+        error[:, part] = np.where(torque[:, part] > 0.0, np.inf if some.displaces(band[1]) else gap, 0.0)
         ok[part] = worst == Status.OK
         torque[:, part.start + np.flatnonzero(~ok[part])] = np.inf
     return VariantPeaks(torque, where, error, ok)

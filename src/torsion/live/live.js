@@ -91,6 +91,7 @@ const follow = async () => {
       document.querySelector("main").classList.toggle("old", Boolean(news.faults.text));
     }
     if (news.state) say(news.state.text);
+    document.dispatchEvent(new CustomEvent("news", { detail: news }));
   }
 };
 follow();

@@ -1,7 +1,6 @@
 """What `torsion live` follows: a file and those it reads, a process that solves, and what its pages show."""
 
 import multiprocessing
-import os
 import threading
 import time
 from collections.abc import Mapping
@@ -12,14 +11,13 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-from torsion.live.worker import Request, work
+from torsion.live.worker import Request, Stamp, stamp, work
 
 TICK = 0.025  # s between two looks at the files
 GONE = 8  # ticks that a file may be missing for, while an editor puts another in its place
 LIMIT = 20.0  # s that a picture may take
 PATIENCE = 1.0  # s for which a solver may go on that a later request has overtaken
 WAIT = 20.0  # s after which a page that waits for news hears that there are none
-Stamp = tuple[int, int, int] | None  # of a file: when it was written, its size, which one it is; None of a missing one
 
 
 class Session:
@@ -36,8 +34,8 @@ class Session:
         self._limit, self._overtaken = float("inf"), float("inf")  # when the solver is stopped
         self._pipe: Connection | None = None
         self._process: BaseProcess | None = None
-        self._files: tuple[str, ...] = (str(Path(file).absolute()),)
-        self._context = _context()
+        self._files: dict[str, Stamp] = {path: stamp(path) for path in [str(Path(file).absolute())]}
+        self._context = warm_context()
         self._show(name=self.file if case is None else f"{self.file}, case {case}")
 
     def start(self) -> None:
@@ -79,6 +77,8 @@ class Session:
         """Request the file read again, or its sliders at other positions."""
         with self._lock:
             self._turn += 1
+            if positions is None:
+                self._show(file={"turn": self._turn})
             self._latest = Request(self._turn, self.file, self.case, positions)
             if self._is_busy:
                 self._overtaken = min(self._overtaken, time.monotonic() + PATIENCE)
@@ -124,13 +124,13 @@ class Session:
 
     def _heard(self, turn: int, found: dict[str, Any]) -> None:
         """One message of the solver."""
+        self._files = found.pop("files", self._files)
         if "began" in found:
             self._at, self._began = turn, time.monotonic()
             self._limit = self._began + LIMIT
             self._overtaken = float("inf") if turn == self._turn else self._began + PATIENCE
         elif "done" in found:
             self._limit = float("inf")
-            self._files = tuple(found["done"]["files"])
             if turn == self._turn:
                 self._is_busy = False
                 took = 1e3 * (time.monotonic() - self._began)
@@ -158,17 +158,15 @@ class Session:
 
     def _watch(self) -> None:
         """Request a picture when a file has changed, and stop a solver that takes too long."""
-        files, before, missing, is_settled = self._files, _stamps(self._files), 0, True
+        before, missing, is_settled = self._files, 0, True
         while not self._is_ended:
             time.sleep(TICK)
             with self._lock:
                 if self._process is not None and time.monotonic() > min(self._limit, self._overtaken):
                     self._process.kill()
-            if files != self._files:  # stamps of files that were followed before stay
-                known, files = dict(zip(files, before, strict=True)), self._files
-                before = tuple(known[one] if one in known else _stamp(one) for one in files)
-            now = _stamps(files)
-            missing = missing + 1 if any(b and not n for b, n in zip(before, now, strict=True)) else 0
+            before = {path: before.get(path, read) for path, read in self._files.items()}  # followed before, or as read
+            now = {path: stamp(path) for path in before}
+            missing = missing + 1 if any(before[path] and not now[path] for path in now) else 0
             if 0 < missing < GONE:
                 continue
             if now != before:
@@ -178,22 +176,10 @@ class Session:
                 self._request(None)
 
 
-def _context() -> BaseContext:
+def warm_context() -> BaseContext:
     """Processes that begin warm, where the system has them."""
     is_known = "forkserver" in multiprocessing.get_all_start_methods()
     context = multiprocessing.get_context("forkserver" if is_known else "spawn")
     if is_known:
         context.set_forkserver_preload(["torsion.live.warm"])
     return context
-
-
-def _stamps(files: tuple[str, ...]) -> tuple[Stamp, ...]:
-    return tuple(map(_stamp, files))
-
-
-def _stamp(file: str) -> Stamp:
-    try:
-        found = os.stat(file)
-    except (OSError, ValueError):
-        return None
-    return found.st_mtime_ns, found.st_size, found.st_ino

@@ -37,7 +37,8 @@ class Slider:
 
     def value(self, position: float) -> float:
         """The value of its figures at a position; raises InputError where it has no such position."""
-        if not self.low - 1e-9 <= position <= self.high + 1e-9:
+        slack = 1e-6 * self.step  # of decimals
+        if not self.low - slack <= position <= self.high + slack:
             message = f"the slider '{self.name}' goes from {self.low:g} to {self.high:g}"
             raise InputError([Fault((), message)], message)
         first = self.figures[0]
@@ -65,6 +66,26 @@ def _slider(figures: list[Figure]) -> Slider:
 
 def moved_study(study: Study, variation: Variation, positions: Mapping[str, float]) -> Study:
     """The study with its sliders at these positions; the others are as in the file. Raises InputError."""
+    figures, values = at_positions(variation, positions)
+    return replace(replace(variation, figures=figures).study(values), case=study.case) if figures else study
+
+
+def text_with(variation: Variation, positions: Mapping[str, float]) -> str:
+    """The text of the file with its sliders at these positions, all else of it as it was written.
+
+    Raises InputError, or LookupError where a value does not stand in the text by itself.
+    """
+    from torsion.schema.edited_text import edited_in_place
+
+    figures, values = at_positions(variation, positions)
+    chosen = replace(variation, figures=figures)
+    puts = [put for figure, value in zip(figures, values, strict=True) for put in figure.puts(value, variation.source)]
+    chosen.study(values)  # which the file may say
+    return edited_in_place(variation.source, puts, (), chosen.file(values).data)
+
+
+def at_positions(variation: Variation, positions: Mapping[str, float]) -> tuple[tuple[Figure, ...], tuple[float, ...]]:
+    """The figures whose sliders are moved, and their values."""
     known, pairs = sliders_of(variation), list[tuple[Figure, float]]()
     for name, position in positions.items():
         if name not in known:
@@ -72,10 +93,7 @@ def moved_study(study: Study, variation: Variation, positions: Mapping[str, floa
             raise InputError([Fault((), message)], message)
         value = known[name].value(position)
         pairs += [(figure, value) for figure in known[name].figures]
-    if not pairs:
-        return study
-    figures, values = zip(*pairs, strict=True)
-    return replace(replace(variation, figures=figures).study(values), case=study.case)
+    return tuple(figure for figure, _ in pairs), tuple(value for _, value in pairs)
 
 
 def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str, Any]]:

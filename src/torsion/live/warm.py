@@ -2,7 +2,17 @@
 
 import gc
 import signal
+import sys
+from types import TracebackType
 
+
+def _unless_ended(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    """A process whose command ends while it begins finds no more to read, and says nothing."""
+    if kind is not EOFError:
+        sys.__excepthook__(kind, error, trace)
+
+
+sys.excepthook = _unless_ended
 signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the command, which ends this process
 
 from torsion.live.pictures import modes_of, whole_of  # noqa: E402

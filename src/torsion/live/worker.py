@@ -1,6 +1,7 @@
 """The process that solves for `torsion live`: it stays warm, and its latest request is the one that counts."""
 
 import gc
+import os
 import signal
 import sys
 from collections.abc import Mapping
@@ -19,7 +20,18 @@ if TYPE_CHECKING:
     from torsion.study import Study
 
 OWN = tuple(str(Path(path).resolve()) for path in (sys.prefix, sys.base_prefix, Path(__file__).parents[1]))
-NO_FILES = (*OWN, "/proc", "/sys", "/dev")  # folders whose files are no part of a scene
+NO_FILES = tuple(os.path.join(path, "") for path in (*OWN, "/proc", "/sys", "/dev"))  # no folders of scenes
+ORPHANED = 60  # s after which a solver ends itself whose command was killed
+Stamp = tuple[int, int, int] | None  # of a file: when it was written, its size, which one it is; None of a missing one
+
+
+def stamp(file: str) -> Stamp:
+    """Of a file as it is now."""
+    try:
+        found = os.stat(file)
+    except (OSError, ValueError):
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
 
 
 @dataclass(frozen=True)
@@ -37,10 +49,10 @@ class Overtaken(Exception):
 
 
 class Reads:
-    """The files that are opened for reading, also in vain; what a picture follows from."""
+    """The files that are opened for reading, also in vain, as they were then; what a picture follows from."""
 
     def __init__(self) -> None:
-        self.paths: set[str] = set()
+        self.stamps: dict[str, Stamp] = {}
         sys.addaudithook(self._heard)
 
     def _heard(self, event: str, details: tuple[Any, ...]) -> None:
@@ -48,7 +60,7 @@ class Reads:
             return
         path = str(Path(details[0].decode() if isinstance(details[0], bytes) else details[0]).absolute())
         if not path.startswith(NO_FILES) and not path.endswith((".py", ".pyc")):
-            self.paths.add(path)
+            self.stamps.setdefault(path, stamp(path))
 
 
 def work(pipe: Connection) -> None:
@@ -78,6 +90,8 @@ class Solver:
     def answer(self, request: Request) -> None:
         """Send the pictures of a request, or its faults, one by one."""
         turn = request.turn
+        if hasattr(signal, "alarm"):
+            signal.alarm(ORPHANED)
         self.send(turn, began={})
         try:
             with _words_of_faults():
@@ -87,7 +101,9 @@ class Solver:
             pass
         except _Faulty as fault:
             self.send(turn, faults={"text": str(fault)})
-        self.send(turn, done={"files": sorted(self.reads.paths)})
+        self.send(turn, done={}, files=self.reads.stamps)
+        if hasattr(signal, "alarm"):
+            signal.alarm(0)
         if not self.is_warm:
             self.is_warm = True
             gc.freeze()
@@ -101,7 +117,10 @@ class Solver:
 
         if request.positions is None or self.read is None:
             self.read = None
-            self.read = self._opened(request)
+            try:
+                self.read = self._opened(request)
+            finally:
+                self.send(request.turn, files=self.reads.stamps)
         positions = request.positions or {}
         study, variation = self.read
         words = "; ".join(pictures.left_out(study))
@@ -119,7 +138,8 @@ class Solver:
         from torsion.schema.scene_reader import read, reread
         from torsion.schema.variation import movable
 
-        self.reads.paths = {str(Path(request.file).absolute())}
+        file = str(Path(request.file).absolute())
+        self.reads.stamps = {file: stamp(file)}
         whole = read(request.file)
         study = whole if request.case is None else one_case(whole, request.case)
         return study, movable(study, *reread(study))

@@ -1,8 +1,9 @@
 """What every output shows of a train: elastic elements, stations, spans, and values over them reduced to that."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import MOST_GROUPS, System, segment_groups
+from torsion.components.shaft_details import STEP
 from torsion.output.numbers import NONE, SI, Scale, rpm, scale
 from torsion.results import Quantity
 
@@ -30,7 +32,12 @@ class Element:
 
 
 def elements(system: System) -> tuple[Element, ...]:
-    """Every element in the order of the train; points that are rigidly joined have none between them."""
+    """Every element in the order of the train, all sections of a shaft as one with the steps between them."""
+    return tuple(_of_whole_shafts(system, pieces(system)))
+
+
+def pieces(system: System) -> list[Element]:
+    """The same with sections and steps each by itself; points that are rigidly joined have none between them."""
     bars = {bar.part: bar.name for bar in system.train.bars}
     found: dict[tuple[int, str], list[int]] = {}
     for index, span in enumerate(system.own_spans):
@@ -46,7 +53,17 @@ def elements(system: System) -> tuple[Element, ...]:
         Element(name, system.train.parts[part].kind, part, spans, float(system.span_ratio[spans[0]]))
         for part, name, spans in named
     ]
-    return tuple(sorted(made, key=lambda element: (element.part, element.spans[0])))
+    return sorted(made, key=lambda one: (one.part, one.name.endswith(STEP), one.spans[0]))
+
+
+def _of_whole_shafts(system: System, made: Iterable[Element]) -> Iterator[Element]:
+    for name, each in groupby(made, key=lambda one: system.train.parts[one.part].whole):
+        first, *others = each
+        if name == system.train.parts[first.part].name:
+            yield from (first, *others)
+        else:
+            spans = (span for one in (first, *others) for span in one.spans)
+            yield replace(first, name=name, spans=tuple(spans))
 
 
 def by_part(part: IntArray) -> dict[int, IntArray]:
@@ -106,8 +123,8 @@ class Selection:
 
     @cached_property
     def end_spans(self) -> list[int]:
-        """Positions of the first and the last span of every element."""
-        return sorted({span for element in self.elements for span in (element.spans[0], element.spans[-1])})
+        """Positions of the first and the last span of every element, of a shaft of sections of each."""
+        return sorted({span for piece in pieces(self.system) for span in (piece.spans[0], piece.spans[-1])})
 
     def positions(self, axis: str) -> list[Any]:
         """What a reduced axis runs over: positions among the stations or spans reported, or names of elements."""

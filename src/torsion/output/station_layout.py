@@ -9,6 +9,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.components.lowering import Part
+from torsion.components.shaft_details import STEP
 from torsion.errors import Path
 from torsion.output.selection import by_part
 
@@ -27,8 +28,17 @@ class Layout:
 
 
 def label(parts: Sequence[Part], position: int) -> str:
-    """What a picture calls a component: its number in the table of components, and its name where there is room."""
-    return f"{position + 1} {parts[position].name}" if len(parts) <= MOST_NAMES else str(position + 1)
+    """What a picture calls a component: its number in the table of components, and its name where there is room.
+
+    A shaft of sections is named once, at the one in its middle.
+    """
+    name, number = parts[position].whole, str(position + 1)
+    if name != parts[position].name:
+        each = [place for place, part in enumerate(parts) if part.whole == name]
+        if position != each[len(each) // 2]:
+            return ""
+        number = f"{each[0] + 1}–{each[-1] + 1}" if len(each) > 1 else number
+    return f"{number} {name}" if len(parts) <= MOST_NAMES else number
 
 
 def layout(system: System) -> Layout:
@@ -105,7 +115,9 @@ def _behind(
     if not standing:
         return 0.0, float(row[station])
     is_wheel = system.train.parts[system.stations[station].part].kind == "gear"
-    return float(x[standing[0]]) + (WIDTH["gear"] if is_wheel else RIGID), float(row[standing[0]])
+    is_step = any(one.driven == station and one.name.endswith(STEP) for one in system.train.springs)
+    apart = WIDTH["gear"] if is_wheel else 0.0 if is_step else RIGID
+    return float(x[standing[0]]) + apart, float(row[standing[0]])
 
 
 def _along_shafts(system: System, x: FloatArray, row: FloatArray) -> None:

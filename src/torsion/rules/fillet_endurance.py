@@ -1,17 +1,21 @@
-"""Rule `fillets`: the vibratory shear stress in the fillets of shafts against the endurance that the file states."""
+"""Rule `fillets`: the vibratory shear stress in fillets and notches of shafts against the endurance that is stated."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.fillet_stresses import stated_fillets
+from torsion.analyses.fillet_stresses import has_judged, stated_fillets, unjudged
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.verdict_line import Check
 from torsion.study import Study
+
+UNKNOWN = "outside the rule: no fillet is stated there, and no K_t known"
 
 
 class FilletEnduranceSettings(Declared):
@@ -28,11 +32,20 @@ class FilletEndurance(RuleOverSpeed):
 
     def faults(self, study: Study, settings: FilletEnduranceSettings) -> list[Fault]:
         """What the file lacks for this rule."""
-        records = [part.shaft for part in study.train.parts if part.shaft is not None]
-        if not study.train.has_fillets or all(one.endurance is None for one in records):
+        if not has_judged(study.train):
             hint = "for example `step: {fillet: 4 mm}` and `endurance: 120 MPa` of a shaft"
-            return [Fault(self.path(study, settings), f"{self.name} finds no fillet with an `endurance`", hint)]
+            return [
+                Fault(self.path(study, settings), f"{self.name} finds no fillet or notch with an `endurance`", hint)
+            ]
         return self.continuous_faults(study, settings) + judgement.vibration_faults(self, study, settings)
+
+    def check(self, evidence: Results, settings: FilletEnduranceSettings) -> tuple[Check, ...]:
+        """Also what an endurance is stated at and no K_t is known of, as outside the rule."""
+        nan = math.nan
+        return *super().check(evidence, settings), *(
+            Check(self.name, "endurance", one.name, what, nan, nan, "N/mm2", "outside", "setting", note=UNKNOWN)
+            for one, what in unjudged(evidence.need(Response).system.train)
+        )
 
     def clauses(self, evidence: Results, settings: FilletEnduranceSettings) -> Iterator[Clause]:
         """K_t times the half range of the nominal stress at every speed, of every fillet with an endurance."""
@@ -42,13 +55,14 @@ class FilletEndurance(RuleOverSpeed):
             if one.endurance is None:
                 continue
             spans = np.array(one.spans)
-            stress = one.factor * (1.0 + one.error) * torque[:, one.spans[0]] / one.modulus * 1e-6
+            stress = one.factor * (1.0 + (one.error or 0.0)) * one.torque(torque) / one.modulus * 1e-6
+            source = "by formula (IACS UR M53)" if one.error is None else "by finite elements, with its error"
             notes = (
-                f"K_t {one.factor:.4g} by finite elements, with its error",
+                f"K_t {one.factor:.4g} {source}",
                 judgement.in_use(settings.continuous),
                 MOSTLY,
             )
             yield Clause(
-                "endurance", one.shaft, f"vibratory shear stress in the fillet to {one.following}", "setting",
+                "endurance", one.shaft, f"vibratory shear stress in the {one.words}", "setting",
                 curve_of(response, stress, 1e-6 * one.endurance), use, "N/mm2", notes, spans,
             )  # fmt: skip

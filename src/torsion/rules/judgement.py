@@ -19,6 +19,7 @@ from torsion.fields import Declared, required
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.primitives import Torque
+from torsion.rules import needed as read_by_rules
 from torsion.rules import of_study
 from torsion.rules.verdict_line import Check, Reach, Rule, Standing, verdict_of
 from torsion.study import Operation, Range, Study
@@ -61,6 +62,7 @@ class Clause:
     notes: tuple[str, ...] = ()  # empty ones are left out
     spans: IntArray = field(default_factory=lambda: np.flatnonzero(()))  # whose vibration it is; none of a mean torque
     size: FloatArray | None = None  # (speeds, lines) of every harmonic component; None: of the torque in the spans
+    if_kept: bool = False  # a value beyond the limit is judged otherwise, as in a barred range
 
 
 class RuleOverSpeed(Rule):
@@ -72,6 +74,10 @@ class RuleOverSpeed(Rule):
     def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
         """What it judges."""
         return iter(())
+
+    def settling(self, evidence: Results, settings: Any) -> Iterator[Clause]:
+        """What says all of a train that keeps it, each speed by itself."""
+        return self.clauses(evidence, settings)
 
     def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """A verdict for every clause that has a speed."""
@@ -197,8 +203,7 @@ def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
         shares.append(np.where(within & (share <= OBVIOUS), share, np.nan))
     if not shares:
         return speed
-    share = np.array(shares).T[:, None, :]
-    return missed_peaks(speed, share, np.ones(len(speed), dtype=bool)[:, None])[0]
+    return missed_peaks(speed, np.array(shares).T[:, None, :], np.ones(len(speed), dtype=bool)[:, None])[0]
 
 
 def worst_of(share: FloatArray, value: FloatArray) -> int:
@@ -231,8 +236,13 @@ def named_speeds(study: Study) -> FloatArray:
     return np.unique([*named, *_corners(study)])
 
 
+def analyses_read(study: Study) -> frozenset[str]:
+    """The analyses that the study's rules read."""
+    return read_by_rules(study)
+
+
 def are_pointwise(study: Study) -> bool:
-    """All that the rules of the study say are clauses at each speed by itself."""
+    """All that the rules of the study say of a train that keeps their limits are clauses at each speed by itself."""
     return all(one.is_pointwise for one, _ in of_study(study))
 
 
@@ -240,7 +250,7 @@ def pointwise(evidence: Results) -> Iterator[tuple[str, Clause]]:
     """Every such clause with the name of its rule."""
     for one, settings in of_study(evidence.study):
         if isinstance(one, RuleOverSpeed):
-            yield from ((one.name, clause) for clause in one.clauses(evidence, settings) if np.any(clause.within))
+            yield from ((one.name, clause) for clause in one.settling(evidence, settings) if np.any(clause.within))
 
 
 def judged_speeds(study: Study) -> FloatArray:

@@ -11,8 +11,9 @@ from torsion.components.lowering import ShaftRecord
 from torsion.components.material import STEEL
 from torsion.errors import Fault, Path
 from torsion.findings import Results
+from torsion.kernels.tree_response import Status
 from torsion.rules import judgement, m68_shafts
-from torsion.rules.judgement import rated_speed
+from torsion.rules.judgement import Clause, Curve, rated_speed
 from torsion.rules.m68_shafts import FLAT_FROM, LAST_CONTINUOUS, ClassedShaft, M68Settings, tau_c, tau_t
 from torsion.rules.shaft_limits import BARRED_BELOW, LimitCurve, LimitedShaft, Piece
 from torsion.rules.shaft_stress import ShaftStress
@@ -27,6 +28,7 @@ class M68(ShaftStress):
     """The rule, as the study reads it, and base of those of societies that take its formulas for line shafts."""
 
     name = "iacs-m68"
+    is_pointwise = True
     settings: type[M68Settings] = M68Settings
     title = "IACS UR M68"
     scope, scope_words = LAST_CONTINUOUS, "the limits reach to"  # speed ratio to which speeds are wanted, and why
@@ -47,7 +49,7 @@ class M68(ShaftStress):
                 message = f"{about}, and {self.name} needs it for '{part.name}'"
                 hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
                 found.append(Fault((*part.path, "material"), message, hint))
-        return found + self._settings_faults(settings, {part.name: shaft for part, shaft in every}, where)
+        return found + self._settings_faults(study, settings, {part.name: shaft for part, shaft in every}, where)
 
     def left_out(self, study: Study, settings: M68Settings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
@@ -83,11 +85,23 @@ class M68(ShaftStress):
                 found.insert(last + 1, least)  # behind its stresses
         return tuple(found)
 
-    def _settings_faults(self, settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path) -> list[Fault]:
+    def settling(self, evidence: Results, settings: M68Settings) -> Iterator[Clause]:
+        """Stress in continuous use, and least diameters."""
+        yield from super().settling(evidence, settings)
+        for shaft in m68_shafts.classed_shafts(evidence.study, settings):
+            if (least := self._diameter(evidence, shaft, settings)) is not None:
+                share = np.array([least.limit / least.value])
+                curve = Curve(np.array([least.speed]), share, np.ones(1), np.full(1, Status.OK))
+                yield Clause(least.clause, least.where, least.what, TO_BE_VERIFIED, curve, np.ones(1, dtype=np.bool_))
+
+    def _settings_faults(
+        self, study: Study, settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path
+    ) -> list[Fault]:
         """Settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
         found, names = [], f"there is {', '.join(shafts)}"
+        wholes = {part.whole for part in study.train.parts if part.name in shafts}
         for position, name in enumerate(settings.alloy):
-            if name not in shafts:
+            if name not in shafts and name not in wholes:
                 path = (*where, self.name, "alloy", position)
                 found.append(Fault(path, f"no shaft with a role is called '{name}'", names))
         for name in settings.slots:

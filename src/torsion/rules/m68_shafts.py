@@ -205,13 +205,13 @@ def classed_shafts(study: Study, settings: M68Settings) -> Iterator[ClassedShaft
 
 
 def _classed(study: Study, settings: M68Settings, part: int, record: ShaftRecord) -> ClassedShaft:
-    name = study.train.parts[part].name
+    name, whole = study.train.parts[part].name, study.train.parts[part].whole
     # a tube shaft is ruled with the propeller shafts (cap of sigma_B, F)
     role: Role = "propeller" if "tube shaft" in record.features else cast(Role, record.role)
     given_strength = study.train.materials[record.material].tensile_strength
     stated = None if given_strength is None else given_strength * PA
     steel = LEAST_STRENGTH if stated is None else stated
-    strength = used_strength(steel, role, alloy=name in settings.alloy)
+    strength = used_strength(steel, role, alloy=not {name, whole}.isdisjoint(settings.alloy))
     ends = cast(Ends, tuple((outer * MM, bore * MM) for outer, bore in diameters(study.train, part)))
     details = _details(record, role, name, ends, settings)
     return ClassedShaft(part, name, role, strength, details, max(outer for outer, _ in ends), ends, stated)

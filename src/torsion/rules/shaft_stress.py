@@ -33,6 +33,8 @@ from torsion.rules.shaft_limits import BARRED_BELOW, LimitedShaft, Mark, barred_
 from torsion.rules.verdict_line import BarredRange, Check
 from torsion.study import Study
 
+STRESS = "synthesis stress amplitude"
+
 
 class Limits(NamedTuple):
     """Stress amplitude of a shaft and its limits over speed."""
@@ -109,13 +111,29 @@ class ShaftStress(RuleOverSpeed):
     def stressed(self, evidence: Results, settings: Any) -> Iterator[Stressed]:
         """Every shaft against its limits."""
         rated, tolerance = rated_speed(evidence.study), settings.tachometer
+        for shaft, curve, ruled in self._curves(evidence, settings):
+            barred = Barring((), (), np.zeros(len(curve.speed), dtype=bool))
+            if shaft.curve.passing is not None:
+                barred = barring(curve, rated, shaft.name, tolerance)
+            yield Stressed(shaft, curve, barred, ruled)
+
+    def _curves(
+        self, evidence: Results, settings: Any
+    ) -> Iterator[tuple[LimitedShaft, Curve, dict[str, BoolArray]]]:  # fmt: skip
+        """Every shaft, its stress against the limit of continuous use, and by clause (speeds,) where it holds."""
         for shaft in self.shafts(evidence.study, settings):
             speed, tau_c, _, tau = limits_of(evidence, shaft)
             curve = curve_of(evidence.need(Response), tau, tau_c)
-            barred = Barring((), (), np.zeros(len(speed), dtype=bool))
-            if shaft.curve.passing is not None:
-                barred = barring(curve, rated, shaft.name, tolerance)
-            yield Stressed(shaft, curve, barred, shaft.curve.ranges(speed / rated))
+            yield shaft, curve, shaft.curve.ranges(speed / rated_speed(evidence.study))
+
+    def settling(self, evidence: Results, settings: Any) -> Iterator[Clause]:
+        """The stress against the limit of continuous use; nothing is barred where that is kept."""
+        for shaft, curve, ruled in self._curves(evidence, settings):
+            spans = judgement.spans_of(evidence.system, shaft.part)
+            for clause, within in ruled.items():
+                about = clause, shaft.name, STRESS, shaft.standing, curve, within, "N/mm2"
+                yield Clause(*about, spans=spans, if_kept=True)
+        yield from self.clauses(evidence, settings)
 
     def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """Stress in continuous use, while barred ranges are passed, and above the last limit; of every shaft."""
@@ -146,7 +164,7 @@ class ShaftStress(RuleOverSpeed):
         reach = judgement.coverage(float(one.curve.speed[-1]), rated_speed(evidence.study), last)
         notes = (MOSTLY, _refusal(one), rest, *shaft.notes, reach)
         for clause, within in one.ruled.items():
-            line = judged(clause, "synthesis stress amplitude", one.curve.limit, within & ~barred.passed, *notes)
+            line = judged(clause, STRESS, one.curve.limit, within & ~barred.passed, *notes)
             if line is not None:
                 yield line
         line = self._passing(evidence, one, settings, judged)

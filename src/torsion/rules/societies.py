@@ -65,7 +65,7 @@ class SocietyRule(M68):
         self.scope, self.scope_words = self.society.scope, "stresses are to be reported up to"
         if self.society.scope == LAST_CONTINUOUS:
             self.scope_words = "the limits reach to"
-        self.has_limits_of = M68.has_limits_of
+        self.has_limits_of, self.is_pointwise = M68.has_limits_of, not self.society.has_majors
         self.settings: type[M68Settings] = LrSettings if name == "lr" else SocietySettings
         if self.society.crank == "kr":
             self.has_limits_of, self.needs = (*M68.has_limits_of, *OTHER_ROLES), (*M68.needs, "modes")
@@ -85,7 +85,7 @@ class SocietyRule(M68):
 
     def _other(self, study: Study, settings: M68Settings, part: int, record: ShaftRecord) -> LimitedShaft:
         """A crankshaft or generator shaft."""
-        name, society = study.train.parts[part].name, self.society
+        name, whole, society = study.train.parts[part].name, study.train.parts[part].whole, self.society
         ends, source = diameters(study.train, part), society.crank_source()
         if not isinstance(settings, CrankSettings):  # a table by diameter alone, which the greatest limits most
             diameter = max(outer for outer, _ in ends) * MM
@@ -93,7 +93,7 @@ class SocietyRule(M68):
             return LimitedShaft(part, name, curve, society.crank_mark, (source, f"diameter {diameter:.4g} mm"))
         material = study.train.materials[record.material]
         known = [None if one is None else one * PA for one in (material.tensile_strength, material.yield_strength)]
-        strength = society_limits.strength_factor(known[0], alloy=name in settings.alloy)
+        strength = society_limits.strength_factor(known[0], alloy=not {name, whole}.isdisjoint(settings.alloy))
         yields = society_limits.yield_factor(known[1])
         engine, is_better = _engine(settings)
         if record.role == "crank" and settings.duty == "propulsion":

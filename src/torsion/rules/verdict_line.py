@@ -179,7 +179,7 @@ class Rule:
     name: str = ""  # in the file
     settings: type[Declared] = Declared
     needs: tuple[str, ...] = ()  # analyses that it reads
-    is_pointwise = False  # its clauses judge each speed by itself, and it says nothing else
+    is_pointwise = False  # its clauses judge each speed by itself, and it says nothing else of what keeps them
 
     def path(self, study: Study, settings: Any) -> Path:
         """Where the rule with these settings stands in the file."""

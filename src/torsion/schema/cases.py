@@ -71,6 +71,19 @@ def with_cases(source: Source, read: Read) -> Study:
     return replace(study, cases=made) if made else study
 
 
+def case_of(name: str, source: Source, read: Read) -> Study:
+    """The study of one case of a file whose values are others than when it was read; raises InputError."""
+    faults: list[Fault] = []
+    requested = {one.name: one for one in _requested(source, faults)}
+    own, study = requested[name], read(source)
+    based_on = own.keys.based_on
+    base = study if based_on is None else _case(requested[based_on], study, study, source, read, faults)
+    found = None if base is None else _case(own, base, study, source, read, faults)
+    if found is None:
+        raise input_error(_each_once(faults), source)
+    return found
+
+
 def located_in_case(error: InputError, case: Case) -> InputError:
     """The same faults in the values of the file as the case changes them."""
     return input_error(in_case(case.name, input_error(error.faults, case.source).faults), case.source)
@@ -161,6 +174,7 @@ def _case(one: _Requested, base: Study, study: Study, source: Source, read: Read
         _tolerances(one, overlay)
     else:
         _keys(one, overlay)
+    overlay.remove(("analyses", "fit"))  # what was measured is of the file as it stands
     if not overlay.faults:
         changed = overlay.applied()
         try:
@@ -219,6 +233,8 @@ def _rules(overlay: Overlay, own: Node, fault: Path) -> None:
     before = "none" if there is None else in_words(there.value)
     overlay.changes.append(Change("rules", before, in_words(value.value)))
     overlay.put(("rules",), value, own.keys["rules"])
+    if not value.value:  # no limit that a design could keep; that of the file has this case among others
+        overlay.remove(("analyses", "design"))
 
 
 def _tolerances(one: _Requested, overlay: Overlay) -> None:
@@ -270,7 +286,8 @@ def _effect(study: Study) -> Any:
     parts = [replace(part, **plain) for part in train.parts]
     torques = [replace(torque, path=(), source=None) for torque in train.torques]
     rest = (train.stations, train.inertias, train.springs, train.bars, train.constraints, train.dampers)
-    settings = (study.operation, study.model, study.fem, dict(study.analyses), study.rules, train.modal_damping)
+    analyses = {name: settings for name, settings in study.analyses.items() if name != "fit"}
+    settings = (study.operation, study.model, study.fem, analyses, study.rules, train.modal_damping)
     return _content((parts, torques, rest, settings, dict(train.materials)))
 
 

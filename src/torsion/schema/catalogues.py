@@ -21,6 +21,8 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
         for key in SAID.keys() & row.parts.keys():
             try:
                 said[key] = _number(row.parts[key].value, key)
+                if said[key] < 0.0:
+                    raise units.UnitFault(f"a {key} of {row.parts[key].value} is below 0", "0 or more")
             except units.UnitFault as fault:
                 at = row.parts[key]
                 reading.faults.append(

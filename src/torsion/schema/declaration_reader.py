@@ -199,7 +199,7 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
             return f"{shown(value)} is not a list", ""
         case "missing" | "too_short" | "too_long":
             size, fits = _size(value), "long" if error == "too_long" else "short"
-            return f"the list is too {fits}: {size} value{'s' * (size != 1)}", ""
+            return f"the {'mapping' if value == {} else 'list'} is too {fits}: {size} value{'s' * (size != 1)}", ""
         case "greater_than_equal" | "less_than_equal":
             limit = f"at least {context['ge']}" if "ge" in context else f"at most {context['le']}"
             return f"{shown(value)} is out of range", f"must be {limit}"
@@ -210,7 +210,7 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
 
 
 def _size(value: object) -> int:
-    return len(value) if isinstance(value, list | tuple) else 1
+    return len(value) if isinstance(value, list | tuple) or value == {} else 1
 
 
 def _model(kind: type[BaseModel] | None, path: Path) -> type[BaseModel] | None:

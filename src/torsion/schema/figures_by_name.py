@@ -1,6 +1,7 @@
 """The figures that a file names for varying, or that have a tolerance."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -30,7 +31,7 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterator
         fault = (*place, words)
         part = next((part for part in overlay.parts if part.name == words.strip("\"'")), None)
         if law.catalogue is not None and part is not None:
-            yield from _of_catalogue(law, law.catalogue, part, overlay)
+            yield from (replace(one, key=words) for one in _of_catalogue(law, law.catalogue, part, overlay))
             continue
         each = _of_all(words, law, overlay, fault) if words.startswith("*.") else _of_one(words, overlay, fault)
         for name, path in each:
@@ -43,7 +44,7 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterator
             there = node_at(overlay.source.root, path)
             figure = None if there is None else _figure(name, law, path, there, overlay.faults, fault)
             if figure is not None:
-                yield figure
+                yield replace(figure, key=words)
 
 
 def _of_one(words: str, overlay: Overlay, fault: Path) -> Iterator[tuple[str, Path]]:
@@ -90,7 +91,8 @@ def _of_catalogue(law: Choice, name: str, part: Part, overlay: Overlay) -> Itera
 def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault], fault: Path) -> Figure | None:
     """The figure whose value stands there; None with its fault noted where its law does not take such a value."""
     if law.values is not None:
-        nodes = [Node(value, there.line, there.column) for value in law.values]
+        each = [list(value) if isinstance(value, tuple) else value for value in law.values]
+        nodes = [Node(value, there.line, there.column) for value in each]
         rows = tuple(Row(in_words(node.value), ((path, node),), {}) for node in nodes)
         own = next((place for place, node in enumerate(nodes) if node.value == there.value), np.nan)
         return Figure(name, law, ((path, 1),), 0, float(own), rows)
@@ -128,10 +130,11 @@ def with_tolerance(study: Study, overlay: Overlay) -> Iterator[Figure]:
             made = (*part.path, "inertia"), (*part.path, "entrained")
             there = [(path, node_at(overlay.source.root, path)) for path in made]
             given = [(path, 1) for path, node in there if node is not None and "%" not in str(node.value)]
-            yield Figure(f"{part.name}.inertia", Law(uniform=part.inertia_tolerance), tuple(given), 0, 1.0)
+            law = Law.model_construct(uniform=part.inertia_tolerance)  # of any width, as of the stiffness
+            yield Figure(f"{part.name}.inertia", law, tuple(given), 0, 1.0)
         if not part.stiffness_tolerance:
             continue
-        law = Law(uniform=part.stiffness_tolerance)
+        law = Law.model_construct(uniform=part.stiffness_tolerance)
         if paths := [(path, -1 if path[-1] == "flexibility" else 1) for path in stiffness_paths(overlay, part)]:
             key = "flexibility" if paths[0][1] < 0 else "stiffness"
             yield Figure(f"{part.name}.{key}", law, tuple(paths), 0, 1.0)

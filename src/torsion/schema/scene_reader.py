@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 from torsion.analyses import ANALYSES, UNBUILT, VARYING
 from torsion.components import KINDS
 from torsion.components.harmonic_torques import Excitation
-from torsion.components.lowering import StepForm
 from torsion.components.material import STEEL, Material
+from torsion.components.shaft_details import StepForm
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, given, required, shown
 from torsion.primitives import SectionMesh

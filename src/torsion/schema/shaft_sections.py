@@ -13,7 +13,7 @@ from torsion.schema.fault_text import Node, Source
 
 SECTIONS = "sections"
 ROW = ("length", "diameter", "bore")  # of a row that is a list
-OF_A_ROW = ("length", "step", "support")  # keys that the rows alone may have
+OF_A_ROW = ("length", "step", "support", "notches", "hub")  # keys that the rows alone may have
 Faulty = Callable[[Node, str, str], None]  # notes what is wrong with a value, and what would be right
 
 

@@ -1,17 +1,25 @@
 """Figures of a file that vary in a sweep, a design or a fit: where they stand, and the study of any values of them."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol, runtime_checkable
+
+import numpy as np
 
 from torsion.analyses import VARYING
 from torsion.analyses.variants.laws import Choice
+from torsion.arrays import FloatArray, IntArray
 from torsion.errors import Fault, InputError, Path, nearest
-from torsion.schema.fault_text import Source
+from torsion.schema.component_reader import one_component
+from torsion.schema.fault_text import Node, Source
 from torsion.schema.figures_by_name import named, overlay_of, with_tolerance
+from torsion.schema.numbered_figures import Numbered
 from torsion.schema.overlay import in_words, node_at
 from torsion.schema.varied_figure import Figure
-from torsion.study import Study
+from torsion.study import Group, Study
+
+FEW = 100  # rows of a catalogue of which the whole file is read with each
 
 
 @runtime_checkable
@@ -51,10 +59,15 @@ class Variation:
 
     def fixed(self, values: Mapping[int, float]) -> "Variation":
         """The variation of the other figures of the file, in which these, by their places, have values."""
-        own = replace(self, figures=tuple(self.figures[place] for place in values))
-        source = own.file(list(values.values()))
+        first = 0 if self.before is None else len(self.before.figures)
+        before = None if self.before is None else self.before.fixed({k: own for k, own in values.items() if k < first})
+        chosen = {k: own for k, own in values.items() if k >= first}
+        own = replace(before or self, figures=tuple(self.figures[place] for place in chosen), before=None)
+        source = own.file(list(chosen.values()))
+        base = self.read(source)
         others = tuple(one for place, one in enumerate(self.figures) if place not in values)
-        return replace(self, figures=others, source=source, base=self.read(source))
+        before = None if before is None else replace(before, source=source, base=base)
+        return replace(self, figures=others, source=source, base=base, before=before)
 
     def only(self, place: int, value: float) -> Study:
         """The study with one figure at a value, all others as in the file."""
@@ -70,22 +83,91 @@ class Variation:
         """That file as text without some analyses, with its words and comments where they can be kept."""
         from torsion.schema.edited_text import edited
 
-        each = zip(self.figures, values, strict=True)
-        puts = [put for figure, value in each for put in figure.puts(float(value), self.source)]
-        return edited(self.source, puts, [("analyses", name) for name in without], self.file(values).data)
+        puts = dict[Path, Node]()
+        source = self._with(puts, values, self.source)
+        return edited(self.source, list(puts.items()), [("analyses", name) for name in without], source.data)
 
     def file(self, values: Sequence[float]) -> Source:
         """The file with every figure at its value, without what varies figures."""
         source, first = self.source, 0 if self.before is None else len(self.before.figures)
         if self.before is not None:
             source = self.before.file(values[:first])
-        overlay = overlay_of(self.base, source)
-        for name in VARYING:
-            overlay.remove(("analyses", name))
-        for figure, value in zip(self.figures[first:], values[first:], strict=True):
-            for path, node in figure.puts(float(value), source):
+        return self._with({}, values, source, first)
+
+    def _with(self, puts: dict[Path, Node], values: Sequence[float], source: Source, first: int = 0) -> Source:
+        """A file with the figures from the `first` on: rows of lists before all, as laws are about what those state."""
+        each = list(zip(self.figures[first:], values[first:], strict=True))
+        for group in ([one for one in each if one[0].rows], [one for one in each if not one[0].rows]):
+            if not group and each:
+                continue
+            overlay = overlay_of(self.base, source)
+            for name in VARYING:
+                overlay.remove(("analyses", name))
+            own = {path: node for figure, value in group for path, node in figure.puts(float(value), source)}
+            for path, node in own.items():
                 overlay.put(path, node, (node.line, node.column))
-        return overlay.applied()
+            puts |= own
+            source = overlay.applied()
+        return source
+
+    def in_case(self, case: Study) -> "Variation":
+        """The same figures of a case of the file: they are put in before the case changes the file."""
+        from torsion.schema.cases import case_of
+
+        name = "" if case.case is None else case.case.name
+        before = None if self.before is None else self.before.in_case(case)
+        return replace(self, read=lambda source: case_of(name, source, self.read), base=case, before=before)
+
+    def groups(self, values: FloatArray, apart: Collection[int] = ()) -> Iterator[Group]:
+        """Variants (variants, figures) in groups of which lists and catalogues vary in numbers alone.
+
+        apart: places of figures of which every value makes a group of its own. None where a list varies behind what
+        another variation puts in the file.
+        """
+        before = 0 if self.before is None else len(self.before.figures)
+        listed = [place for place, one in enumerate(self.figures) if one.rows and place not in apart]
+        if before and any(place >= before for place in (*listed, *apart)):
+            return
+        which = np.array([
+            self._numbered[place].kinds[column.astype(np.intp)] if place in listed else column
+            for place, column in enumerate(values.T) if place in listed or place in apart
+        ]).reshape(-1, len(values))  # fmt: skip
+        kinds, place_of = np.unique(which, axis=1, return_inverse=True)
+        for number, kind in enumerate(kinds.T):
+            places = np.flatnonzero(place_of.ravel() == number)
+            yield self._group(places, tuple(kind.tolist()), values[places], listed, apart)
+
+    @cached_property
+    def _numbered(self) -> dict[int, Numbered]:
+        return {place: Numbered(one) for place, one in enumerate(self.figures) if one.rows}
+
+    def _group(
+        self, places: IntArray, key: tuple[float, ...], values: FloatArray, listed: Collection[int],
+        apart: Collection[int],
+    ) -> Group:  # fmt: skip
+        """The group of variants with these values; keys that do not vary are as in the first of them."""
+        own, columns, first = list[Figure](), list[FloatArray](), 0
+        for place, one in enumerate(self.figures):
+            column = values[:, place]
+            if place in listed:
+                figures, numbers = self._numbered[place].numbers(int(self._numbered[place].kinds[int(column[0])]))
+                numbers = numbers[column.astype(np.intp)]
+            else:
+                figures, numbers = ([] if place in apart else [one]), column[:, None][:, : place not in apart]
+            own += figures
+            columns.append(numbers)
+            first += len(figures) if self.before is not None and place < len(self.before.figures) else 0
+        numbers, row = np.hstack(columns), {place: float(values[0, place]) for place in (*listed, *apart)}
+        own = [replace(one, nominal=_middle(one, value)) for one, value in zip(own, numbers[0], strict=True)]
+
+        def made() -> Variation:
+            if self.before is None:
+                return replace(self.fixed(row) if row else self, figures=tuple(own))
+            behind = replace(self.before.fixed(row) if row else self.before, figures=tuple(own[:first]))
+            return replace(self, figures=tuple(own), before=behind)
+
+        ends = np.array([one.ends for one in own]).reshape(-1, 2).T
+        return Group(key, places, made, numbers, np.array([ends.min(axis=0), ends.max(axis=0)]))
 
     def behind(self, other: "Variation") -> "Variation":
         """Both as one: the figures of the other first, and these about what that puts in the file."""
@@ -130,8 +212,14 @@ def _variation(
     if len(faults) == before and isinstance(settings, Refusing):
         faults += [replace(one, path=(*place, *one.path)) for one in settings.refused(study, figures)]
     if len(faults) == before:
-        faults += _faults_at_ends(variation, (*place, key), varied)
+        faults += _faults_at_ends(variation, (*place, key))
     return variation
+
+
+def _middle(figure: Figure, value: float) -> float:
+    """What the file gives where that is a value of the figure and not 0, else that value, else the middle."""
+    low, high = sorted(figure.ends.tolist())
+    return next((one for one in (figure.nominal, value) if low <= one <= high and one), 0.5 * (low + high))
 
 
 def _in_columns(
@@ -166,10 +254,11 @@ def _in_pairs(one: Figure, other: Figure) -> bool:
     return 0 < one.places == other.places
 
 
-def _faults_at_ends(variation: Variation, where: Path, named: Mapping[str, Choice]) -> Iterator[Fault]:
-    """Figures whose range, or any of whose alternatives, leaves what the file may say."""
+def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
+    """Figures whose range, or one of whose alternatives that are tried, leaves what the file may say."""
     for place, figure in enumerate(variation.figures):
-        for value in (figure.every() if figure.rows else figure.ends).tolist():
+        rows = _to_be_read(figure, variation.source) if figure.rows and not figure.paths else figure.trials.tolist()
+        for value in rows:
             try:
                 variation.only(place, value)
             except InputError as error:
@@ -178,6 +267,29 @@ def _faults_at_ends(variation: Variation, where: Path, named: Mapping[str, Choic
                 if why.file:  # in the row of a catalogue
                     yield replace(why, message=message)
                     break
-                at = (*where, figure.name) if figure.name in named else where
+                at = (*where, figure.key) if figure.key else where
                 yield Fault(at, message, why.hint or "a narrower law", at_key=True)
                 break
+
+
+def _to_be_read(figure: Figure, source: Source) -> list[float]:
+    """Rows with which the whole file is read as a trial: all of a few.
+
+    Of many the first of each kind, those with the least and the greatest of each number, and any whose component is at
+    fault by itself.
+    """
+    if len(figure.rows) <= FEW:
+        return [float(place) for place in range(len(figure.rows))]
+    numbered, chosen = Numbered(figure), set[int]()
+    for kind in np.unique(numbered.kinds).tolist():
+        of_kind = np.flatnonzero(numbered.kinds == kind)
+        values = numbered.numbers(kind)[1][of_kind]
+        chosen |= {int(of_kind[0]), *of_kind[values.argmin(axis=0)].tolist(), *of_kind[values.argmax(axis=0)].tolist()}
+    for place, row in enumerate(figure.rows):
+        path, faults = row.puts[0][0][:-1], list[Fault]()
+        there = node_at(source.root, path)
+        own = {str(key[-1]): node.value for key, node in row.puts}
+        one_component(str(path[-1]), {**({} if there is None else there.value or {}), **own}, path, faults)
+        if faults:
+            chosen.add(place)
+    return [float(place) for place in sorted(chosen)]

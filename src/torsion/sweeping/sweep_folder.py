@@ -13,13 +13,14 @@ import numpy as np
 
 from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.analyses.variants.chunks import Chunk, Part
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, printable
 from torsion.findings import Work, version
 from torsion.output.write import inputs
 from torsion.study import Study, Variation
 from torsion.sweeping.parts import SUFFIXES, columns, has_parquet, part_of, read_part, write_part
 
 OF = "sweep.json"  # what the parts are of
+MOST_SAID = 4  # differences from another sweep
 LIBRARIES = ("torsion", "numpy", "scipy")  # which may change the last bits of the answers
 
 
@@ -149,15 +150,24 @@ def _refuse_another(place: Path, identity: Mapping[str, Any]) -> None:
         known = json.loads(place.read_text(encoding="utf-8"))
         if known.pop("hash") == hash_of(identity) == hash_of(known):
             return
-        words = "; ".join(_differences(known, json.loads(json.dumps(identity)))) or "it was changed"
+        first, *more = _differences(known, json.loads(json.dumps(identity))) or ["it was changed"]
+        words = "; ".join([first, *more[: MOST_SAID - 1]]) + (
+            f"; and {len(more) + 1 - MOST_SAID} more" if len(more) >= MOST_SAID else ""
+        )
     except (OSError, ValueError, KeyError, AttributeError, TypeError):
         words = "it cannot be read"
     message = f"{place} is of another sweep: {words}"
     raise InputError([Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)")
 
 
-def _differences(known: Mapping[str, Any], now: Mapping[str, Any], above: str = "") -> Iterator[str]:
-    """What differs, in words."""
+def _differences(known: Mapping[str, Any], now: Mapping[str, Any], above: str = "") -> list[str]:
+    """What differs, in words; of another scene that alone."""
+    if not above and known.get("scene") != now.get("scene"):
+        return [f"of the scene {_said(known.get('scene'))}, and this is {_said(now.get('scene'))}"]
+    return list(_each_difference(known, now, above))
+
+
+def _each_difference(known: Mapping[str, Any], now: Mapping[str, Any], above: str) -> Iterator[str]:
     for key in dict.fromkeys((*known, *now)):
         before, after = known.get(key), now.get(key)
         if before == after:
@@ -173,4 +183,4 @@ def _differences(known: Mapping[str, Any], now: Mapping[str, Any], above: str = 
 
 
 def _said(value: object) -> str:
-    return "not given" if value is None else value if isinstance(value, str) else json.dumps(value)
+    return "not given" if value is None else printable(value if isinstance(value, str) else json.dumps(value))

@@ -1,6 +1,6 @@
 """Answers the chunks of a sweep from the parts of its folder, and solves those that are not there yet."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -10,6 +10,7 @@ from torsion.errors import InputError, SolveError
 from torsion.findings import Work
 from torsion.study import Variation
 from torsion.sweeping.cluster import Workers
+from torsion.sweeping.folder_lock import alone
 from torsion.sweeping.sweep_folder import SweepFolder, identity
 from torsion.sweeping.worker_task import errand
 
@@ -30,6 +31,7 @@ class Sweeper:
     workers: Workers | None = None  # None: this process alone
     fresh: bool = False
     csv: bool = False
+    notice: Callable[[str], object] = print
     kept: int = 0  # parts that were there
     solved: int = 0
     begun: set[Path] = field(default_factory=set)
@@ -41,12 +43,13 @@ class Sweeper:
         is_new = place.folder not in self.begun
         self.begun.add(place.folder)
         try:
-            place.open(identity(work, variation, chunks), fresh=self.fresh and is_new)
-            self.kept += sum(place.found(chunk) is not None for chunk in chunks) if is_new else 0
-            self._complete(place, work, variation, chunks)
-            if self.csv and is_new:
-                place.write_csv(chunks)
-            yield from map(place.read, chunks)
+            with alone(place.folder, self.notice):
+                place.open(identity(work, variation, chunks), fresh=self.fresh and is_new)
+                self.kept += sum(place.found(chunk) is not None for chunk in chunks) if is_new else 0
+                self._complete(place, work, variation, chunks)
+                if self.csv and is_new:
+                    place.write_csv(chunks)
+                yield from map(place.read, chunks)
         except (InputError, SolveError) as error:
             raise Stopped(error) from None
 

@@ -38,7 +38,7 @@ def swept(
         notice(warning)
     folder = folder_of(file, out, study.case)
     with Workers(place) as workers:
-        sweeper = Sweeper(folder, workers if place.is_needed else None, fresh, csv)
+        sweeper = Sweeper(folder, workers if place.is_needed else None, fresh, csv, notice)
         try:
             findings = run(study, progress=progress, answered=sweeper)
         except Stopped as stopped:

@@ -15,7 +15,7 @@ from torsion.analyses.design.design_run import run
 from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
-from torsion.output.chapters.design import design_line
+from torsion.output.chapters.design import conclusion
 from torsion.rules import judgement
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
@@ -154,7 +154,7 @@ def test_margins_conditions_and_masses_are_those_of_every_file_by_itself(scene: 
                if not 118.0 < one[1] < 132.0 and one[2] < 130.0}  # fmt: skip
     names = [(found.rows[0][int(size)], f"{55 + 5 * round((diameter - 55) / 5)} mm") for size, diameter in found.values]
     assert sorted(names) == sorted(enumerated)
-    assert found.aims == pytest.approx([enumerated[name][0] for name in names], rel=1e-12)
+    assert found.aims == pytest.approx([enumerated[name][0] for name in names], abs=5e-4)  # side by side
     assert found.amounts == pytest.approx([enumerated[name][2] for name in names], rel=1e-12)
     kept = [name in allowed and enumerated[name][0] >= 0.0 for name in names]
     assert found.allowed.tolist() == kept
@@ -167,7 +167,7 @@ def test_margins_conditions_and_masses_are_those_of_every_file_by_itself(scene: 
     front = [(mass, margin) for margin, _, mass in allowed.values()
              if not any(other[2] <= mass and other[0] > margin + 1e-12 for other in allowed.values())]  # fmt: skip
     lightest = {round(margin, 9): min(m for m, other in front if abs(other - margin) < 1e-9) for _, margin in front}
-    assert found.front_margin == pytest.approx(sorted(lightest), rel=1e-7)
+    assert found.front_margin == pytest.approx(sorted(lightest), abs=5e-4)
     assert found.front_amount == pytest.approx(sorted(lightest.values()), rel=1e-12)
 
 
@@ -214,18 +214,6 @@ def test_a_file_with_aliases_is_written_anew() -> None:
     assert [one.inertia for one in again.train.inertias] == [1.5, 1.2]
 
 
-def test_the_first_page_says_that_the_cases_of_the_file_are_not_among_what_a_design_keeps() -> None:
-    """No other case has a choice made or proven for it; its verdict may be the opposite."""
-    design = (
-        "  design: {choose: {coupling-1.stiffness: {from: 10000, to: 30000, steps: 3}}, aim: {mode-1.frequency: 30 Hz}}"
-    )
-    said = [
-        dict(design_line(torsion.run(torsion.parse(TWO % (design + more)))))["Design"]
-        for more in ("", "\ncases: {worn: {scale: {coupling-1.stiffness: 50 %}}}")
-    ]
-    assert said[1] == f"{said[0]}; searched and judged without the other cases of the file: solve `designed.yaml`"
-
-
 def test_a_choice_that_the_ordinary_solution_disagrees_with_gives_way_to_the_next() -> None:
     text = "  design: {choose: {coupling-1.stiffness: {values: [20000, 21000, 30000]}}, aim: {mode-1.frequency: 33 Hz}}"
     study = torsion.parse(TWO % text)
@@ -241,6 +229,25 @@ def test_a_choice_that_the_ordinary_solution_disagrees_with_gives_way_to_the_nex
     found = work.need(Design)
     assert [one.proven for one in found.best] == ["disagrees", "kept", ""]
     assert (found.chosen, found.picked.tolist()) == (2, [0.0])
+
+
+@pytest.mark.parametrize(
+    ("chosen", "words"),
+    [
+        ("coupling-1: {catalogue: one.csv}", "coupling-1 only: mode-1.frequency at 33 Hz is not reached"),
+        ("coupling-1.source: {values: [one, two]}", "is not reached"),
+        ("disc-1.inertia: {values: [1, 2]}, propeller-1.blades: {from: 3, to: 5, step: 1}", "propeller-1.blades 3"),
+    ],
+)
+def test_odd_choices_have_an_answer(chosen: str, words: str, tmp_path: Path) -> None:
+    """One row alone, words, and whole numbers."""
+    (tmp_path / "one.csv").write_text("name,stiffness [N*m/rad]\nonly,30000\n")
+    text = TWO % f"  design: {{choose: {{{chosen}}}, aim: {{mode-1.frequency: 33 Hz}}}}"
+    text = text.replace("tolerance: 15 %", "source: one").replace(
+        "  - disc: {inertia: 0.8}", "  - propeller: {inertia: 0.8, blades: 3}"
+    )
+    found = torsion.run(torsion.parse(text, str(tmp_path / "t.yaml")))
+    assert words in conclusion(found.need(Design))
 
 
 GRID = "{disc-1.inertia: {from: 1, to: 2, step: 1e-6}, disc-2.inertia: {from: 1, to: 2, steps: 99}}"
@@ -266,6 +273,11 @@ AT_3 = "aim: {mode-1.frequency: 3}"
         (f"choose: {{coupling-1.psi: {{from: 1, to: 2}}}}, {AT_3}", "coupling-1", "does not give"),
         (f"choose: {{disc-1: {{catalogue: none.csv}}}}, {AT_3}", "none.csv", "does not exist"),
         (f"choose: {GRID}, {AT_3}", "choose", "combinations"),
+        (
+            f"choose: {{{ONE}}}, {AT_3}, robust: true}}\n  sweep: {{vary: {{coupling-1.stiffness: {{values: [1, 2]}}}}",
+            "true",
+            "in the place of",
+        ),
     ],
 )
 def test_faults_of_a_design_are_located(design: str, place: str, words: str) -> None:
@@ -285,6 +297,7 @@ def test_faults_of_a_design_are_located(design: str, place: str, words: str) -> 
         ("name,weight,stiffness [N*m/rad]\na,1,30000", "1:6", "unknown column `weight`"),
         ("name,stiffness [N*m/rad],psi\na,30000,\nb,1,0.5", "2:9", "`psi` is empty"),
         ("name,mass,stiffness [N*m/rad]\na,3,1", "1:6", "has no unit"),
+        ("name,cost,stiffness [N*m/rad]\na,-3,1", "2:3", "below 0"),
         ("name,stiffness [kg]\na,3", "1:6", "unit"),
         ("name,stiffness [N*m/rad]\na,3\na,4", "3:1", "name 'a' stands in line 2 already"),
         ("name,stiffness [N*m/rad]\na,3\nb,-4", "3:3", "out of range"),

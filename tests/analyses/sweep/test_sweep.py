@@ -10,7 +10,8 @@ import pytest
 
 import torsion
 from torsion.analyses.sweep.sweep_results import Sweep
-from torsion.analyses.variants import one_by_one
+from torsion.analyses.sweep.sweep_summary import _decides
+from torsion.analyses.variants import one_by_one, row_by_row
 from torsion.analyses.variants.sampling import probability
 from torsion.commands import plan
 from torsion.errors import InputError, SolveError
@@ -111,6 +112,52 @@ def test_variants_that_are_judged_are_those_files_too() -> None:
     assert check.decides == "rubber.stiffness"
     ranks = [np.argsort(np.argsort(one)) for one in (check.utilisation, found.factor[:, 0])]
     assert check.correlation == pytest.approx(np.corrcoef(ranks)[0, 1], rel=1e-12)
+
+
+LOOP = TWO.replace("count: 1", "count: 2").replace(
+    "analyses:",
+    """  - coupling: {stiffness: 30000}
+  - disc: {inertia: 0.5}
+links: [{between: [disc-1, disc-3], coupling: {name: chord, stiffness: 15 kN*m/rad}}]
+analyses:""",
+)
+EXACT = (
+    TWO.replace("count: 1", "count: 3")
+    .replace("analyses: {", "analyses: {model: exact, ")
+    .replace("coupling: {stiffness: 20000}", "shaft: {length: 2 m, diameter: 80 mm}")
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "vary"),
+    [
+        (LOOP, "chord.stiffness: {uniform: 30 %}, coupling-1.stiffness: {uniform: 20 %}"),
+        (EXACT, "disc-1.inertia: {uniform: 30 %}, shaft-1.diameter: {uniform: 10 %}"),
+        (EXACT, "shaft-1.length: {uniform: 40 %}"),
+    ],
+)
+def test_loops_and_distributed_shafts_are_side_by_side(text: str, vary: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    study = torsion.parse(text % f"vary: {{{vary}}}, samples: 128")
+    with monkeypatch.context() as patch:
+        patch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
+        found = swept(study)
+    monkeypatch.setattr(row_by_row, "side_by_side", lambda *given: None)
+    alone = swept(study)
+    assert (found.factor == alone.factor).all()
+    assert found.frequency == pytest.approx(alone.frequency, rel=1e-13)
+
+
+def test_variants_that_need_shorter_pieces_of_a_shaft_are_solved_by_themselves() -> None:
+    soft = "  - disc: {inertia: 0.001}\n  - coupling: {name: c%d, stiffness: 20}\n"
+    names = [f"c{k}.stiffness" for k in range(6)]
+    vary = ", ".join(f"{name}: {{from: 10, to: 1e8, steps: 2}}" for name in names)
+    found = swept(torsion.parse(
+        f"name: x\ntrain:\n{''.join(soft % k for k in range(6))}  - disc: {{inertia: 0.001}}\n"
+        "  - shaft: {name: long, length: 10 m, diameter: 100 mm}\n  - disc: {inertia: 0.001}\nanalyses: {model: exact, "
+        f"modes: {{count: 6}}, sweep: {{vary: {{{vary}}}, together: [[{', '.join(names)}]]}}}}\n"
+    ))  # fmt: skip
+    wave = np.sqrt(79.3e9 / 7850.0)  # of both ends nearly free: half waves along the shaft
+    assert found.frequency[:, 1] == pytest.approx(np.arange(1, 7) * wave / 20.0, rel=0.02)
 
 
 def test_figures_that_enter_as_a_sum_are_found_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -259,3 +306,31 @@ def test_a_range_that_leaves_the_limits_of_its_key_is_refused() -> None:
     text = TWO.replace("coupling: {stiffness: 20000}", "shaft: {length: 1 m, diameter: 60 mm, bore: 50 mm}")
     with pytest.raises(InputError, match=r"shaft-1\.diameter times 0\.7"):
         torsion.parse(text % "vary: {shaft-1.diameter: {uniform: 30 %}}")
+
+
+def test_a_law_beside_a_catalogue_is_about_the_row_however_the_variants_are_solved(tmp_path: Path) -> None:
+    (tmp_path / "series.csv").write_text("name,stiffness [N*m/rad]\nA,10000\nB,40000\n", encoding="utf-8")
+    vary = "vary: {coupling-1: {catalogue: series.csv}, coupling-1.stiffness: {uniform: 15 %}}, samples: 128"
+    (tmp_path / "scene.yaml").write_text(TWO % vary, encoding="utf-8")
+    study = torsion.read(tmp_path / "scene.yaml")
+    row, factor = swept(study).factor.T
+    stiffness = np.array([1e4, 4e4])[row.astype(int)] * factor
+    exact = np.sqrt(stiffness * (1 / 1.2 + 1 / 0.8)) / (2 * pi)
+    assert swept(study).frequency[0] == pytest.approx(exact, rel=1e-13)
+    alone = torsion.run(study.variations["sweep"].study([row[0], factor[0]]), only=["modes"])
+    assert alone.results["modes"].frequency[0] == pytest.approx(exact[0], rel=1e-13)
+
+
+def test_equal_values_share_their_ranks() -> None:
+    from scipy.stats import spearmanr
+
+    used = np.array([0.1, 0.5, 0.5, 0.9, 0.9, 0.2, np.nan])
+    factor = np.column_stack([np.ones(7), [1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 5.0]])
+    place, correlation = _decides(used, factor)
+    assert place == 1
+    assert correlation == pytest.approx(spearmanr(used[:6], factor[:6, 1]).statistic, rel=1e-14)
+
+
+def test_few_failures_are_no_surer_than_none() -> None:
+    none, one = np.zeros(512, dtype=bool), np.arange(512) == 7
+    assert probability(one, "sobol")[2] > probability(none, "sobol")[2] > 0.0

@@ -16,6 +16,13 @@ def test_fillet_is_that_of_peterson_within_three_per_cent(larger: float, radius:
     assert found.factor == pytest.approx(peterson((larger - 1.0) / 2.0, radius), rel=0.03)
 
 
+def test_stress_is_within_its_error_of_that_on_a_finer_mesh() -> None:
+    profile = junction((1.0, 0.0), (2.0, 0.0), Corner("fillet", 0.15))
+    found, finer = fillet_stress(profile), fillet_stress(profile, 1e-5)
+    assert finer.error <= 1e-5
+    assert found.factor == pytest.approx(finer.factor, rel=found.error + finer.error)
+
+
 def test_large_step_with_a_small_fillet_concentrates_as_its_corner_does() -> None:
     """In the corner of 270 degrees the stress grows as distance^(-1/3), and so K_t as radius^(-1/3)."""
     small, large = (

@@ -6,11 +6,12 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.junction.axisymmetric import solved
-from torsion.assembly.junction.profile import Corner, junction
+from torsion.assembly.junction.profile import Corner, Length, Profile, junction
 from torsion.errors import InputError
 from torsion.kernels.junction_table import junction_table
 from torsion.schema.scene_reader import parse
@@ -41,10 +42,14 @@ def frequencies(text: str, model: str = "exact") -> np.ndarray:
 
 
 @pytest.mark.parametrize("model", ["lumped", "fem", "exact"])
-def test_a_fillet_is_a_coupling_of_its_flexibility(model: str) -> None:
+def test_a_fillet_is_a_ring_and_a_coupling_of_its_flexibility(model: str) -> None:
     known = junction_table().excess_length(0.0, 0.5, 0.04)
     assert known is not None
-    coupling = f"  - coupling: {{flexibility: {flexibility(known)!r}}}"
+    moment = (
+        math.pi / 2.0 * quad(lambda x: (0.054 - math.sqrt(0.004**2 - x * x)) ** 4 - 0.05**4, 0.0, 0.004, epsabs=0)[0]
+    )
+    ring = f"  - disc: {{inertia: {parse(scene()).train.bars[0].density * moment!r}}}"
+    coupling = f"{ring}\n  - coupling: {{flexibility: {flexibility(known)!r}}}"
     found = frequencies(scene(step=", step: {fillet: 4 mm}"), model)
     assert found == pytest.approx(frequencies(scene(between=coupling), model), rel=1e-11)
     assert np.all(found < frequencies(scene(), model) * (1.0 - 1e-4))
@@ -72,6 +77,36 @@ def test_handbook_and_words_of_one_shaft() -> None:
     assert none.springs == parse(scene()).train.springs
 
 
+@pytest.mark.parametrize(
+    ("step", "behind", "between", "corners"),
+    [
+        ("{undercut: {depth: 3 mm, width: 8 mm, fillet: 2 mm}}", 0.2, (0.008, 0.094), (None, Corner("fillet", 0.002))),
+        (
+            "{flange: {diameter: 220 mm, thickness: 30 mm, fillet: 8 mm}}",
+            0.1,
+            (0.03, 0.22),
+            (Corner("fillet", 0.008), None),
+        ),
+    ],
+    ids=["undercut", "flange"],
+)
+def test_an_undercut_and_a_flange_twist_as_the_whole_line_does(
+    step: str, behind: float, between: tuple[float, float], corners: tuple[Corner | None, ...]
+) -> None:
+    """The elements of the line as it is drawn, its shaft shorter by the undercut, longer by the flange."""
+    found = parse(scene(step=f", step: {step}").replace("200 mm", f"{1e3 * behind:g} mm")).train
+    length, diameter = between
+    first = 0.6 - (length if diameter < 0.1 else 0.0)
+    whole = Profile(tuple(Length(one, (d, d)) for one, d in ((first, 0.1), (length, diameter), (0.5, behind))), corners)
+    bounds, modulus = solved(whole, 1e-6).levels[-1], found.bars[0].shear_modulus
+    own = sum(bar.length / modulus / (math.pi / 32.0 * bar.outer[0] ** 4) for bar in found.bars)
+    total = own + found.springs[-1].flexibility
+    assert modulus * total == pytest.approx((bounds.lower + bounds.upper) / 2.0, rel=1e-6)
+    flanges = [one.inertia for one in found.inertias if one.what == "flange"]
+    density = found.bars[0].density
+    assert flanges == [pytest.approx(density * length * math.pi / 32.0 * diameter**4)][: diameter > 0.1]
+
+
 def test_a_large_fillet_stiffens_the_shaft_that_it_fills() -> None:
     """Its excess length is negative: the whole twist is that of both shafts less it."""
     known = junction_table().excess_length(0.0, 0.5, 0.4)
@@ -91,6 +126,11 @@ def test_a_large_fillet_stiffens_the_shaft_that_it_fills() -> None:
         (scene("steps: [sharp]", step=", step: {fillet: 4 mm}"), "steps"),
         (scene(step=", step: sharp").replace("200 mm", "100 mm"), "the same diameter"),
         (scene(step=", step: sharp", bore=", bore: 120 mm"), "do not touch"),
+        (scene("steps: sharp", bore=", bore: 120 mm"), "do not touch"),
+        (scene(step=", step: {undercut: {depth: 50 mm, width: 8 mm}}"), "deeper than the wall"),
+        (scene(step=", step: {undercut: {depth: 3 mm, width: 8 mm, fillet: 9 mm}}"), "does not fit into the undercut"),
+        (scene(step=", step: {undercut: {depth: 3 mm, width: 600 mm}}"), "reaches beyond 'a'"),
+        (scene(step=", step: {flange: {diameter: 200 mm, thickness: 30 mm}}"), "no larger than"),
         (scene(step=", step: sharp", between="  - disc: {inertia: 1}"), "no shaft follows 'a' directly"),
         (scene(step=", step: {fillet: 0.5 m}").replace("200 mm", "1.2 m"), "more than half of its twist"),
         (scene(step=", step: {fillet: 0.8 m}").replace("200 mm", "2 m"), "reaches beyond 'a'"),

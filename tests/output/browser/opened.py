@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import torsion
@@ -128,6 +129,17 @@ class Opened:
     def button(self, name: str, words: str) -> Any:
         """Of a figure."""
         return self.page.locator(f"figure#{name} button", has_text=words)
+
+
+def until(page: Any, script: str, arg: Any = None) -> None:
+    """Wait until a script is true in a page. It is tried from here, as the page's policy lets it evaluate nothing.
+
+    Playwright's own `wait_for_function` evaluates in the page from the second time on, and fails there.
+    """
+    end = monotonic() + 30.0
+    while not page.evaluate(script, arg):
+        assert monotonic() < end, script
+        page.wait_for_timeout(20)
 
 
 def number(text: str) -> float:

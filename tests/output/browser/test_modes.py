@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from tests.output.browser.opened import EVERY, Opened, number
+from tests.output.browser.opened import EVERY, Opened, number, until
 
 POINT = re.compile(r"M(-?[\d.]+) (-?[\d.]+)m")
 
@@ -89,9 +89,10 @@ def test_a_mode_moves_and_stops_by_its_button_and_by_space_and_never_by_itself(u
         before = dots(usv, "mode-1")
         start()
         assert usv.page.locator("figure#mode-1 button[aria-pressed=true]").count() == 1
-        usv.page.wait_for_function(
+        until(
+            usv.page,
             "was => document.querySelector('figure#mode-1 .train').dataset.phase !== was",
-            arg=usv.page.locator("figure#mode-1 .train").get_attribute("data-phase"),
+            usv.page.locator("figure#mode-1 .train").get_attribute("data-phase"),
         )
         stop()
         stopped = dots(usv, "mode-1")

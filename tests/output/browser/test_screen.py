@@ -30,6 +30,7 @@ TEXTS = """() => {  // of every text that is seen: its words, colour, what lies 
     }
     return [...found.values()];
 }"""
+A4 = 680  # px of 210 mm without its margins of 15 mm
 LEAST = 4.5  # W3C, WCAG 2.1, 1.4.3
 
 
@@ -117,6 +118,17 @@ def test_on_a_narrow_or_an_enlarged_screen_nothing_runs_over_its_edge(opens: Cal
         box = page.page.locator(f"figure#{first}").bounding_box()
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= wide
+
+
+@pytest.mark.parametrize("scene", EVERY)
+def test_every_table_is_as_wide_as_the_page_on_screen_and_on_paper(opens: Callable[..., Opened], scene: str) -> None:
+    page = opens(scene)
+    for media in ("screen", "print"):
+        page.page.emulate_media(media=media)
+        page.page.set_viewport_size({"width": 900 if media == "screen" else A4, "height": 900})
+        wider = "one => one.scrollWidth > one.parentElement.clientWidth ? one.caption.textContent : null"
+        found = page.page.locator("main .table > table").evaluate_all(f"each => each.map({wider}).filter(Boolean)")
+        assert found == []
 
 
 @pytest.mark.parametrize("screen", ["light", "dark"])

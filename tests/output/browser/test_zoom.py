@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.output.browser.opened import Opened
+from tests.output.browser.opened import Opened, until
 
 FULL = (300.0, 1800.0)
 
@@ -89,13 +89,13 @@ def test_the_wheel_zooms_with_control_or_focus_and_else_scrolls_the_page(usv: Op
     usv.page.keyboard.down("Control")
     usv.page.mouse.wheel(0, -300)
     usv.page.keyboard.up("Control")
-    usv.page.wait_for_function("document.querySelector('figure#torque-1-0 .scale').children.length > 0")
+    until(usv.page, "document.querySelector('figure#torque-1-0 .scale').children.length > 0")
     assert 0.3 < width(usv) < 0.9
     speed = usv.read("torque-1-0")[0]
     assert speed == pytest.approx(0.75 * FULL[0] + 0.25 * FULL[1], abs=10.0)  # stays under the pointer
     usv.area("torque-1-0").focus()
     usv.page.mouse.wheel(0, 900)
-    usv.page.wait_for_function("document.querySelector('figure#torque-1-0 .scale').children.length === 0")
+    until(usv.page, "document.querySelector('figure#torque-1-0 .scale').children.length === 0")
     assert width(usv) == 1.0
     assert usv.page.evaluate("scrollY") == before
 
@@ -145,5 +145,5 @@ def test_a_finger_up_and_down_scrolls_the_page(phone: Opened) -> None:
     x, y = phone.spot("torque-1-0", 0.5)
     before = phone.page.evaluate("scrollY")
     fingers(phone, ((x, y), (x, y - 150.0)))
-    phone.page.wait_for_function(f"scrollY > {before + 50}")
+    until(phone.page, f"scrollY > {before + 50}")
     assert width(phone) == 1.0

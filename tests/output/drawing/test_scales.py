@@ -1,14 +1,19 @@
 """Numbers on axes: steps 1, 2 and 5, as many as there is room for, from end to end of the data."""
 
 import math
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from torsion.output.drawing.frame import GROWTH, horizontal, vertical
 from torsion.output.drawing.scales import degree_step, log_ticks, scale, step_of, texts, ticks_of
-from torsion.output.figures.figure import Axis
+from torsion.output.drawing.svg import svg
+from torsion.output.drawing.words import width
+from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel
 
 SIZES = st.floats(-12.0, 12.0).map(lambda power: 10.0**power)
 MOST = st.integers(3, 12)
@@ -105,3 +110,27 @@ def test_values_that_do_not_vary_and_no_values_have_an_axis() -> None:
 def test_modes_have_whole_numbers() -> None:
     found = scale(Axis("mode", low=0.5, high=3.5, is_whole=True), [], 9)
     assert [text for _, text in found.ticks] == ["1", "2", "3"]
+
+
+def test_an_axis_goes_as_far_as_the_levels_on_it_that_it_must_reach() -> None:
+    line, limit = Line("a", np.array([0.0, 8.0]), np.array([0.0, 2.0])), Level("limit", 100.0, is_reached=True)
+    panel = Panel(Axis("x"), Axis("y"), (line,), (limit, replace(limit, axis="x", value=40.0)))
+    assert (horizontal(panel, 600.0).high, vertical(panel).high) == (40.0, 100.0)
+    aside = replace(panel, levels=(replace(limit, axis="x", is_reached=False),))
+    assert (horizontal(aside, 600.0).high, vertical(aside).high) == (8.0, 2.0)
+
+
+def test_symbols_at_the_ends_of_a_line_have_room() -> None:
+    line = Line("a", np.array([10.0, 20.0]), np.array([0.0, 2.0]), symbol="ring")
+    found = horizontal(Panel(Axis("x"), Axis("y"), (line,)), 600.0)
+    assert (20.0 - 10.0) / (found.high - found.low) * 600.0 <= 600.0 - 2 * 6.5
+    assert horizontal(Panel(Axis("x", low=10.0), Axis("y"), (line,)), 600.0).low == 10.0
+
+
+def test_slanted_names_begin_within_the_figure() -> None:
+    names = tuple((float(k), f"a name that is long and needs much room {k}") for k in range(8))
+    line = Line("a", np.arange(8.0), np.arange(8.0))
+    text = svg(Figure("a", "", (Panel(Axis("x", places=names), Axis("y"), (line,)),)))
+    first = re.search(r'<text x="([\d.]+)"[^>]*rotate\(-30[^>]*>([^<]*)<', text)
+    assert first is not None
+    assert float(first[1]) - math.cos(math.pi / 6) * GROWTH * width(first[2]) >= 0.0

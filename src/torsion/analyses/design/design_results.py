@@ -25,7 +25,7 @@ class Candidate:
         "1", (), "smallest margin, ln(limit / value) (of a least value ln(value / limit)); null where none is aimed at"
     )
     decides: str = result("", (), "check with that margin, and its component")
-    worst_at: str = result("", (), "where `robust`: the sample of `sweep` at which it has that margin")
+    worst_at: str = result("", (), "case, and where `robust` the sample of `sweep`, at which it has that margin")
     frequency: float | None = result("Hz", (), "natural frequency that is aimed at; null where it is the margin")
     mass: float | None = result(
         "kg", (), "mass of the shafts and of what catalogues state; null where nothing requests it"
@@ -71,3 +71,8 @@ class Design:
     rows: tuple[tuple[str, ...], ...]  # of every figure the names of its rows; () of a range
     unit: tuple[str, ...]  # of every figure
     picked: FloatArray  # (figures,) the chosen values; empty for none
+    cases: tuple[str, ...] = result("", (), "cases of the file with which the choice was solved and judged")
+    is_over_cases: bool = result(
+        "", (), "the search takes the worst of the file and these cases; false: it looks at the file as it stands",
+        key="searched_over_cases",
+    )  # fmt: skip

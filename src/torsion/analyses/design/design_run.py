@@ -1,24 +1,29 @@
 """A design: choices are tried, and the best is proven by the ordinary solution of the file with its values."""
 
 import math
+import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from torsion.analyses.design.design_results import Candidate, ChosenFigure, Design
 from torsion.analyses.design.design_settings import DesignSettings
 from torsion.analyses.design.search import search
-from torsion.analyses.design.trials import Trial, Trials
+from torsion.analyses.design.trials import Case, Trial, Trials, bare
 from torsion.analyses.sweep.sweep_settings import SweepSettings
-from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.undamped_modes import Modes, without_mode
+from torsion.analyses.variants.chunks import duration
+from torsion.analyses.variants.judged_in_groups import WORTH, JudgedInGroups
 from torsion.analyses.variants.one_by_one import TO_BE_VERIFIED, Answers
 from torsion.analyses.variants.sampling import units
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, InputError, SolveError
+from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
 from torsion.study import Variation
 
-JUDGED, UNJUDGED = 2000, 50_000  # trains solved where nothing else is said
+JUDGED, TOGETHER = 2000, 50_000  # trains solved where nothing else is said: one by one, side by side
+CONFIRMED, ROUNDS = 200, 3  # trains of the best, judged side by side, that are then solved by themselves; times
 SAMPLES = 16  # of `sweep`, beside the file's own figures
 TEN, TRIED = 10, 5  # best that are reported, and that are solved by themselves at most
 APART = 0.02  # of a range, within which two choices are one
@@ -31,22 +36,62 @@ def run(work: Work) -> None:
     study, settings = work.study, work.settings("design", DesignSettings)
     variation = study.variations.get("design")
     if variation is None or work.solve is None:
-        work.log.without("design", "no figure of the file is chosen")
+        of_all = study.case is not None and "design" in study.analyses
+        why = "searched once for the file and all its cases" if of_all else "no figure of the file is chosen"
+        work.log.without("design", why)
         return
     modes = _modes(work, settings)
     sweep = study.variations.get("sweep") if settings.robust else None
     samples = np.empty((1, 0)) if sweep is None else _samples(work, sweep)
-    most = settings.evaluations or (JUDGED if settings.target is None else UNJUDGED)
-    trials = Trials(work, settings, variation, modes, max(most // len(samples), 20), sweep, samples)
+    trials = Trials(work, settings, variation, modes, sweep=sweep, samples=samples)
+    trials.cases = dict(_cases(work, trials))
     with work.log.step("design", "the file names it") as step:
+        begin = time.perf_counter()
         before = trials.as_it_stands()
-        step.method = method = search(trials)
+        seconds = (time.perf_counter() - begin) / len(trials.cases)
+        searched = len(trials.searched) * len(samples)
+        is_fast = _is_fast(trials)
+        most = settings.evaluations or (TOGETHER if is_fast else JUDGED)
+        if not is_fast:
+            work.progress(f"design, trains solved by themselves: at most {duration(most * seconds)}", 0.0)
+        trials.limit = max(most // searched, 20)
+        method = search(trials)
+        best = list(_best(trials))
+        for _ in range(ROUNDS):
+            if not (rough := [one for one in best[: max(CONFIRMED // searched, 1)] if not one.is_exact]):
+                break
+            trials.confirm(rough)
+            best = list(_best(trials))
+        step.method = method = method + trials.how
         step.size = f"{len(trials.done)} choices of {len(variation.figures)} figures"
     with work.log.step("design, solved by itself", "the search only finds it") as step:
-        best = list(_best(trials))
         proofs = list(_proven(trials, best))
         step.size = f"{len(proofs)} files"
     work.put(design=_result(trials, before, best, proofs, method))
+
+
+def _cases(work: Work, trials: Trials) -> Iterator[tuple[str, Case]]:
+    """The file as it stands, and every case of it that is judged."""
+    for name, study in {"": work.study, **work.study.cases}.items():
+        own, variation = work, trials.variation
+        if name:
+            if study.case is None or not study.case.is_judged:
+                continue
+            own = replace(work, study=bare(study), results={}, ruled=work.rules.analyses_read(study))
+            variation = variation.in_case(study)
+        sampled = variation if trials.sweep is None else trials.sweep.behind(variation)
+        bench = JudgedInGroups(own, sampled, trials.modes) if trials.judged else None
+        yield name, Case(study, own, variation, sampled, bench)
+
+
+def _is_fast(trials: Trials) -> bool:
+    """The trains of a few choices can be looked at side by side."""
+    bench = trials.cases[""].bench
+    if bench is None:
+        return True
+    units = np.random.default_rng(0).random((4 * WORTH, len(trials.variation.figures)))
+    values = [one.at(column) for one, column in zip(trials.variation.figures, units.T, strict=True)]
+    return bench.is_fast(np.hstack([np.stack(values, axis=1), np.repeat(trials.samples[:1], 4 * WORTH, axis=0)]))
 
 
 def _modes(work: Work, settings: DesignSettings) -> int:
@@ -57,8 +102,7 @@ def _modes(work: Work, settings: DesignSettings) -> int:
     wanted += [(("analyses", "design", "keep"), one.subject.mode) for one in settings.kept]
     for path, mode in wanted:
         if mode > there:
-            hint = f"`modes: {{count: {mode}}}`"
-            raise InputError([Fault(path, f"mode {mode} is none of the {there} that are computed", hint)])
+            raise InputError([without_mode(work.study, mode, there, path)])
     return max((mode for _, mode in wanted), default=0)
 
 
@@ -74,7 +118,8 @@ def _best(trials: Trials) -> Iterator[Trial]:
     """The ten best, none of them beside a better one."""
     figures, kept = trials.variation.figures, list[FloatArray]()
     width = np.array([
-        0.5 * float(np.diff(one.every()).min()) if one.places else APART * (one.law.ends[1] - one.law.ends[0])
+        0.5 * float(np.diff(one.every()).min(initial=1.0)) if one.rows
+        else 0.5 * float(np.diff(one.every()).min()) if one.places else APART * (one.law.ends[1] - one.law.ends[0])
         for one in figures
     ])  # fmt: skip
     for one in trials.best:
@@ -96,21 +141,28 @@ def _proven(trials: Trials, best: Sequence[Trial]) -> Iterator[tuple[str, float,
 
 
 def _solved(trials: Trials, one: Trial) -> tuple[str, float, str]:
-    """A choice solved as a file of its own."""
+    """A choice solved as a file of its own, with every case of it that is judged."""
     if trials.work.solve is None:
         raise LookupError("nothing solves")
-    try:
-        found = trials.work.solve(trials.variation.study(list(one.values)))
-    except (InputError, SolveError) as error:
-        return "disagrees", math.nan, f"no answer: {str(error).splitlines()[0]}"
-    own = Answers(np.full((trials.modes, 1), np.nan))
-    own.keep(0, found)
-    again = trials.judge(own, np.array([[one.mass, one.cost]]))
-    is_margin, aim, score = trials.judged, float(again.aim[0]), float(again.score[0])
-    nearby = abs(score - one.nominal_score) <= MISSED[0 if is_margin else 1]
-    kept = not (found.failed or found.is_partial or found.plan.unanswered)
-    agrees = nearby and (not is_margin or not one.is_allowed or kept)
-    return ("kept" if kept else "not kept") if agrees else "disagrees", aim, _verdict(found)
+    worst, kept, verdicts = None, True, list[str]()
+    for name, case in trials.cases.items():
+        words = f"case {name}: " if name else ""
+        try:
+            found = trials.work.solve(case.variation.study(list(one.values)))
+        except (InputError, SolveError) as error:
+            return "disagrees", math.nan, f"{words}no answer: {str(error).splitlines()[0]}"
+        own = Answers(np.full((trials.modes, 1), np.nan))
+        own.keep(0, found)
+        again = trials.judge(own, np.array([[one.mass, one.cost]]), of_case=bool(name))
+        kept &= not (found.failed or found.is_partial or found.plan.unanswered)
+        kept &= bool(again.allowed[0])
+        if name in trials.searched and (worst is None or again.score[0] < worst.score[0]):
+            worst = again
+        verdicts.append(f"{words}{_verdict(found)}")
+    aim, score = (math.nan, math.nan) if worst is None else (float(worst.aim[0]), float(worst.score[0]))
+    nearby = abs(score - one.nominal_score) <= MISSED[0 if trials.judged else 1]
+    agrees = nearby and (not trials.judged or not one.is_allowed or kept)
+    return ("kept" if kept else "not kept") if agrees else "disagrees", aim, "; ".join(verdicts)
 
 
 def _verdict(found: Findings) -> str:
@@ -141,7 +193,8 @@ def _result(
     ]
     return Design(
         "the greatest smallest margin" if target is None else f"{target[0].name} at {target[1]:.6g} Hz",
-        tuple(one.words for one in settings.kept), method, len(done), len(done) * len(trials.samples), trials.unsolved,
+        tuple(one.words for one in settings.kept), method, len(done),
+        len(done) * len(trials.samples) * len(trials.searched), trials.unsolved,
         tuple(trials.faults)[:MOST_FAULTS],
         tuple(
             ChosenFigure(one.name, one.law.words, one.words(one.nominal) if np.isfinite(one.nominal) else "",
@@ -156,7 +209,7 @@ def _result(
         tuple(dict.fromkeys(uncounted)), settings.against or "", amounts[front], aims[front],
         np.array([one.values for one in done]), aims, amounts, allowed,
         tuple(tuple(row.label for row in one.rows) for one in figures), tuple(one.law.unit for one in figures),
-        np.array(picked),
+        np.array(picked), tuple(name for name in trials.cases if name), set(trials.cases) == set(trials.searched),
     )  # fmt: skip
 
 
@@ -165,12 +218,13 @@ def _candidate(trials: Trials, one: Trial, said: str, aim: float) -> Candidate:
     sample = trials.samples[one.worst]
     varied = () if trials.sweep is None else trials.sweep.figures
     worst = ", ".join(f"{figure.name} {figure.words(value)}" for figure, value in zip(varied, sample, strict=True))
+    worst = worst if one.worst else "as in the file" if varied else ""
     is_margin = trials.judged
     return Candidate(
         tuple(figure.words(value) for figure, value in zip(trials.variation.figures, one.values, strict=True)),
         _known(one.aim) if is_margin else None, f"{where}: {what} ({clause}, {rule})" if rule else "",
-        worst if one.worst else "as in the file" if varied else "", _known(one.frequency), _known(one.mass),
-        _known(one.cost), one.is_allowed, said, _known(aim) if is_margin and said else None,
+        ", ".join(filter(None, (f"case {one.case}" if one.case else "", worst))), _known(one.frequency),
+        _known(one.mass), _known(one.cost), one.is_allowed, said, _known(aim) if is_margin and said else None,
     )  # fmt: skip
 
 

@@ -70,7 +70,7 @@ class DesignSettings(Declared):
     against: Literal["mass", "cost"] | None = given("what the best of every mass, or cost, is reported for")
     robust: bool = given("true: by the worst of samples of `sweep`", False)
     evaluations: Annotated[int, Field(ge=20, le=MOST)] | None = given(
-        "most variants of the search (default: 2000 that are judged, 50000 of frequencies alone)"
+        "most trains of the search (default: 2000 solved one by one, 50000 side by side)"
     )
     seed: Annotated[int, Field(ge=0)] = given("of the search; the same seed gives the same choice", 1)
 
@@ -104,6 +104,11 @@ class DesignSettings(Declared):
         return subject, _read(value, subject, ("aim", words))
 
     @property
+    def keeps_modes(self) -> bool:
+        """A condition is on the frequency of a mode."""
+        return any(one.subject.mode for one in self.kept)
+
+    @property
     def kept(self) -> tuple[Kept, ...]:
         """Every condition."""
         return tuple(
@@ -119,6 +124,7 @@ class DesignSettings(Declared):
         if self.robust and "sweep" not in study.analyses:
             hint = "`sweep: {vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
             yield Fault(("robust",), "`robust` is at the worst of `sweep`, which the file does not name", hint)
+        yield from self._varied_in_place(study, figures)
         places = [one.places for one in figures]
         if all(places) and math.prod(places) > MOST:
             words = f"{math.prod(places):,} combinations, more than {MOST:,}"
@@ -128,6 +134,17 @@ class DesignSettings(Declared):
         stated += [(("keep", k), key) for k, each in enumerate(self.keep) for key in each if not MODE.fullmatch(key)]
         for place, key in stated:
             yield from _unsaid(place, key, figures)
+
+    def _varied_in_place(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
+        """Values that the sweep puts in the place of what is chosen."""
+        varied: Mapping[str, Choice] = {}
+        if self.robust:
+            varied = getattr(study.analyses.get("sweep"), "varied", ("", varied))[1]
+        for name, law in varied.items():
+            pairs = [sorted([f"{name}.", f"{one.name}."]) for one in figures]
+            if not law.is_relative and any(long.startswith(short) for short, long in pairs):
+                words = f"`sweep` puts values in the place of `{name}`, which the design chooses"
+                yield Fault(("robust",), words, "vary it about the chosen value: {uniform: +-15 %}")
 
     def _chosen_twice(self, figures: Sequence[Any]) -> Iterator[Fault]:
         known: dict[Any, str] = {}

@@ -1,6 +1,6 @@
 """Trials of a design: of every choice that is tried the aim, whether it keeps what it has to, its mass and cost."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -8,8 +8,9 @@ import numpy as np
 
 from torsion.analyses import VARYING
 from torsion.analyses.design.design_settings import DesignSettings, Kept
+from torsion.analyses.variants.judged_in_groups import JudgedInGroups
 from torsion.analyses.variants.one_by_one import TO_BE_VERIFIED, Answers, Key, read, solved
-from torsion.analyses.variants.side_by_side import side_by_side
+from torsion.analyses.variants.side_by_side import side_by_side, varied
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
@@ -23,13 +24,20 @@ WIDEST = 50.0  # margin of a check of which nothing is used; beyond that of any 
 BROKEN, DOUBTFUL, WITHOUT = -100.0, -200.0, -1000.0  # condition not kept; not kept or in part; no limit or no answer
 
 
-def answers(work: Work, variation: Variation, values: FloatArray, modes: int, *, judged: bool) -> Answers:
-    """What the variants (variants, figures) answer: frequencies side by side where that is possible."""
-    if not judged and len(values) >= FEWEST:
-        frequency = side_by_side(work.system, variation, values, modes)
-        if frequency is not None:
-            return Answers(frequency)
-    return solved(work, variation, values, modes, judged=judged)
+def frequencies(work: Work, variation: Variation, values: FloatArray, modes: int) -> Answers:
+    """Of variants (variants, figures) the frequencies alone: side by side where that is possible."""
+    found, alone = Answers(np.full((modes, len(values)), np.nan)), np.ones(len(values), dtype=np.bool_)
+    for group in variation.groups(values) if len(values) >= FEWEST and "system" in work.results else ():
+        nominal = [one.nominal for one in group.variation.figures]
+        try:
+            system = varied(work.system, group.variation.study(nominal))
+            own = side_by_side(system, group.variation, group.values, modes)
+        except (InputError, SolveError):
+            own = None
+        if own is not None:
+            found.frequency[:, group.places] = own
+            alone[group.places] = False
+    return solved(work, variation, values, modes, judged=False, known=found, places=np.flatnonzero(alone).tolist())
 
 
 @dataclass(frozen=True)
@@ -52,11 +60,34 @@ class Trial:
     score: float
     is_allowed: bool
     decides: Key | None
+    case: str  # with the aim; empty for the file as it stands
     worst: int  # sample with the aim; 0 is the file's own figures
-    nominal_score: float  # at the file's own figures
+    nominal_score: float  # at the file's own figures, and its worst case
     frequency: float
     mass: float
     cost: float
+    is_exact: bool = True  # every train solved and judged by itself
+
+
+@dataclass(frozen=True)
+class Case:
+    """The file as it stands, or a case of it, with all that a choice puts in before."""
+
+    study: Study
+    work: Work
+    variation: Variation  # of the figures that are chosen
+    sampled: Variation  # and of those of the samples
+    bench: JudgedInGroups | None  # None where frequencies alone are looked at
+
+    def answers(self, trials: "Trials", rows: FloatArray, *, alone: bool) -> Answers:
+        """Of choices with samples (variants, figures)."""
+        work = trials.shown(self.work)
+        if self.bench is not None and not alone:
+            self.bench.work = work
+            return self.bench.answers(rows)
+        if not trials.judged and not alone:
+            return frequencies(work, self.sampled, rows, trials.modes)
+        return solved(work, self.sampled, rows, trials.modes, judged=trials.judged)
 
 
 @dataclass
@@ -67,7 +98,8 @@ class Trials:
     settings: DesignSettings
     variation: Variation
     modes: int
-    limit: int  # choices at most
+    limit: int = 0  # choices at most
+    cases: Mapping[str, Case] = field(default_factory=dict)  # that are judged, the file as it stands first
     sweep: Variation | None = None  # whose samples the worst is of
     samples: FloatArray = field(default_factory=lambda: np.empty((1, 0)))  # (samples, figures) of `sweep`
     done: dict[tuple[float, ...], Trial] = field(default_factory=dict)
@@ -109,38 +141,54 @@ class Trials:
             for one in self.variation.figures
         ]
 
-    def _try(self, values: FloatArray) -> None:
+    def confirm(self, rows: Sequence[Trial]) -> None:
+        """Solve and judge choices that were judged side by side each by itself."""
+        self._try(np.array([one.values for one in rows]), alone=True)
+
+    def _try(self, values: FloatArray, *, alone: bool = False) -> None:
         count, each = len(values), len(self.samples)
-        rows, variation = values, self.variation
-        if self.sweep is not None:
-            rows = np.hstack([np.repeat(values, each, axis=0), np.tile(self.samples, (count, 1))])
-            variation = self.sweep.behind(self.variation)
-        found = answers(self._shown(), variation, rows, self.modes, judged=self.judged)
-        self.unsolved += len({place // each for place in found.faults})
-        self.faults |= dict.fromkeys(found.faults.values())
-        self.standing |= found.standing
+        rows = np.hstack([np.repeat(values, each, axis=0), np.tile(self.samples, (count, 1))])
         amounts = np.array([self.amounts(row) for row in values.tolist()])
-        judged = self.judge(found, np.repeat(amounts, each, axis=0))
-        worst = judged.score.reshape(count, each).argmin(axis=1)
+        searched = self.searched
+        found = [one.answers(self, rows, alone=alone) for one in searched.values()]
+        judged = [
+            self.judge(own, np.repeat(amounts, each, axis=0), of_case=bool(name))
+            for name, own in zip(searched, found, strict=True)
+        ]
+        if not alone:
+            self.unsolved += len({place // each for own in found for place in own.faults})
+        for name, own in zip(searched, found, strict=True):
+            self.faults |= dict.fromkeys(_of_case(name, why) for why in own.faults.values())
+            self.standing |= own.standing
+        score = np.stack([one.score.reshape(count, each) for one in judged], axis=1)  # (choices, cases, samples)
+        worst = score.reshape(count, -1).argmin(axis=1)
+        allowed = np.stack([one.allowed for one in judged]).all(axis=0).reshape(count, each)
         for k, row in enumerate(values.tolist()):
-            at = k * each + int(worst[k])
+            case, sample = divmod(int(worst[k]), each)
+            at, one = k * each + sample, judged[case]
             self.done[tuple(row)] = Trial(
-                tuple(row), float(judged.aim[at]), float(judged.score[at]), bool(judged.allowed[at]),
-                judged.decides[at], int(worst[k]), float(judged.score[k * each]), float(judged.frequency[k * each]),
-                *amounts[k].tolist(),
+                tuple(row), float(one.aim[at]), float(one.score[at]), bool(allowed[k].all()), one.decides[at],
+                list(searched)[case], sample, float(score[k, :, 0].min()), float(judged[0].frequency[k * each]),
+                float(amounts[k, 0]), float(amounts[k, 1]), alone or not self.is_together,
             )  # fmt: skip
 
-    def judge(self, found: Answers, amounts: FloatArray) -> Judged:
-        """Aims and conditions of the answers; amounts (variants, 2): mass and cost of each."""
+    def judge(self, found: Answers, amounts: FloatArray, *, of_case: bool = False) -> Judged:
+        """Aims and conditions of the answers; amounts (variants, 2): mass and cost of each.
+
+        of_case: a frequency that is aimed at is that of the file as it stands, and a case may have no limit.
+        """
         count, target = found.frequency.shape[1], self.settings.target
         unsolved = np.isin(np.arange(count), list(found.faults))
+        decides: tuple[Key | None, ...] = (None,) * count
+        frequency, doubtful = np.full(count, np.nan), np.zeros(count, dtype=np.bool_)
         if target is None:
             aim, decides, doubtful = self._margins(found, count)
-            frequency = np.full(count, np.nan)
+            aim = np.where(of_case & ~unsolved & np.isnan(aim), WIDEST, aim)
+        elif of_case:
+            aim = np.full(count, WIDEST)
         else:
             frequency = found.frequency[target[0].mode - 1]
             aim = -np.abs(np.log(frequency / target[1]))
-            decides, doubtful = (None,) * count, np.zeros(count, dtype=np.bool_)
         broken = sum((_broken(one, found.frequency, amounts) for one in self.settings.kept), np.zeros(count))
         unknown = unsolved | ~np.isfinite(aim) | ~np.isfinite(broken)
         known = np.where(unknown, 0.0, aim)
@@ -168,19 +216,46 @@ class Trials:
         return np.where(np.isfinite(value), value, np.nan), names, doubtful
 
     def as_it_stands(self) -> Trial | None:
-        """The file without a choice; None where it has no answer."""
+        """The file without a choice, with its cases; None where it has no answer."""
         if self.work.solve is None:
             return None
-        study, found = bare(self.work.study), Answers(np.full((self.modes, 1), np.nan))
-        try:
-            found.keep(0, self.work.solve(study, only=read(self.work, judged=self.judged)))
-        except (InputError, SolveError):
-            return None
-        self.standing |= found.standing
-        mass = shaft_mass(study.train)
-        one = self.judge(found, np.array([[mass, np.nan]]))
-        return Trial((), float(one.aim[0]), float(one.score[0]), bool(one.allowed[0]), one.decides[0], 0,
-                     float(one.score[0]), float(one.frequency[0]), mass, np.nan)  # fmt: skip
+        mass, every = shaft_mass(self.work.study.train), list[Judged]()
+        for name, case in self.cases.items():
+            found = Answers(np.full((self.modes, 1), np.nan))
+            try:
+                own = self.work.solve(bare(case.study), only=read(case.work, judged=self.judged))
+                found.keep(0, own)
+            except (InputError, SolveError):
+                return None
+            if name:
+                case.work.put(**own.results)
+            self.standing |= found.standing
+            every.append(self.judge(found, np.array([[mass, np.nan]]), of_case=bool(name)))
+        one = min(every, key=lambda one: one.score[0])
+        return Trial((), float(one.aim[0]), float(one.score[0]), all(bool(own.allowed[0]) for own in every),
+                     one.decides[0], "", 0, float(one.score[0]), float(every[0].frequency[0]),
+                     mass, np.nan)  # fmt: skip
+
+    @cached_property
+    def searched(self) -> dict[str, Case]:
+        """The file and its cases of which the worst counts: a frequency is that of the file, conditions of all."""
+        return {name: one for name, one in self.cases.items() if not name or self.judged or self.settings.keeps_modes}
+
+    @property
+    def how(self) -> str:
+        """How the choices were judged, in words."""
+        benches = [one.bench for one in self.cases.values() if one.bench is not None]
+        if not benches:
+            return ""
+        alone, why = sum(one.alone for one in benches), "; ".join(dict.fromkeys(one.why for one in benches if one.why))
+        if not self.is_together:
+            return f"; every train solved and judged by itself: {why or 'more than numbers of one train vary'}"
+        return f"; judged side by side, {alone:,} trains and the best by themselves" + (f": {why}" if why else "")
+
+    @property
+    def is_together(self) -> bool:
+        """Some train was judged side by side with others."""
+        return any(case.bench is not None and any(case.bench.trains.values()) for case in self.cases.values())
 
     def amounts(self, row: Sequence[float]) -> tuple[float, float]:
         """Mass (kg) and cost; NaN where nothing requests it."""
@@ -215,12 +290,17 @@ class Trials:
             if any(path[0] == "materials" or any(path[: len(own)] == own for own in shafts) for path in each)
         ]  # fmt: skip
 
-    def _shown(self) -> Work:
+    def shown(self, work: Work) -> Work:
         """The work with a progress of all trials."""
         progress: Callable[[str, float], None] = lambda what, share: self.work.progress(  # noqa: E731
             f"design, {len(self.done)} choices tried", min(len(self.done) / self.limit, 1.0)
         )
-        return replace(self.work, progress=progress)
+        return replace(work, progress=progress)
+
+
+def _of_case(name: str, why: str) -> str:
+    """A fault with the case that it is of."""
+    return f"case '{name}': {why}" if name and not why.startswith(f"case '{name}'") else why
 
 
 def bare(study: Study) -> Study:
@@ -248,7 +328,8 @@ def _broken(one: Kept, frequency: FloatArray, amounts: FloatArray) -> FloatArray
     """(variants,) by how much a condition is not kept, as a logarithm; 0 where it is, NaN where it is not known."""
     value = frequency[one.subject.mode - 1] if one.subject.mode else amounts[:, int(one.subject.name == "cost")]
     with np.errstate(divide="ignore"):
-        below, above = np.log(value / one.low), np.log(one.high / value)
+        above: FloatArray = np.log(one.high) - np.log(value)
+        below: FloatArray = np.log(value) - np.log(one.low) if one.low else np.where(np.isnan(value), np.nan, np.inf)
     if one.is_outside:
         return np.maximum(np.minimum(below, above), 0.0)
     return np.maximum(np.maximum(-below, -above), 0.0)

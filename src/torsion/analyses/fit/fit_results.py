@@ -18,8 +18,8 @@ class FittedFigure:
     fitted: str = result("", (), "the fitted value")
     factor: float = result("1", (), "fitted value over that of the file")
     prior: float = result("1", (), "standard deviation of its logarithm before the fit, as the file states it")
-    deviation: float = result("1", (), "standard deviation of its logarithm behind the fit")
-    lower: float = result("1", (), "lower end of the 95 % interval, over the value of the file")
+    deviation: float = result("1", (), "standard deviation of its logarithm behind the fit, around this minimum alone")
+    lower: float = result("1", (), "lower end of the 95 % interval, of `others` too, over the value of the file")
     upper: float = result("1", (), "upper end of the 95 % interval")
     shift: float = result("1", (), "ln of the factor over the deviation before the fit")
     from_data: float = result("1", (), "share of the variance before the fit that the measurements took away, 0 to 1")
@@ -30,7 +30,7 @@ class FittedMode:
     """A measured natural frequency."""
 
     mode: int = result("", (), "with which it is paired, from 1")
-    is_given: bool = result("", (), "the file says the number; else it was paired with the nearest within its band")
+    is_given: bool = result("", (), "the file says the number; else modes rise with the frequencies, in their bands")
     measured: float = result("Hz", (), "as measured")
     within: float = result("1", (), "its standard deviation")
     lower: float = result("Hz", (), "least frequency with every figure within two of its deviations before the fit")
@@ -75,6 +75,16 @@ class Direction:
 
 
 @reported
+class OtherFit:
+    """Another set of figures that agrees nearly as well."""
+
+    factor: FloatArray = result("1", ("figure",), "values over those of the file")
+    chi2: float = result("1", (), "sum of the squared residuals of the measurements")
+    prior_chi2: float = result("1", (), "sum of the squared shifts of the figures")
+    words: str = result("", (), "the values in words")
+
+
+@reported
 class Fit:
     """Figures of the file fitted to measurements."""
 
@@ -88,7 +98,11 @@ class Fit:
     freedom: float = result("1", (), "degrees of freedom: measurements less the figures that they determine")
     prior_chi2: float = result("1", (), "sum of the squared shifts of the figures")
     rank: int = result("", (), "combinations of figures of which the measurements say anything")
-    steps: int = result("", (), "steps of Gauss and Newton")
+    steps: int = result("", (), "steps of Gauss and Newton, of all searches")
+    searches: int = result("", (), "searches, each from another start, of which this is the best")
+    others: tuple[OtherFit, ...] = result(
+        "", (), "other minima by at most 6 greater in the sum of squares of measurements and figures, the best first"
+    )
     warnings: tuple[str, ...] = result("", (), "what does not go together, in words")
     frequency: FloatArray = result("Hz", ("mode",), "natural frequencies of the fitted file, solved the ordinary way")
     scene: str  # text of the file with the fitted values

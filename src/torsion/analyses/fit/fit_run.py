@@ -12,6 +12,7 @@ from torsion.analyses.fit.fit_results import (
     FittedCurve,
     FittedFigure,
     FittedMode,
+    OtherFit,
 )
 from torsion.analyses.fit.fit_settings import FIT, FitSettings
 from torsion.analyses.fit.identified import directions, unidentified
@@ -23,12 +24,14 @@ from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError
 from torsion.findings import Progress, Work
 from torsion.kernels.fitting import FARTHEST, Fitted, fitted, identified
+from torsion.results import listed
 
 NINETY_FIVE = 1.959963984540054  # deviations of a normal distribution
 FAR = 2.0  # deviations that a figure may move without a remark
 CURVE_POINTS = 201
-USUAL_STEPS = 10
+USUAL_STEPS = 10  # of a search, of which there is one and two for each figure
 DIGITS = 7  # of a factor in the fitted file
+SHOWN = 4  # of one in words
 
 
 def run(work: Work) -> None:
@@ -47,14 +50,16 @@ def run(work: Work) -> None:
         pairs = paired(train, deviation, settings.measured)
         problem = _Problem(train, deviation, pairs, settings, work.progress)
         if len(deviation) > problem.sigma.size:
-            message = f"{len(deviation)} figures vary, and {problem.sigma.size} values were measured"
+            were = "value was" if problem.sigma.size == 1 else "values were"
+            message = f"{len(deviation)} figures vary, and {problem.sigma.size} {were} measured"
             raise InputError([Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")])
-        found = fitted(problem.residual, problem.jacobian, len(deviation))
+        found = fitted(problem.residual, problem.jacobian, len(deviation), problem.swapped)
         values = [float(f"{value:.{DIGITS}g}") for value in np.exp(found.values * deviation)]
         solved = work.solve(variation.study(values), only=("modes",)).get(Modes)
         frequency = np.empty(0) if solved is None else solved.frequency
         step.method = "least squares of logarithms (Gauss-Newton in a trust region), with what is known beforehand"
-        step.size = f"{len(deviation)} figures, {problem.sigma.size} measured values, {found.steps} steps"
+        sizes = f"{len(deviation)} figures, {problem.sigma.size} measured values"
+        step.size = f"{sizes}, {found.searches} starts, {found.steps} steps"
     work.put(fit=_result(problem, found, values, frequency, unused))
 
 
@@ -82,10 +87,23 @@ class _Problem:
         logs = self.train.logarithms(np.exp(values * self.deviation).tolist(), self.pairs.number)
         return self.train.wrapped(logs - self.measured, len(self.pairs.number)) / self.sigma
 
+    def swapped(self, values: FloatArray) -> Iterator[FloatArray]:
+        """Figures (figures,) as near as can be at which a measured mode and a neighbour swap frequencies, by slopes."""
+        frequency = self.train.modes(np.exp(values * self.deviation).tolist()).frequency if self.pairs.number else ()
+        lower = sorted({number - below for number in self.pairs.number for below in (0, 1)})
+        for mode in (one for one in lower if 0 <= one < len(frequency) - 1):
+            rise = self.train.mode_slopes(values * self.deviation, [mode, mode + 1]) * self.deviation
+            gap = float(np.log(frequency[mode + 1] / frequency[mode]))
+            start = np.linalg.lstsq(rise, rise @ values + np.array([gap, -gap]), rcond=1e-3)[0]
+            if (np.abs(start) < FARTHEST).all():
+                yield start
+
     def jacobian(self, values: FloatArray) -> FloatArray:
         """(measurements, figures)."""
         self.steps += 1
-        self.progress(f"fit to measurements, step {self.steps}", min(self.steps / USUAL_STEPS, 0.99))
+        self.progress(
+            f"fit to measurements, step {self.steps}", min(self.steps / (USUAL_STEPS * (1 + 2 * len(values))), 0.99)
+        )
         slopes = self.train.slopes(values * self.deviation, self.pairs.number)
         return np.asarray(slopes * self.deviation / self.sigma[:, None])
 
@@ -101,21 +119,32 @@ def _result(
         figures, tuple(_modes(problem, found, values)), tuple(_curves(problem, found, values, unused)),
         directions(known, [one.name for one in figures], problem.deviation), known.covariance / np.outer(each, each),
         problem.sigma.size, float(np.square(found.residual).sum()), problem.sigma.size - known.used,
-        float(np.square(found.values).sum()), known.rank, found.steps, (), frequency, train.variation.text(values),
+        float(np.square(found.values).sum()), known.rank, found.steps, found.searches,
+        tuple(_others(problem, found)), (), frequency, train.variation.text(values),
     )  # fmt: skip
     return replace(made, warnings=tuple(_warnings(made, found)))
 
 
 def _figures(problem: _Problem, found: Fitted, each: FloatArray, values: Sequence[float]) -> Iterator[FittedFigure]:
-    variation, half = problem.train.variation, NINETY_FIVE * each * problem.deviation
-    logs = found.values * problem.deviation
+    variation, logs = problem.train.variation, found.values * problem.deviation
+    lower, upper = (np.exp(end * problem.deviation) for end in found.interval(NINETY_FIVE))
     for place, one in enumerate(variation.figures):
         given, fitted_value = variation.stated(place, values[place])
         yield FittedFigure(
             one.name, given, fitted_value, float(np.exp(logs[place])), float(problem.deviation[place]),
-            float(each[place] * problem.deviation[place]), float(np.exp(logs[place] - half[place])),
-            float(np.exp(logs[place] + half[place])), float(found.values[place]), float(1.0 - each[place] ** 2),
+            float(each[place] * problem.deviation[place]), float(lower[place]), float(upper[place]),
+            float(found.values[place]), float(1.0 - each[place] ** 2),
         )  # fmt: skip
+
+
+def _others(problem: _Problem, found: Fitted) -> Iterator[OtherFit]:
+    variation = problem.train.variation
+    for other in found.others:
+        factors = np.exp(other.values * problem.deviation)
+        values = (variation.stated(place, float(f"{factor:.{SHOWN}g}"))[1] for place, factor in enumerate(factors))
+        words = listed([f"{one.name} {value}" for one, value in zip(variation.figures, values, strict=True)])
+        chi2, prior = (float(np.square(one).sum()) for one in (other.residual, other.values))
+        yield OtherFit(factors, chi2, prior, words)
 
 
 def _modes(problem: _Problem, found: Fitted, values: Sequence[float]) -> Iterator[FittedMode]:
@@ -169,9 +198,17 @@ def _warnings(made: Fit, found: Fitted) -> Iterator[str]:
         if share is None:
             share, each = made.chi2 / made.measurements, "measured value"
         yield (
-            f"Chi2 is {share:.3g} for each {each}, above {MOST_CHI2:g}: no values of these figures "
-            "explain the measurements as exactly as `within` says. The model, not the values, is wrong, or `within` "
-            "is stated too small; the deviations and intervals do not hold."
+            f"Chi2 is {share:.3g} for each {each}, above {MOST_CHI2:g}: of {made.searches} searches none found values "
+            "that explain the measurements as exactly as `within` says. The model lacks something, a measured "
+            "frequency is of another mode, or `within` is stated too small; the deviations and intervals do not hold."
+        )
+    if made.others:
+        other, rest = made.others[0], len(made.others) - 1
+        more = other.chi2 + other.prior_chi2 - made.chi2 - made.prior_chi2
+        yield (
+            f"Other figures agree nearly as well: {other.words} (sum of squares greater by {max(more, 0.0):.2g})"
+            f"{f', and {rest} more' if rest else ''}. The measurements do not decide between them; the intervals reach "
+            "over all of them, the deviations are those around the stated ones alone."
         )
     for figure in made.figures:
         if abs(figure.shift) > FARTHEST - 1e-6:

@@ -45,7 +45,7 @@ class Measured(Declared):
 
     frequency: fields.Frequency | None = given("a measured natural frequency")
     mode: Annotated[int, Field(ge=1)] | None = given(
-        "its number, from 1 (default: the nearest of those modes in whose bands the frequency lies)"
+        "its number, from 1 (default: modes rise with the frequencies, each in its band where they can)"
     )
     torsiogram: Rows | None = given("CSV file of one order over speed: columns `speed`, `amplitude`, `phase`")
     signal: str | None = given(
@@ -71,6 +71,8 @@ class Measured(Declared):
             raise refuse(f"`{wrong}` does not go with `{sorts[0]}`", f"with it go {', '.join(own)}, within", wrong)
         if lacking := next((key for key in needed if key not in there), None):
             raise refuse(f"`{lacking}` is missing", type(self).model_fields[lacking].description or "")
+        if len(set(self.orders)) < len(self.orders):
+            raise refuse("an order is named twice", "each order once", "orders")
         self._refuse_rows()
 
     def _refuse_rows(self) -> None:

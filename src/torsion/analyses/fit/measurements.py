@@ -80,7 +80,7 @@ def signal_faults(study: Study, one: Measured, path: Path) -> tuple[Fault, ...]:
 
 def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked":
     """Orders of a signal; raises InputError located at its name."""
-    from torsion.kernels.order_tracking import of_pulses, of_speeds
+    from torsion.kernels.order_tracking import of_pulses, of_speeds, uneven
 
     own, place = np.array([float(order) for order in one.orders]) / ratio, (*path, "signal")
     file = FilePath(study.file).parent / (one.signal or "")
@@ -89,6 +89,12 @@ def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked"
     except ValueError as error:
         raise InputError([Fault(place, *error.args)]) from None
     time = values[0]
+    if one.pulses is None and (values[1] <= 0.0).any():
+        hint = "cut the signal to where the shaft turns, in its positive sense"
+        raise InputError([Fault(place, "the speed is not above 0 throughout", hint)])
+    if one.pulses and (wrong := uneven(time)) is not None:
+        message = f"at {time[wrong]:.6g} s pulses are missing, or there is one too many"
+        raise InputError([Fault(place, message, "even marks, each once a revolution: mend the file")])
     highest = one.pulses or _samples(time, values[1])
     if (own >= highest / 2.0).any():
         worst = one.orders[int(np.argmax(own))]
@@ -96,12 +102,10 @@ def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked"
         message = f"{needed}, and there are {highest:.6g}"
         raise InputError([Fault((*path, "orders"), message, "leave it out")])
     try:
-        if one.pulses:
-            found = of_pulses(time, one.pulses, own, one.revolutions)
-        else:
-            if (values[1] <= 0.0).any():
-                raise ValueError("the speed is not above 0 throughout")
-            found = of_speeds(time, values[1], own, one.revolutions)
+        found = (
+            of_pulses(time, one.pulses, own, one.revolutions) if one.pulses
+            else of_speeds(time, values[1], own, one.revolutions)
+        )  # fmt: skip
     except ValueError as error:
         raise InputError([Fault(place, str(error), "more samples, or a longer window: `revolutions`")]) from None
     if not found.speed.size:

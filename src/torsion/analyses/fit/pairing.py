@@ -1,4 +1,4 @@
-"""Which mode a measured natural frequency is: the bands of the modes within what was known, and the nearest of them."""
+"""Which mode a measured natural frequency is: modes rise with the frequencies, each in its band where they can."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,6 +10,8 @@ from torsion.analyses.fit.fit_settings import FIT, Measured
 from torsion.analyses.fit.predictions import Train
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError
+
+BEHIND = 1e4  # more than the squared logarithms of all ratios of frequencies of one train together
 
 
 @dataclass(frozen=True)
@@ -29,10 +31,11 @@ def highest_mode(measured: Sequence[Measured], found: int) -> int:
 
 
 def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) -> Pairs:
-    """Each frequency with the mode that the file names, else the nearest whose band it lies in, or nearest at all.
+    """Each frequency with the mode that the file names, the others with those to which all together are nearest.
 
-    deviation: (figures,) of the logarithms beforehand. Raises InputError for two frequencies of one mode, or
-    a mode that is not there.
+    The number of a mode rises with its frequency whatever the figures, so that no others can be. A mode in whose band a
+    frequency lies goes before all in whose it does not. deviation: (figures,) of the logarithms beforehand. Raises
+    InputError for more frequencies than modes, or a mode that is not there.
     """
     places = [place for place, one in enumerate(measured) if one.frequency is not None]
     if not places:
@@ -47,25 +50,47 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
                 message = f"mode {mode} is not among the {len(nominal)} of the train"
                 raise InputError([Fault((*FIT, "measured", place, "mode"), message, "a lower number")])
             numbers[place] = mode - 1
-    for place in (place for place in places if place not in numbers):
-        numbers[place] = _nearest(measured[place], nominal, lower, upper)
-    seen: dict[int, int] = {}
-    for place in places:
-        if seen.setdefault(numbers[place], place) != place:
-            other = measured[seen[numbers[place]]].frequency
-            message = f"this frequency and {other:g} Hz are both nearest to mode {numbers[place] + 1}"
-            raise InputError([Fault((*FIT, "measured", place, "frequency"), message, "say which `mode` each is")])
+    unnamed = sorted((place for place in places if place not in numbers), key=lambda k: measured[k].frequency or 0.0)
+    if len(places) > len(nominal):
+        message = f"of {len(places)} measured natural frequencies the train has {len(nominal)}"
+        raise InputError([Fault((*FIT, "measured", places[-1], "frequency"), message, "leave one out")])
+    apart = np.array([_apart(measured[place], nominal, lower, upper) for place in unnamed])
+    for row, place in enumerate(unnamed):
+        for other, mode in numbers.items():
+            above = (measured[place].frequency or 0.0) >= (measured[other].frequency or 0.0)
+            apart[row, slice(mode + 1) if above else slice(mode, None)] = np.inf
+    found = _rising(apart)
+    if found is None:
+        message = "no mode is left between those that are named for a frequency that is not"
+        raise InputError([Fault((*FIT, "measured", unnamed[0], "frequency"), message, "say which `mode` each is")])
+    numbers |= dict(zip(unnamed, found, strict=True))
     at = [numbers[place] for place in places]
     return Pairs(tuple(places), tuple(at), lower[at], upper[at])
 
 
-def _nearest(one: Measured, nominal: FloatArray, lower: FloatArray, upper: FloatArray) -> int:
-    """The mode nearest by ratio, of those in whose band the frequency lies, else of all."""
+def _rising(cost: FloatArray) -> list[int] | None:
+    """The rising columns, one of each row (rows, columns), that cost least together; None where there are none.
+
+    >>> _rising(np.array([[0.0, 1.0, 9.0], [0.0, 2.0, 9.0]]))
+    [0, 1]
+    """
+    states: list[tuple[float, list[int]]] = [(0.0, [])]  # of every last column the best
+    for row in cost:
+        below = [
+            min(((total, chosen) for total, chosen in states if not chosen or chosen[-1] < k), default=(np.inf, []))
+            for k in range(len(row))
+        ]  # fmt: skip
+        states = [(total + row[k], [*chosen, k]) for k, (total, chosen) in enumerate(below) if total + row[k] < np.inf]
+    return min(states, default=(0.0, None))[1]
+
+
+def _apart(one: Measured, nominal: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """(modes,) squared logarithm of the ratio of each; every mode outside whose band it lies behind all others."""
     hertz = one.frequency or 0.0
-    apart = np.abs(np.log(hertz / nominal))
+    apart = np.square(np.log(hertz / nominal))
     slack = np.exp(OUTSIDE * one.within)
     inside = (lower / slack <= hertz) & (hertz <= upper * slack)
-    return int(np.argmin(np.where(inside, apart, np.inf) if inside.any() else apart))
+    return np.asarray(np.where(inside, apart, apart + BEHIND))
 
 
 def _bands(train: Train, deviation: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:

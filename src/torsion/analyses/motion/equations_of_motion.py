@@ -215,13 +215,21 @@ def _hysteretic(layout: Layout, first: FloatArray, count: int) -> list[tuple[int
     """Blocks of the loss factors: i eta k sign(frequency) between the angles on both sides of a spring."""
     out = []
     wide = np.arange(-2 * count, 2 * count + 1)
-    turn = 1j * np.sign(wide)[:, None]
-    for spring in np.flatnonzero(layout.hysteretic).tolist():
+    turn, steady = 1j * np.sign(wide), (first == first[:, :1]).all(axis=1)
+    lossy = np.flatnonzero(layout.hysteretic).tolist()
+    bodies = {int(end[spring]) for spring in lossy for end in (layout.driving, layout.driven)}
+    shapes = {body: toeplitz(first[body], count, wide) for body in bodies if not steady[body]}
+    alone = np.diag(turn[count : 3 * count + 1])  # of two bodies whose angles are their coordinates times a constant
+    for body in bodies & set(np.flatnonzero(steady)):
+        shapes[body] = first[body, 0] * np.eye(len(wide), 2 * count + 1, -count)
+    for spring in lossy:
         ends = (int(layout.driving[spring]), 1.0), (int(layout.driven[spring]), -1.0)
-        shapes = {body: toeplitz(first[body], count, wide) for body, _ in ends}
         for (a, plus), (b, minus) in product(ends, ends):
             i, j = int(layout.coordinate[a]), int(layout.coordinate[b])
             if i < layout.free and j < layout.free:
                 size = plus * minus * layout.hysteretic[spring]
-                out.append((i, j, size * (shapes[a].conj().T @ (turn * shapes[b]))))
+                if steady[a] and steady[b]:
+                    out.append((i, j, size * first[a, 0] * first[b, 0] * alone))
+                else:
+                    out.append((i, j, size * (shapes[a].conj().T @ (turn[:, None] * shapes[b]))))
     return out

@@ -69,12 +69,24 @@ def _check(
 
 
 def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
-    """The figure whose ranks go most with those of the share of a limit, and how much."""
+    """The figure whose ranks go most with those of the share of a limit, and how much (Spearman 1904)."""
     known = np.isfinite(used)
     values = used[known]
     if values.size < 3 or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
         return 0, None
-    ranks = np.argsort(np.argsort(np.column_stack([values, factor[known]]), axis=0), axis=0).astype(float)
-    found = np.corrcoef(ranks, rowvar=False)[0, 1:]
+    share = _ranks(values)
+    ranks = np.column_stack([_ranks(own) for own in factor[known].T])
+    size = np.sqrt((ranks**2).sum(axis=0) * (share @ share))
+    found = np.divide(share @ ranks, size, out=np.zeros(len(size)), where=size > 0.0)  # 0: it takes one value alone
     best = int(np.argmax(np.abs(found)))
     return best, float(found[best])
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    """(samples,) rank of each about the mean of all; of equal values the mean of their ranks.
+
+    >>> _ranks(np.array([3.0, 1.0, 3.0, 2.0]))
+    array([ 1. , -1.5,  1. , -0.5])
+    """
+    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(count) - count / 2.0 - len(values) / 2.0)[place])

@@ -51,6 +51,8 @@ def joined(count: int, modes: int, parts: Iterable[Part]) -> Part:
             known[0][here], known[1][here] = used, fails
         whole.faults.update((begin + place, why) for place, why in answers.faults.items())
         whole.method = whole.method or answers.method
+        whole.standing |= answers.standing
+        whole.partly.update(begin + place for place in answers.partly)
         begin += len(own)
     return values, whole
 

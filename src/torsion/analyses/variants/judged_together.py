@@ -12,13 +12,15 @@ import numpy as np
 from torsion.analyses.variants.one_by_one import Answers, Key, solved
 from torsion.analyses.variants.variant_shares import Swept, swept, unfit
 from torsion.arrays import BoolArray, FloatArray
-from torsion.findings import Work
+from torsion.findings import Progress, Work, silent
 from torsion.kernels.variant_response import vertex
 from torsion.study import Variation
 
-MARGIN = 1e-3  # of a limit: five times what a response of one file may miss of a peak (grid.GAIN)
+MARGIN = 5e-3  # of a limit: over three times what was missed of a share beyond its error in 432 random trains
 ROUGH = 0.05  # error of a share from which its variant is solved by itself
 COLUMNS = 2**15  # variants times speeds at once
+VALUES = 2**20  # variants times speeds, harmonic components and spans at once
+POINTS = 2**10  # speeds of a variant, at most in most trains
 COMPARED = 8  # variants that are solved by themselves as well
 
 
@@ -31,25 +33,21 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
         return None, "a figure enters neither as a power nor as a share of a sum"
     if train.displaces(train.enters.factors(values)):
         return None, "damping moves a resonance by more than its width"
-    count = len(values)
-    answers, left = Answers(np.full((modes, count), np.nan)), np.zeros(count, dtype=np.bool_)
-    errors = dict[Key, FloatArray]()
-    for part, frequency, found in _chunks(train, values, modes):
-        answers.frequency[: len(frequency), part] = frequency[:modes] / (2.0 * np.pi)
-        for key, (used, fails, error) in found.lines.items():
-            whole = answers.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
-            whole[0][part], whole[1][part] = used, fails
-            errors.setdefault(key, np.zeros(count))[part] = error
-        left[part] = found.left
-        work.progress(f"{part.stop} of {count} variants side by side", part.stop / count)
-    compared = sorted({k * (count - 1) // (COMPARED - 1) for k in range(COMPARED)})
-    if not _agree(answers, errors, solved(work, variation, values[compared], modes, judged=True), compared, left):
+    tried = judged_of(train, values, modes, work.progress)
+    answers, left = tried.answers, tried.left
+    sure = np.flatnonzero(~left)
+    if not sure.size:
+        return None, "every variant is near a limit, or its shafts are divided otherwise"
+    compared = sure[sorted({k * (len(sure) - 1) // (COMPARED - 1) for k in range(COMPARED)})].tolist()
+    alone = solved(work, variation, values[compared], modes, judged=True)
+    if not tried.agrees(alone, compared):
         return None, "a few of the variants do not say the same side by side"
+    answers.standing |= alone.standing
     places = np.flatnonzero(left).tolist()
     for used, fails in answers.checks.values():
         used[places], fails[places] = np.nan, False
     solved(work, variation, values, modes, judged=True, known=answers, places=places)
-    largest = max(float(one[~left].max(initial=0.0)) for one in errors.values())
+    largest = max(float(one[~left].max(initial=0.0)) for one in tried.errors.values())
     return answers, (
         f"judged side by side, shares of limits right to {largest:.0e}; {len(places)} variants near a limit, and "
         f"{len(compared)} to compare, solved by themselves"
@@ -62,6 +60,50 @@ def can_be_together(work: Work, variation: Variation, values: FloatArray) -> boo
 
 
 @dataclass(frozen=True)
+class Tried:
+    """Answers side by side; the error (variants,) of each clause's shares, and which variants are left (variants,)."""
+
+    answers: Answers
+    errors: dict[Key, FloatArray]
+    left: BoolArray
+
+    def agrees(self, alone: Answers, places: Sequence[int]) -> bool:
+        """What the variants at `places` say side by side is what they say `alone`, as far as they are not left."""
+        answers, sure = self.answers, ~self.left[places]
+        if alone.faults or sure[list(alone.partly)].any():
+            return False
+        count = len(self.left)  # what no variant says in one way, those left may say in the other
+        none = np.full(count, np.nan), np.zeros(count, dtype=np.bool_)
+        for key in alone.checks.keys() | answers.checks.keys():
+            own, error = answers.checks.get(key, none), self.errors.get(key, np.zeros(count))[places]
+            used, fails = alone.checks.get(key, tuple(one[: len(places)] for one in none))
+            mine, theirs = own[0][places][sure], used[sure]
+            near = (MARGIN + 2.0 * error[sure]) * np.abs(theirs)
+            close = np.isnan(mine) & np.isnan(theirs) | (np.abs(mine - theirs) <= near)
+            if not close.all() or (own[1][places] != fails)[sure].any():
+                return False
+        known = np.isfinite(alone.frequency) & sure
+        return np.allclose(answers.frequency[:, places][known], alone.frequency[known], rtol=1e-12, atol=0.0)
+
+
+def judged_of(train: Swept, values: FloatArray, modes: int, progress: Progress = silent) -> Tried:
+    """The answers of variants (variants, figures) of a train."""
+    count = len(values)
+    answers, left = Answers(np.full((modes, count), np.nan)), np.zeros(count, dtype=np.bool_)
+    errors = dict[Key, FloatArray]()
+    for part, frequency, found in _chunks(train, values, modes):
+        factor = train.enters.factors(values[part])
+        answers.frequency[: len(frequency), part] = frequency[:modes] / (2.0 * np.pi)
+        for key, (used, fails, error) in found.lines.items():
+            whole = answers.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+            whole[0][part], whole[1][part] = used, fails
+            errors.setdefault(key, np.zeros(count))[part] = error
+        left[part] = found.left | train.displaces(factor) | train.is_divided_otherwise(factor, frequency)
+        progress(f"{part.stop} of {count} variants side by side", part.stop / count)
+    return Tried(answers, errors, left)
+
+
+@dataclass(frozen=True)
 class _Chunk:
     """Verdicts of some variants: by clause utilisation, fails and error (variants,); and which are left."""
 
@@ -71,12 +113,15 @@ class _Chunk:
 
 def _chunks(train: Swept, values: FloatArray, modes: int) -> Iterator[tuple[slice, FloatArray, _Chunk]]:
     """Variants in order with their frequencies (modes, variants) rad/s."""
-    points, begin = train.grid(train.enters.factors(values[:1]), modes)[0].shape[1], 0
+    columns = min(COLUMNS, VALUES // (len(train.found) * len(train.spans)))
+    few = values[:1] if len(values) * POINTS > columns else values
+    (speed, frequency), begin = train.grid(factor := train.enters.factors(few), modes), 0
     while begin < len(values):
-        part = slice(begin, min(begin + max(1, COLUMNS // points), len(values)))
-        factor = train.enters.factors(values[part])
-        speed, frequency = train.grid(factor, modes)
-        points, begin = speed.shape[1], part.stop
+        part = slice(begin, min(begin + max(1, columns // speed.shape[1]), len(values)))
+        if part != slice(0, len(few)):
+            factor = train.enters.factors(values[part])
+            speed, frequency = train.grid(factor, modes)
+        begin = part.stop
         yield part, frequency, _verdicts(train, speed, factor)
 
 
@@ -92,6 +137,7 @@ def _verdicts(train: Swept, speed: FloatArray, factor: FloatArray) -> _Chunk:
         error = np.where(used > 0.0, np.abs(np.stack([fine, coarse]) / used - 1.0).max(axis=0), 0.0)
     error[at.unlimited] = 0.0
     is_sure = (np.abs(used - 1.0) > MARGIN + 2.0 * error * used) & (error < ROUGH)
+    is_sure &= (used < 1.0) | ~at.if_kept[:, None]
     lines = dict[Key, tuple[FloatArray, BoolArray, FloatArray]]()
     for k, key in enumerate(at.keys):
         own = np.where(at.unlimited[k], np.nan, used[k]), used[k] > 1.0, error[k]
@@ -100,21 +146,3 @@ def _verdicts(train: Swept, speed: FloatArray, factor: FloatArray) -> _Chunk:
             own = np.fmax(same[0], own[0]), same[1] | own[1], np.fmax(same[2], own[2])
         lines[key] = own
     return _Chunk(lines, ~(is_sure | at.unlimited).all(axis=0) | at.unclear | there.unclear)
-
-
-def _agree(
-    answers: Answers, errors: dict[Key, FloatArray], alone: Answers, places: Sequence[int], left: BoolArray
-) -> bool:
-    """What the variants at `places` say side by side is what they say `alone`, as far as they are not left."""
-    if alone.faults or alone.checks.keys() != answers.checks.keys():
-        return False
-    sure = ~left[places]
-    for key, (used, fails) in alone.checks.items():
-        own, error = answers.checks[key], errors[key][places]
-        mine, theirs = own[0][places][sure], used[sure]
-        near = (MARGIN + 2.0 * error[sure]) * np.abs(theirs)
-        close = np.isnan(mine) & np.isnan(theirs) | (np.abs(mine - theirs) <= near)
-        if not close.all() or (own[1][places] != fails)[sure].any():
-            return False
-    known = np.isfinite(alone.frequency)
-    return np.allclose(answers.frequency[:, places][known], alone.frequency[known], rtol=1e-12, atol=0.0)

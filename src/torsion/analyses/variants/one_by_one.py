@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
-from torsion.arrays import BoolArray, FloatArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
 from torsion.study import Variation
@@ -47,6 +47,14 @@ class Answers:
             self.standing[key] = check.standing
             if check.verdict == "in part":
                 self.partly.add(place)
+
+    def take(self, places: IntArray, own: "Answers", at: IntArray) -> None:
+        """Put answers of others, those in its columns `at`, into the columns `places`."""
+        self.frequency[:, places] = own.frequency[:, at]
+        count = self.frequency.shape[1]
+        for key, (used, fails) in own.checks.items():
+            whole = self.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+            whole[0][places], whole[1][places] = used[at], fails[at]
 
 
 def solved(

@@ -1,4 +1,4 @@
-"""How figures of the file enter the numbers of a train: as products of their powers or in a sum, which trials show."""
+"""How figures of the file enter the numbers of a train, as trials show: by powers, in a sum, as angles of phasors."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,34 +13,43 @@ from torsion.errors import InputError, SolveError
 from torsion.study import Study, Variation
 
 TRIALS = (1.07, 0.96)  # factors at which a figure is tried
+TURNED = 1e-9  # rad, from which a trial turns a phasor
 POWER = 1e-11  # relative, within which the numbers are products of powers of the figures
 Rows = NDArray[Any]  # (rows, samples) numbers of a train; the samples of a row vary as one
 
 
 @dataclass(frozen=True)
 class Products:
-    """Rows of numbers with the powers in which the figures enter them, or the share of each in a row that is a sum."""
+    """Rows of numbers with the powers in which the figures enter them, or the share of each in a row that is a sum.
+
+    A figure that turns some rows, as a phase does, changes no other row, and may have any sign.
+    """
 
     power: FloatArray  # (rows, figures); NaN in some place of a row that is no product
     share: FloatArray  # (rows, figures), of the value in the file
     nominal: FloatArray  # (figures,) values of the file
+    turn: FloatArray  # (rows, figures) angle for each unit of the figure, rad
 
-    def factors(self, values: FloatArray) -> FloatArray:
-        """(rows, variants) of the rows over those of the file, at values (variants, figures)."""
-        factor, is_sum = (values / self.nominal).T, np.asarray(np.isnan(self.power).any(axis=1))
+    def factors(self, values: FloatArray) -> Rows:
+        """(rows, variants) of the rows over those of the file, at values (variants, figures), maybe complex."""
+        turns = np.asarray(self.turn.any(axis=0))
+        factor, is_sum = np.where(turns, 1.0, values / self.nominal).T, np.asarray(np.isnan(self.power).any(axis=1))
         found = np.exp(np.where(is_sum[:, None], 0.0, self.power) @ np.log(factor))
         found[is_sum] = 1.0 + self.share[is_sum] @ (factor - 1.0)
+        if turns.any():
+            return np.asarray(found * np.exp(1j * (self.turn @ (values - self.nominal).T)))
         return np.asarray(found)
 
 
 def products(variation: Variation, values: FloatArray, read: Callable[[Study], Rows | None]) -> Products | None:
     """How the values (variants, figures) enter the rows that are read of a study; None where otherwise than known.
 
-    read: None where the study differs in more than its rows. Figures of one component are read at the ends of their
-    values together as well, and so is the last variant: each may be sound by itself, and not beside another.
+    read: None where the study differs in more than its rows. Every figure is read at the ends of its values as well, as
+    a limit may be capped there; those of one component together, and so is the last variant: each may be sound by
+    itself, and not beside another.
     """
     nominal = np.array([np.nan if one.rows else one.nominal for one in variation.figures])
-    if not np.all(np.isfinite(nominal) & (nominal != 0.0)) or not np.all(values / nominal > 0.0):
+    if not np.all(np.isfinite(nominal) & (nominal != 0.0)):
         return None
 
     def tried(row: FloatArray) -> Rows | None:
@@ -52,12 +61,14 @@ def products(variation: Variation, values: FloatArray, read: Callable[[Study], R
     base, enters = tried(nominal), []
     for place in range(len(nominal)):
         each = [tried(np.where(np.arange(len(nominal)) == place, one, 1.0) * nominal) for one in TRIALS]
-        found = None if base is None else _power_and_share(base, each)
+        found = None if base is None else _power_and_share(base, each, float(nominal[place]))
         if found is None:
             return None
         enters.append(found)
-    power, share = (np.stack(own, axis=1) for own in zip(*enters, strict=True))
-    whole = Products(power, share, nominal)
+    power, share, turn = (np.stack(own, axis=1) for own in zip(*enters, strict=True))
+    whole, turns = Products(power, share, nominal, turn), turn.any(axis=0)
+    if np.nan_to_num(power[:, turns], nan=1.0).any() or not np.all((values / nominal > 0.0) | turns):
+        return None
     if np.isnan(whole.factors(nominal[None])).any():
         return None
     for row in (*_corners(variation, values, nominal), values[-1]):
@@ -68,9 +79,11 @@ def products(variation: Variation, values: FloatArray, read: Callable[[Study], R
 
 
 def _corners(variation: Variation, values: FloatArray, nominal: FloatArray) -> Iterator[FloatArray]:
-    """(figures,) values with two figures of one component at each end of theirs, all others as in the file."""
+    """(figures,) values with one figure, or two of one component, at each end of theirs, all others as in the file."""
     component = [one.name.rpartition(".")[0] for one in variation.figures]
     ends = values.min(axis=0), values.max(axis=0)
+    for one, end in product(range(len(nominal)), ends):
+        yield np.where(np.arange(len(nominal)) == one, end, nominal)
     for one, other in combinations(range(len(nominal)), 2):
         for first, second in product(ends, ends) if component[one] == component[other] else ():
             row = nominal.copy()
@@ -82,8 +95,10 @@ def _same(one: Rows, other: Rows) -> bool:
     return one.shape == other.shape and bool(_alike(one, other).all())
 
 
-def _power_and_share(base: Rows, tried: list[Rows | None]) -> tuple[FloatArray, FloatArray] | None:
-    """(rows,) power of a figure in every row, and its share of it; NaN where it enters otherwise.
+def _power_and_share(
+    base: Rows, tried: list[Rows | None], nominal: float
+) -> tuple[FloatArray, FloatArray, FloatArray] | None:  # fmt: skip
+    """(rows,) power of a figure in every row, its share of it, and the angle for each unit; NaN where otherwise.
 
     None where there is no trial.
     """
@@ -92,13 +107,19 @@ def _power_and_share(base: Rows, tried: list[Rows | None]) -> tuple[FloatArray, 
         return None
     used = (base != 0.0) & np.isfinite(base)
     with np.errstate(all="ignore"):
+        angle = np.where(used, np.angle(rows[0] / base), 0.0)
+        turn = np.where(np.abs(angle) > TURNED, angle, 0.0)[np.arange(len(base)), np.abs(angle).argmax(axis=1)]
+        turn /= (TRIALS[0] - 1.0) * nominal
         first = np.where(used, np.real(rows[0] / base), -np.inf).max(axis=1)
         power = np.where(used.any(axis=1), np.round(np.log(first) / np.log(TRIALS[0]), 9), 0.0)
         share = np.where(used.any(axis=1), (first - 1.0) / (TRIALS[0] - 1.0), 0.0)
         for factor, one in zip(TRIALS, rows, strict=True):
             power[~_alike(base * (factor**power)[:, None], one)] = np.nan
             share[~_alike(base * (1.0 + share * (factor - 1.0))[:, None], one)] = np.nan
-    return power, share
+            turned = base * np.exp(1j * turn * (factor - 1.0) * nominal)[:, None]
+            turn[~_alike(turned, one) & (turn != 0.0)] = np.nan
+    power[turn != 0.0] = np.where(np.isnan(turn[turn != 0.0]), np.nan, 0.0)
+    return power, share, np.nan_to_num(turn)
 
 
 def _alike(one: Rows, other: Rows) -> BoolArray:

@@ -5,36 +5,56 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.variants.products import Rows, products
-from torsion.arrays import FloatArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
+from torsion.errors import SolveError
 from torsion.kernels.tree import Tree
 from torsion.study import Study, Variation
 
 
 def side_by_side(system: System, variation: Variation, values: FloatArray, count: int) -> FloatArray | None:
-    """Frequencies (modes, variants) Hz by the kernel of many trains; None where it does not take them.
+    """Frequencies (modes, variants) Hz by the kernels of many trains; None where they do not take them.
 
     Inertias and flexibilities have to be products of powers of the figures (a stiffness, a length, a diameter), or sums
     in which each has a share (an inertia beside another), which trials show.
     """
-    if not count or system.bars is not None or system.tables or system.whole.condensed.extra.size:
+    if not count or system.tables or (system.bars is not None and system.bars.degree):
         return None
-    base = _tree(system)
+    if system.bars is not None:  # pieces of the shafts as short as the counts of these modes need
+        from torsion.analyses.undamped_modes import modes
+
+        system = modes(system, count).system
+        system = replace(system, requested=replace(system.requested, frequency=0.0))  # of variants: as it is divided
+    base, (at, own_chord), figures = _tree(system), _chords(system), _figures(_tree(system))
 
     def read(study: Study) -> Rows | None:
-        tree = _tree(varied(system, study))
-        same = np.array_equal(tree.parent, base.parent)
-        return np.concatenate([tree.flexibility, tree.moving_inertia])[:, None] if same else None
+        own = varied(system, study if system.bars is None else _as_divided(system, study))
+        (ends, chord), tree = _chords(own), _tree(own)
+        same = np.array_equal(tree.parent, base.parent) and np.array_equal(ends, at)
+        rows = np.concatenate([tree.flexibility, tree.moving_inertia, chord, _figures(tree)])[:, None]
+        return rows if same and len(rows) == len(whole) else None
 
+    whole = np.concatenate([base.flexibility, base.moving_inertia, own_chord, figures])
     found = products(variation, values, read)
     if found is None:
         return None
-    from torsion.kernels.variant_modes import variant_modes
-
-    flexibility, inertia = np.split(found.factors(values), 2)
+    edges = np.cumsum([base.size, base.size, len(own_chord)])
+    flexibility, inertia, chord, factors = np.split(found.factors(values), edges)
     flexibility *= base.flexibility[:, None]
     inertia *= base.moving_inertia[:, None]
-    return variant_modes(base, flexibility, inertia, count).frequency / (2.0 * np.pi)
+    if len(chord) or len(figures):
+        from torsion.kernels.variant_networks import network_modes
+
+        chord *= own_chord[:, None]
+        try:
+            many = network_modes(base, flexibility, inertia, count, (at[0], at[1]), chord, factors)
+        except SolveError:  # a variant that needs shorter pieces of its shafts
+            return None
+    else:
+        from torsion.kernels.variant_modes import variant_modes
+
+        many = variant_modes(base, flexibility, inertia, count)
+    return many.frequency / (2.0 * np.pi)
 
 
 def varied(system: System, study: Study) -> System:
@@ -44,7 +64,29 @@ def varied(system: System, study: Study) -> System:
     return rediscretised(replace(system, train=study.train), system.requested.frequency)
 
 
+def _as_divided(system: System, study: Study) -> Study:
+    """The variant with its shafts in as many pieces as in `system`; counts say whether these are short enough."""
+    bars = tuple(replace(bar, segments=system.segments.get(bar.name, bar.segments)) for bar in study.train.bars)
+    return replace(study, train=replace(study.train, bars=bars))
+
+
 def _tree(system: System) -> Tree:
     from torsion.analyses.undamped_modes import undamped_tree
 
     return undamped_tree(system.whole)
+
+
+def _figures(tree: Tree) -> FloatArray:
+    """All numbers of the laws of distributed shafts."""
+    laws = [] if tree.shafts is None else tree.shafts.laws
+    return np.concatenate([np.empty(0), *(law.figures for law in laws)])
+
+
+def _chords(system: System) -> tuple[IntArray, FloatArray]:
+    """Stations of the tree (2, chords) at the ends of the spans that close loops, and their flexibility (chords,)."""
+    from torsion.analyses.undamped_modes import chord_spans
+
+    whole = system.whole
+    chords, node = chord_spans(whole), whole.condensed.node
+    flexibility = (whole.flexibility / whole.span_ratio**2)[chords]
+    return np.stack([node[whole.driving[chords]], node[whole.driven[chords]]]), flexibility

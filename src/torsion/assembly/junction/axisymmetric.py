@@ -65,7 +65,7 @@ class Solved:
         """Bounds of the excess length: of the smaller shaft, over the sum of its lengths each as if it were long."""
         end = self.profile.smaller
         unit = end.twist / end.length * end.outer[0]
-        plain = sum(one.twist for one in self.profile.lengths)
+        plain = self.profile.plain
         return (self.levels[-1].lower - plain) / unit, (self.levels[-1].upper - plain) / unit
 
     @property
@@ -155,7 +155,10 @@ def _at(basis: Any, slopes: FloatArray, field: FloatArray) -> FloatArray:
 
 
 def _boundaries(profile: Profile, here: Meridian, basis: Any) -> tuple[IntArray, ...]:
-    """Unknowns at the two ends, last first, on the outer and on the inner surface; the axis is none of them."""
+    """Unknowns where it is fixed, at its begin, on the outer and on the inner surface; the axis is none of them.
+
+    Where a hub ends the line its last end is free but for the face of the hub, and continues the inner surface.
+    """
     mesh = here.mesh
     facets = mesh.boundary_facets()
     z, r = mesh.p[:, mesh.facets[:, facets]].mean(axis=1)
@@ -164,11 +167,16 @@ def _boundaries(profile: Profile, here: Meridian, basis: Any) -> tuple[IntArray,
     at_begin, at_end = z < near, z > places[-1] - near
     side = ~(at_begin | at_end | (r < near))
     outer = side & (r > _middle(profile, z))
+    fixed, inner = at_end, side & ~outer
+    if profile.fixed == "rim":
+        fixed = outer & (r > profile.lengths[-1].outer[1] / 2.0 - near)
+    elif profile.fixed == "face":
+        fixed = at_end & (r > profile.lengths[0].outer[1] / 2.0)
     return tuple(
         np.asarray(basis.get_dofs(facets[chosen]).all(), dtype=np.int64)
         if chosen.any()
         else np.zeros(0, dtype=np.int64)
-        for chosen in (at_end, at_begin, outer, side & ~outer)
+        for chosen in (fixed, at_begin, outer & ~fixed, inner | (at_end & ~fixed))
     )
 
 

@@ -28,10 +28,11 @@ class FilletStress:
 
 
 @lru_cache(maxsize=256)
-def fillet_stress(profile: Profile) -> FilletStress:
+def fillet_stress(profile: Profile, steady: float = STEADY) -> FilletStress:
     """K_t of the fillets of a line, the triangles along them divided until both fields agree.
 
     The angle says the stress as G r |grad psi|, the stress function as |grad phi| / r^2; their mean is reported.
+    steady: relative error at which they do.
     Raises ValueError where no corner is round, SolveError where the two do not meet.
 
     >>> from torsion.assembly.junction.profile import Corner, junction
@@ -46,7 +47,7 @@ def fillet_stress(profile: Profile) -> FilletStress:
         here = here.refined(np.unique(here.mesh.f2t[0, here.fillets]))
         found = _largest(profile, here, on_mesh(profile, here)[1])
         error = max(found.error, abs(found.factor - before) / found.factor)
-        if error <= STEADY:
+        if error <= steady:
             return replace(found, error=error)
         before = found.factor
     raise SolveError("the stress in a fillet does not converge; look at its dimensions")

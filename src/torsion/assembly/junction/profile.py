@@ -5,8 +5,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
+import numpy as np
+
 from torsion.kernels.round_sections import polar_area_moment
 
+CornerKind = Literal["fillet", "chamfer"]
 REACH = 3.0  # walls of a shaft that are kept beyond a junction; a disturbance decays to 6e-9 or less along it and back
 
 
@@ -18,6 +21,13 @@ class Length:
     outer: tuple[float, float]
     bore: tuple[float, float] = (0.0, 0.0)
     modulus: float = 1.0  # shear modulus / that of the whole
+
+    def in_units(self, unit: float) -> "Length":
+        """The same, its sizes over a unit."""
+        (first, last), (begin, end) = self.outer, self.bore
+        return replace(
+            self, length=self.length / unit, outer=(first / unit, last / unit), bore=(begin / unit, end / unit)
+        )
 
     @property
     def twist(self) -> float:
@@ -35,7 +45,7 @@ class Length:
 class Corner:
     """What fills the corner between a shaft and the face of a larger one."""
 
-    kind: Literal["fillet", "chamfer"]
+    kind: CornerKind
     size: float  # radius, or leg of a chamfer of 45 degrees
 
     def legs(self, height: float) -> tuple[float, float]:
@@ -45,6 +55,23 @@ class Corner:
             return up, up
         return math.sqrt(up * (2.0 * self.size - up)), up
 
+    def polar_moment(self, radius: float, height: float) -> float:
+        """Integral of r^2 over what fills the corner of a step of some height on a radius: its inertia by its density.
+
+        >>> round(Corner("chamfer", 1.0).polar_moment(2.0, 1.0), 9)  # pi/2 ((3^5 - 2^5)/5 - 2^4)
+        41.154863762
+        """
+        place, weight = np.polynomial.legendre.leggauss(16)
+        up = min(self.size, height)
+        if self.kind == "chamfer":
+            rise, along = 0.5 * up * (1.0 + place), np.full(16, 0.5 * up)
+        else:
+            half = 0.5 * math.acos(1.0 - up / self.size)
+            turned = half * (1.0 + place)
+            rise, along = self.size * (1.0 - np.cos(turned)), self.size * half * np.cos(turned)
+        ring = rise * (2.0 * radius + rise) * (radius**2 + (radius + rise) ** 2)  # (radius + rise)^4 - radius^4
+        return float(0.5 * math.pi * (weight * ring * along).sum())
+
 
 @dataclass(frozen=True)
 class Profile:
@@ -52,6 +79,12 @@ class Profile:
 
     lengths: tuple[Length, ...]
     corners: tuple[Corner | None, ...]
+    fixed: Literal["end", "rim", "face"] = "end"  # last length a hub: its outer surface, or its face around the shaft
+
+    @property
+    def plain(self) -> float:
+        """Twist of its lengths each as if it were long; of a hub none."""
+        return sum(one.twist for one in (self.lengths if self.fixed == "end" else self.lengths[:-1]))
 
     @property
     def places(self) -> tuple[float, ...]:

@@ -197,6 +197,10 @@ def _grains(profile: Profile, fills: list[_Fill]) -> tuple[list[tuple[float, flo
             if pair[0] != pair[1] and (z, r) not in filled:
                 found.append((z, r, min(abs(pair[1] - pair[0]), wall) / 2.0))
                 sharp.append((z, r))
+    if profile.fixed == "face":
+        edge = profile.places[-1], profile.lengths[0].outer[1] / 2.0
+        found.append((*edge, wall / 2.0))
+        sharp.append(edge)
     return found, sharp
 
 
@@ -224,6 +228,8 @@ def _radii(
     low, high = min(kept), max(kept)
     if low < core:
         kept.append(core)
+    if profile.fixed == "face" and z == profile.places[-1]:
+        kept.append(profile.lengths[0].outer[1] / 2.0)
     near = CLOSE * high
     here = [fill for fill in fills if min(abs(z - at) for at in (fill.begin, fill.z, fill.behind)) <= near]
     kept += [r for fill in here for r in ((fill.below,) if abs(z - fill.begin) <= near else (fill.below, fill.top))]

@@ -5,20 +5,19 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, get_args
+from typing import get_args
 
-from torsion.components.lowering import STEP, Step, StepForm
-from torsion.errors import Fault, InputError
+from torsion.assembly.junction.profile import Corner, CornerKind, Length, Profile, junction
+from torsion.components.shaft_details import STEP, Step, StepForm
+from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.junction_table import junction_table
 from torsion.kernels.round_sections import polar_area_moment
-from torsion.primitives import Bar, Spring, Station
+from torsion.primitives import Bar, Inertia, Spring, Station
 from torsion.train import ENDS, Train
-
-if TYPE_CHECKING:
-    from torsion.assembly.junction.profile import Profile
 
 # Excess length / smaller diameter over larger / smaller diameter, from memory (Wilson; Ker Wilson), to be verified.
 HANDBOOK = ((1.0, 0.0), (1.25, 0.055), (1.5, 0.085), (2.0, 0.100), (3.0, 0.107), (math.inf, 0.125))
+MOST_WITH_HUBS = 0.95  # of its twist that hubs and fillets together may take
 MOST = 0.5  # of its twist that large fillets may take from a shaft
 
 
@@ -44,7 +43,8 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
     """The train with a spring at every step that twists; form: of the steps that say none, faulty or not.
 
     A spring stands between the end of a shaft and a new station, at which the next shaft begins. A large fillet twists
-    less than the shaft whose end it fills: then the shear modulus of that shaft is raised in place of a spring. Steps
+    less than the shaft whose end it fills: then the shear modulus of that shaft is raised in place of a spring, as it
+    is of a shaft in a hub. Steps
     that a train with `steps` None states are in it already. by_table: no finite elements run; steps that need them
     are left out, and said to be.
     """
@@ -57,20 +57,22 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         step = record.step or Step(form=next((one for one in get_args(StepForm) if one == form), "none"))
         if step.form == "none":
             continue
-        ends = End(one, one.outer[1], one.bore[1]), End(two, two.outer[0], two.bore[0])
-        fault = _fault(step, ends, path)
-        excess, source = (0.0, "") if fault else excess_length(step, *ends, by_table=by_table)
+        ends = _end(train, one, 1), _end(train, two, 0)
+        fault, excess, source = _twist(step, ends, path, by_table=by_table)
         if fault or not source:
-            faults += [fault] if fault and record.step is not None else []
+            if fault and (
+                record.step is not None or max(ends[0].bore, ends[1].bore) >= min(one.outer[1], two.outer[0])
+            ):
+                faults.append(fault)
             if not _is_smooth(one, two):
                 why = fault.message if fault else "the table has no such step"
                 found = _remarked(found, one.part, f"its step to '{two.name}' is left out: {why}")
             continue
         smaller = min(ends, key=lambda end: end.outer)
-        form_words = step.form or f"{'fillet' if step.fillet else 'chamfer'} of {1e3 * step.size:g} mm"
-        remark = f"its step to '{two.name}' ({form_words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
+        remark = f"its step to '{two.name}' ({step.words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
         found = _remarked(found, one.part, f"{remark} beyond both shafts, {source}")
         saved = shorter.get(smaller.bar.name, 0.0) - excess
+        found = _with_inertias(found, step, one.driven, ends)
         if excess > 0.0:
             found = _with_spring(found, one, two, smaller, excess)
         elif saved <= MOST * smaller.bar.length:
@@ -78,6 +80,8 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         else:
             message = f"the fillets of '{smaller.bar.name}' take more than half of its twist"
             faults.append(Fault(path, message, "give the stiffness of both as a `coupling` in its place"))
+    if train.steps is not None and any(part.shaft is not None and part.shaft.hubs for part in train.parts):
+        found, shorter = _hubs(found, shorter, faults)
     bars = [
         replace(bar, shear_modulus=bar.shear_modulus / (1.0 - shorter.get(bar.name, 0.0) / bar.length))
         for bar in found.bars
@@ -88,6 +92,27 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
             hint = "a step joins two shafts of the train, one right after the other, with nothing at the point between"
             faults.append(Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint))
     return found
+
+
+def _hubs(train: Train, shorter: dict[str, float], faults: list[Fault]) -> tuple[Train, dict[str, float]]:
+    """The train, and what fillets and hubs together take from the length (m) of each shaft."""
+    from torsion.assembly.junction.hubs import with_hubs
+
+    train, found = with_hubs(train)
+    for bar in train.bars:
+        found[bar.name] = found.get(bar.name, 0.0) + shorter.get(bar.name, 0.0)
+        if found[bar.name] > MOST_WITH_HUBS * bar.length:
+            message = f"hubs and fillets take all of the twist of '{bar.name}'"
+            faults.append(Fault(train.parts[bar.part].path, message, "join it with the shaft beside it"))
+            del found[bar.name]
+    return train, found
+
+
+def _end(train: Train, bar: Bar, at: int) -> End:
+    """One end of a shaft, of its material's modulus: what hubs and fillets take from its twist is not there."""
+    if bar.section is None:
+        bar = replace(bar, shear_modulus=train.materials[train.shaft(bar).material].shear_modulus)
+    return End(bar, bar.outer[at], bar.bore[at])
 
 
 def has_unstated(train: Train) -> bool:
@@ -115,6 +140,18 @@ def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
             yield before, bar
 
 
+def _twist(
+    step: Step, ends: tuple[End, End], path: tuple[str | int, ...], *, by_table: bool
+) -> tuple[Fault | None, float, str]:
+    """What is wrong with a step; else its excess length (m) and where that is from."""
+    if fault := _fault(step, ends, path):
+        return fault, 0.0, ""
+    try:
+        return None, *excess_length(step, *ends, by_table=by_table)
+    except SolveError as error:
+        return Fault(path, str(error), "other dimensions, or `step: none`, which leaves its twist out"), 0.0, ""
+
+
 def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...]) -> Fault | None:
     one, two = ends
     names = f"'{one.bar.name}' and '{two.bar.name}'"
@@ -122,11 +159,24 @@ def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...]) -> Fa
         return Fault(path, f"one of {names} has a `section` by mesh", "a step is that of two round shafts")
     if max(one.bore, two.bore) >= min(one.outer, two.outer):
         return Fault(path, f"{names} do not touch", "the bore of one is not smaller than the diameter of the other")
-    if one.outer == two.outer:
-        return Fault(path, f"{names} have the same diameter", "leave `step` out")
-    smaller = min(ends, key=lambda end: end.outer)
-    height = abs(one.outer - two.outer) / 2.0
-    reach = math.sqrt(step.fillet * step.fillet - max(step.fillet - height, 0.0) ** 2) if step.fillet else step.size
+    smaller, larger = sorted(ends, key=lambda end: end.outer)
+    face = larger.outer
+    if step.flange is not None:
+        face = step.flange.diameter
+        if face <= larger.outer:
+            return Fault((*path, "flange"), f"the flange is no larger than {names}", "`diameter` is its outer one")
+    elif one.outer == two.outer:
+        return Fault(path, f"{names} have the same diameter", "leave `step` out, or give a `flange`")
+    height, reach = (face - smaller.outer) / 2.0, 0.0
+    if step.undercut is not None:
+        floor, reach = smaller.outer - 2.0 * step.undercut.depth, step.undercut.width
+        if floor <= max(one.bore, two.bore):
+            return Fault((*path, "undercut"), "the undercut is deeper than the wall of the shaft", "a smaller `depth`")
+        if step.round >= min(reach, height + step.undercut.depth):
+            return Fault((*path, "undercut"), "its fillet does not fit into the undercut", "a smaller `fillet`")
+    elif step.size:
+        kind: CornerKind = "fillet" if step.round else "chamfer"
+        reach = Corner(kind, step.size).legs(height)[0]
     if reach >= smaller.bar.length:
         return Fault(path, f"the corner reaches beyond '{smaller.bar.name}'", "a fillet is shorter than its shaft")
     return None
@@ -141,7 +191,8 @@ def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> 
     unit = smaller.outer
     if step.form == "handbook":
         return unit * handbook(larger.outer / unit), "by a handbook's table, from memory, to be verified"
-    if step.chamfer is None and one.bore == two.bore and one.bar.shear_modulus == two.bar.shear_modulus:
+    is_plain = step.chamfer is None and step.undercut is None and step.flange is None
+    if is_plain and one.bore == two.bore and one.bar.shear_modulus == two.bar.shear_modulus:
         height = (larger.outer - unit) / 2.0
         known = junction_table().excess_length(smaller.bore / unit, height / unit, step.size / unit)
         if known is not None:
@@ -151,31 +202,59 @@ def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> 
     from torsion.assembly.junction.axisymmetric import solved
 
     found = solved(profile_of(step, one, two))
-    return unit * found.excess_length, f"by finite elements, within {found.error:.1g} diameters"
+    own = _between(step, smaller)
+    area = float(polar_area_moment(smaller.outer, smaller.bore))
+    beside = sum(piece.length * area / float(polar_area_moment(piece.outer[0], piece.bore[0])) for piece in own)
+    inside = step.undercut.width if step.undercut is not None else 0.0
+    excess = unit * found.excess_length + beside - inside
+    return excess, f"by finite elements, within {found.error:.1g} diameters"
 
 
-def profile_of(step: Step, one: End, two: End) -> "Profile":
+def _between(step: Step, smaller: End) -> tuple[Length, ...]:
+    """What stands between the shafts of a step, in m."""
+    if step.undercut is not None:
+        size, length = smaller.outer - 2.0 * step.undercut.depth, step.undercut.width
+    elif step.flange is not None:
+        size, length = step.flange.diameter, step.flange.thickness
+    else:
+        return ()
+    return (Length(length, (size, size), (smaller.bore, smaller.bore)),)
+
+
+def profile_of(step: Step, one: End, two: End) -> Profile:
     """The outline of a step, in units of its smaller diameter."""
-    from torsion.assembly.junction.profile import Corner, junction
-
     smaller, larger = sorted((one, two), key=lambda end: end.outer)
     unit = smaller.outer
     corner = Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
     sizes = [(end.outer / unit, end.bore / unit) for end in (smaller, larger)]
-    return junction(sizes[0], sizes[1], corner, moduli=(1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus))
+    moduli = 1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus
+    between = (one.in_units(unit) for one in _between(step, smaller))
+    return junction(sizes[0], sizes[1], corner, moduli=moduli, between=tuple(between))
 
 
-def filleted(train: Train) -> Iterator[tuple[Step, Bar, Bar, End, End]]:
-    """Every step with a fillet of a train whose steps are springs: both shafts, smaller and larger end."""
+def corners(train: Train) -> Iterator[tuple[Step | None, Bar, Bar, End, End]]:
+    """Where shafts meet in a train whose steps are springs: what is stated, both shafts, smaller and larger end."""
     starts = {bar.driving: bar for bar in train.bars}
     behind = {spring.driving: spring.driven for spring in train.springs if spring.name.endswith(STEP)}
     for one in train.bars:
-        step = train.shaft(one).step if train.parts[one.part].shaft is not None else None
         two = starts.get(behind.get(one.driven, one.driven))
-        if step is not None and step.fillet is not None and two is not None:
-            ends = End(one, one.outer[1], one.bore[1]), End(two, two.outer[0], two.bore[0])
+        if two is not None and all(train.parts[bar.part].shaft is not None for bar in (one, two)):
+            ends = _end(train, one, 1), _end(train, two, 0)
             smaller, larger = sorted(ends, key=lambda end: end.outer)
-            yield step, one, two, smaller, larger
+            yield train.shaft(one).step, one, two, smaller, larger
+
+
+def unrounded(train: Train) -> Iterator[tuple[Bar, Bar, str]]:
+    """Both shafts at every corner of no stated radius, and what it is; other corners of flanges and undercuts too."""
+    wide = {inertia.station for inertia in train.inertias}
+    for step, one, two, _, _ in corners(train):
+        if step is not None and (step.round or not _is_smooth(one, two)):
+            if not step.round:
+                yield one, two, "sharp step" if step.form == "sharp" else "step" if step.form else step.words
+            elif not step.fillet:
+                yield one, two, f"other corner of the {step.words}"
+        elif step is None and one.driven not in wide and not _is_smooth(one, two):
+            yield one, two, "step"
 
 
 def handbook(larger: float) -> float:
@@ -192,8 +271,24 @@ def handbook(larger: float) -> float:
 
 def _remarked(train: Train, part: int, remark: str) -> Train:
     parts = list(train.parts)
-    parts[part] = replace(parts[part], remark=remark)
+    before = parts[part].remark
+    parts[part] = replace(parts[part], remark=f"{before}; {remark}" if before else remark)
     return replace(train, parts=tuple(parts))
+
+
+def _with_inertias(train: Train, step: Step, station: int, ends: tuple[End, End]) -> Train:
+    """The train with the inertia of what fills the corner of a step, and of its flange."""
+    smaller, larger = sorted(ends, key=lambda end: end.outer)
+    density, part, found = smaller.bar.density, smaller.bar.part, list[Inertia]()
+    if step.size and step.undercut is None:
+        kind: CornerKind = "fillet" if step.round else "chamfer"
+        face = larger.outer if step.flange is None else step.flange.diameter
+        moment = Corner(kind, step.size).polar_moment(smaller.outer / 2.0, (face - smaller.outer) / 2.0)
+        found.append(Inertia(station, density * moment, part, kind))
+    if step.flange is not None:
+        area = float(polar_area_moment(step.flange.diameter, smaller.bore))
+        found.append(Inertia(station, density * area * step.flange.thickness, part, "flange"))
+    return replace(train, inertias=(*train.inertias, *found))
 
 
 def _with_spring(train: Train, one: Bar, two: Bar, smaller: End, excess: float) -> Train:

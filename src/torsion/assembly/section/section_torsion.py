@@ -45,7 +45,7 @@ class Level:
 
 def moments(mesh: Triangles) -> Moments:
     """Area, centroid and polar moment about the origin."""
-    basis = skfem.Basis(_shape(mesh), skfem.ElementTriP1(), intorder=ORDER)
+    basis = skfem.Basis(shape_of(mesh), skfem.ElementTriP1(), intorder=ORDER)
     (x, y), dx = basis.default_parameters()["x"], basis.dx
     area = float(np.sum(dx))
     centroid = (float(np.sum(x * dx)) / area, float(np.sum(y * dx)) / area)
@@ -55,19 +55,24 @@ def moments(mesh: Triangles) -> Moments:
 def solve_level(mesh: Triangles, degree: int) -> Level:
     """Bounds of the torsion constant and the largest stress, by elements of degree 2 or 4 on a sound mesh."""
     element = skfem.ElementTriP4() if degree == 4 else skfem.ElementTriP2()
-    basis, edge = skfem.Basis(_shape(mesh), element, intorder=ORDER), boundary(mesh)
-    (x, y), dx = basis.default_parameters()["x"], basis.dx
-    gradients = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1])
-    around = skfem.LinearForm(lambda v, w: w.x[1] * v.grad[0] - w.x[0] * v.grad[1])
-    stiffness = gradients.assemble(basis)
-    lower, phi = _stress_function(basis, stiffness, edge, _facets(mesh, basis.mesh, edge))
-    turning = around.assemble(basis)[1:]  # omega is known but for a constant, so one unknown is left out
-    upper = float(np.sum((x * x + y * y) * dx)) - float(turning @ _solved(stiffness[1:, 1:], turning))
-    stress, at = _largest_slope(basis, phi)
+    basis, edge = skfem.Basis(shape_of(mesh), element, intorder=ORDER), boundary(mesh)
+    stiffness, turning, polar = plane_forms(basis)
+    lower, phi = stress_function(basis, stiffness, edge, _facets(mesh, basis.mesh, edge))
+    turning = turning[1:]  # omega is known but for a constant, so one unknown is left out
+    upper = polar - float(turning @ solution(stiffness[1:, 1:], turning))
+    stress, at = largest_slope(basis, phi)
     return Level(len(mesh.nodes), lower, upper, stress, at)
 
 
-def _shape(mesh: Triangles) -> Any:
+def plane_forms(basis: Any) -> tuple[Any, FloatArray, float]:
+    """The energy of a gradient, the load of the warping, and the polar moment."""
+    (x, y), dx = basis.default_parameters()["x"], basis.dx
+    gradients = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1])
+    around = skfem.LinearForm(lambda v, w: w.x[1] * v.grad[0] - w.x[0] * v.grad[1])
+    return gradients.assemble(basis), np.asarray(around.assemble(basis)), float(np.sum((x * x + y * y) * dx))
+
+
+def shape_of(mesh: Triangles) -> Any:
     """The mesh for scikit-fem, whose elements of degree 4 want the corners of a triangle in ascending order."""
     order = np.argsort(mesh.nodes[:, :3], axis=1)
     corners = np.take_along_axis(mesh.nodes[:, :3], order, 1)
@@ -85,7 +90,7 @@ def _facets(mesh: Triangles, shape: Any, edge: Boundary) -> IntArray:
     return np.asarray(order[np.searchsorted(known[order], wanted)])
 
 
-def _stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArray) -> tuple[float, FloatArray]:
+def stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArray) -> tuple[float, FloatArray]:
     """Torsion constant, and phi (unknowns,): 0 on the outline, one unknown for each hole, all others free."""
     number, holes = stiffness.shape[0], len(edge.area) - 1
     column = np.arange(holes, holes + number)
@@ -96,19 +101,22 @@ def _stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArra
     spread = csc_array((np.ones(len(free)), (free, place)), shape=(number, len(used)))
     force = spread.T @ skfem.LinearForm(lambda v, _: 2.0 * v).assemble(basis)
     force[:holes] -= 2.0 * edge.area[1:]  # negative around a hole
-    answer = _solved(spread.T @ stiffness @ spread, force)
+    answer = solution(spread.T @ stiffness @ spread, force)
     return float(force @ answer), np.asarray(spread @ answer)
 
 
-def _solved(matrix: Any, force: FloatArray) -> FloatArray:
+def solution(matrix: Any, force: FloatArray) -> FloatArray:
     """The answer of a symmetric positive definite system."""
     symmetric = {"SymmetricMode": True}
     factors = splu(csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
     return np.asarray(factors.solve(force))
 
 
-def _largest_slope(basis: Any, phi: FloatArray) -> tuple[float, tuple[float, float]]:
-    """Largest |grad phi| and where; |grad phi| is subharmonic, so it is nowhere larger than on the boundary."""
+def largest_slope(basis: Any, field: FloatArray, turning: float = 0.0) -> tuple[float, tuple[float, float]]:
+    """Largest |grad phi| and where; |grad phi| is subharmonic, so it is nowhere larger than on the boundary.
+
+    turning: that times (-y, x) is added, 1 where the field is the warping.
+    """
     shape = basis.mesh
     facets = shape.boundary_facets()
     elements = np.unique(shape.f2t[0, facets])
@@ -116,7 +124,8 @@ def _largest_slope(basis: Any, phi: FloatArray) -> tuple[float, tuple[float, flo
     sides = np.concatenate([[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1)  # in the order of t2f
     places = skfem.Basis(shape, basis.elem, elements=elements, quadrature=(sides, np.tile(one, 3)))
     shown = np.repeat(np.isin(shape.t2f[:, elements].T, facets), len(_ALONG), axis=1)
-    slope = np.where(shown, np.hypot(*np.asarray(places.interpolate(phi).grad)), 0.0)
+    x, y = places.default_parameters()["x"]
+    grad = np.asarray(places.interpolate(field).grad) + turning * np.stack([-y, x])
+    slope = np.where(shown, np.hypot(*grad), 0.0)
     at = np.unravel_index(int(np.argmax(slope)), slope.shape)
-    x, y = (float(axis[at]) for axis in places.default_parameters()["x"])
-    return float(slope[at]), (x, y)
+    return float(slope[at]), (float(x[at]), float(y[at]))

@@ -41,11 +41,6 @@ class DampedTree:
         """What sweeps need to know of the tree."""
         return layout(self.tree, self.tree.flexibility)
 
-    @property
-    def relaxes(self) -> bool:
-        """Every law has states of its own, so that all roots are those of a matrix."""
-        return all(law.exponent is None for law in self.laws.values())
-
 
 def number_of_roots(train: DampedTree) -> tuple[int, int]:
     """How often 0 is a root of det T, and how many other roots there are.

@@ -49,6 +49,16 @@ class Law(ABC):
         return len(next(iter(vars(self).values())))
 
     @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The fields (shafts, ...), by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @property
+    def figures(self) -> FloatArray:
+        """All numbers of all shafts (figures,), one field after another."""
+        return np.concatenate([own.ravel() for own in self.columns.values()])
+
+    @property
     @abstractmethod
     def limit(self) -> float:
         """Angular frequency (rad/s) below which every flexibility and end inertia is positive."""
@@ -99,9 +109,56 @@ class Law(ABC):
     @cached_property
     def _distinct(self) -> tuple[Self, IntArray | slice]:
         """The different shafts, and which one each shaft is."""
-        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        columns = self.columns
         first, position = distinct(np.concatenate([one.reshape(self.size, -1) for one in columns.values()], axis=1))
         return replace(self, **{name: column[first] for name, column in columns.items()}), position
+
+
+@dataclass(frozen=True)
+class Columns(Law):
+    """Shafts of many trains of one layout, at one frequency for each train."""
+
+    rows: Law  # of every shaft in all trains, one shaft after another
+    trains: int
+
+    @classmethod
+    def of(cls, law: Law, factors: FloatArray) -> "Columns":
+        """Those of `law` with its `figures` multiplied by `factors` (figures, trains)."""
+        trains, begin, values = factors.shape[1], 0, {}
+        for name, own in law.columns.items():
+            part = factors[begin : begin + own.size].reshape(*own.shape, trains)
+            values[name] = np.moveaxis(own[..., None] * part, -1, 1).reshape(-1, *own.shape[1:])
+            begin += own.size
+        return cls(replace(law, **values), trains)
+
+    @property
+    def size(self) -> int:
+        return self.rows.size // self.trains
+
+    @property
+    def limit(self) -> float:
+        return self.rows.limit
+
+    @property
+    def reach(self) -> float:
+        return self.rows.reach
+
+    def chosen(self, trains: NDArray[Any]) -> "Columns":
+        """Those of some trains."""
+        place = np.arange(self.rows.size).reshape(-1, self.trains)[:, trains]
+        rows = replace(self.rows, **{name: own[place.ravel()] for name, own in self.rows.columns.items()})
+        return Columns(rows, place.shape[1])
+
+    def at(self, square: NDArray[Any]) -> Pi:
+        return self._pi(square[None])
+
+    def rounding(self, square: FloatArray) -> FloatArray:
+        return self.rows.rounding(square)
+
+    def _pi(self, s: NDArray[Any]) -> Pi:
+        found = self.rows._pi(np.broadcast_to(s, (self.size, self.trains)).reshape(-1, 1))
+        h, inner, outer = (one.reshape(self.size, self.trains) for one in found)
+        return h, inner, outer
 
 
 @dataclass(frozen=True)

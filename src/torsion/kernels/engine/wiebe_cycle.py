@@ -114,12 +114,7 @@ class Cycle:
 
     def torque(self, count: int, around: float = 0.0) -> ComplexArray:
         """(count + 1,) N m: harmonics of the gas torque."""
-        panels = Panels.between(self.corners)
-
-        def acting(angle: FloatArray) -> FloatArray:
-            return np.asarray((self.pressure(angle) - around) * self.cylinder.lever(angle))
-
-        return harmonics(acting, panels, self.cylinder.revolutions, count)
+        return _torque(self, count, around).copy()
 
     @property
     def motored(self) -> "Cycle":
@@ -136,6 +131,14 @@ class Cycle:
             lambda x: -float(self.closed(np.array(x))), bounds=ends, method="bounded", options={"xatol": 1e-9}
         )
         return -float(found.fun)
+
+
+@lru_cache(maxsize=32)
+def _torque(cycle: Cycle, count: int, around: float) -> ComplexArray:
+    def acting(angle: FloatArray) -> FloatArray:
+        return np.asarray((cycle.pressure(angle) - around) * cycle.cylinder.lever(angle))
+
+    return harmonics(acting, Panels.between(cycle.corners), cycle.cylinder.revolutions, count)
 
 
 def timed(cycle: Cycle, imep: float, start: float) -> Cycle:

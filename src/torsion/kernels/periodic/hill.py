@@ -50,12 +50,16 @@ def couplings_of(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -
 def harmonics_of(samples: FloatArray, count: int) -> ComplexArray:
     """(..., 2 count + 1) Fourier coefficients of a function sampled over its period (..., times).
 
-    Those beyond what the samples resolve are 0.
+    Those beyond what the samples resolve are 0, and all but the mean of a constant, to the last bit: the matrices that
+    are made of them are as sparse as the train is where it does not change over the period.
     """
     times, rank = samples.shape[-1], np.arange(-count, count + 1)
-    found = (np.fft.fft(samples) / times)[..., rank % times]
+    found = np.zeros((*samples.shape[:-1], 2 * count + 1), dtype=complex)
+    found[..., count] = samples[..., 0]
+    varies = (samples != samples[..., :1]).any(axis=-1)
+    found[varies] = (np.fft.fft(samples[varies]) / times)[..., rank % times]
     found[..., np.abs(rank) > (times - 1) // 2] = 0.0
-    return np.asarray(found)
+    return found
 
 
 def toeplitz(samples: FloatArray, count: int, rows: IntArray | None = None) -> ComplexArray:
@@ -117,11 +121,9 @@ def scattered(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) ->
     from scipy import sparse
 
     number = blocks.shape[-1]
-    place = np.arange(number)
-    rows = np.broadcast_to((row * number)[:, None, None] + place[:, None], blocks.shape)
-    columns = np.broadcast_to((column * number)[:, None, None] + place, blocks.shape)
-    total = size * number
-    return sparse.coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(total, total))
+    entry, above, along = np.nonzero(blocks)
+    places = row[entry] * number + above, column[entry] * number + along
+    return sparse.coo_matrix((blocks[entry, above, along], places), shape=(size * number, size * number))
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ WHAT = (
     "counts. The search tries choices; what is chosen was then solved and judged as a file of its own."
 )
 MOST_ROWS = 8  # of a list or a catalogue that are drawn
+NEAR = 1e-4  # logarithm of a frequency over the aim, from which that is not reached
 LEVELS = 8  # contours of a map, about
 AMOUNTS = {"mass": ("mass", "kg"), "cost": ("cost", "")}
 
@@ -28,8 +29,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Heading("Design")
     kept = f"; to be kept: {'; '.join(found.kept)}" if found.kept else ""
     worst = f", {found.solves:,} trains" if found.solves != found.evaluations else ""
+    over = _judged(found, findings).removeprefix("; ")
     yield Paragraph(
-        f"Aim: {found.aim}{kept}. {counted(found.evaluations, 'choice')} tried{worst}: {found.method}."
+        (f"{over[:1].upper()}{over[1:]}. " if over else "")
+        + f"Aim: {found.aim}{kept}. {counted(found.evaluations, 'choice')} tried{worst}: {found.method}."
         + (f" {WHAT}" if not _is_frequency(found) else "")
     )
     yield _said(found)
@@ -54,6 +57,8 @@ def conclusion(found: Design) -> str:
     words = ", ".join(f"{figure.name} {figure.chosen}" for figure in found.figures)
     if one.frequency is not None:
         was = "" if found.before_frequency is None else f" (as it stands {number(found.before_frequency)} Hz)"
+        missed = found.aims[(found.values == found.picked).all(axis=1)]
+        words = f"{words}: {found.aim} is not reached" if missed.size and missed[0] < -NEAR else words
         reached = f"{number(one.frequency)} Hz{was}"
     else:
         was = "" if found.before is None else f" (as it stands {number(_share(found.before), 4)} %)"
@@ -66,8 +71,23 @@ def design_line(findings: Findings) -> Iterator[tuple[str, str]]:
     """The row of the first page."""
     found = findings.get(Design)
     if found is not None:
-        others = "; searched and judged without the other cases of the file: solve `designed.yaml`"
-        yield "Design", conclusion(found) + (others if findings.study.cases or findings.study.case else "")
+        yield "Design", f"{conclusion(found)}{_judged(found, findings)}"
+
+
+def _judged(found: Design, findings: Findings) -> str:
+    """Of which cases the search and the solution are; empty where the file has none."""
+    case, cases = findings.study.case, findings.study.cases
+    if case is not None:
+        return f"; searched and judged for the case {case.name} alone"
+    if not cases:
+        return ""
+    silent = [name for name in cases if name not in found.cases]
+    without = f"; not judged: {listed(silent)}" if silent else ""
+    own = f" and its case{'s' * (len(found.cases) > 1)} {listed(found.cases)}" if found.cases else ""
+    names = f"the file as it stands{own}"
+    if found.is_over_cases or not found.cases:
+        return f"; searched and solved over {names}{without}"
+    return f"; searched for the file as it stands, solved by itself over {names}{without}"
 
 
 def _said(found: Design) -> Paragraph:

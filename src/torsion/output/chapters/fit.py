@@ -34,6 +34,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(WHAT)
     yield _figures(found)
     yield Paragraph(_agreement(found))
+    if found.others:
+        rows = [(one.words, number(one.chi2, 3), number(one.prior_chi2, 3)) for one in found.others]
+        yield table("< Figures | Chi2 | Squared shifts", rows, "Other figures that agree nearly as well")
     if found.modes:
         yield _modes(found)
     for place, curve in enumerate(found.curves, start=1):
@@ -48,6 +51,9 @@ def conclusion(found: Fit) -> Paragraph:
     """How model and measurements agree, for the verdict."""
     outside = [f"mode {one.mode} at {number(one.measured, 5)} Hz" for one in found.modes if one.is_outside]
     words = f" Measured outside its band: {', '.join(outside)}." if outside else ""
+    if found.others:
+        several = f"{counted(len(found.others), 'other set')} of figures agree{'s' * (len(found.others) == 1)}"
+        words += f" {several} nearly as well (chapter Fit)."
     return Paragraph(f"Fit to measurements: {_agreement(found)}{words}", "fail" if found.fails else "note")
 
 
@@ -59,7 +65,7 @@ def _agreement(found: Fit) -> str:
         return f"{known}: {'the fit does not reach what was measured' if found.is_wrong else left}."
     words = "model and stated deviations agree with the measurements"
     if found.is_wrong:
-        words = "the model, not the values, is wrong, or the deviations are stated too small"
+        words = "the model lacks something, or the deviations are stated too small"
     elif found.reduced < 0.25:
         words = "the measurements scatter less than their stated deviations"
     return f"{known} with {number(found.freedom, 3)} degrees of freedom, {number(found.reduced, 3)} for each: {words}."

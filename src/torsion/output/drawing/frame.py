@@ -50,6 +50,14 @@ class Frame:
         return ends or any(at[k] + half[k] > at[k + 1] - half[k + 1] for k in range(len(at) - 1))
 
     @property
+    def beyond(self) -> float:
+        """px by which slanted names run over the left edge of the figure."""
+        at = self.across(np.array([place for place, _ in self.panel.x.places])).tolist()
+        long = [0.87 * GROWTH * width(text) for _, text in self.panel.x.places]
+        edge = [self.left + x - w for x, w in zip(at, long, strict=True)]
+        return max(0.0, -min(edge, default=0.0)) if self.is_slanted else 0.0
+
+    @property
     def below(self) -> float:
         """px below a plot for the numbers and the title of its x axis."""
         slanted = max((0.5 * GROWTH * width(text) for _, text in self.panel.x.places), default=0.0)
@@ -59,15 +67,31 @@ class Frame:
 def vertical(panel: Panel) -> Scale:
     """The y axis of a plot."""
     data = [line.y for line in panel.lines] + [line.base for line in panel.lines if line.base is not None]
-    data += [np.array([level.value]) for level in panel.levels if level.is_reached]
+    data += reached(panel, "y")
     data += [marks.y for marks in panel.marks] + ([panel.cells.y] if panel.cells else [])
     return scale(panel.y, data, max(3, round(panel.height / APART[1])), is_rounded=panel.cells is None)
 
 
 def horizontal(panel: Panel, wide: float) -> Scale:
     """The x axis of a plot."""
-    data = [line.x for line in panel.lines] + [marks.x for marks in panel.marks]
+    data = [line.x for line in panel.lines] + [marks.x for marks in panel.marks] + reached(panel, "x")
+    data += _beside_symbols(panel, wide)
     return scale(panel.x, data + ([panel.cells.x] if panel.cells else []), round(wide / APART[0]), is_rounded=False)
+
+
+def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
+    """The ends of an axis of numbers that leave room for the symbols of lines."""
+    each = [line.x[np.isfinite(line.x)] for line in panel.lines if line.symbol and line.x.size]
+    if not any(x.size for x in each) or panel.x.places or panel.x.is_log or panel.x.low is not None:
+        return []
+    x = np.concatenate(each)
+    room = 7.0 / wide * np.ptp(x)  # px, half of the largest symbol
+    return [np.array([x.min() - room, x.max() + room])]
+
+
+def reached(panel: Panel, axis: str) -> list[FloatArray]:
+    """The levels as far as which an axis goes."""
+    return [np.array([level.value]) for level in panel.levels if level.is_reached and level.axis == axis]
 
 
 def title_rows(panel: Panel) -> list[str]:

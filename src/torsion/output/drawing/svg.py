@@ -91,6 +91,11 @@ def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Twisted | Shares,
 def _frame(figure: Figure, panel: Panel, foot: float) -> Frame:
     """A plot under what stands already, as far to the right as the widest numbers of all need."""
     left = max(margin(one, vertical(one)) for one in figure.plots)
+    left += min(max(_framed(one, left, foot).beyond for one in figure.plots), WIDTH / 3.0)  # names of any length
+    return _framed(panel, left, foot)
+
+
+def _framed(panel: Panel, left: float, foot: float) -> Frame:
     wide = WIDTH - RIGHT - left
     return Frame(panel, horizontal(panel, wide), vertical(panel), left, foot + TOP, wide, panel.height)
 

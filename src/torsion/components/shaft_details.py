@@ -1,0 +1,192 @@
+"""Details of a shaft as its drawing has them: steps to the next, keyways, splines, oil holes, hubs on its ends."""
+
+import math
+from itertools import product
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from torsion.fields import Across, Declared, Quantity, given, refuse, required
+
+STEP = ", step"  # behind the name of the shaft before it, the name of its spring
+StepForm = Literal["none", "sharp", "handbook"]
+Small = Annotated[float, Quantity("m", above=0, usual=(None, 1.0), slip=("mm",))]
+Long = Annotated[float, Quantity("m", above=0, usual=(None, 20.0), slip=("m", "mm"))]
+LARGEST_HOLE = 0.2  # of the diameter, up to which its factor was measured (IACS UR M53)
+THINNEST = 0.05  # wall between a groove and the bore / radius
+ROOM = 0.8  # of the angle of one of several grooves, that it may take well below its floor
+
+
+class Undercut(Declared):
+    """A groove in the smaller shaft before the face of the larger one."""
+
+    depth: Small = required("depth below the surface of the smaller shaft")
+    width: Small = required("width along the shaft, within its length")
+    fillet: Small | None = given("radius between its floor and the face (default: sharp)")
+
+
+class Flange(Declared):
+    """A disc between two shafts, beyond the lengths of both, forged with them."""
+
+    diameter: Small = required("its outer diameter")
+    thickness: Small = required("its thickness, in the length of neither shaft")
+    fillet: Small | None = given("radius between the smaller shaft and its face (default: sharp)")
+
+
+class Step(Declared):
+    """The corner between this shaft and the one after it, where their diameters differ; one of its keys."""
+
+    form: StepForm | None = given("sharp; by the handbook's table; or none: no twist of its own")
+    fillet: Small | None = given("radius of the fillet on the smaller shaft")
+    chamfer: Small | None = given("leg of a chamfer of 45 degrees in the corner")
+    undercut: Undercut | None = given("{depth, width, fillet}: groove in the smaller shaft before the face")
+    flange: Flange | None = given("{diameter, thickness, fillet}: disc between the shafts, of their material")
+
+    def refuse_clashes(self) -> None:
+        if sum(getattr(self, key) is not None for key in type(self).model_fields) != 1:
+            words = "`fillet`, `chamfer`, `undercut`, `flange`, or one of the words sharp, handbook and none"
+            raise refuse("a step has one form", words)
+
+    @property
+    def round(self) -> float:
+        """m, radius of its fillet; 0 where it has none."""
+        between = self.undercut or self.flange
+        return self.fillet or (between.fillet if between is not None and between.fillet else 0.0)
+
+    @property
+    def size(self) -> float:
+        """m, of what fills the corner; 0 where nothing does."""
+        return self.round or self.chamfer or 0.0
+
+    @property
+    def words(self) -> str:
+        """What it is, in words."""
+        if self.undercut is not None:
+            return f"undercut of {1e3 * self.undercut.depth:g} mm by {1e3 * self.undercut.width:g} mm"
+        if self.flange is not None:
+            return f"flange of {1e3 * self.flange.diameter:g} mm by {1e3 * self.flange.thickness:g} mm"
+        return self.form or f"{'fillet' if self.fillet else 'chamfer'} of {1e3 * self.size:g} mm"
+
+
+class Keyway(Declared):
+    """Equal grooves with parallel flanks and a flat floor."""
+
+    width: Small = required("width")
+    depth: Small = required("depth below the circumference in its middle, t1 of DIN 6885")
+    fillet: Small = required("radius between floor and flank")
+    number: Annotated[int, Field(ge=1, le=12)] = given("of keyways around the shaft", 1)
+
+    def refuse_clashes(self) -> None:
+        if self.fillet >= self.depth:
+            raise refuse("the fillet is not smaller than the depth", "a fillet lies in its keyway", "fillet")
+        if 2.0 * self.fillet > self.width:
+            raise refuse("the fillet is larger than half the width", "two fillets fit into the floor", "fillet")
+
+    def lacks(self, outer: float, bore: float) -> str:
+        """Why a round shaft of these diameters (m) has no room for it; empty where it has."""
+        radius, half = outer / 2.0, self.width / 2.0
+        floor = radius - self.depth
+        if half >= radius or floor + self.fillet >= math.sqrt(radius**2 - half**2):
+            return "its flanks end below its fillets"
+        if floor < max(bore / 2.0 + THINNEST * radius, 1.25 * half):
+            return "it is too deep, or too wide, for what is left below it"
+        within = (max(bore / 2.0, half) + floor) / 2.0
+        if half > within * math.sin(min(ROOM * math.pi / self.number, math.pi / 2.0)):
+            return "its number is too large for its width"
+        return ""
+
+
+class Splines(Declared):
+    """Straight-sided splines; the diameter of the shaft is that over their teeth."""
+
+    teeth: Annotated[int, Field(ge=3, le=100)] = required("number of teeth")
+    root: Across = required("diameter between the teeth")
+    width: Small = required("width of a tooth, its flanks parallel")
+    fillet: Small = required("radius between root and flank")
+
+    def lacks(self, outer: float, bore: float) -> str:
+        """Why a round shaft of these diameters (m) has no room for them; empty where it has."""
+        radius, root, half = outer / 2.0, self.root / 2.0, self.width / 2.0
+        if root >= radius:
+            return "the root is not smaller than the shaft"
+        if root < bore / 2.0 + THINNEST * radius:
+            return "the root is too close to the bore"
+        if half + self.fillet >= (root + self.fillet) * math.sin(math.pi / self.teeth):
+            return "the fillets do not fit between the teeth"
+        if (root + self.fillet) ** 2 - (half + self.fillet) ** 2 >= radius**2 - half**2:
+            return "the fillet is higher than the teeth"
+        return ""
+
+
+class Notch(Declared):
+    """What concentrates the shear stress of a shaft; one of its keys."""
+
+    keyway: Keyway | None = given("{width, depth, fillet}: keyway, its floor and flanks as drawn")
+    splines: Splines | None = given("{teeth, root, width, fillet}: straight-sided splines")
+    hole: Small | None = given("diameter of a radial oil hole")
+
+    def refuse_clashes(self) -> None:
+        if sum(one is not None for one in (self.keyway, self.splines, self.hole)) != 1:
+            raise refuse("a notch has one form", "`keyway`, `splines` or `hole`; a list has several notches")
+
+    @property
+    def form(self) -> str:
+        """Which of its keys it has."""
+        return next(key for key in ("keyway", "splines", "hole") if getattr(self, key) is not None)
+
+    def lacks(self, outer: float, bore: float) -> str:
+        """Why a round shaft of these diameters (m) has no room for it; empty where it has."""
+        if self.hole is not None:
+            large = self.hole > LARGEST_HOLE * outer
+            return f"it is larger than {LARGEST_HOLE:g} of the diameter, up to which its factor holds" if large else ""
+        grooves = self.keyway or self.splines
+        return grooves.lacks(outer, bore) if grooves else ""
+
+
+class Hub(Declared):
+    """A hub on the end of a shaft, which twists in it; the end of the shaft is the end of the hub."""
+
+    length: Long = required("length of its seat, within the length of the shaft")
+    diameter: Across | None = given("outer diameter of the hub; of a shrink fit")
+    fit: Literal["shrink", "key"] = required(
+        "shrink: joined to the shaft all along, by finite elements; key: torque handed over evenly along it"
+    )
+    torque: Literal["rim", "face"] = given(
+        "where the torque of a shrink fit leaves the hub: over its outer surface, or its face at the shaft's end", "rim"
+    )
+    end: Literal["first", "last"] = given("end of the shaft on which it sits", "last")
+
+    def refuse_clashes(self) -> None:
+        if (self.fit == "shrink") != (self.diameter is not None):
+            wrong = "lacks its `diameter`" if self.diameter is None else "has no `diameter`"
+            raise refuse(
+                f"a hub with `fit: {self.fit}` {wrong}", "finite elements need it; a key counts as rigid", "fit"
+            )
+
+
+def faults_of(shaft: Any) -> None:
+    """Raise what does not go together with the shaft's own dimensions."""
+    for key, value in (("notches", shaft.notches), ("hub", shaft.hub)):
+        if value and shaft.section is not None:
+            raise refuse(f"a shaft with a `section` has no `{key}`", "they are those of a round shaft", key)
+    sizes = sorted(set(zip(_ends(shaft.diameter), _ends(shaft.bore), strict=True)))
+    for (number, notch), (outer, bore) in product(enumerate(shaft.notches), sizes):
+        if wrong := notch.lacks(outer, bore):
+            hint = f"look at its dimensions beside the diameter of {1e3 * outer:g} mm"
+            raise refuse(f"the shaft has no room for {notch.form}: {wrong}", hint, ("notches", number))
+    ends = [hub.end for hub in shaft.hub]
+    if len(set(ends)) < len(ends):
+        raise refuse("two hubs sit on one end", "`end: first` and `end: last` are the two ends", "hub")
+    if sum(hub.length for hub in shaft.hub) > shaft.length * (1.0 + 1e-12):
+        raise refuse("the hub is longer than its shaft", "the shaft's length has the seat of the hub in it", "hub")
+    for hub in shaft.hub:
+        if len(set(_ends(shaft.diameter))) + len(set(_ends(shaft.bore))) > 2:
+            raise refuse("a hub on a conical shaft", "give its seat as a cylindrical shaft of its own", "hub")
+        if hub.diameter is not None and hub.diameter <= shaft.diameter[0]:
+            raise refuse("the hub is not larger than its shaft", "`diameter` is its outer one", "hub")
+        if hub.end == "last" and shaft.step is not None:
+            raise refuse("a hub sits where a `step` is stated", "`end: first`, or no `step`", "hub")
+
+
+def _ends(values: tuple[float, ...]) -> tuple[float, float]:
+    return values[0], values[-1]

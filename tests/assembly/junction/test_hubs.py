@@ -1,0 +1,121 @@
+"""Shafts in hubs on their ends, against mixed boundaries in closed form and laws of long hubs; keyways in a train."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import jn_zeros
+
+import torsion
+from torsion.analyses.fillet_stresses import Fillets
+from torsion.analyses.response.amplitudes import Synthesis
+from torsion.analyses.sharp_steps import SharpSteps
+from torsion.analyses.undamped_modes import modes
+from torsion.assembly import assemble
+from torsion.assembly.junction.hubs import bonded
+from torsion.errors import InputError
+from torsion.rules.verdict_line import Checks
+from torsion.schema.scene_reader import parse
+
+SCENE = """name: Hub
+operation: {speeds: {from: 300 rpm, to: 1800 rpm, steps: 31}, rated: {speed: 1500 rpm, power: 250 kW}}
+train:
+  - motor: {inertia: 9, ripple: [{order: 2, torque: 2 %%}]}
+  - shaft: {name: a, length: 400 mm, diameter: 100 mm, role: intermediate, endurance: 60 MPa%s}
+  - disc: {inertia: 24}
+rules: [%s]
+"""
+KEYWAY = "{keyway: {width: 25 mm, depth: 14 mm, fillet: 2 mm}}"
+
+
+def test_shaft_clamped_on_its_surface_is_that_of_wiener_and_hopf() -> None:
+    """A long shaft, free and then clamped all around: k I_2/I_1 in factors has the zeros of J_2 and J_1.
+
+    Its further twist is that of sum(1/j_1n - 1/j_2n) radii; the tail of the sum by its leading term.
+    """
+    number = 4000
+    tail = 1.0 / (2.0 * math.pi * (number + 1.0))
+    length = float(np.sum(1.0 / jn_zeros(1, number) - 1.0 / jn_zeros(2, number))) + tail
+    thin = [bonded(2.0, 1.0 + step, 0.0, "rim")[0] for step in (4e-4, 2e-4)]
+    assert 2.0 * thin[1] - thin[0] == pytest.approx(length / 2.0, rel=1e-3)
+
+
+def test_every_further_length_of_a_hub_fixed_at_its_face_twists_as_the_solid_of_both() -> None:
+    short, long = (bonded(length, 1.6, 0.0, "face")[0] for length in (2.0, 3.0))
+    assert long - short == pytest.approx(1.6**-4, abs=1e-5)
+    assert bonded(3.0, 1.6, 0.0, "rim")[0] == pytest.approx(bonded(2.0, 1.6, 0.0, "rim")[0], abs=2e-5)
+
+
+@pytest.mark.parametrize("model", ["lumped", "fem", "exact"])
+@pytest.mark.parametrize(
+    ("hub", "left"),
+    [
+        ("{length: 120 mm, fit: key}", 0.04),
+        ("{length: 120 mm, fit: key, end: first}", 0.04),
+        ("{length: 120 mm, fit: shrink, diameter: 180 mm}", 0.1 * bonded(1.2, 1.8, 0.0, "rim")[0]),
+        ("{length: 120 mm, fit: shrink, diameter: 180 mm, torque: face}", 0.1 * bonded(1.2, 1.8, 0.0, "face")[0]),
+    ],
+)
+def test_hub_leaves_a_part_of_its_seat_to_twist(model: str, hub: str, left: float) -> None:
+    found = modes(assemble(parse(SCENE % (f", hub: {hub}", "")).train, model, frequency=300.0), 1).frequency[0]
+    bare = modes(assemble(parse(SCENE % ("", "")).train, model, frequency=300.0), 1).frequency[0]
+    assert found / bare == pytest.approx(math.sqrt(0.4 / (0.28 + left)), rel=1e-4)  # the shaft has a little inertia
+
+
+def test_notches_are_judged_by_their_endurance_and_class_rules_do_not_see_them() -> None:
+    plain = torsion.run(parse(SCENE % ("", "iacs-m68"))).need(Checks).lines
+    found = torsion.run(parse(SCENE % (f", notches: [{KEYWAY}, {{hole: 8 mm}}]", "iacs-m68, fillets")))
+    lines = [line for line in found.need(Checks).lines if line.clause != "endurance"]
+    assert [(line.clause, line.where, line.value, line.limit) for line in lines] == [
+        (line.clause, line.where, line.value, line.limit) for line in plain
+    ]
+    own = [line for line in found.need(Checks).lines if line.clause == "endurance"]
+    for one, line in zip(found.need(Fillets).each, own, strict=True):
+        torque = found.need(Synthesis).half_range[:, one.spans].max()
+        assert one.peak == pytest.approx(one.factor * torque * 16.0 / (math.pi * 1e-3), rel=1e-12)
+        assert line.value == pytest.approx(1e-6 * one.peak * (1.0 + (one.error or 0.0)), rel=1e-12)
+    keyway, hole = found.need(Fillets).each
+    assert (keyway.form, hole.form, hole.error) == ("keyway", "hole", None)
+    assert keyway.factor == pytest.approx(keyway.peterson, rel=0.04)
+
+
+def test_a_hub_leaves_the_fillet_and_the_sharp_step_beside_it_as_they_are() -> None:
+    """A hub takes from the twist of a shaft, not from the modulus of its material."""
+    rest = (
+        "\n  - shaft: {name: b, length: 400 mm, diameter: 110 mm}\n  - shaft: {name: c, length: 1 m, diameter: 140 mm"
+    )
+    hub = ", hub: {length: 150 mm, fit: key%s}"
+    found = []
+    for own, last in (("", ""), (hub % ", end: first", hub % "")):
+        results = torsion.run(parse(SCENE % (f", step: {{fillet: 3 mm}}{own}}}{rest}{last}", "fillets")))
+        steps, (fillet,) = results.need(SharpSteps).steps, results.need(Fillets).each
+        found.append((fillet.factor, [step.flexibility for step in steps]))
+    assert found[0] == found[1]
+
+
+@pytest.mark.parametrize(
+    ("keys", "at", "words"),
+    [
+        ("hub: {length: 500 mm, fit: key}", "5:", "hub is longer than its shaft"),
+        ("hub: {length: 50 mm, fit: shrink}", "5:", "lacks its `diameter`"),
+        ("hub: {length: 50 mm, fit: key, diameter: 0.2}", "5:", "has no `diameter`"),
+        ("hub: {length: 50 mm, fit: shrink, diameter: 90 mm}", "5:", "not larger than its shaft"),
+        ("hub: {length: 50 mm, fit: key}, step: sharp", "5:", "where a `step` is stated"),
+        ("hub: [{length: 50 mm, fit: key}, {length: 60 mm, fit: key}]", "5:", "sit on one end"),
+        ("notches: {keyway: {width: 20 mm, depth: 4 mm, fillet: 5 mm}}", "5:", "not smaller than the depth"),
+        ("notches: {keyway: {width: 8 mm, depth: 6 mm, fillet: 5 mm}}", "5:", "larger than half the width"),
+        ("notches: {keyway: {width: 60 mm, depth: 30 mm, fillet: 1 mm}}", "5:", "no room for keyway"),
+        ("notches: {keyway: {width: 25 mm, depth: 9 mm, fillet: 1 mm, number: 12}}", "5:", "number is too large"),
+        ("notches: {splines: {teeth: 10, root: 110 mm, width: 15 mm, fillet: 1 mm}}", "5:", "root is not smaller"),
+        ("notches: {splines: {teeth: 10, root: 80 mm, width: 30 mm, fillet: 1 mm}}", "5:", "do not fit"),
+        ("notches: {hole: 30 mm}", "5:", "larger than 0.2"),
+        ("notches: {hole: 8 mm, keyway: {width: 25 mm, depth: 9 mm, fillet: 1 mm}}", "5:", "one form"),
+    ],
+)
+def test_faults_of_details_are_located(keys: str, at: str, words: str) -> None:
+    with pytest.raises(InputError) as error:
+        parse(SCENE % (f", {keys}", ""))
+    line = next(one for one in str(error.value).splitlines() if words in one)
+    assert f":{at}" in line or line.startswith(at)
+    column = int(line.split(":5:")[1].split(":")[0]) if ":5:" in line else int(line.split(":")[1])
+    assert column > 90  # in what the keys state, not at the shaft
