@@ -29,6 +29,8 @@ def side_by_side(system: System, variation: Variation, values: FloatArray, count
 
     def read(study: Study) -> Rows | None:
         own = varied(system, study if system.bars is None else _as_divided(system, study))
+        if len(own_chord) and len(own.spans) == len(system.spans):  # the stiffest spans of a variant may be others
+            own = replace(own, in_tree=~np.isin(np.arange(len(system.spans)), system.condensed.extra))
         (ends, chord), tree = _chords(own), _tree(own)
         same = np.array_equal(tree.parent, base.parent) and np.array_equal(ends, at)
         rows = np.concatenate([tree.flexibility, tree.moving_inertia, chord, _figures(tree)])[:, None]
