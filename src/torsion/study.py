@@ -242,10 +242,6 @@ class Variation(Protocol):
     def base(self) -> "Study":
         """The study of the file."""
 
-    @property
-    def before(self) -> "Variation | None":
-        """Whose figures are the first of these, and are put in before the others; None where there is none."""
-
     def fixed(self, values: Mapping[int, float]) -> "Variation":
         """The variation of the other figures, in which these, by their places, have values."""
 
@@ -268,7 +264,11 @@ class Variation(Protocol):
         """Variants (variants, figures) in groups of numbers alone; `apart`: figures whose every value is a group."""
 
     def behind(self, other: Any) -> "Variation":
-        """Both as one: the figures of the other first, and these about what that puts in the file."""
+        """Both as one: the figures of the other first, and these about what those put in the file."""
+
+    @property
+    def ahead(self) -> "Variation":
+        """Without the figures that are about what others put in the file; those are the last."""
 
 
 @dataclass(frozen=True)

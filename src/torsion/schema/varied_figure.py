@@ -43,6 +43,12 @@ class Figure:
     nominal: float  # its value in the file as it stands; NaN where the file's is none of the alternatives
     rows: tuple[Row, ...] = ()
     key: str = ""  # of the settings that names it; empty where its tolerance does
+    layer: int = 0  # 1: about what the figures of layer 0 put in the file
+
+    @property
+    def stage(self) -> tuple[int, bool]:
+        """When it is put in the file: in a layer rows of lists before all else, as laws are about what those state."""
+        return self.layer, not self.rows
 
     def at(self, unit: FloatArray) -> FloatArray:
         """The values at samples (count,) evenly distributed within 0 and 1."""

@@ -69,7 +69,7 @@ class JudgedInGroups:
 
     def _odd(self, values: FloatArray) -> Iterator[int]:
         """The figures that neither enter as powers nor as a share, each tried by itself."""
-        variation = self.variation.before or self.variation
+        variation = self.variation.ahead
         values = values[:, : len(variation.figures)]
         for place in range(values.shape[1]):
             one, others = np.repeat(values[:1], len(values), axis=0), [*range(values.shape[1])]
