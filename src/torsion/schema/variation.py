@@ -10,6 +10,7 @@ import numpy as np
 from torsion.analyses import VARYING
 from torsion.analyses.variants.laws import Choice
 from torsion.arrays import FloatArray, IntArray
+from torsion.components import KINDS
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.schema.component_reader import one_component
 from torsion.schema.fault_text import Node, Source
@@ -19,7 +20,8 @@ from torsion.schema.overlay import in_words, node_at
 from torsion.schema.varied_figure import Figure
 from torsion.study import Group, Study
 
-FEW = 100  # rows of a catalogue of which the whole file is read with each
+FEW = 100  # rows of a list or a catalogue, of which the whole file is read with each
+MOST_TRIALS = 500  # readings of the file for one figure
 
 
 @runtime_checkable
@@ -246,8 +248,7 @@ def _in_pairs(one: Figure, other: Figure) -> bool:
 def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
     """Figures whose range, or one of whose alternatives that are tried, leaves what the file may say."""
     for place, figure in enumerate(variation.figures):
-        rows = _to_be_read(figure, variation.source) if figure.rows and not figure.paths else figure.trials.tolist()
-        for value in rows:
+        for value in _to_be_read(figure, variation.source) if figure.rows else figure.ends.tolist():
             try:
                 variation.only(place, value)
             except InputError as error:
@@ -265,7 +266,7 @@ def _to_be_read(figure: Figure, source: Source) -> list[float]:
     """Rows with which the whole file is read as a trial: all of a few.
 
     Of many the first of each kind, those with the least and the greatest of each number, and any whose component is at
-    fault by itself.
+    fault by itself. What those leave out is read as a variant, and is one without an answer where it is at fault.
     """
     if len(figure.rows) <= FEW:
         return [float(place) for place in range(len(figure.rows))]
@@ -276,9 +277,11 @@ def _to_be_read(figure: Figure, source: Source) -> list[float]:
         chosen |= {int(of_kind[0]), *of_kind[values.argmin(axis=0)].tolist(), *of_kind[values.argmax(axis=0)].tolist()}
     for place, row in enumerate(figure.rows):
         path, faults = row.puts[0][0][:-1], list[Fault]()
+        if path[-1] not in KINDS:
+            continue
         there = node_at(source.root, path)
         own = {str(key[-1]): node.value for key, node in row.puts}
         one_component(str(path[-1]), {**({} if there is None else there.value or {}), **own}, path, faults)
         if faults:
             chosen.add(place)
-    return [float(place) for place in sorted(chosen)]
+    return [float(place) for place in sorted(chosen)[:MOST_TRIALS]]
