@@ -151,7 +151,7 @@ def _solved(trials: Trials, one: Trial) -> tuple[str, float, str]:
             found = trials.work.solve(case.variation.study(list(one.values)))
         except (InputError, SolveError) as error:
             return "disagrees", math.nan, f"{words}no answer: {str(error).splitlines()[0]}"
-        own = Answers(np.full((trials.modes, 1), np.nan))
+        own = Answers.unknown(trials.modes, 1)
         own.keep(0, found)
         again = trials.judge(own, np.array([[one.mass, one.cost]]), of_case=bool(name))
         kept &= not (found.failed or found.is_partial or found.plan.unanswered)

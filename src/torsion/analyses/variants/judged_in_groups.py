@@ -36,7 +36,7 @@ class JudgedInGroups:
 
     def answers(self, values: FloatArray) -> Answers:
         """What the variants (variants, figures) answer."""
-        found, alone = Answers(np.full((self.modes, len(values)), np.nan)), np.ones(len(values), dtype=np.bool_)
+        found, alone = Answers.unknown(self.modes, len(values)), np.ones(len(values), dtype=np.bool_)
         for group in self._groups(values):
             train = self._train(group)
             if train is None:

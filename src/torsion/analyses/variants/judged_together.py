@@ -89,13 +89,13 @@ class Tried:
 def judged_of(train: Swept, values: FloatArray, modes: int, progress: Progress = silent) -> Tried:
     """The answers of variants (variants, figures) of a train."""
     count = len(values)
-    answers, left = Answers(np.full((modes, count), np.nan)), np.zeros(count, dtype=np.bool_)
+    answers, left = Answers.unknown(modes, count), np.zeros(count, dtype=np.bool_)
     errors = dict[Key, FloatArray]()
     for part, frequency, found in _chunks(train, values, modes):
         factor = train.enters.factors(values[part])
         answers.frequency[: len(frequency), part] = frequency[:modes] / (2.0 * np.pi)
         for key, (used, fails, error) in found.lines.items():
-            whole = answers.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+            whole = answers.check(key)
             whole[0][part], whole[1][part] = used, fails
             errors.setdefault(key, np.zeros(count))[part] = error
         left[part] = found.left | train.displaces(factor) | train.is_divided_otherwise(factor, frequency)
