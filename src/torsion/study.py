@@ -238,24 +238,11 @@ class Variation(Protocol):
     def study(self, values: Sequence[float]) -> "Study":
         """The study with every figure at its value."""
 
-    @property
-    def base(self) -> "Study":
-        """The study of the file."""
-
-    def fixed(self, values: Mapping[int, float]) -> "Variation":
-        """The variation of the other figures, in which these, by their places, have values."""
-
-    def only(self, place: int, value: float) -> "Study":
-        """The study with one figure at a value, all others as in the file."""
-
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The value of a figure in words, as the file has it and at a value."""
 
     def text(self, values: Sequence[float], without: Iterable[str] = ()) -> str:
         """The text of that file, without some analyses (default: those whose settings vary figures)."""
-
-    def file(self, values: Sequence[float]) -> Any:
-        """The file with every figure at its value, `torsion.schema.fault_text.Source`."""
 
     def in_case(self, case: "Study") -> "Variation":
         """The same figures of a case of the file: they are put in before the case changes the file."""

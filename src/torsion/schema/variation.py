@@ -115,7 +115,7 @@ class Variation:
         another variation puts in the file.
         """
         listed = [place for place, one in enumerate(self.figures) if one.rows and place not in apart]
-        if any(self.figures[place].layer for place in (*listed, *apart)):
+        if any(self.figures[place].layer > 0 for place in (*listed, *apart)):
             return
         which = np.array([
             self._numbered[place].kinds[column.astype(np.intp)] if place in listed else column
@@ -162,7 +162,7 @@ class Variation:
     @property
     def ahead(self) -> "Variation":
         """Without the figures that are about what others put in the file."""
-        return replace(self, figures=tuple(one for one in self.figures if not one.layer))
+        return replace(self, figures=tuple(one for one in self.figures if one.layer <= 0))
 
 
 def with_variations(study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault]) -> Study:

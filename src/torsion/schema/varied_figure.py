@@ -41,7 +41,7 @@ class Figure:
     nominal: float  # its value in the file as it stands; NaN where the file's is none of the alternatives
     rows: tuple[Row, ...] = ()
     key: str = ""  # of the settings that names it; empty where its tolerance does
-    layer: int = 0  # 1: about what the figures of layer 0 put in the file
+    layer: int = 0  # figures of a higher one are about what those of a lower one put in the file
 
     @property
     def stage(self) -> tuple[int, bool]:

@@ -10,7 +10,7 @@ from torsion.analyses import VARYING
 from torsion.analyses.design.design_settings import DesignSettings, Kept
 from torsion.analyses.variants.judged_in_groups import JudgedInGroups
 from torsion.analyses.variants.one_by_one import TO_BE_VERIFIED, Answers, Key, read, solved
-from torsion.analyses.variants.side_by_side import side_by_side, varied
+from torsion.analyses.variants.side_by_side import frequencies
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
@@ -22,22 +22,6 @@ DIGITS = 6  # of the range of a figure, in which its values are chosen
 SAME = 9  # decimals to which two scores are equal
 WIDEST = 50.0  # margin of a check of which nothing is used; beyond that of any other
 BROKEN, DOUBTFUL, WITHOUT = -100.0, -200.0, -1000.0  # condition not kept; not kept or in part; no limit or no answer
-
-
-def frequencies(work: Work, variation: Variation, values: FloatArray, modes: int) -> Answers:
-    """Of variants (variants, figures) the frequencies alone: side by side where that is possible."""
-    found, alone = Answers(np.full((modes, len(values)), np.nan)), np.ones(len(values), dtype=np.bool_)
-    for group in variation.groups(values) if len(values) >= FEWEST and "system" in work.results else ():
-        nominal = [one.nominal for one in group.variation.figures]
-        try:
-            system = varied(work.system, group.variation.study(nominal))
-            own = side_by_side(system, group.variation, group.values, modes)
-        except (InputError, SolveError):
-            own = None
-        if own is not None:
-            found.frequency[:, group.places] = own
-            alone[group.places] = False
-    return solved(work, variation, values, modes, judged=False, known=found, places=np.flatnonzero(alone).tolist())
 
 
 @dataclass(frozen=True)
@@ -86,7 +70,7 @@ class Case:
             self.bench.work = work
             return self.bench.answers(rows)
         if not trials.judged and not alone:
-            return frequencies(work, self.sampled, rows, trials.modes)
+            return frequencies(work, self.sampled, rows, trials.modes, least=FEWEST)
         return solved(work, self.sampled, rows, trials.modes, judged=trials.judged)
 
 
@@ -221,7 +205,7 @@ class Trials:
             return None
         mass, every = shaft_mass(self.work.study.train), list[Judged]()
         for name, case in self.cases.items():
-            found = Answers(np.full((self.modes, 1), np.nan))
+            found = Answers.unknown(self.modes, 1)
             try:
                 own = self.work.solve(bare(case.study), only=read(case.work, judged=self.judged))
                 found.keep(0, own)
