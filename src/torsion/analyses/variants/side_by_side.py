@@ -7,6 +7,7 @@ import numpy as np
 from torsion.analyses.variants.one_by_one import Answers, solved, why
 from torsion.analyses.variants.products import Rows, products
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly import as_divided, of_train
 from torsion.assembly.system import System
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
@@ -48,7 +49,8 @@ def together(
             if len(places) < least or not group.values.shape[1]:
                 continue
             try:
-                system = varied(work.system, group.variation.study([one.nominal for one in group.variation.figures]))
+                study = group.variation.study([one.nominal for one in group.variation.figures])
+                system = of_train(work.system, study.train)
             except (InputError, SolveError) as error:
                 if apart:
                     found.faults.update(dict.fromkeys(places.tolist(), why(error)))
@@ -78,7 +80,7 @@ def side_by_side(system: System, variation: Variation, values: FloatArray, count
     base, (at, own_chord), figures = _tree(system), _chords(system), _figures(_tree(system))
 
     def read(study: Study) -> Rows | None:
-        own = varied(system, study if system.bars is None else _as_divided(system, study))
+        own = (of_train if system.bars is None else as_divided)(system, study.train)
         (ends, chord), tree = _chords(own), _tree(own)
         same = np.array_equal(tree.parent, base.parent) and np.array_equal(ends, at)
         rows = np.concatenate([tree.flexibility, tree.moving_inertia, chord, _figures(tree)])[:, None]
@@ -105,19 +107,6 @@ def side_by_side(system: System, variation: Variation, values: FloatArray, count
 
         many = variant_modes(base, flexibility, inertia, count)
     return many.frequency / (2.0 * np.pi)
-
-
-def varied(system: System, study: Study) -> System:
-    """The train of a variant, as finely divided."""
-    from torsion.assembly import rediscretised
-
-    return rediscretised(replace(system, train=study.train), system.requested.frequency)
-
-
-def _as_divided(system: System, study: Study) -> Study:
-    """The variant with its shafts in as many pieces as in `system`; counts say whether these are short enough."""
-    bars = tuple(replace(bar, segments=system.segments.get(bar.name, bar.segments)) for bar in study.train.bars)
-    return replace(study, train=replace(study.train, bars=bars))
 
 
 def _tree(system: System) -> Tree:
