@@ -1,7 +1,7 @@
 """Search of the choice with the best score: all of a list, a curve, a map, or differential evolution."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any
 
@@ -17,7 +17,6 @@ STEPS, SIMPLEX = 40, 120  # most trials of one refinement: of one figure, of sev
 FEW = 5  # trials of a refinement at least
 NEAR = 0.05  # of a range, beside the best of an evolution
 CROWD = 15  # choices of a generation for each figure
-Score = Callable[[FloatArray], FloatArray]
 
 
 def search(trials: Trials) -> str:
