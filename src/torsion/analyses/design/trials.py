@@ -90,6 +90,7 @@ class Trials:
     standing: dict[Key, str] = field(default_factory=dict)
     faults: dict[str, None] = field(default_factory=dict)
     unsolved: int = 0
+    masses: dict[tuple[float, ...], float] = field(default_factory=dict)  # of the shafts, kg, by their figures
 
     @property
     def judged(self) -> bool:
@@ -121,8 +122,7 @@ class Trials:
     @cached_property
     def _digits(self) -> list[int | None]:
         return [
-            None if one.places else DIGITS - int(np.floor(np.log10(one.law.ends[1] - one.law.ends[0])))
-            for one in self.variation.figures
+            None if one.places else DIGITS - int(np.floor(np.log10(one.law.width))) for one in self.variation.figures
         ]
 
     def confirm(self, rows: Sequence[Trial]) -> None:
@@ -252,16 +252,12 @@ class Trials:
     def _shafts(self, row: Sequence[float]) -> float:
         """Mass of the shafts (kg), which is that of another choice with the same figures of them."""
         key = tuple(row[place] for place in self._of_shafts)
-        if key not in self._masses:
+        if key not in self.masses:
             try:
-                self._masses[key] = shaft_mass(self.variation.study(list(row)).train)
+                self.masses[key] = shaft_mass(self.variation.study(list(row)).train)
             except InputError:
                 return np.nan
-        return self._masses[key]
-
-    @cached_property
-    def _masses(self) -> dict[tuple[float, ...], float]:
-        return {}
+        return self.masses[key]
 
     @cached_property
     def _of_shafts(self) -> list[int]:
