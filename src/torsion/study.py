@@ -238,28 +238,11 @@ class Variation(Protocol):
     def study(self, values: Sequence[float]) -> "Study":
         """The study with every figure at its value."""
 
-    @property
-    def base(self) -> "Study":
-        """The study of the file."""
-
-    @property
-    def before(self) -> "Variation | None":
-        """Whose figures are the first of these, and are put in before the others; None where there is none."""
-
-    def fixed(self, values: Mapping[int, float]) -> "Variation":
-        """The variation of the other figures, in which these, by their places, have values."""
-
-    def only(self, place: int, value: float) -> "Study":
-        """The study with one figure at a value, all others as in the file."""
-
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The value of a figure in words, as the file has it and at a value."""
 
     def text(self, values: Sequence[float], without: Iterable[str] = ()) -> str:
         """The text of that file, without some analyses (default: those whose settings vary figures)."""
-
-    def file(self, values: Sequence[float]) -> Any:
-        """The file with every figure at its value, `torsion.schema.fault_text.Source`."""
 
     def in_case(self, case: "Study") -> "Variation":
         """The same figures of a case of the file: they are put in before the case changes the file."""
@@ -268,7 +251,11 @@ class Variation(Protocol):
         """Variants (variants, figures) in groups of numbers alone; `apart`: figures whose every value is a group."""
 
     def behind(self, other: Any) -> "Variation":
-        """Both as one: the figures of the other first, and these about what that puts in the file."""
+        """Both as one: the figures of the other first, and these about what those put in the file."""
+
+    @property
+    def ahead(self) -> "Variation":
+        """Without the figures that are about what others put in the file; those are the last."""
 
 
 @dataclass(frozen=True)

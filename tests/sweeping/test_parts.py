@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 import torsion
 from torsion.analyses.sweep import sweep_run
 from torsion.analyses.sweep.sweep_results import Sweep
+from torsion.analyses.variants import side_by_side
 from torsion.analyses.variants.chunks import chunks
 from torsion.cli import app
 from torsion.errors import BAD_INPUT, Fault, InputError, SolveError
@@ -79,7 +80,7 @@ def test_a_part_that_is_there_is_kept_and_one_that_is_not_is_solved_all_as_solve
     times = {path: path.stat().st_mtime_ns for path in (tmp_path / "parts").iterdir() if path != lost}
     lost.rename(lost.with_name(f"{lost.name}.part"))  # as of a process that was killed while it wrote
     requested = []
-    monkeypatch.setattr(sweeper, "answer", lambda *given: requested.append(given) or sweep_run.answer(*given))
+    monkeypatch.setattr(sweeper, "answered", lambda *given: requested.append(given) or sweep_run.answered(*given))
     found, taken = by(tmp_path, PLAIN % VARY)
     same(found, whole)
     assert (len(requested), taken.kept, taken.solved) == (1, 7, 1)
@@ -107,7 +108,7 @@ def test_frequencies_one_by_one_in_many_parts_are_those_of_one_chunk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = PLAIN % f"{VARY}, results: [modes]"
-    monkeypatch.setattr(sweep_run, "row_by_row", lambda *given: None)
+    monkeypatch.setattr(side_by_side, "side_by_side", lambda *given: None)
     whole = torsion.run(torsion.parse(text)).need(Sweep)
     monkeypatch.setattr(sweep_run, "ALONE_AT_ONCE", 48)
     found, taken = by(tmp_path, text)

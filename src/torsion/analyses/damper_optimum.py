@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from torsion.analyses.undamped_modes import Modes, modes
-from torsion.assembly import rediscretised
+from torsion.assembly import of_train
 from torsion.assembly.system import System
 from torsion.findings import Work
 from torsion.kernels.damping.ring_damper import magnification, tuned, viscous
@@ -61,7 +61,7 @@ def _at_modes(system: System, ring: Spring, count: int) -> Iterator[DamperOptimu
     inertia = sum(one.inertia for one in train.inertias if one.station == ring.driven)
     if not inertia or not count:
         return
-    bare = rediscretised(replace(system, train=without(train, ring)), system.requested.frequency)
+    bare = of_train(system, without(train, ring))
     found = modes(bare, count)
     for mode, (frequency, angle) in enumerate(zip(found.frequency, found.shape[ring.driving], strict=True), start=1):
         ratio = float(inertia * angle**2)

@@ -19,7 +19,7 @@ from torsion import fields
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.undamped_modes import MOST_MODES, Modes, modes_as_discretised, without_mode
 from torsion.arrays import FloatArray
-from torsion.assembly import rediscretised
+from torsion.assembly import of_train
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import with_springs
 from torsion.errors import InputError
@@ -168,7 +168,7 @@ def with_inertias(system: System, end: int) -> System:
         replace(one, inertia=one.inertia * (1.0 + end * (parts[one.part].inertia_tolerance or 0.0)))
         for one in train.inertias
     )
-    return rediscretised(replace(system, train=replace(train, inertias=inertias)), system.requested.frequency)
+    return of_train(system, replace(train, inertias=inertias))
 
 
 def ranked(found: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:

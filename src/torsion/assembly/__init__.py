@@ -1,6 +1,7 @@
 """Primitives to a system: one model a file, imported when it is requested."""
 
 import math
+from dataclasses import replace
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
@@ -52,6 +53,17 @@ def assemble(
 def rediscretised(system: "System", frequency: float) -> "System":
     """The same train in the same model, its shafts discretised for another highest frequency (Hz)."""
     return assemble(system.train, system.model, **{**vars(system.requested), "frequency": frequency})
+
+
+def of_train(system: "System", train: "Train") -> "System":
+    """Another train in the same model, its shafts discretised for the same highest frequency."""
+    return rediscretised(replace(system, train=train), system.requested.frequency)
+
+
+def as_divided(system: "System", train: "Train") -> "System":
+    """The same, its lumped shafts in as many segments as those of the system with these names."""
+    bars = tuple(replace(bar, segments=system.segments.get(bar.name, bar.segments)) for bar in train.bars)
+    return of_train(system, replace(train, bars=bars))
 
 
 def is_as_fine(system: "System", other: "System") -> bool:

@@ -47,7 +47,6 @@ class CondensedTrain:
     extra: IntArray  # (extra,) spans that close loops
     viscous: FloatArray  # (tree stations,) N m s/rad of each tree span, referred
     loss_factor: FloatArray  # (tree stations,)
-    is_held_copy: BoolArray  # (tree stations,) a second copy of a fixed station, at the end of one of its spans
 
 
 @dataclass(frozen=True)
@@ -340,12 +339,11 @@ def _layout(system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolAr
     elastic[:, node] = np.array([flexibility, system.viscous * system.span_ratio**2, system.loss_factor])[:, span]
     span_node = np.full(len(flexibility), -1, dtype=np.int64)
     span_node[span] = node
-    copied = order >= stations
     source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
     inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
     tree = Tree(np.where(parent >= 0, place[parent], -1), flexible, inertia, system.held[source])
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
-    return CondensedTrain(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss, copied)
+    return CondensedTrain(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss)
 
 
 MOST_GROUPS = 2000  # of a shaft: more segments than that are condensed to about so many groups

@@ -79,9 +79,9 @@ def text_with(variation: Variation, positions: Mapping[str, float]) -> str:
 
     figures, values = at_positions(variation, positions)
     chosen = replace(variation, figures=figures)
-    puts = [put for figure, value in zip(figures, values, strict=True) for put in figure.puts(value, variation.source)]
-    chosen.study(values)  # which the file may say
-    return edited_in_place(variation.source, puts, (), chosen.file(values).data)
+    source, puts = chosen.changed(values)
+    chosen.read(source)  # which the file may say
+    return edited_in_place(variation.source, puts.items(), (), source.data)
 
 
 def at_positions(variation: Variation, positions: Mapping[str, float]) -> tuple[tuple[Figure, ...], tuple[float, ...]]:

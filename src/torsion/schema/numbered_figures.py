@@ -67,4 +67,4 @@ class Numbered:
         law = Choice.model_validate({"from": f"{float(low)!r} {unit}".strip(), "to": f"{float(high)!r} {unit}".strip()})
         own = [one for one, _ in self.figure.paths]
         name = self.figure.name if own else ".".join([self.figure.name, str(path[-1])])
-        return Figure(name, law, ((path, 1),), 0, float(low))
+        return Figure(name, law, ((path, 1),), 0, float(low), layer=self.figure.layer - 1)  # as the rows: before laws

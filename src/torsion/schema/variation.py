@@ -10,6 +10,7 @@ import numpy as np
 from torsion.analyses import VARYING
 from torsion.analyses.variants.laws import Choice
 from torsion.arrays import FloatArray, IntArray
+from torsion.components import KINDS
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.schema.component_reader import one_component
 from torsion.schema.fault_text import Node, Source
@@ -19,7 +20,8 @@ from torsion.schema.overlay import in_words, node_at
 from torsion.schema.varied_figure import Figure
 from torsion.study import Group, Study
 
-FEW = 100  # rows of a catalogue of which the whole file is read with each
+FEW = 100  # rows of a list or a catalogue, of which the whole file is read with each
+MOST_TRIALS = 500  # readings of the file for one figure
 
 
 @runtime_checkable
@@ -51,7 +53,6 @@ class Variation:
     source: Source
     read: Callable[[Source], Study]
     base: Study
-    before: "Variation | None" = None  # whose figures are the first of these, and are put in before the others
 
     def study(self, values: Sequence[float]) -> Study:
         """The study with every figure at its value; raises InputError where the file would be at fault."""
@@ -59,15 +60,10 @@ class Variation:
 
     def fixed(self, values: Mapping[int, float]) -> "Variation":
         """The variation of the other figures of the file, in which these, by their places, have values."""
-        first = 0 if self.before is None else len(self.before.figures)
-        before = None if self.before is None else self.before.fixed({k: own for k, own in values.items() if k < first})
-        chosen = {k: own for k, own in values.items() if k >= first}
-        own = replace(before or self, figures=tuple(self.figures[place] for place in chosen), before=None)
-        source = own.file(list(chosen.values()))
-        base = self.read(source)
+        chosen = replace(self, figures=tuple(self.figures[place] for place in values))
+        source = chosen.file(list(values.values()))
         others = tuple(one for place, one in enumerate(self.figures) if place not in values)
-        before = None if before is None else replace(before, source=source, base=base)
-        return replace(self, figures=others, source=source, base=base, before=before)
+        return replace(self, figures=others, source=source, base=self.read(source))
 
     def only(self, place: int, value: float) -> Study:
         """The study with one figure at a value, all others as in the file."""
@@ -83,40 +79,34 @@ class Variation:
         """That file as text without some analyses, with its words and comments where they can be kept."""
         from torsion.schema.edited_text import edited
 
-        puts = dict[Path, Node]()
-        source = self._with(puts, values, self.source)
+        source, puts = self.changed(values)
         return edited(self.source, list(puts.items()), [("analyses", name) for name in without], source.data)
 
     def file(self, values: Sequence[float]) -> Source:
         """The file with every figure at its value, without what varies figures."""
-        source, first = self.source, 0 if self.before is None else len(self.before.figures)
-        if self.before is not None:
-            source = self.before.file(values[:first])
-        return self._with({}, values, source, first)
+        return self.changed(values)[0]
 
-    def _with(self, puts: dict[Path, Node], values: Sequence[float], source: Source, first: int = 0) -> Source:
-        """A file with the figures from the `first` on: rows of lists before all, as laws are about what those state."""
-        each = list(zip(self.figures[first:], values[first:], strict=True))
-        for group in ([one for one in each if one[0].rows], [one for one in each if not one[0].rows]):
-            if not group and each:
-                continue
+    def changed(self, values: Sequence[float]) -> tuple[Source, dict[Path, Node]]:
+        """That file, and what is put in it, where; the figures stage by stage."""
+        each, source, puts = list(zip(self.figures, values, strict=True)), self.source, dict[Path, Node]()
+        for stage in sorted({one.stage for one in self.figures}) or [(0, True)]:
             overlay = overlay_of(self.base, source)
             for name in VARYING:
                 overlay.remove(("analyses", name))
-            own = {path: node for figure, value in group for path, node in figure.puts(float(value), source)}
+            own = {path: node for figure, value in each if figure.stage == stage
+                   for path, node in figure.puts(float(value), source)}  # fmt: skip
             for path, node in own.items():
                 overlay.put(path, node, (node.line, node.column))
             puts |= own
             source = overlay.applied()
-        return source
+        return source, puts
 
     def in_case(self, case: Study) -> "Variation":
         """The same figures of a case of the file: they are put in before the case changes the file."""
         from torsion.schema.cases import case_of
 
         name = "" if case.case is None else case.case.name
-        before = None if self.before is None else self.before.in_case(case)
-        return replace(self, read=lambda source: case_of(name, source, self.read), base=case, before=before)
+        return replace(self, read=lambda source: case_of(name, source, self.read), base=case)
 
     def groups(self, values: FloatArray, apart: Collection[int] = ()) -> Iterator[Group]:
         """Variants (variants, figures) in groups of which lists and catalogues vary in numbers alone.
@@ -124,9 +114,8 @@ class Variation:
         apart: places of figures of which every value makes a group of its own. None where a list varies behind what
         another variation puts in the file.
         """
-        before = 0 if self.before is None else len(self.before.figures)
         listed = [place for place, one in enumerate(self.figures) if one.rows and place not in apart]
-        if before and any(place >= before for place in (*listed, *apart)):
+        if any(self.figures[place].layer > 0 for place in (*listed, *apart)):
             return
         which = np.array([
             self._numbered[place].kinds[column.astype(np.intp)] if place in listed else column
@@ -146,7 +135,7 @@ class Variation:
         apart: Collection[int],
     ) -> Group:  # fmt: skip
         """The group of variants with these values; keys that do not vary are as in the first of them."""
-        own, columns, first = list[Figure](), list[FloatArray](), 0
+        own, columns = list[Figure](), list[FloatArray]()
         for place, one in enumerate(self.figures):
             column = values[:, place]
             if place in listed:
@@ -156,22 +145,24 @@ class Variation:
                 figures, numbers = ([] if place in apart else [one]), column[:, None][:, : place not in apart]
             own += figures
             columns.append(numbers)
-            first += len(figures) if self.before is not None and place < len(self.before.figures) else 0
         numbers, row = np.hstack(columns), {place: float(values[0, place]) for place in (*listed, *apart)}
         own = [replace(one, nominal=_middle(one, value)) for one, value in zip(own, numbers[0], strict=True)]
 
         def made() -> Variation:
-            if self.before is None:
-                return replace(self.fixed(row) if row else self, figures=tuple(own))
-            behind = replace(self.before.fixed(row) if row else self.before, figures=tuple(own[:first]))
-            return replace(self, figures=tuple(own), before=behind)
+            return replace(self.fixed(row) if row else self, figures=tuple(own))
 
         ends = np.array([one.ends for one in own]).reshape(-1, 2).T
         return Group(key, places, made, numbers, np.array([ends.min(axis=0), ends.max(axis=0)]))
 
     def behind(self, other: "Variation") -> "Variation":
-        """Both as one: the figures of the other first, and these about what that puts in the file."""
-        return replace(self, figures=(*other.figures, *self.figures), before=other)
+        """Both as one: the figures of the other first, and these about what those put in the file."""
+        own = (replace(one, layer=one.layer + 1) for one in self.figures)
+        return replace(other, figures=(*other.figures, *own))
+
+    @property
+    def ahead(self) -> "Variation":
+        """Without the figures that are about what others put in the file."""
+        return replace(self, figures=tuple(one for one in self.figures if one.layer <= 0))
 
 
 def with_variations(study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault]) -> Study:
@@ -257,8 +248,7 @@ def _in_pairs(one: Figure, other: Figure) -> bool:
 def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
     """Figures whose range, or one of whose alternatives that are tried, leaves what the file may say."""
     for place, figure in enumerate(variation.figures):
-        rows = _to_be_read(figure, variation.source) if figure.rows and not figure.paths else figure.trials.tolist()
-        for value in rows:
+        for value in _to_be_read(figure, variation.source) if figure.rows else figure.ends.tolist():
             try:
                 variation.only(place, value)
             except InputError as error:
@@ -276,7 +266,7 @@ def _to_be_read(figure: Figure, source: Source) -> list[float]:
     """Rows with which the whole file is read as a trial: all of a few.
 
     Of many the first of each kind, those with the least and the greatest of each number, and any whose component is at
-    fault by itself.
+    fault by itself. What those leave out is read as a variant, and is one without an answer where it is at fault.
     """
     if len(figure.rows) <= FEW:
         return [float(place) for place in range(len(figure.rows))]
@@ -287,9 +277,11 @@ def _to_be_read(figure: Figure, source: Source) -> list[float]:
         chosen |= {int(of_kind[0]), *of_kind[values.argmin(axis=0)].tolist(), *of_kind[values.argmax(axis=0)].tolist()}
     for place, row in enumerate(figure.rows):
         path, faults = row.puts[0][0][:-1], list[Fault]()
+        if path[-1] not in KINDS:
+            continue
         there = node_at(source.root, path)
         own = {str(key[-1]): node.value for key, node in row.puts}
         one_component(str(path[-1]), {**({} if there is None else there.value or {}), **own}, path, faults)
         if faults:
             chosen.add(place)
-    return [float(place) for place in sorted(chosen)]
+    return [float(place) for place in sorted(chosen)[:MOST_TRIALS]]

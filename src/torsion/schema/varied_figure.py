@@ -15,8 +15,6 @@ from torsion.schema.fault_text import Node, Source
 from torsion.schema.overlay import multiplied, node_at
 
 ENDS = np.array([1e-4, 1.0 - 1e-4])  # of a law without ends, where the file is read as a trial
-MOST_TRIALS = 500  # readings of the file before a sweep
-LABELS = "name", "source"  # keys of rows that are text of which nothing depends
 
 
 @dataclass(frozen=True)
@@ -43,6 +41,12 @@ class Figure:
     nominal: float  # its value in the file as it stands; NaN where the file's is none of the alternatives
     rows: tuple[Row, ...] = ()
     key: str = ""  # of the settings that names it; empty where its tolerance does
+    layer: int = 0  # figures of a higher one are about what those of a lower one put in the file
+
+    @property
+    def stage(self) -> tuple[int, bool]:
+        """When it is put in the file: in a layer rows of lists before all else, as laws are about what those state."""
+        return self.layer, not self.rows
 
     def at(self, unit: FloatArray) -> FloatArray:
         """The values at samples (count,) evenly distributed within 0 and 1."""
@@ -72,27 +76,6 @@ class Figure:
         """Its lowest and its highest value."""
         is_endless = isinstance(self.law, Law) and self.law.lognormal is not None
         return self.at(ENDS if is_endless else np.array([0.0, 1.0]))
-
-    @property
-    def trials(self) -> FloatArray:
-        """Values with which the file is read beforehand: all rows, of many those with an end of a number or a new text.
-
-        What those leave out is read as a variant, and is one without an answer where it is at fault.
-        """
-        if len(self.rows) <= MOST_TRIALS:
-            return self.every() if self.rows else self.ends
-        ends = dict[tuple[object, str], list[tuple[float, int]]]()
-        for place, row in enumerate(self.rows):
-            for path, node in row.puts:
-                amount = amount_of(node.value)
-                what = (path, str(node.value) if amount is None else amount[1])
-                if amount is None and (path[-1] in LABELS or what in ends):
-                    continue
-                own = (0.0 if amount is None else amount[0]), place
-                known = ends.setdefault(what, [own, own])
-                known[:] = min(known[0], own), max(known[1], own)
-        chosen = sorted({place for pair in ends.values() for _, place in pair})
-        return np.array(chosen[:MOST_TRIALS], dtype=float)
 
     @property
     def numbers(self) -> tuple[FloatArray, str]:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from torsion.analyses.sweep.sweep_run import answer, draw
+from torsion.analyses.sweep.sweep_run import answered
 from torsion.analyses.variants.chunks import Chunk, Pace, Part
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
@@ -70,5 +70,4 @@ class Sweeper:
             yield from self.workers.answers(errand(work, variation), left, lambda words: work.progress(words, share))
             return
         for chunk in left:
-            values = draw(work, variation, chunk)
-            yield chunk, (values, answer(replace(work, progress=pace.within(chunk)), variation, values))
+            yield chunk, answered(replace(work, progress=pace.within(chunk)), variation, chunk)

@@ -7,7 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from threading import Lock
 
-from torsion.analyses.sweep.sweep_run import answer, draw
+from torsion.analyses.sweep import sweep_run
 from torsion.analyses.variants.chunks import Chunk, Part
 from torsion.analyses.variants.variant_shares import unfit
 from torsion.errors import Fault, InputError
@@ -40,9 +40,7 @@ def errand(work: Work, variation: Variation) -> Errand:
 def answered(given: Errand, chunk: Chunk) -> Part:
     """The values of a chunk and what they answer; raises InputError where this process would not answer the same."""
     with _ALONE:
-        work, variation = _opened(given)
-        values = draw(work, variation, chunk)
-        return values, answer(work, variation, values)
+        return sweep_run.answered(*_opened(given), chunk)
 
 
 @lru_cache(maxsize=4)

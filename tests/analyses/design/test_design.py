@@ -13,6 +13,7 @@ import torsion
 from torsion.analyses.design.design_results import Design
 from torsion.analyses.design.design_run import run
 from torsion.analyses.sweep.sweep_results import Sweep
+from torsion.analyses.variants.sampling import units
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
 from torsion.output.chapters.design import conclusion
@@ -84,6 +85,18 @@ def test_a_robust_choice_is_the_best_at_the_worst_of_the_samples_of_the_sweep() 
     assert found.picked[0] == pytest.approx(stiffness_at(33.0) / np.sqrt(low * high), rel=1e-5)
     best = found.aims[found.allowed].max()
     assert best == pytest.approx(-log(high / low) / 4.0, rel=1e-5)
+
+
+def test_a_robust_choice_keeps_a_condition_in_every_sample_of_a_case() -> None:
+    text = TWO % (
+        "  design: {choose: {coupling-1.stiffness: {from: 1e4, to: 6e4}}, aim: {mode-1.frequency: 33}, robust: true,\n"
+        "    keep: [{mode-1.frequency: {above: 30 Hz}}]}\n"
+        "  sweep: {vary: {coupling-1.stiffness: {uniform: +-3 %}}, samples: 128}\n"
+        "cases: {heavy: {set: {disc-2.inertia: 1.6}}}"
+    )
+    found = designed(text)
+    softest = 1.0 - 0.03 * (1.0 - 2.0 * units(16, 1, "latin", 1).min())
+    assert found.picked[0] * softest == pytest.approx((2 * pi * 30.0) ** 2 / (1 / 1.2 + 1 / 1.6), rel=2e-5)
 
 
 def largest_first_frequency() -> float:

@@ -11,7 +11,7 @@ from tests.contracts.frozen import solved
 import torsion
 from torsion.analyses.sweep.sobol_indices import estimated
 from torsion.analyses.sweep.sweep_results import Grid, Sweep
-from torsion.analyses.variants import one_by_one, row_by_row
+from torsion.analyses.variants import one_by_one
 from torsion.analyses.variants.sampling import units
 from torsion.errors import InputError
 from torsion.output.chapters import first_page
@@ -164,6 +164,12 @@ def test_laws_are_side_by_side_in_every_row_of_a_list(monkeypatch: pytest.Monkey
     assert found.frequency[0] == pytest.approx(exact(2e4 * found.factor[:, 0], inertia), rel=1e-13)
 
 
+def test_lists_of_numbers_alone_are_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
+    found = swept("vary: {coupling-1.stiffness: {values: [10 kN*m/rad, 20 kN*m/rad, 40 kN*m/rad]}}")
+    assert gridded(found).frequency[0] == pytest.approx(exact([1e4, 2e4, 4e4]), rel=1e-13)
+
+
 def test_a_combination_at_fault_is_a_row_with_its_fault() -> None:
     text = FOUR.replace("disc: {inertia: 0.6}", "shaft: {name: s, length: 1 m, diameter: 60 mm, bore: 40 mm}")
     vary = "vary: {s.bore: {values: [0 mm, 56 mm]}, s.diameter: {values: [55 mm, 60 mm]}}"
@@ -175,22 +181,16 @@ def test_a_combination_at_fault_is_a_row_with_its_fault() -> None:
     assert list(gridded(found).fails) == [False, False, True, False]
 
 
-def test_rows_at_fault_leave_their_samples_without_an_answer() -> None:
-    sweep = "vary: {coupling-1.stiffness: {uniform: 10 %}, disc-2.inertia: {values: [0.4, 0.8]}}, samples: 128"
-    study = torsion.parse(TWO % ("", sweep))
-    variation, values = study.variations["sweep"], np.array([[1.0, 0.0], [1.1, 1.0], [0.9, 0.0]])
-    fixed = type(variation).fixed
-
-    def first_at_fault(self: object, row: dict[int, float]) -> object:
-        if row[1] == 0.0:
-            raise InputError([torsion.errors.Fault((), "at fault", "")])
-        return fixed(variation, row)
-
-    object.__setattr__(variation, "fixed", first_at_fault.__get__(variation))
-    answers = row_by_row.row_by_row(torsion.run(study, only=["modes"]).system, variation, values, 1)
-    assert answers is not None
-    assert answers.faults == {0: "at fault", 2: "at fault"}
-    assert answers.frequency[0, 1] == pytest.approx(float(exact(2.2e4)), rel=1e-13)
+def test_rows_at_fault_leave_their_samples_without_an_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(one_by_one, "_each", lambda *given: iter(()))
+    text = FOUR.replace("disc: {inertia: 0.6}", "shaft: {name: s, length: 1 m, diameter: 60 mm, bore: 40 mm}")
+    rows = "s.bore: {values: [0 mm, 56 mm]}, s.diameter: {values: [55 mm, 60 mm]}"
+    vary = f"vary: {{{rows}, coupling-1.stiffness: {{uniform: 10 %}}}}, samples: 128"
+    found = torsion.run(torsion.parse(text[: text.index("vary:")] + vary + "}}\n")).need(Sweep)
+    at_fault = (found.factor[:, :2] == [1.0, 0.0]).all(axis=1)
+    assert found.unsolved == at_fault.sum() > 20
+    assert (np.isnan(found.frequency).any(axis=0) == at_fault).all()
+    assert "bore" in found.faults[0]
 
 
 @pytest.mark.parametrize(("figure", "law", "name"), [

@@ -11,7 +11,7 @@ import pytest
 import torsion
 from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.analyses.sweep.sweep_summary import _decides
-from torsion.analyses.variants import one_by_one, row_by_row
+from torsion.analyses.variants import one_by_one, side_by_side
 from torsion.analyses.variants.sampling import probability
 from torsion.commands import plan
 from torsion.errors import InputError, SolveError
@@ -143,7 +143,7 @@ def test_loops_and_distributed_shafts_are_side_by_side(text: str, vary: str, mon
     with monkeypatch.context() as patch:
         patch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
         found = swept(study)
-    monkeypatch.setattr(row_by_row, "side_by_side", lambda *given: None)
+    monkeypatch.setattr(side_by_side, "side_by_side", lambda *given: None)
     alone = swept(study)
     assert (found.factor == alone.factor).all()
     assert found.frequency == pytest.approx(alone.frequency, rel=1e-13)

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 from torsion.kernels.engine.crank_slider import CrankSlider, Rod
 from torsion.kernels.engine.crank_throw import Throw, carter, ker_wilson
 from torsion.kernels.engine.gas_law import CylinderOrder, GasLaw
-from torsion.kernels.engine.gas_torque import Cylinder, Diagram, Panels, harmonics, phasor_sums
+from torsion.kernels.engine.gas_torque import Cylinder, Diagram, Panels, harmonics
 from torsion.kernels.engine.wiebe_cycle import Cycle, UnreachablePressure, fitted, timed
 
 ORACLES = json.loads((Path(__file__).parent / "oracles.json").read_text(encoding="utf-8"))
@@ -223,48 +223,6 @@ def test_quadrature_of_single_harmonics_is_exact() -> None:
     panels = Panels.between(np.array([-1.0, 0.3, 4 * math.pi - 1.0]))
     found = harmonics(lambda a: 3.0 + 2.0 * np.cos(1.5 * a - 0.4), panels, 2, 6)
     np.testing.assert_allclose(found, [3.0, 0, 0, 2.0 * np.exp(-0.4j), 0, 0, 0], atol=1e-13)
-
-
-FIRING = {
-    "in-line 6": [1, 5, 3, 6, 2, 4],
-    "V8": [1, 8, 4, 3, 6, 5, 7, 2],
-    "V12": [1, 12, 5, 8, 3, 10, 6, 7, 2, 11, 4, 9],
-}
-
-
-def fires(order: list[int]) -> np.ndarray:
-    """Firing angles by cylinder, evenly spaced over two revolutions."""
-    return np.array([4 * math.pi * order.index(k + 1) / len(order) for k in range(len(order))])
-
-
-ORDERS = np.arange(1, 25) / 2.0
-
-
-@pytest.mark.parametrize("engine", FIRING)
-def test_rigid_sums_are_the_number_of_cylinders_at_major_orders_and_nothing_else(engine: str) -> None:
-    number = len(FIRING[engine])
-    wanted = np.where(ORDERS % (number / 2) == 0, number, 0.0)
-    np.testing.assert_allclose(np.abs(phasor_sums(ORDERS, fires(FIRING[engine]))), wanted, atol=1e-13)
-
-
-def test_phasor_sums_with_the_first_shape_are_those_of_the_vector() -> None:
-    known = ORACLES["phasor_sums"]["in-line 6, 1-5-3-6-2-4"]
-    shape = np.array(known["shape (mode 1 of the train below)"])
-    found = np.abs(phasor_sums(ORDERS[:12], fires(FIRING["in-line 6"]), shape))
-    np.testing.assert_allclose(found, known["orders .5..6 by .5"], atol=2e-6)  # of six digits
-
-
-def test_phasor_sums_of_a_v_engine_are_those_of_the_vector() -> None:
-    six, linear = fires(FIRING["in-line 6"]), np.linspace(1.0, 1.0 / 6.0, 6)
-    wanted = {60: [1.115355, 0, 2.12132, 0, 0.298858, 0], 420: [0.298858, 0, 2.12132, 0, 1.115355, 0]}
-    for bank, sums in wanted.items():
-        firing = np.concatenate([six, six + math.radians(bank)])
-        found = np.abs(phasor_sums(ORDERS[:6], firing, np.concatenate([linear, linear])))
-        np.testing.assert_allclose(found[:5], sums[:5], atol=1e-6)
-    v8 = fires(FIRING["V8"])
-    pair = np.abs(phasor_sums(ORDERS[:8], v8[:2]))
-    np.testing.assert_allclose(pair, ORACLES["phasor_sums"]["V8 cross plane 1-8-4-3-6-5-7-2, even 90 deg"][
-        "two cylinders of throws 1-3, orders .5..4"], atol=5e-5)  # fmt: skip
 
 
 LAW = GasLaw(

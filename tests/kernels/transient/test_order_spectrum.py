@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.transient.order_spectrum import hann, leakage, phasors, phasors_of, times_at
+from torsion.kernels.transient.order_spectrum import hann, phasors, phasors_of, times_at
 
 SAMPLES, TURNS = 64, 8
 FIRST = np.array([0.3, 17.0, 4000.5])  # rad
@@ -22,6 +22,12 @@ def test_a_cosine_of_a_whole_number_of_cycles_in_the_window_has_its_amplitude_an
     assert beside == pytest.approx(3.7 / 2.0, rel=1e-12)  # the shoulder of Hann's window
     far = np.delete(every, np.arange(round(order * TURNS) - 1, round(order * TURNS) + 2), axis=1)[:, 1:]
     assert np.abs(far[:, 1:]).max() < 1e-11 if order > 0.5 else True
+
+
+def leakage(off: np.ndarray, revolutions: int) -> np.ndarray:
+    """H of the module's text, of a difference of orders, for samples without number."""
+    x = off * revolutions
+    return np.sinc(x) / (1.0 - x * x)
 
 
 @pytest.mark.parametrize("order", [2.03, 5.55])

@@ -16,7 +16,7 @@ from torsion.analyses.undamped_modes import Modes, without_mode
 from torsion.analyses.variants.chunks import duration
 from torsion.analyses.variants.judged_in_groups import WORTH, JudgedInGroups
 from torsion.analyses.variants.one_by_one import TO_BE_VERIFIED, Answers
-from torsion.analyses.variants.sampling import units
+from torsion.analyses.variants.sampling import drawn, units
 from torsion.arrays import FloatArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
@@ -89,9 +89,9 @@ def _is_fast(trials: Trials) -> bool:
     bench = trials.cases[""].bench
     if bench is None:
         return True
-    units = np.random.default_rng(0).random((4 * WORTH, len(trials.variation.figures)))
-    values = [one.at(column) for one, column in zip(trials.variation.figures, units.T, strict=True)]
-    return bench.is_fast(np.hstack([np.stack(values, axis=1), np.repeat(trials.samples[:1], 4 * WORTH, axis=0)]))
+    figures = trials.variation.figures
+    values = drawn(figures, np.random.default_rng(0).random((4 * WORTH, len(figures))))
+    return bench.is_fast(np.hstack([values, np.repeat(trials.samples[:1], 4 * WORTH, axis=0)]))
 
 
 def _modes(work: Work, settings: DesignSettings) -> int:
@@ -109,9 +109,9 @@ def _modes(work: Work, settings: DesignSettings) -> int:
 def _samples(work: Work, sweep: Variation) -> FloatArray:
     """(samples, figures) of the sweep, the file's own first."""
     seed = work.settings("sweep", SweepSettings).seed
-    drawn = units(SAMPLES, 1 + max(one.column for one in sweep.figures), "latin", seed)
+    unit = units(SAMPLES, 1 + max(one.column for one in sweep.figures), "latin", seed)
     own = [one.nominal if np.isfinite(one.nominal) else one.at(np.array([0.5]))[0] for one in sweep.figures]
-    return np.vstack([own, np.stack([one.at(drawn[:, one.column]) for one in sweep.figures], axis=1)])
+    return np.vstack([own, drawn(sweep.figures, unit)])
 
 
 def _best(trials: Trials) -> Iterator[Trial]:
@@ -119,7 +119,7 @@ def _best(trials: Trials) -> Iterator[Trial]:
     figures, kept = trials.variation.figures, list[FloatArray]()
     width = np.array([
         0.5 * float(np.diff(one.every()).min(initial=1.0)) if one.rows
-        else 0.5 * float(np.diff(one.every()).min()) if one.places else APART * (one.law.ends[1] - one.law.ends[0])
+        else 0.5 * float(np.diff(one.every()).min()) if one.places else APART * one.law.width
         for one in figures
     ])  # fmt: skip
     for one in trials.best:
@@ -151,7 +151,7 @@ def _solved(trials: Trials, one: Trial) -> tuple[str, float, str]:
             found = trials.work.solve(case.variation.study(list(one.values)))
         except (InputError, SolveError) as error:
             return "disagrees", math.nan, f"{words}no answer: {str(error).splitlines()[0]}"
-        own = Answers(np.full((trials.modes, 1), np.nan))
+        own = Answers.unknown(trials.modes, 1)
         own.keep(0, found)
         again = trials.judge(own, np.array([[one.mass, one.cost]]), of_case=bool(name))
         kept &= not (found.failed or found.is_partial or found.plan.unanswered)

@@ -1,7 +1,7 @@
 """Search of the choice with the best score: all of a list, a curve, a map, or differential evolution."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any
 
@@ -17,7 +17,6 @@ STEPS, SIMPLEX = 40, 120  # most trials of one refinement: of one figure, of sev
 FEW = 5  # trials of a refinement at least
 NEAR = 0.05  # of a range, beside the best of an evolution
 CROWD = 15  # choices of a generation for each figure
-Score = Callable[[FloatArray], FloatArray]
 
 
 def search(trials: Trials) -> str:
@@ -121,7 +120,7 @@ def _evolution(trials: Trials) -> str:
     def values(unit: FloatArray) -> FloatArray:
         """(variants, figures) of places in lists and shares of ranges (figures, variants)."""
         columns = [
-            one.law.ends[0] + row * (one.law.ends[1] - one.law.ends[0]) if each is None
+            one.at(row) if each is None
             else each[np.clip(np.rint(row).astype(np.intp), 0, len(each) - 1)]
             for one, each, row in zip(figures, every, np.atleast_2d(unit.T).T, strict=True)
         ]  # fmt: skip
@@ -142,7 +141,7 @@ def _evolution(trials: Trials) -> str:
     tops = list(_different(trials, every))
     left = (limit - len(trials.done)) // len(tops)
     for top in tops:
-        step = [0.0 if one.places else NEAR * (one.law.ends[1] - one.law.ends[0]) for one in figures]
+        step = [0.0 if one.places else NEAR * one.law.width for one in figures]
         _refined(trials, top, step, left)
     return f"differential evolution, seed {trials.settings.seed}, then every list by itself and the ranges refined"
 

@@ -10,7 +10,7 @@ from torsion.analyses import VARYING
 from torsion.analyses.design.design_settings import DesignSettings, Kept
 from torsion.analyses.variants.judged_in_groups import JudgedInGroups
 from torsion.analyses.variants.one_by_one import TO_BE_VERIFIED, Answers, Key, read, solved
-from torsion.analyses.variants.side_by_side import side_by_side, varied
+from torsion.analyses.variants.side_by_side import frequencies
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
@@ -22,22 +22,6 @@ DIGITS = 6  # of the range of a figure, in which its values are chosen
 SAME = 9  # decimals to which two scores are equal
 WIDEST = 50.0  # margin of a check of which nothing is used; beyond that of any other
 BROKEN, DOUBTFUL, WITHOUT = -100.0, -200.0, -1000.0  # condition not kept; not kept or in part; no limit or no answer
-
-
-def frequencies(work: Work, variation: Variation, values: FloatArray, modes: int) -> Answers:
-    """Of variants (variants, figures) the frequencies alone: side by side where that is possible."""
-    found, alone = Answers(np.full((modes, len(values)), np.nan)), np.ones(len(values), dtype=np.bool_)
-    for group in variation.groups(values) if len(values) >= FEWEST and "system" in work.results else ():
-        nominal = [one.nominal for one in group.variation.figures]
-        try:
-            system = varied(work.system, group.variation.study(nominal))
-            own = side_by_side(system, group.variation, group.values, modes)
-        except (InputError, SolveError):
-            own = None
-        if own is not None:
-            found.frequency[:, group.places] = own
-            alone[group.places] = False
-    return solved(work, variation, values, modes, judged=False, known=found, places=np.flatnonzero(alone).tolist())
 
 
 @dataclass(frozen=True)
@@ -86,7 +70,7 @@ class Case:
             self.bench.work = work
             return self.bench.answers(rows)
         if not trials.judged and not alone:
-            return frequencies(work, self.sampled, rows, trials.modes)
+            return frequencies(work, self.sampled, rows, trials.modes, least=FEWEST)
         return solved(work, self.sampled, rows, trials.modes, judged=trials.judged)
 
 
@@ -106,6 +90,7 @@ class Trials:
     standing: dict[Key, str] = field(default_factory=dict)
     faults: dict[str, None] = field(default_factory=dict)
     unsolved: int = 0
+    masses: dict[tuple[float, ...], float] = field(default_factory=dict)  # of the shafts, kg, by their figures
 
     @property
     def judged(self) -> bool:
@@ -137,8 +122,7 @@ class Trials:
     @cached_property
     def _digits(self) -> list[int | None]:
         return [
-            None if one.places else DIGITS - int(np.floor(np.log10(one.law.ends[1] - one.law.ends[0])))
-            for one in self.variation.figures
+            None if one.places else DIGITS - int(np.floor(np.log10(one.law.width))) for one in self.variation.figures
         ]
 
     def confirm(self, rows: Sequence[Trial]) -> None:
@@ -221,7 +205,7 @@ class Trials:
             return None
         mass, every = shaft_mass(self.work.study.train), list[Judged]()
         for name, case in self.cases.items():
-            found = Answers(np.full((self.modes, 1), np.nan))
+            found = Answers.unknown(self.modes, 1)
             try:
                 own = self.work.solve(bare(case.study), only=read(case.work, judged=self.judged))
                 found.keep(0, own)
@@ -269,16 +253,12 @@ class Trials:
     def _shafts(self, row: Sequence[float]) -> float:
         """Mass of the shafts (kg), which is that of another choice with the same figures of them."""
         key = tuple(row[place] for place in self._of_shafts)
-        if key not in self._masses:
+        if key not in self.masses:
             try:
-                self._masses[key] = shaft_mass(self.variation.study(list(row)).train)
+                self.masses[key] = shaft_mass(self.variation.study(list(row)).train)
             except InputError:
                 return np.nan
-        return self._masses[key]
-
-    @cached_property
-    def _masses(self) -> dict[tuple[float, ...], float]:
-        return {}
+        return self.masses[key]
 
     @cached_property
     def _of_shafts(self) -> list[int]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.sweep.sweep_settings import Method, SweepSettings
-from torsion.analyses.variants.sampling import units
+from torsion.analyses.variants.sampling import drawn, units
 from torsion.arrays import FloatArray
 from torsion.study import Study
 
@@ -57,10 +57,10 @@ class Points:
             return np.stack([one.every()[place[one.column]] for one in self.figures], axis=1)
         columns = len(self.shape)
         if self.sets == 1:
-            drawn = units(self.samples, columns, self.method, self.seed, part)
+            unit = units(self.samples, columns, self.method, self.seed, part)
         else:
-            drawn = units(self.samples, 2 * columns, self.method, self.seed)
-            first, second = drawn[:, :columns], drawn[:, columns:]
+            unit = units(self.samples, 2 * columns, self.method, self.seed)
+            first, second = unit[:, :columns], unit[:, columns:]
             mixed = [np.where(np.arange(columns) == column, second, first) for column in range(columns)]
-            drawn = np.concatenate([first, second, *mixed])[part]
-        return np.stack([one.at(drawn[:, one.column]) for one in self.figures], axis=1)
+            unit = np.concatenate([first, second, *mixed])[part]
+        return drawn(self.figures, unit)

@@ -12,7 +12,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.analyses.variants.chunks import Chunk, Pace, Part, chunks, duration, joined
 from torsion.analyses.variants.judged_together import can_be_together, judged_together
 from torsion.analyses.variants.one_by_one import Answers, solved
-from torsion.analyses.variants.row_by_row import row_by_row
+from torsion.analyses.variants.side_by_side import frequencies, together
 from torsion.arrays import FloatArray
 from torsion.findings import Work
 from torsion.study import Variation
@@ -20,7 +20,6 @@ from torsion.study import Variation
 JUDGED_AT_ONCE, ALONE_AT_ONCE, TOGETHER_AT_ONCE = 16, 1024, 65536  # variants of a chunk: about a second
 VERDICTS_AT_ONCE = 4096  # variants judged side by side
 MOST = 4096  # chunks of variants that are judged by themselves
-SIDE_BY_SIDE = "frequencies of all variants side by side, each certified by counts"
 
 
 def run(work: Work) -> None:
@@ -49,32 +48,31 @@ def chunks_of(work: Work, variation: Variation) -> tuple[Chunk, ...]:
     Variants that are solved one by one do not, and where nobody keeps them they stay one chunk.
     """
     judged, count = work.settings("sweep", SweepSettings).judges(work.study), _points(work, variation).count
-    few = draw(work, variation, Chunk(0, 0, 2))
+    few = _points(work, variation).values(slice(0, 2))
     if judged:
         by_itself = max(JUDGED_AT_ONCE, count // MOST)
         return chunks(count, VERDICTS_AT_ONCE if can_be_together(work, variation, few) else by_itself)
     if work.answered is None and count <= TOGETHER_AT_ONCE:
         return chunks(count, count)
-    return chunks(count, ALONE_AT_ONCE if _together(work, variation, few) is None else TOGETHER_AT_ONCE)
+    _, alone = together(work, variation, few, _modes(work))
+    return chunks(count, ALONE_AT_ONCE if alone.size else TOGETHER_AT_ONCE)
 
 
-def draw(work: Work, variation: Variation, chunk: Chunk) -> FloatArray:
-    """Values (variants, figures) of a chunk, whatever the others are."""
-    return _points(work, variation).values(slice(chunk.begin, chunk.end))
+def answered(work: Work, variation: Variation, chunk: Chunk) -> Part:
+    """The values of a chunk and what they answer; nothing is put into the work."""
+    values = _points(work, variation).values(slice(chunk.begin, chunk.end))
+    return values, _answers(work, variation, values)
 
 
-def answer(work: Work, variation: Variation, values: FloatArray) -> Answers:
-    """What variants (variants, figures) answer; nothing is put into the work."""
-    judged, modes = work.settings("sweep", SweepSettings).judges(work.study), work.get(Modes)
-    count = 0 if modes is None else modes.frequency.size
-    found = None if judged else _together(work, variation, values)
-    if found is not None:
-        found.method = SIDE_BY_SIDE
-        return found
-    found, how = judged_together(work, variation, values, count) if judged else (None, "")
+def _answers(work: Work, variation: Variation, values: FloatArray) -> Answers:
+    """What variants (variants, figures) answer."""
+    count = _modes(work)
+    if not work.settings("sweep", SweepSettings).judges(work.study):
+        return frequencies(work, variation, values, count)
+    found, how = judged_together(work, variation, values, count)
     if found is None:
-        found = solved(work, variation, values, count, judged=judged)
-        how = f"every variant solved and judged by itself: {how}" if judged else "every variant solved by itself"
+        found = solved(work, variation, values, count, judged=True)
+        how = f"every variant solved and judged by itself: {how}"
     found.method = how
     return found
 
@@ -83,8 +81,7 @@ def in_turn(work: Work, variation: Variation, each: Sequence[Chunk]) -> Iterator
     """The answers of chunks, one after another in this process."""
     pace = Pace(each[-1].end, work.progress)
     for chunk in each:
-        values = draw(work, variation, chunk)
-        yield values, answer(replace(work, progress=pace.within(chunk)), variation, values)
+        yield answered(replace(work, progress=pace.within(chunk)), variation, chunk)
         pace.finish(chunk)
 
 
@@ -92,6 +89,7 @@ def _points(work: Work, variation: Variation) -> Points:
     return Points.of(work.study, work.settings("sweep", SweepSettings), variation.figures)
 
 
-def _together(work: Work, variation: Variation, values: FloatArray) -> Answers | None:
-    modes = work.get(Modes)
-    return None if modes is None else row_by_row(work.system, variation, values, modes.frequency.size)
+def _modes(work: Work) -> int:
+    """How many frequencies every variant has."""
+    found = work.get(Modes)
+    return 0 if found is None else found.frequency.size

@@ -40,15 +40,13 @@ def chunks(count: int, length: int) -> tuple[Chunk, ...]:
 
 def joined(count: int, modes: int, parts: Iterable[Part]) -> Part:
     """All variants as one, of parts in the order of their chunks; each part is let go before the next is taken."""
-    whole, values, begin = Answers(np.full((modes, count), np.nan)), np.empty((0, 0)), 0
+    whole, values, begin = Answers.unknown(modes, count), np.empty((0, 0)), 0
     for own, answers in parts:
         if not values.size:
             values = np.empty((count, own.shape[1]))
         here = slice(begin, begin + len(own))
-        values[here], whole.frequency[:, here] = own, answers.frequency
-        for key, (used, fails) in answers.checks.items():
-            known = whole.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
-            known[0][here], known[1][here] = used, fails
+        values[here] = own
+        whole.take(here, answers)
         whole.faults.update((begin + place, why) for place, why in answers.faults.items())
         whole.method = whole.method or answers.method
         whole.standing |= answers.standing

@@ -11,7 +11,7 @@ import numpy as np
 from torsion.analyses.variants.judged_together import judged_of
 from torsion.analyses.variants.one_by_one import Answers, read, solved
 from torsion.analyses.variants.variant_shares import Swept, swept, unfit
-from torsion.arrays import FloatArray
+from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
 from torsion.study import Group, Variation
@@ -36,13 +36,12 @@ class JudgedInGroups:
 
     def answers(self, values: FloatArray) -> Answers:
         """What the variants (variants, figures) answer."""
-        found, alone = Answers(np.full((self.modes, len(values)), np.nan)), np.ones(len(values), dtype=np.bool_)
+        found, alone = Answers.unknown(self.modes, len(values)), np.ones(len(values), dtype=np.bool_)
         for group in self._groups(values):
             train = self._train(group)
             if train is None:
                 continue
-            turns = train.enters.turn.any(axis=0)  # figures that may be 0, or below
-            fit = np.flatnonzero(((group.values != 0.0) | turns).all(axis=1))
+            fit = np.flatnonzero(_enter(train, group.values))
             if not fit.size:
                 continue
             order = fit[np.lexsort(group.values[fit].T)]  # a chunk has trains that are alike
@@ -69,7 +68,7 @@ class JudgedInGroups:
 
     def _odd(self, values: FloatArray) -> Iterator[int]:
         """The figures that neither enter as powers nor as a share, each tried by itself."""
-        variation = self.variation.before or self.variation
+        variation = self.variation.ahead
         values = values[:, : len(variation.figures)]
         for place in range(values.shape[1]):
             one, others = np.repeat(values[:1], len(values), axis=0), [*range(values.shape[1])]
@@ -114,12 +113,16 @@ class JudgedInGroups:
 
     def _agrees(self, train: Swept, group: Group) -> bool:
         """A few of the group say the same by themselves."""
-        fit = group.values[((group.values != 0.0) | train.enters.turn.any(axis=0)).all(axis=1)]
+        fit = group.values[_enter(train, group.values)]
         if not len(fit):
             return False
-        tried = judged_of(train, fit[:: -(-len(fit) // TRIED)], self.modes)
-        sure = np.flatnonzero(~tried.left)
-        places = sure[sorted({k * (len(sure) - 1) // (COMPARED - 1) for k in range(COMPARED)})] if sure.size else sure
-        some = fit[:: -(-len(fit) // TRIED)][places]
-        alone = solved(self.work, group.variation, some, self.modes, judged=True)
-        return bool(sure.size) and tried.agrees(alone, places.tolist())
+        some = fit[:: -(-len(fit) // TRIED)]
+        tried = judged_of(train, some, self.modes)
+        places = tried.some(COMPARED)
+        alone = solved(self.work, group.variation, some[places], self.modes, judged=True)
+        return bool(places) and tried.agrees(alone, places)
+
+
+def _enter(train: Swept, values: FloatArray) -> BoolArray:
+    """(variants,) those without a figure that is 0, but for what turns phasors alone."""
+    return np.asarray(((values != 0.0) | train.enters.turn.any(axis=0)).all(axis=1))

@@ -26,19 +26,15 @@ COMPARED = 8  # variants that are solved by themselves as well
 
 def judged_together(work: Work, variation: Variation, values: FloatArray, modes: int) -> tuple[Answers | None, str]:
     """The answers of all variants, and how they were found; None, and why, where they have to be solved one by one."""
-    if why := unfit(work):
-        return None, why
-    train = swept(work, variation, values)
-    if train is None:
-        return None, "a figure enters neither as a power nor as a share of a sum"
+    train = _train(work, variation, values)
+    if isinstance(train, str):
+        return None, train
     if train.displaces(train.enters.factors(values)):
         return None, "damping moves a resonance by more than its width"
     tried = judged_of(train, values, modes, work.progress)
-    answers, left = tried.answers, tried.left
-    sure = np.flatnonzero(~left)
-    if not sure.size:
+    answers, left, compared = tried.answers, tried.left, tried.some(COMPARED)
+    if not compared:
         return None, "every variant is near a limit, or its shafts are divided otherwise"
-    compared = sure[sorted({k * (len(sure) - 1) // (COMPARED - 1) for k in range(COMPARED)})].tolist()
     alone = solved(work, variation, values[compared], modes, judged=True)
     if not tried.agrees(alone, compared):
         return None, "a few of the variants do not say the same side by side"
@@ -56,7 +52,12 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
 
 def can_be_together(work: Work, variation: Variation, values: FloatArray) -> bool:
     """Whether variants like these (variants, figures) can be tried side by side."""
-    return not unfit(work) and swept(work, variation, values) is not None
+    return isinstance(_train(work, variation, values), Swept)
+
+
+def _train(work: Work, variation: Variation, values: FloatArray) -> Swept | str:
+    """The train with how figures enter it; or why the variants (variants, figures) cannot be tried side by side."""
+    return unfit(work) or swept(work, variation, values) or "a figure enters neither as a power nor as a share of a sum"
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,11 @@ class Tried:
     answers: Answers
     errors: dict[Key, FloatArray]
     left: BoolArray
+
+    def some(self, count: int) -> list[int]:
+        """Places of so many variants that are not left, from the first to the last."""
+        sure = np.flatnonzero(~self.left)
+        return sure[sorted({k * (len(sure) - 1) // (count - 1) for k in range(count)})].tolist() if sure.size else []
 
     def agrees(self, alone: Answers, places: Sequence[int]) -> bool:
         """What the variants at `places` say side by side is what they say `alone`, as far as they are not left."""
@@ -89,13 +95,13 @@ class Tried:
 def judged_of(train: Swept, values: FloatArray, modes: int, progress: Progress = silent) -> Tried:
     """The answers of variants (variants, figures) of a train."""
     count = len(values)
-    answers, left = Answers(np.full((modes, count), np.nan)), np.zeros(count, dtype=np.bool_)
+    answers, left = Answers.unknown(modes, count), np.zeros(count, dtype=np.bool_)
     errors = dict[Key, FloatArray]()
     for part, frequency, found in _chunks(train, values, modes):
         factor = train.enters.factors(values[part])
         answers.frequency[: len(frequency), part] = frequency[:modes] / (2.0 * np.pi)
         for key, (used, fails, error) in found.lines.items():
-            whole = answers.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+            whole = answers.check(key)
             whole[0][part], whole[1][part] = used, fails
             errors.setdefault(key, np.zeros(count))[part] = error
         left[part] = found.left | train.displaces(factor) | train.is_divided_otherwise(factor, frequency)

@@ -27,6 +27,16 @@ class Answers:
     standing: dict[Key, str] = field(default_factory=dict)  # where the limit of a check is from
     partly: set[int] = field(default_factory=set)  # variants that are not wholly judged
 
+    @classmethod
+    def unknown(cls, modes: int, count: int) -> "Answers":
+        """Of so many variants, as yet without any."""
+        return cls(np.full((modes, count), np.nan))
+
+    def check(self, key: Key) -> tuple[FloatArray, BoolArray]:
+        """Utilisation and fails (variants,) of a check, to be filled in where it is a new one."""
+        count = self.frequency.shape[1]
+        return self.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+
     def keep(self, place: int, found: Findings | str) -> None:
         """Put the frequencies and the verdicts of a variant, or why it has none, in its column."""
         if isinstance(found, str):
@@ -36,24 +46,22 @@ class Answers:
         if own is not None:
             here = own.frequency[: len(self.frequency)]
             self.frequency[: len(here), place] = here
-        count = self.frequency.shape[1]
         for check in getattr(found.results.get("checks"), "lines", ()):
             if check.verdict == "outside":
                 continue
             key = check.rule, check.clause, check.where, check.what
-            used, fails = self.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+            used, fails = self.check(key)
             used[place] = np.fmax(used[place], np.nan if check.utilisation is None else check.utilisation)
             fails[place] |= check.fails or check.verdict == "in part"  # what is not judged is not known to be kept
             self.standing[key] = check.standing
             if check.verdict == "in part":
                 self.partly.add(place)
 
-    def take(self, places: IntArray, own: "Answers", at: IntArray) -> None:
-        """Put answers of others, those in its columns `at`, into the columns `places`."""
+    def take(self, places: IntArray | slice, own: "Answers", at: IntArray | slice = slice(None)) -> None:
+        """Put frequencies and verdicts of others, those in its columns `at`, into the columns `places`."""
         self.frequency[:, places] = own.frequency[:, at]
-        count = self.frequency.shape[1]
         for key, (used, fails) in own.checks.items():
-            whole = self.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+            whole = self.check(key)
             whole[0][places], whole[1][places] = used[at], fails[at]
 
 
@@ -65,9 +73,9 @@ def solved(
 
     known: answers to which those at the `places` alone are added.
     """
-    answers = Answers(np.full((modes, len(values)), np.nan)) if known is None else known
+    answers = Answers.unknown(modes, len(values)) if known is None else known
     chosen = range(len(values)) if places is None else places
-    if work.solve is None:
+    if work.solve is None or not chosen:
         return answers
     for place, found in zip(chosen, _each(work, work.solve, variation, values[chosen], judged), strict=True):
         answers.keep(place, found)

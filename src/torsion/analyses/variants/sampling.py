@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -40,6 +41,11 @@ def _latin(count: int, figures: int, seed: int) -> FloatArray:
     from scipy.stats import qmc
 
     return np.asarray(qmc.LatinHypercube(figures, rng=seed).random(count))
+
+
+def drawn(figures: Sequence[Any], unit: FloatArray) -> FloatArray:
+    """Values (count, figures) of figures at samples (count, columns) evenly distributed within 0 and 1."""
+    return np.stack([one.at(unit[:, one.column]) for one in figures], axis=1)
 
 
 def factors(law: Law, unit: FloatArray) -> FloatArray:

@@ -1,15 +1,67 @@
-"""Natural frequencies of all variants side by side, each proven."""
+"""Natural frequencies of many variants side by side, each proven, and of others one by one."""
 
 from dataclasses import replace
 
 import numpy as np
 
+from torsion.analyses.variants.one_by_one import Answers, solved, why
 from torsion.analyses.variants.products import Rows, products
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly import as_divided, of_train
 from torsion.assembly.system import System
-from torsion.errors import SolveError
+from torsion.errors import InputError, SolveError
+from torsion.findings import Work
 from torsion.kernels.tree import Tree
 from torsion.study import Study, Variation
+
+
+def frequencies(work: Work, variation: Variation, values: FloatArray, count: int, *, least: int = 1) -> Answers:
+    """Of variants (variants, figures) the lowest frequencies alone: side by side where that is possible.
+
+    least: variants of a group for which that is tried.
+    """
+    found, left = together(work, variation, values, count, least=least)
+    if not left.size:
+        found.method = "frequencies of all variants side by side, each certified by counts"
+    elif left.size < len(values):
+        found.method = f"frequencies side by side, each certified by counts; {left.size} variants solved by themselves"
+    else:
+        found.method = "every variant solved by itself"
+    return solved(work, variation, values, count, judged=False, known=found, places=left.tolist())
+
+
+def together(
+    work: Work, variation: Variation, values: FloatArray, count: int, *, least: int = 1
+) -> tuple[Answers, IntArray]:  # fmt: skip
+    """Frequencies of the groups of variants (variants, figures) that are side by side, and the places of all others.
+
+    Rows of lists that differ in numbers alone are one group; where these do not enter as they should, every combination
+    of rows is one. Such a one that is at fault leaves its variants without an answer.
+    """
+    found, left = Answers.unknown(count, len(values)), np.arange(len(values))
+    if not count or "system" not in work.results:
+        return found, left
+    listed = [place for place, one in enumerate(variation.figures) if one.rows]
+    for apart in ([], listed) if listed else ([],):
+        done = list[IntArray]()
+        for group in variation.groups(values[left], apart) if left.size else ():
+            places = left[group.places]
+            if len(places) < least or not group.values.shape[1]:
+                continue
+            try:
+                study = group.variation.study([one.nominal for one in group.variation.figures])
+                system = of_train(work.system, study.train)
+            except (InputError, SolveError) as error:
+                if apart:
+                    found.faults.update(dict.fromkeys(places.tolist(), why(error)))
+                    done.append(places)
+                continue
+            own = side_by_side(system, group.variation, group.values, count)
+            if own is not None:
+                found.frequency[:, places] = own
+                done.append(places)
+        left = np.setdiff1d(left, np.concatenate([np.empty(0, dtype=np.intp), *done]))
+    return found, left
 
 
 def side_by_side(system: System, variation: Variation, values: FloatArray, count: int) -> FloatArray | None:
@@ -28,7 +80,7 @@ def side_by_side(system: System, variation: Variation, values: FloatArray, count
     base, (at, own_chord), figures = _tree(system), _chords(system), _figures(_tree(system))
 
     def read(study: Study) -> Rows | None:
-        own = varied(system, study if system.bars is None else _as_divided(system, study))
+        own = (of_train if system.bars is None else as_divided)(system, study.train)
         if len(own_chord) and len(own.spans) == len(system.spans):  # the stiffest spans of a variant may be others
             own = replace(own, in_tree=~np.isin(np.arange(len(system.spans)), system.condensed.extra))
         (ends, chord), tree = _chords(own), _tree(own)
@@ -57,19 +109,6 @@ def side_by_side(system: System, variation: Variation, values: FloatArray, count
 
         many = variant_modes(base, flexibility, inertia, count)
     return many.frequency / (2.0 * np.pi)
-
-
-def varied(system: System, study: Study) -> System:
-    """The train of a variant, as finely divided."""
-    from torsion.assembly import rediscretised
-
-    return rediscretised(replace(system, train=study.train), system.requested.frequency)
-
-
-def _as_divided(system: System, study: Study) -> Study:
-    """The variant with its shafts in as many pieces as in `system`; counts say whether these are short enough."""
-    bars = tuple(replace(bar, segments=system.segments.get(bar.name, bar.segments)) for bar in study.train.bars)
-    return replace(study, train=replace(study.train, bars=bars))
 
 
 def _tree(system: System) -> Tree:

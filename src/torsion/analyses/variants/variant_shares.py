@@ -16,7 +16,7 @@ from torsion.analyses.undamped_modes import Modes, span_torques
 from torsion.analyses.variants.one_by_one import READ, Key
 from torsion.analyses.variants.products import UNCHANGED, Products, Rows, products
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
-from torsion.assembly import rediscretised
+from torsion.assembly import as_divided
 from torsion.assembly.lumped import SHARE_OF_ERROR, excess, is_refined, segments_along
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
@@ -219,13 +219,6 @@ def unfit(work: Work) -> str:
     return ""
 
 
-def _as_divided(system: System, train: Train) -> System:
-    """The train of a variant in as many segments."""
-    segments = system.segments
-    bars = tuple(replace(bar, segments=segments.get(bar.name, bar.segments)) for bar in train.bars)
-    return rediscretised(replace(system, train=replace(train, bars=bars)), system.requested.frequency)
-
-
 def _divided(train: Train) -> list[tuple[str, bool, int]]:
     """What else than the phase along its shafts decides how many segments they have."""
     return [(bar.name, is_refined(bar), excess(bar)) for bar in train.bars]
@@ -259,7 +252,7 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
     clauses = list(work.rules.pointwise(evidence))
 
     def read(other: Study) -> Rows | None:
-        own = _as_divided(system, other.train)
+        own = as_divided(system, other.train)
         condensed, base, lines = own.condensed, system.condensed, excitations(own)
         alike = all(
             np.array_equal(getattr(condensed, key), getattr(base, key)) for key in ("node", "span", "sign", "extra")

@@ -100,14 +100,6 @@ class Diagram:
     angle: FloatArray  # (points,) rad from firing top dead centre, ascending over one cycle
     pressure: FloatArray  # (points,) Pa; the last is the first of the next cycle
 
-    @classmethod
-    def of_points(cls, angle: FloatArray, pressure: FloatArray, period: float) -> "Diagram":
-        """From one cycle of angles that begins anywhere, ends included."""
-        first, last = float(angle[0]), float(angle[-1])
-        if not math.isclose(last - first, period, rel_tol=1e-9):
-            raise ValueError("the angles do not cover one cycle")
-        return cls(angle, pressure)
-
     def mirrored(self, cylinder: Cylinder) -> "Diagram":
         """The same cylinder motored: the pressures of compression again in expansion, until these are the lower ones.
 
@@ -133,15 +125,3 @@ class Diagram:
             return np.asarray(pressure * cylinder.lever(angle))
 
         return harmonics(acting, panels, cylinder.revolutions, count)
-
-
-def phasor_sums(
-    orders: FloatArray, firing: FloatArray, weight: ComplexArray | FloatArray | None = None
-) -> ComplexArray:
-    """(orders,) sum of weight_j exp(-i n firing_j) over cylinders that fire at crank angles (cylinders,) rad.
-
-    >>> np.abs(phasor_sums(np.array([1.0, 3.0]), np.radians([0, 480, 240, 600, 120, 360]))).round(12)
-    array([0., 6.])
-    """
-    share = np.ones(len(firing)) if weight is None else weight
-    return np.asarray(np.exp(-1j * np.outer(orders, firing)) @ share)

@@ -44,18 +44,6 @@ def phasors_of(values: FloatArray, first: FloatArray, revolutions: int, orders: 
     return np.asarray((values * hann(count)) @ turned * (2.0 / count) * np.exp(-1j * np.multiply.outer(first, orders)))
 
 
-def leakage(off: FloatArray, revolutions: int) -> FloatArray:
-    """H of the module's text, of a difference of orders, for samples without number.
-
-    >>> leakage(np.array([0.0, 0.125, 0.25, 1.0]), 8).round(12).tolist()
-    [1.0, 0.5, 0.0, 0.0]
-    """
-    x = off * revolutions
-    near = np.abs(np.abs(x) - 1.0) < 1e-9
-    square = np.where(near, 0.0, x * x)
-    return np.asarray(np.where(near, 0.5, np.sinc(x) / (1.0 - square)))
-
-
 def times_at(
     angle: FloatArray,
     time: FloatArray,

@@ -19,23 +19,14 @@ GRID = 801  # points; the second search is between two of the first
 
 def share_of_steady(p: float) -> float:
     """The greatest amplitude over the steady one."""
-    return _greatest(p)[0]
-
-
-def lateness(p: float) -> float:
-    """x at which it is reached: sqrt(a) times the time after the resonance is met."""
-    return _greatest(p)[1]
-
-
-def _greatest(p: float) -> tuple[float, float]:
     from scipy.special import wofz
 
     turn = cmath.exp(-0.25j * math.pi) / math.sqrt(2.0)
-    low, high, best, where = 0.0, LATEST, 0.0, 0.0
+    low, high, best = 0.0, LATEST, 0.0
     for _ in range(2):
         x = np.linspace(low, high, GRID)
         size = p * math.sqrt(math.pi / 2.0) * np.abs(wofz(1j * (p / (2.0 * turn) - turn * x)))
         at = int(np.argmax(size))
-        best, where = float(size[at]), float(x[at])
+        best = float(size[at])
         low, high = float(x[max(at - 1, 0)]), float(x[min(at + 1, GRID - 1)])
-    return best, where
+    return best
