@@ -18,7 +18,7 @@ class FittedFigure:
     fitted: str = result("", (), "the fitted value")
     factor: float = result("1", (), "fitted value over that of the file")
     prior: float = result("1", (), "standard deviation of its logarithm before the fit, as the file states it")
-    deviation: float = result("1", (), "standard deviation of its logarithm behind the fit, around this minimum alone")
+    deviation: float = result("1", (), "standard deviation of its logarithm behind the fit, over `others` too")
     lower: float = result("1", (), "lower end of the 95 % interval, of `others` too, over the value of the file")
     upper: float = result("1", (), "upper end of the 95 % interval")
     shift: float = result("1", (), "ln of the factor over the deviation before the fit")
@@ -91,8 +91,10 @@ class Fit:
     figures: tuple[FittedFigure, ...] = result("", (), "figures that were fitted")
     modes: tuple[FittedMode, ...] = result("", (), "measured natural frequencies")
     curves: tuple[FittedCurve, ...] = result("", (), "measured amplitudes over speed")
-    directions: tuple[Direction, ...] = result("", (), "combinations of figures, what is known best first")
-    correlation: FloatArray = result("1", ("figure", "other figure"), "correlation of the logarithms behind the fit")
+    directions: tuple[Direction, ...] = result("", (), "combinations of figures in all minima, the best known first")
+    correlation: FloatArray = result(
+        "1", ("figure", "other figure"), "correlation of the logarithms, over `others` too"
+    )
     measurements: int = result("", (), "values that were measured")
     chi2: float = result("1", (), "sum of the squared residuals of the measurements")
     freedom: float = result("1", (), "degrees of freedom: measurements less the figures that they determine")

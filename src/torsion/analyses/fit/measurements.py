@@ -1,6 +1,7 @@
 """What was measured, as curves of amplitudes: torsiograms as they are, signals over time by their orders."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
@@ -8,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.fit.fit_settings import FIT, UNITS, Measured
-from torsion.analyses.fit.predictions import Curve
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import Fault, InputError, Path
 from torsion.study import Study
 from torsion.two_columns import Columns, pairs
@@ -20,6 +21,20 @@ TIME_AND_SPEED = Columns(
     ("time", "speed"), ("s", "rad/s"), "time [s], speed [rpm]", "0.5, 1200", "a finite speed at a finite time"
 )
 PULSES = Columns(("time",), ("s",), "time [s]", "0.00213", "a finite time")
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Measured amplitudes of one order."""
+
+    at: str
+    order: Fraction  # per revolution of the reference
+    quantity: str  # angle, speed or torque
+    within: float
+    speed: FloatArray  # (points,) rad/s of the reference
+    amplitude: ComplexArray  # (points,) in SI
+    has_phase: bool
+    origin: str  # what of the file it is
 
 
 def curves(study: Study, measured: tuple[Measured, ...]) -> tuple[tuple[Curve, ...], dict[str, int]]:

@@ -40,6 +40,14 @@ class Products:
             return np.asarray(found * np.exp(1j * (self.turn @ (values - self.nominal).T)))
         return np.asarray(found)
 
+    def slopes(self, values: FloatArray) -> Rows:
+        """(rows, figures) of the logarithm of each row by that of each figure, at values (figures,), maybe complex."""
+        factor, is_sum = values / self.nominal, np.asarray(np.isnan(self.power).any(axis=1))
+        found: Rows = np.where(is_sum[:, None], 0.0, self.power)
+        part = self.share[is_sum] * factor
+        found[is_sum] = part / (1.0 + self.share[is_sum] @ (factor - 1.0))[:, None]
+        return found + 1j * self.turn * values if self.turn.any() else found
+
 
 def products(variation: Variation, values: FloatArray, read: Callable[[Study], Rows | None]) -> Products | None:
     """How the values (variants, figures) enter the rows that are read of a study; None where otherwise than known.
