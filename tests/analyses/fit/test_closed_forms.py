@@ -43,7 +43,7 @@ def study(at: str, quantity: str, vary: list[str], links: str = ""):
 
 
 def trained(one) -> Train:
-    made, _ = curves(one, one.analyses["fit"].measured)
+    made = curves(one, one.analyses["fit"].measured)
     return Train(one.variations["fit"], resolved_for(torsion.assemble(one.train), made), made, 2)
 
 

@@ -306,7 +306,7 @@ analyses: {modes: {count: 1}, fit: FIT}
     rows = ", ".join(GOOD.replace("600", str(speed)) for speed in (600, 1100, 1400))
     settings = f"{{vary: {{soft.stiffness: 9 %, p.inertia: 9 %}}, measured: [{{torsiogram: [{rows}], at: p, order: 2,"
     study = torsion.parse(scene.replace("FIT", f"{settings} quantity: angle, within: 1 %}}]}}"))
-    made, _ = curves(study, study.analyses["fit"].measured)
+    made = curves(study, study.analyses["fit"].measured)
     return Train(study.variations["fit"], resolved_for(torsion.assemble(study.train), made), made, 1)
 
 

@@ -50,7 +50,8 @@ class FittedCurve:
     quantity: str = result("", (), "angle, speed or torque")
     unit: str = result("", (), "of the amplitudes")
     origin: str = result("", (), "torsiogram, or signal whose orders were tracked")
-    within: float = result("1", (), "standard deviation of an amplitude, and in rad of a phase")
+    within: float = result("1", (), "standard deviation of an amplitude, and in rad of a phase, as stated")
+    deviation: FloatArray = result("1", ("point",), "the same with what a signal leaves at the orders beside this one")
     speed: FloatArray = result("rad/s", ("point",), "of the reference")
     measured: FloatArray = result("", ("point",), "amplitude as measured")
     before: FloatArray = result("", ("point",), "of the file as it stands")
@@ -62,7 +63,9 @@ class FittedCurve:
     curve_speed: FloatArray = result("rad/s", ("speed",), "speeds of the curves")
     curve_before: FloatArray = result("", ("speed",), "amplitude of the file as it stands")
     curve_after: FloatArray = result("", ("speed",), "amplitude with the fitted figures")
-    unused: int = result("", (), "windows of a signal outside the speed range", default=0)
+    unused: int = result(
+        "", (), "windows of a signal outside the speed range, or in whose noise the order is lost", default=0
+    )
 
 
 @reported

@@ -1,6 +1,6 @@
 """A fit: the figures of a file, each with what is known of it beforehand, that agree best with measurements."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import replace
 
@@ -43,7 +43,7 @@ def run(work: Work) -> None:
         work.log.without("fit", "no figure of the file varies")
         return
     with work.log.step("fit to measurements", "the file names it") as step:
-        made, unused = curves(work.study, settings.measured)
+        made = curves(work.study, settings.measured)
         modes = work.get(Modes)
         count = highest_mode(settings.measured, 0 if modes is None else modes.frequency.size)
         system = work.system.whole if modes is None else modes.system.whole
@@ -60,7 +60,7 @@ def run(work: Work) -> None:
         step.method = "least squares of logarithms (Gauss-Newton in a trust region), with what is known beforehand"
         sizes = f"{len(deviation)} figures, {problem.sigma.size} measured values"
         step.size = f"{sizes}, {found.searches} starts, {found.steps} steps"
-    work.put(fit=_result(problem, found, values, frequency, unused))
+    work.put(fit=_result(problem, found, values, frequency))
 
 
 class Problem:
@@ -78,7 +78,7 @@ class Problem:
         for curve in train.curves:
             logs = np.log(curve.amplitude)
             measured += [logs.real, logs.imag] if curve.has_phase else [logs.real]
-            within += [np.full(curve.speed.size, curve.within)] * (1 + curve.has_phase)
+            within += [curve.deviation] * (1 + curve.has_phase)
         self.measured, self.sigma = np.concatenate(measured), np.concatenate(within)
         if len(self.deviation) > self.sigma.size:
             were = "value was" if self.sigma.size == 1 else "values were"
@@ -125,14 +125,14 @@ class Problem:
 
 
 def _result(
-    problem: Problem, found: Fitted, values: Sequence[float], frequency: FloatArray, unused: Mapping[str, int]
+    problem: Problem, found: Fitted, values: Sequence[float], frequency: FloatArray
 ) -> Fit:  # fmt: skip
     """All that is stated; values: factors as they stand in the fitted file."""
     known, train, count = found.known, problem.train, problem.sigma.size
     each = np.sqrt(np.diag(known.covariance))
     figures = tuple(_figures(problem, found, each, values))
     made = Fit(
-        figures, tuple(_modes(problem, found, values)), tuple(_curves(problem, found, values, unused)),
+        figures, tuple(_modes(problem, found, values)), tuple(_curves(problem, found, values)),
         directions(known, [one.name for one in figures], problem.deviation), known.covariance / np.outer(each, each),
         count, float(np.square(found.residual).sum()), count - identified(found.jacobian).used,
         float(np.square(found.values).sum()), known.rank, found.steps, found.searches,
@@ -178,7 +178,7 @@ def _modes(problem: Problem, found: Fitted, values: Sequence[float]) -> Iterator
 
 
 def _curves(
-    problem: Problem, found: Fitted, values: Sequence[float], unused: Mapping[str, int]
+    problem: Problem, found: Fitted, values: Sequence[float]
 ) -> Iterator[FittedCurve]:  # fmt: skip
     train, place, plain = problem.train, len(problem.pairs.place), [1.0] * len(values)
     for curve in train.curves:
@@ -193,9 +193,8 @@ def _curves(
             for speed in (curve.speed, fine) for factors in (plain, values)
         )  # fmt: skip
         yield FittedCurve(
-            curve.at, curve.order, curve.quantity, unit(curve), curve.origin, curve.within, curve.speed,
-            np.abs(curve.amplitude), before, after, own, phase, fine, drawn, fitted_curve,
-            unused.get(curve.origin, 0),
+            curve.at, curve.order, curve.quantity, unit(curve), curve.origin, curve.within, curve.deviation,
+            curve.speed, np.abs(curve.amplitude), before, after, own, phase, fine, drawn, fitted_curve, curve.unused,
         )  # fmt: skip
 
 
