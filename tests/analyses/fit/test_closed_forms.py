@@ -15,12 +15,13 @@ from torsion.findings import silent
 FIGURES = {  # of the train below, in the order of their deviations
     "soft.stiffness": 20e3, "soft.psi": 0.8, "hard.stiffness": 9e4, "hard.viscous": 15.0, "p.inertia": 0.3,
     "p.damping": 2.5, "m.inertia": 1.2, "m.ripple.1.torque": 40.0,
-    "m.ripple.1.phase": 0.3,
+    "m.ripple.1.phase": 0.3, "d.damping": 30.0, "d.ring": 0.4,
 }  # fmt: skip
 SCENE = """\
 name: Geared drive
 operation: {at: m, speeds: {from: 300 rpm, to: 1800 rpm}}
 train:
+  - damper: {name: d, housing: 0.05, ring: 0.4, damping: 30 N*m*s/rad}
   - motor: {name: m, inertia: 1.2, ripple: [{order: 2, torque: 40 N*m, phase: 0.3 rad}]}
   - coupling: {name: soft, stiffness: 20 kN*m/rad, psi: 0.8}
   - disc: {name: q, inertia: 0.08}
@@ -59,7 +60,10 @@ def matrix(figures, s, square, link):
     """Dynamic stiffness of motor, gear and pump, all at the speed of the motor; `s` 0 leaves out what damps."""
     first, second = stiffnesses(figures, s, link)
     gear = mp.mpf(0.1) + mp.mpf(0.05) / 4
-    a = square * figures["m.inertia"] + first
+    a = square * (figures["m.inertia"] + mp.mpf(0.05)) + first
+    if s:  # the ring of the damper behind its oil
+        ring, oil = square * figures["d.ring"], s * figures["d.damping"]
+        a += ring * oil / (ring + oil)
     b = square * gear + first + second
     c = square * figures["p.inertia"] / 4 + s * figures["p.damping"] / 4 + second
     return mp.matrix([[a, -first, 0], [-first, b, -second], [0, -second, c]]), first, second

@@ -25,6 +25,7 @@ from torsion.kernels.loops import Chords, graph_modes, looped_response
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sensitivities import compliance_slopes, frequency_sensitivity, response_sensitivity
+from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import Status, TreeResponse, complex_compliance, status, tree_response
 from torsion.study import Study, Variation
 
@@ -80,7 +81,7 @@ def closed_forms(
     if (
         system.tables or system.bars is not None or system.groups is not None or train.modal_damping
         or train.has_nonlinear_couplings or train.has_tables_over("vibratory torque")
-        or not np.isfinite(system.flexibility).all()
+        or (np.isinf(system.flexibility) & (system.viscous == 0.0)).any()
     ):  # fmt: skip
         return None
     found = tuple(one for one in excitations(system, orders) if one.line.order in orders)
@@ -128,7 +129,8 @@ def _rows(study: Study, system: System, found: Sequence[Excitation], speed: Floa
     ratio = system.span_ratio[extra] ** 2
     own = condensed.tree.flexibility, condensed.tree.moving_inertia, condensed.viscous, condensed.loss_factor
     chords = system.flexibility[extra] / ratio, system.viscous[extra] * ratio, system.loss_factor[extra]
-    yield from (np.repeat(one[:, None], max(1, len(speed)), axis=1) for one in chain(own, chords))
+    for each in chain(own, chords):  # a damper alone, whose flexibility is infinite, has 0
+        yield np.repeat(np.where(np.isinf(each), 0.0, each)[:, None], max(1, len(speed)), axis=1)
     if not len(speed):
         return
     known, ground = steady_if_known(study, system, speed), np.zeros((condensed.tree.size, len(speed)))
@@ -147,6 +149,7 @@ def _alike(own: System, base: System, lines: Sequence[Excitation], found: Sequen
     mine, theirs = own.condensed, base.condensed
     pairs = [(getattr(mine, key), getattr(theirs, key)) for key in ("node", "span", "sign", "extra")]
     pairs += [(mine.tree.parent, theirs.tree.parent), (own.speed_ratio, base.speed_ratio), (own.held, base.held)]
+    pairs.append((np.isinf(own.flexibility), np.isinf(base.flexibility)))
     return [one.line for one in lines] == [one.line for one in found] and all(np.array_equal(*pair) for pair in pairs)
 
 
@@ -158,7 +161,9 @@ class AtFigures:
         self.rows = forms.blocks(forms.base * forms.enters.factors(factors[None]))
         own = [block[:, 0].real for block in self.rows[:OWN]]
         self.flexibility, self.inertia, self.viscous, self.loss, *self.chords = own
-        tree = forms.system.condensed.tree
+        system, tree = forms.system, forms.system.condensed.tree
+        self.flexibility[np.isinf(tree.flexibility)] = np.inf
+        self.chords[0][np.isinf(system.flexibility[system.condensed.extra])] = np.inf
         self.tree = replace(tree, flexibility=self.flexibility, inertia=np.where(tree.held, tree.inertia, self.inertia))
         self.responses = dict[int, tuple[TreeResponse, dict[str, Any], list[Rows]]]()
 
@@ -170,10 +175,15 @@ class AtFigures:
     @cached_property
     def modes(self) -> TreeModes:
         """The lowest."""
-        ends = self.ends
-        if not len(ends[0]):
-            return tree_modes(self.tree, self.forms.count)
-        return graph_modes(self.tree, *ends, self.chords[0], self.forms.count)
+        tree, (first, second), holds = self.springs, self.ends, np.isfinite(self.chords[0])
+        if not holds.any():
+            return tree_modes(tree, self.forms.count)
+        return graph_modes(tree, first[holds], second[holds], self.chords[0][holds], self.forms.count)
+
+    @property
+    def springs(self) -> Tree:
+        """Without the spans that have no stiffness."""
+        return self.tree.cut(np.isinf(self.flexibility))
 
     @property
     def ends(self) -> tuple[IntArray, IntArray]:
@@ -184,10 +194,11 @@ class AtFigures:
 
     def mode_slopes(self, numbers: Sequence[int]) -> FloatArray:
         """(modes, figures): d ln f/d ln factor."""
-        moved, each = frequency_sensitivity(self.tree, self.modes, self.chords[0]), list(numbers)
+        holds, each = np.isfinite(self.chords[0]), list(numbers)
+        moved = frequency_sensitivity(self.springs, self.modes, self.chords[0][holds])
         flexibility, inertia, _, _, chord, *_ = (np.real(one) for one in self.slopes)
         found = moved.inertia[:, each].T @ inertia - moved.stiffness[:, each].T @ flexibility
-        return np.asarray(found - moved.chord[:, each].T @ chord)
+        return np.asarray(found - moved.chord[:, each].T @ chord[holds])
 
     def amplitude(self, place: int) -> ComplexArray:
         """Of a curve (points,) in SI; raises SolveError where the response has no value there."""
