@@ -12,6 +12,7 @@ from torsion import units
 MOST_ROWS = 100_000
 _UNIT = re.compile(r".*[\[(](.+)[\])]\s*|(.*)")  # time [ms], torque (kN*m), or the unit alone
 _BETWEEN = re.compile(r"[;,\t]")
+_DECIMAL = re.compile(r"(?<=\d),(?=\d)")  # comma, where semicolons part the cells
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Columns:
     meant: str  # what a row must be: "a finite torque at a finite time"
     least: float = -math.inf  # value of the first column
     is_loop: bool = False  # the first column rises and falls
+    most: int = MOST_ROWS
 
     @property
     def both(self) -> str:
@@ -49,8 +51,8 @@ def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, ...], 
     """Those of a text; a file that has changed is read anew."""
     lines = text.splitlines()
     numbered = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
-    if not 3 <= len(numbered) <= MOST_ROWS + 1:
-        raise ValueError(f"'{file}' has {max(len(numbered) - 1, 0)} rows", f"2 to {MOST_ROWS} rows below the units")
+    if not 3 <= len(numbered) <= columns.most + 1:
+        raise ValueError(f"'{file}' has {max(len(numbered) - 1, 0)} rows", f"2 to {columns.most} rows below the units")
     factors = _factors(file, numbered[0][1], columns)
     rows = [_row(file, number, line, factors, columns) for number, line in numbered[1:]]
     first = columns.names[0]
@@ -94,9 +96,10 @@ def _factors(file: Path, header: str, columns: Columns) -> tuple[float, ...]:
 
 
 def _row(file: Path, number: int, line: str, factors: tuple[float, ...], columns: Columns) -> tuple[float, ...]:
-    cells = _BETWEEN.split(line)
+    cells = _DECIMAL.sub(".", line).split(";") if _DECIMAL.search(line) and ";" in line else _BETWEEN.split(line)
     if len(cells) != len(factors):
-        hint = "a point in decimals, one separator" if len(cells) > len(factors) else columns.both
+        more = "a point in decimals, or decimal commas and semicolons"
+        hint = more if len(cells) > len(factors) else columns.both
         raise ValueError(f"'{file}', line {number}: {len(cells)} columns, not {len(factors)}", hint)
     try:
         values = tuple(float(cell) * factor for cell, factor in zip(cells, factors, strict=True))

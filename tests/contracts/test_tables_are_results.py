@@ -378,6 +378,7 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Measured natural", "Before"): key("fit.modes[].before_Hz"),
     ("Measured natural", "Fitted"): key("fit.modes[].after_Hz"),
     ("Measured natural", "Residual"): key("fit.modes[].residual"),
+    ("Measured a", "Deviation"): key("fit.curves[].deviation"),
     ("Measured a", "Speed"): key(f"fit.curves[].{RPM}"),
     ("Measured a", "Measured"): key("fit.curves[].measured"),
     ("Measured a", "Before"): key("fit.curves[].before"),

@@ -165,22 +165,26 @@ def test_the_adjoint_gives_the_derivatives_of_a_response_by_every_figure(target)
         response = looped_response(tree, chords, w, force, **given)
     found = response_sensitivity(tree, w, response, chords=chords, **target, **given)
     figures = np.concatenate([hc[1:], [] if chords is None else chords.compliance, tree.inertia, ground])
-    derivative = np.vstack([found.compliance[1:], found.chord, found.inertia, found.ground_damping])
+    figures = np.concatenate([figures, force, np.zeros(len(spans))])
+    derivative = np.vstack([
+        found.compliance[1:], found.chord, found.inertia, found.ground_damping, found.force, found.twist[1:],
+        found.chord_twist,
+    ])  # fmt: skip
     row = target["station"] if "station" in target else 5 + target["span"]
     for at, one in enumerate(w):
         with mp.workdps(60):
-            exact = np.array([_slope(spans, figures, force, float(one), row, k) for k in range(len(figures))])
+            exact = np.array([_slope(spans, figures, len(force), float(one), row, k) for k in range(len(figures))])
         assert np.abs(derivative[:, at] / exact - 1.0).max() < 1e-13
 
 
-def _slope(spans, figures, force, w, row, figure):
-    """Derivative of unknown `row` (angles, then span torques) by one of compliances, inertias, dampers to ground."""
+def _slope(spans, figures, n, w, row, figure):
+    """Derivative of unknown `row` (angles, then span torques) by one figure."""
 
     def unknowns(change):
         values = [mp.mpc(complex(v)) for v in figures]
         values[figure] += change
-        n, m = len(force), len(spans)
-        matrix, right = mp.zeros(n + m), mp.matrix([mp.mpf(float(v)) for v in force] + [mp.mpf(0)] * m)
+        m = len(spans)
+        matrix, right = mp.zeros(n + m), mp.matrix(values[m + 2 * n :])
         for i in range(n):
             matrix[i, i] = mp.mpc(0, w) * values[m + n + i] - mp.mpf(w) ** 2 * values[m + i]
         for s, (parent, station) in enumerate(spans):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from torsion.arrays import FloatArray
+from torsion.arrays import BoolArray, FloatArray
 from torsion.errors import SolveError
 
 TOLERANCE = 1e-12  # relative, of values and of the sum of squares
@@ -31,16 +31,13 @@ class Identified:
 
     singular: FloatArray  # (values,) descending; 0 where there are fewer measurements
     directions: FloatArray  # (values, values) a row for each, in prior deviations
+    unseen: BoolArray  # (values,) directions that leave every measured value as it is
+    covariance: FloatArray  # (values, values) of the values in prior deviations, data and prior together
 
     @property
     def rank(self) -> int:
         """Directions of which the data say anything."""
-        return int((self.singular > NULL * self.singular.max(initial=0.0)).sum())
-
-    @property
-    def covariance(self) -> FloatArray:
-        """(values, values) of the values in prior deviations, data and prior together."""
-        return np.asarray(self.directions.T / (1.0 + np.square(self.singular)) @ self.directions)
+        return int((~self.unseen).sum())
 
     @property
     def used(self) -> float:
@@ -58,7 +55,8 @@ def identified(jacobian: FloatArray) -> Identified:
     _, singular, directions = np.linalg.svd(jacobian, full_matrices=True)
     padded = np.zeros(jacobian.shape[1])
     padded[: len(singular)] = singular
-    return Identified(padded, directions)
+    covariance = directions.T / (1.0 + np.square(padded)) @ directions
+    return Identified(padded, directions, padded <= NULL * padded.max(initial=0.0), covariance)
 
 
 @dataclass(frozen=True)
@@ -78,11 +76,31 @@ class Fitted:
         """Of data and prior together."""
         return float(np.square(self.residual).sum() + np.square(self.values).sum())
 
+    @property
+    def minima(self) -> "tuple[Fitted, ...]":
+        """This and all others."""
+        return self, *self.others
+
+    @property
+    def known(self) -> Identified:
+        """What all minima agree on: the covariance is that of their normal distributions as one, each as likely."""
+        each = [identified(one.jacobian) for one in self.minima]
+        if len(each) == 1:
+            return each[0]
+        values = np.array([one.values for one in self.minima])
+        apart = values - values.mean(axis=0)
+        covariance = np.mean([one.covariance for one in each], axis=0) + apart.T @ apart / len(each)
+        variance, directions = np.linalg.eigh(covariance)
+        moved = np.array([np.linalg.norm(one.jacobian @ directions, axis=0) for one in self.minima])
+        least = NULL * np.array([[one.singular.max(initial=0.0)] for one in each])
+        unseen = np.asarray((moved <= least).all(axis=0))
+        singular = np.sqrt(np.maximum(1.0 / variance - 1.0, 0.0))
+        return Identified(np.where(unseen, 0.0, singular), directions.T, unseen, covariance)
+
     def interval(self, half: float) -> tuple[FloatArray, FloatArray]:
         """Ends (values,) so many deviations below and above, over this minimum and all others."""
-        minima = (self, *self.others)
-        each = half * np.array([np.sqrt(np.diag(identified(one.jacobian).covariance)) for one in minima])
-        middle = np.array([one.values for one in minima])
+        each = half * np.array([np.sqrt(np.diag(identified(one.jacobian).covariance)) for one in self.minima])
+        middle = np.array([one.values for one in self.minima])
         return (middle - each).min(axis=0), (middle + each).max(axis=0)
 
 

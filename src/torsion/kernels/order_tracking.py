@@ -17,6 +17,8 @@ ROUNDS = 12  # of placing the samples by the angle of the mean rotation
 SETTLED = 1e-11  # rad, of that angle
 LOST = 1.6  # of the interval that `NEAR` on either side say: a lost pulse makes 2, one too many two of some 1/2
 NEAR = 3
+BESIDE = np.array([-6.0, -5.0, -4.0, -3.0, -2.0, 2.0, 3.0, 4.0, 5.0, 6.0])  # cycles over a window from a fitted order
+FREE = 2.0  # cycles from these to other half orders
 LEAST_SAMPLES = 4  # of a window for each unknown of an order
 
 
@@ -26,23 +28,42 @@ class Tracked:
 
     speed: FloatArray  # (windows,) rad/s, mean rotation in the middle of the window
     angle: ComplexArray  # (windows, orders) rad, amplitude over the angle of the mean rotation; of speeds any phase
+    error: FloatArray  # (windows, orders) rad, standard deviation of each part, by what is left beside it
+    # within half an order; 0 of windows that are too short for that, below 8 revolutions
 
 
 def uneven(time: FloatArray) -> int | None:
     """The first pulse behind an interval unlike those around it, as where one is lost; None where there is none.
 
-    An interval is compared with the geometric mean of the medians on both sides, which follows a run-up.
+    An interval is compared with the geometric mean of the medians on both sides, which follows a run-up; near an end
+    with what two medians beside it say at a constant acceleration, from rest too.
 
     >>> uneven(np.array([0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0]))
     5
+    >>> uneven(np.array([0.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]))
+    1
     """
     intervals = np.diff(time)
     if intervals.size < 2 * NEAR + 1:
         return None
     side = np.median(np.lib.stride_tricks.sliding_window_view(intervals, NEAR), axis=1)
-    share = intervals[NEAR:-NEAR] / np.sqrt(side[: -NEAR - 1] * side[NEAR + 1 :])
+    share = np.ones(intervals.size)
+    share[NEAR:-NEAR] = intervals[NEAR:-NEAR] / np.sqrt(side[: -NEAR - 1] * side[NEAR + 1 :])
+    first = _unlike(share)
+    if first is not None:
+        return first
+    for own, beside, found in ((intervals, side, share), (intervals[::-1], side[::-1], share[::-1])):
+        for k in range(min(NEAR, beside.size - NEAR - 1)):
+            near, far = beside[[k + 1, k + 1 + NEAR]] ** -2.0  # squares of speeds, which rise evenly with the angle
+            square = near - (far - near) * (NEAR + 1) / (2.0 * NEAR)
+            found[k] = own[k] * np.sqrt(square) if square > 0.0 else 1.0
+    return _unlike(share)
+
+
+def _unlike(share: FloatArray) -> int | None:
+    """The pulse behind the first interval that is not of the size of those around it; share: (intervals,) of these."""
     wrong = np.flatnonzero((share > LOST) | (share < 1.0 / LOST))
-    return int(wrong[0]) + NEAR + 1 if wrong.size else None
+    return int(wrong[0]) + 1 if wrong.size else None
 
 
 def of_pulses(time: FloatArray, pulses: int, orders: FloatArray, revolutions: int) -> Tracked:
@@ -77,8 +98,10 @@ def _tracked(
         if part.size < DEGREE + 1 + 2 * LEAST_SAMPLES * len(orders):
             message = f"{part.size} samples of {revolutions} revolutions are too few for {len(orders)} orders"
             raise ValueError(message)
-        found.append(_window(time[part], values[part], orders, derived))
-    return Tracked(np.array([one[0] for one in found]), np.array([one[1] for one in found]).reshape(-1, len(orders)))
+        found.append(_window(time[part], values[part], orders, revolutions, derived))
+    speed, angle, error = (np.array([one[k] for one in found]) for k in range(3))
+    shape = -1, len(orders)
+    return Tracked(speed, angle.astype(np.complex128).reshape(shape), error.reshape(shape))
 
 
 def _windows(angle: FloatArray, revolutions: int) -> Iterator[IntArray]:
@@ -88,8 +111,10 @@ def _windows(angle: FloatArray, revolutions: int) -> Iterator[IntArray]:
     return (np.flatnonzero(number == one) for one in range(whole))
 
 
-def _window(time: FloatArray, values: FloatArray, orders: FloatArray, derived: bool) -> tuple[float, ComplexArray]:
-    """Mean speed in the middle, and amplitude of every order (orders,).
+def _window(
+    time: FloatArray, values: FloatArray, orders: FloatArray, revolutions: int, derived: bool
+) -> tuple[float, ComplexArray, FloatArray]:  # fmt: skip
+    """Mean speed in the middle, and of every order (orders,) its amplitude and the error of that.
 
     Unknowns are the coefficients of the mean angle and both parts of every order. Of speeds the derivative of the model
     is fitted. The angle of the mean rotation, over which the orders run, is that of the fit before.
@@ -98,6 +123,8 @@ def _window(time: FloatArray, values: FloatArray, orders: FloatArray, derived: b
     u = (time - middle) / half
     share = np.gradient(u)  # of the window, so that sums of samples that lie unevenly are integrals
     weight = np.cos(0.5 * np.pi * u * len(u) / (len(u) + 1.0)) * np.sqrt(share)  # its square is Hann's window
+    near = BESIDE[np.abs(BESIDE) + FREE <= 0.5 * revolutions] / revolutions
+    beside = np.abs(orders[:, None] + near).ravel()
     powers = np.polynomial.polynomial.polyvander(u, DEGREE)
     slopes = np.zeros_like(powers)
     slopes[:, 1:] = powers[:, :-1] * np.arange(1, DEGREE + 1) / half
@@ -106,15 +133,19 @@ def _window(time: FloatArray, values: FloatArray, orders: FloatArray, derived: b
     mean = np.concatenate([[0.0], smooth]) if derived else smooth
     for _ in range(ROUNDS):
         turned, before = powers @ mean, mean
-        carrier = np.exp(1j * turned[:, None] * orders)
+        carrier = np.exp(1j * turned[:, None] * np.append(orders, beside))
         if derived:
-            carrier = carrier * (1j * orders * (slopes @ mean)[:, None])
+            carrier = carrier * (1j * np.append(orders, beside) * (slopes @ mean)[:, None])
+        carrier, others = carrier[:, : len(orders)], carrier[:, len(orders) :]
         found = _least(np.hstack([rows, carrier.real, -carrier.imag]), values, weight)
         mean = np.concatenate([[0.0], found[:DEGREE]]) if derived else found[: DEGREE + 1]
         if np.abs(powers @ (mean - before)).max() < SETTLED:
             break
-    parts = found[rows.shape[1] :]
-    return float(mean[1] / half), parts[: len(orders)] + 1j * parts[len(orders) :]
+    parts, square = found[rows.shape[1] :], weight**2
+    left = square * (values - np.hstack([rows, carrier.real, -carrier.imag]) @ found)
+    size = 2.0 * np.abs(left @ others.conj()) / (square @ np.abs(others) ** 2)
+    error = np.sqrt(np.square(size).reshape(len(orders), -1).sum(axis=1) / (2.0 * max(1, len(near))))
+    return float(mean[1] / half), parts[: len(orders)] + 1j * parts[len(orders) :], error
 
 
 def _least(rows: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:

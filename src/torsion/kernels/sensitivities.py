@@ -97,6 +97,9 @@ class ResponseSensitivity:
     inertia: ComplexArray  # (stations, frequencies) by the inertia, kg m2; 0 where fixed
     ground_damping: ComplexArray  # (stations, frequencies) by the damper to ground, N m s/rad
     chord: ComplexArray  # (chords, frequencies) by the complex compliance of each chord
+    force: ComplexArray  # (stations, frequencies) by the torque that acts on each station, N m
+    twist: ComplexArray  # (stations, frequencies) by the twist imposed on span i, rad
+    chord_twist: ComplexArray  # (chords, frequencies) by that imposed on each chord
 
 
 def response_sensitivity(
@@ -132,12 +135,12 @@ def response_sensitivity(
         still = Chords(chords.begin, chords.end, chords.compliance, np.zeros_like(chords.twist))
         adjoint = looped_response(tree, still, w, force, twist=twist, **given)
     sign = 1.0 if span is None else -1.0
-    product = sign * adjoint.angle * response.angle
-    compliance = sign * adjoint.torque * response.torque
+    by_force, by_twist, by_chord = sign * adjoint.angle, -sign * adjoint.torque, -sign * adjoint.chord_torque
+    product, compliance = by_force * response.angle, -by_twist * response.torque
     if tree.shafts is not None:
         compliance[tree.shafts.node] = np.nan
-    chord = sign * adjoint.chord_torque * response.chord_torque
-    return ResponseSensitivity(compliance, w * w * product, -1j * w * product, chord)
+    chord = -by_chord * response.chord_torque
+    return ResponseSensitivity(compliance, w * w * product, -1j * w * product, chord, by_force, by_twist, by_chord)
 
 
 def compliance_slopes(

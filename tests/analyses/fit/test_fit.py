@@ -215,6 +215,21 @@ def test_other_figures_that_agree_as_well_are_reported() -> None:
     assert any(words.startswith("Other figures agree nearly as well: c1.stiffness") for words in one.warnings)
 
 
+def test_what_is_known_is_what_all_minima_agree_on() -> None:
+    """Which of two branches is the stiffer stays open, and the product of both is known: half of ln(12500/9500)."""
+    one = between("20 %", "20 %", *two_modes(12500.0, 9500.0))
+    half = 0.5 * np.log(12500.0 / 9500.0)
+    assert [figure.deviation for figure in one.figures] == pytest.approx([half, half], rel=3e-3)
+    known = [figure.from_data for figure in one.figures]
+    assert known == pytest.approx(2 * [1.0 - (half / 0.2) ** 2], rel=5e-3)
+    assert one.correlation[0, 1] == pytest.approx(-1.0, abs=3e-3)
+    both, apart = one.directions
+    assert both.words == "c1.stiffness, c2.stiffness by a common factor"
+    assert both.information == pytest.approx(0.2 / (0.003 * 2.0), rel=1e-3)
+    assert apart.information == pytest.approx(np.sqrt(0.2**2 / (2.0 * half**2) - 1.0), rel=0.02)
+    assert not apart.is_unidentified
+
+
 def test_what_was_measured_is_of_the_file_and_of_none_of_its_cases() -> None:
     settings = of_curve(f"[{GOOD}]", "at: p, quantity: angle")
     whole = found(DRIVEN.replace("FIT", settings) + "cases:\n  short: {remove: [s, p]}\n")
@@ -273,7 +288,8 @@ def test_slopes_are_the_closed_forms_of_both_energies() -> None:
     train = Train(study.variations["fit"], resolved_for(torsion.assemble(study.train), ()), (), 3)
     exact = [[0.403343153160794559, -0.164302497776000125], [0.0842550621870688425, -0.182110224743479586],
              [0.0124017846521365989, -0.000361471028907385519]]  # fmt: skip
-    assert train.mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=2e-11)
+    assert train.mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=1e-15)
+    assert train.by_reading().mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=2e-11)
 
 
 def two_discs() -> Train:
@@ -290,7 +306,7 @@ analyses: {modes: {count: 1}, fit: FIT}
     rows = ", ".join(GOOD.replace("600", str(speed)) for speed in (600, 1100, 1400))
     settings = f"{{vary: {{soft.stiffness: 9 %, p.inertia: 9 %}}, measured: [{{torsiogram: [{rows}], at: p, order: 2,"
     study = torsion.parse(scene.replace("FIT", f"{settings} quantity: angle, within: 1 %}}]}}"))
-    made, _ = curves(study, study.analyses["fit"].measured)
+    made = curves(study, study.analyses["fit"].measured)
     return Train(study.variations["fit"], resolved_for(torsion.assemble(study.train), made), made, 1)
 
 
@@ -302,8 +318,9 @@ def test_slopes_of_an_amplitude_are_those_of_its_closed_form() -> None:
     below = w**4 * first * second - w**2 * stiffness * (first + second)
     by_stiffness = (w**4 * first * second / below).real
     by_inertia = -((w**4 * first - w**2 * stiffness) * second / below).real
-    found = train.slopes(np.zeros(2), ())
-    assert found == pytest.approx(np.stack([by_stiffness, by_inertia], axis=1), rel=2e-8)
+    exact = np.stack([by_stiffness, by_inertia], axis=1)
+    assert train.slopes(np.zeros(2), ()) == pytest.approx(exact, rel=1e-13)
+    assert train.by_reading().slopes(np.zeros(2), ()) == pytest.approx(exact, rel=2e-8)
 
 
 def test_a_phase_on_the_other_side_of_half_a_revolution_is_near() -> None:
@@ -375,6 +392,9 @@ FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
         (of_frequencies(SOFT, "within: 1 %"), "9:", "nothing is measured"),
         (of_frequencies(SOFT, "at: m, " + FREQUENCY), "9:", "`at` does not go with `frequency`"),
         (of_frequencies(SOFT, "mode: 1, " + FREQUENCY, "mode: 1, " + FREQUENCY), "9:", "mode 1 is measured twice"),
+        (of_frequencies(SOFT, "mode: 3, frequency: 30 Hz, within: 1 %", "mode: 1, " + FREQUENCY,
+                        "mode: 2, frequency: 19 Hz, within: 1 %"),
+         "9:169", "mode 2 is measured at 19 Hz, below mode 1 at 20 Hz"),
         (of_frequencies(SOFT, "signal: none.csv, at: m, orders: [2], within: 1 %"), "9:", "cannot be read"),
         (of_frequencies(SOFT, "signal: none.csv, at: m, orders: [2, 2], within: 1 %"), "9:", "an order is named twice"),
         (of_curve(f"[{GOOD}]", "at: m"), "9:", "`quantity` is missing"),

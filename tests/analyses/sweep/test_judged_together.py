@@ -192,20 +192,24 @@ def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(given: dict[str
 
 def test_figures_enter_rows_as_powers_or_as_a_share_of_a_sum() -> None:
     figure = SimpleNamespace(name="one.key", rows=(), nominal=2.0)
-    for read, factor in (
-        (lambda x: [[x**2, 3 * x**2], [5.0, 5.0]], [[1.5**2], [1.0]]),
-        (lambda x: [[x + 1.0, 2 * x + 2.0], [1 / x, 7.0 / x]], [[4.0 / 3.0], [1.0 / 1.5]]),
+    size = 0.93 * 3**-0.2  # part of the size factor of a shaft
+    for read, factor, slope in (
+        (lambda x: [[x**2, 3 * x**2], [5.0, 5.0]], [[1.5**2], [1.0]], [[2.0], [0.0]]),
+        (lambda x: [[x + 1.0, 2 * x + 2.0], [1 / x, 7.0 / x]], [[4.0 / 3.0], [1.0 / 1.5]], [[0.75], [-1.0]]),
         (
             lambda x: [[0.35 + 0.93 * x**-0.2], [1 / (x**4 - 3)]],
-            [[(0.35 + 0.93 * 3**-0.2) / (0.35 + 0.93 * 2**-0.2)], [1 / 6]],
+            [[(0.35 + size) / (0.35 + 0.93 * 2**-0.2)], [1 / 6]],
+            [[-0.2 * size / (0.35 + size)], [-4 * 81 / 78]],
         ),
-        (lambda x: [[x, x**2]], None),  # the samples of a row vary as one
-        (lambda x: [[x**2 + x, 1.0]], None),
+        (lambda x: [[x**3 * (1 + 2 * x)]], [[27 * 7 / 40]], [[3 + 6 / 7]]),
+        (lambda x: [[x, x**2]], None, None),  # the samples of a row vary as one
+        (lambda x: [[x**2 + x**3 + x, 1.0]], None, None),
     ):
         variation = SimpleNamespace(figures=[figure], study=lambda row: row[0])
         found = products(variation, np.array([[2.0], [1.9]]), lambda x, read=read: np.array(read(x)))
         assert (found is None) == (factor is None)
         assert found is None or found.factors(np.array([[3.0]])) == pytest.approx(np.array(factor), rel=1e-14)
+        assert found is None or found.slopes(np.array([3.0])) == pytest.approx(np.array(slope), rel=1e-14)
 
 
 def test_a_figure_that_is_capped_within_its_range_enters_otherwise() -> None:

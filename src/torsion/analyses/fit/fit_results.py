@@ -18,7 +18,7 @@ class FittedFigure:
     fitted: str = result("", (), "the fitted value")
     factor: float = result("1", (), "fitted value over that of the file")
     prior: float = result("1", (), "standard deviation of its logarithm before the fit, as the file states it")
-    deviation: float = result("1", (), "standard deviation of its logarithm behind the fit, around this minimum alone")
+    deviation: float = result("1", (), "standard deviation of its logarithm behind the fit, over `others` too")
     lower: float = result("1", (), "lower end of the 95 % interval, of `others` too, over the value of the file")
     upper: float = result("1", (), "upper end of the 95 % interval")
     shift: float = result("1", (), "ln of the factor over the deviation before the fit")
@@ -50,7 +50,8 @@ class FittedCurve:
     quantity: str = result("", (), "angle, speed or torque")
     unit: str = result("", (), "of the amplitudes")
     origin: str = result("", (), "torsiogram, or signal whose orders were tracked")
-    within: float = result("1", (), "standard deviation of an amplitude, and in rad of a phase")
+    within: float = result("1", (), "standard deviation of an amplitude, and in rad of a phase, as stated")
+    deviation: FloatArray = result("1", ("point",), "the same with what a signal leaves at the orders beside this one")
     speed: FloatArray = result("rad/s", ("point",), "of the reference")
     measured: FloatArray = result("", ("point",), "amplitude as measured")
     before: FloatArray = result("", ("point",), "of the file as it stands")
@@ -62,7 +63,9 @@ class FittedCurve:
     curve_speed: FloatArray = result("rad/s", ("speed",), "speeds of the curves")
     curve_before: FloatArray = result("", ("speed",), "amplitude of the file as it stands")
     curve_after: FloatArray = result("", ("speed",), "amplitude with the fitted figures")
-    unused: int = result("", (), "windows of a signal outside the speed range", default=0)
+    unused: int = result(
+        "", (), "windows of a signal outside the speed range, or in whose noise the order is lost", default=0
+    )
 
 
 @reported
@@ -91,8 +94,10 @@ class Fit:
     figures: tuple[FittedFigure, ...] = result("", (), "figures that were fitted")
     modes: tuple[FittedMode, ...] = result("", (), "measured natural frequencies")
     curves: tuple[FittedCurve, ...] = result("", (), "measured amplitudes over speed")
-    directions: tuple[Direction, ...] = result("", (), "combinations of figures, what is known best first")
-    correlation: FloatArray = result("1", ("figure", "other figure"), "correlation of the logarithms behind the fit")
+    directions: tuple[Direction, ...] = result("", (), "combinations of figures in all minima, the best known first")
+    correlation: FloatArray = result(
+        "1", ("figure", "other figure"), "correlation of the logarithms, over `others` too"
+    )
     measurements: int = result("", (), "values that were measured")
     chi2: float = result("1", (), "sum of the squared residuals of the measurements")
     freedom: float = result("1", (), "degrees of freedom: measurements less the figures that they determine")

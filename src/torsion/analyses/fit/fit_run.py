@@ -1,6 +1,7 @@
 """A fit: the figures of a file, each with what is known of it beforehand, that agree best with measurements."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -17,11 +18,11 @@ from torsion.analyses.fit.fit_results import (
 from torsion.analyses.fit.fit_settings import FIT, FitSettings
 from torsion.analyses.fit.identified import directions, unidentified
 from torsion.analyses.fit.measurements import curves, unit
-from torsion.analyses.fit.pairing import Pairs, highest_mode, paired
+from torsion.analyses.fit.pairing import highest_mode, paired
 from torsion.analyses.fit.predictions import Train, resolved_for
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Progress, Work
 from torsion.kernels.fitting import FARTHEST, Fitted, fitted, identified
 from torsion.results import listed
@@ -31,6 +32,7 @@ FAR = 2.0  # deviations that a figure may move without a remark
 CURVE_POINTS = 201
 USUAL_STEPS = 10  # of a search, of which there is one and two for each figure
 DIGITS = 7  # of a factor in the fitted file
+AS_READ = 1e-6  # deviations of a measurement, by which closed forms may miss the file read with the same figures
 SHOWN = 4  # of one in words
 
 
@@ -41,36 +43,33 @@ def run(work: Work) -> None:
         work.log.without("fit", "no figure of the file varies")
         return
     with work.log.step("fit to measurements", "the file names it") as step:
-        made, unused = curves(work.study, settings.measured)
+        made = curves(work.study, settings.measured)
         modes = work.get(Modes)
         count = highest_mode(settings.measured, 0 if modes is None else modes.frequency.size)
         system = work.system.whole if modes is None else modes.system.whole
         train = Train(variation, resolved_for(system, made), made, count)
-        deviation = np.array([one.law.lognormal for one in variation.figures])
-        pairs = paired(train, deviation, settings.measured)
-        problem = _Problem(train, deviation, pairs, settings, work.progress)
-        if len(deviation) > problem.sigma.size:
-            were = "value was" if problem.sigma.size == 1 else "values were"
-            message = f"{len(deviation)} figures vary, and {problem.sigma.size} {were} measured"
-            raise InputError([Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")])
-        found = fitted(problem.residual, problem.jacobian, len(deviation), problem.swapped)
+        problem = Problem(train, settings, work.progress)
+        found = problem.fitted()
+        if train.closed is not None and not problem.is_as_read(found):
+            problem = Problem(train.by_reading(), settings, work.progress)
+            found = problem.fitted()
+        deviation = problem.deviation
         values = [float(f"{value:.{DIGITS}g}") for value in np.exp(found.values * deviation)]
         solved = work.solve(variation.study(values), only=("modes",)).get(Modes)
         frequency = np.empty(0) if solved is None else solved.frequency
         step.method = "least squares of logarithms (Gauss-Newton in a trust region), with what is known beforehand"
         sizes = f"{len(deviation)} figures, {problem.sigma.size} measured values"
         step.size = f"{sizes}, {found.searches} starts, {found.steps} steps"
-    work.put(fit=_result(problem, found, values, frequency, unused))
+    work.put(fit=_result(problem, found, values, frequency))
 
 
-class _Problem:
+class Problem:
     """Residuals of the measurements in their deviations, over figures in deviations of what is known of them."""
 
-    def __init__(
-        self, train: Train, deviation: FloatArray, pairs: Pairs, settings: FitSettings, progress: Progress
-    ) -> None:
-        self.train, self.deviation, self.pairs, self.settings = train, deviation, pairs, settings
-        self.progress, self.steps = progress, 0
+    def __init__(self, train: Train, settings: FitSettings, progress: Progress) -> None:
+        self.train, self.settings, self.progress, self.steps = train, settings, progress, 0
+        self.deviation = np.array([one.law.lognormal for one in train.variation.figures])
+        self.pairs = pairs = paired(train, self.deviation, settings.measured)
         measured, within = [], list[FloatArray]()
         for place in pairs.place:
             one = settings.measured[place]
@@ -79,8 +78,25 @@ class _Problem:
         for curve in train.curves:
             logs = np.log(curve.amplitude)
             measured += [logs.real, logs.imag] if curve.has_phase else [logs.real]
-            within += [np.full(curve.speed.size, curve.within)] * (1 + curve.has_phase)
+            within += [curve.deviation] * (1 + curve.has_phase)
         self.measured, self.sigma = np.concatenate(measured), np.concatenate(within)
+        if len(self.deviation) > self.sigma.size:
+            were = "value was" if self.sigma.size == 1 else "values were"
+            message = f"{len(self.deviation)} figures vary, and {self.sigma.size} {were} measured"
+            raise InputError([Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")])
+
+    def fitted(self) -> Fitted:
+        """The least sum of squares."""
+        return fitted(self.residual, self.jacobian, len(self.deviation), self.swapped)
+
+    def is_as_read(self, found: Fitted) -> bool:
+        """The file with the figures of every minimum gives the residuals of that minimum."""
+        other = copy(self)
+        other.train = self.train.by_reading()
+        try:
+            return all(np.abs(other.residual(one.values) - one.residual).max() < AS_READ for one in found.minima)
+        except SolveError:
+            return False
 
     def residual(self, values: FloatArray) -> FloatArray:
         """(measurements,) of figures (figures,)."""
@@ -89,7 +105,7 @@ class _Problem:
 
     def swapped(self, values: FloatArray) -> Iterator[FloatArray]:
         """Figures (figures,) as near as can be at which a measured mode and a neighbour swap frequencies, by slopes."""
-        frequency = self.train.modes(np.exp(values * self.deviation).tolist()).frequency if self.pairs.number else ()
+        frequency = self.train.frequencies(np.exp(values * self.deviation).tolist()) if self.pairs.number else ()
         lower = sorted({number - below for number in self.pairs.number for below in (0, 1)})
         for mode in (one for one in lower if 0 <= one < len(frequency) - 1):
             rise = self.train.mode_slopes(values * self.deviation, [mode, mode + 1]) * self.deviation
@@ -109,23 +125,23 @@ class _Problem:
 
 
 def _result(
-    problem: _Problem, found: Fitted, values: Sequence[float], frequency: FloatArray, unused: Mapping[str, int]
+    problem: Problem, found: Fitted, values: Sequence[float], frequency: FloatArray
 ) -> Fit:  # fmt: skip
     """All that is stated; values: factors as they stand in the fitted file."""
-    known, train = identified(found.jacobian), problem.train
+    known, train, count = found.known, problem.train, problem.sigma.size
     each = np.sqrt(np.diag(known.covariance))
     figures = tuple(_figures(problem, found, each, values))
     made = Fit(
-        figures, tuple(_modes(problem, found, values)), tuple(_curves(problem, found, values, unused)),
+        figures, tuple(_modes(problem, found, values)), tuple(_curves(problem, found, values)),
         directions(known, [one.name for one in figures], problem.deviation), known.covariance / np.outer(each, each),
-        problem.sigma.size, float(np.square(found.residual).sum()), problem.sigma.size - known.used,
+        count, float(np.square(found.residual).sum()), count - identified(found.jacobian).used,
         float(np.square(found.values).sum()), known.rank, found.steps, found.searches,
         tuple(_others(problem, found)), (), frequency, train.variation.text(values),
     )  # fmt: skip
     return replace(made, warnings=tuple(_warnings(made, found)))
 
 
-def _figures(problem: _Problem, found: Fitted, each: FloatArray, values: Sequence[float]) -> Iterator[FittedFigure]:
+def _figures(problem: Problem, found: Fitted, each: FloatArray, values: Sequence[float]) -> Iterator[FittedFigure]:
     variation, logs = problem.train.variation, found.values * problem.deviation
     lower, upper = (np.exp(end * problem.deviation) for end in found.interval(NINETY_FIVE))
     for place, one in enumerate(variation.figures):
@@ -133,11 +149,11 @@ def _figures(problem: _Problem, found: Fitted, each: FloatArray, values: Sequenc
         yield FittedFigure(
             one.name, given, fitted_value, float(np.exp(logs[place])), float(problem.deviation[place]),
             float(each[place] * problem.deviation[place]), float(lower[place]), float(upper[place]),
-            float(found.values[place]), float(1.0 - each[place] ** 2),
+            float(found.values[place]), max(float(1.0 - each[place] ** 2), 0.0),
         )  # fmt: skip
 
 
-def _others(problem: _Problem, found: Fitted) -> Iterator[OtherFit]:
+def _others(problem: Problem, found: Fitted) -> Iterator[OtherFit]:
     variation = problem.train.variation
     for other in found.others:
         factors = np.exp(other.values * problem.deviation)
@@ -147,7 +163,7 @@ def _others(problem: _Problem, found: Fitted) -> Iterator[OtherFit]:
         yield OtherFit(factors, chi2, prior, words)
 
 
-def _modes(problem: _Problem, found: Fitted, values: Sequence[float]) -> Iterator[FittedMode]:
+def _modes(problem: Problem, found: Fitted, values: Sequence[float]) -> Iterator[FittedMode]:
     pairs, measured = problem.pairs, problem.settings.measured
     if not pairs.place:
         return
@@ -162,7 +178,7 @@ def _modes(problem: _Problem, found: Fitted, values: Sequence[float]) -> Iterato
 
 
 def _curves(
-    problem: _Problem, found: Fitted, values: Sequence[float], unused: Mapping[str, int]
+    problem: Problem, found: Fitted, values: Sequence[float]
 ) -> Iterator[FittedCurve]:  # fmt: skip
     train, place, plain = problem.train, len(problem.pairs.place), [1.0] * len(values)
     for curve in train.curves:
@@ -177,9 +193,8 @@ def _curves(
             for speed in (curve.speed, fine) for factors in (plain, values)
         )  # fmt: skip
         yield FittedCurve(
-            curve.at, curve.order, curve.quantity, unit(curve), curve.origin, curve.within, curve.speed,
-            np.abs(curve.amplitude), before, after, own, phase, fine, drawn, fitted_curve,
-            unused.get(curve.origin, 0),
+            curve.at, curve.order, curve.quantity, unit(curve), curve.origin, curve.within, curve.deviation,
+            curve.speed, np.abs(curve.amplitude), before, after, own, phase, fine, drawn, fitted_curve, curve.unused,
         )  # fmt: skip
 
 
@@ -207,8 +222,8 @@ def _warnings(made: Fit, found: Fitted) -> Iterator[str]:
         more = other.chi2 + other.prior_chi2 - made.chi2 - made.prior_chi2
         yield (
             f"Other figures agree nearly as well: {other.words} (sum of squares greater by {max(more, 0.0):.2g})"
-            f"{f', and {rest} more' if rest else ''}. The measurements do not decide between them; the intervals reach "
-            "over all of them, the deviations are those around the stated ones alone."
+            f"{f', and {rest} more' if rest else ''}. The measurements do not decide between them; intervals, "
+            "deviations and what is known reach over all of them."
         )
     for figure in made.figures:
         if abs(figure.shift) > FARTHEST - 1e-6:

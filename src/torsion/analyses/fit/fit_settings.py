@@ -121,6 +121,12 @@ class FitSettings(Declared):
         for place, one in enumerate(self.measured):
             if one.mode is not None and seen.setdefault(one.mode, place) != place:
                 raise refuse(f"mode {one.mode} is measured twice", "one frequency a mode", ("measured", place, "mode"))
+        for (lower, before), (mode, place) in pairwise(sorted(seen.items())):
+            low, high = (self.measured[at].frequency or 0.0 for at in (before, place))
+            if high < low:
+                message = f"mode {mode} is measured at {high:.6g} Hz, below mode {lower} at {low:.6g} Hz"
+                hint = "modes are numbered as their frequencies rise: exchange the numbers"
+                raise refuse(message, hint, ("measured", place, "mode"))
 
     @property
     def together(self) -> tuple[tuple[str, ...], ...]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.analyses.fit.fit_results import Direction
 from torsion.arrays import FloatArray
-from torsion.kernels.fitting import NULL, Identified
+from torsion.kernels.fitting import Identified
 from torsion.results import listed
 
 LEAST_PART = 0.05  # of the largest: smaller parts of a combination are not named
@@ -16,10 +16,9 @@ EXAMPLE = 1.0  # %, by which the first figure of a combination changes
 
 def directions(known: Identified, names: Sequence[str], deviation: FloatArray) -> tuple[Direction, ...]:
     """Of every singular value its combination; deviation: (figures,) of the logarithms beforehand."""
-    largest = known.singular.max(initial=0.0)
     return tuple(
-        Direction(float(singular), bool(singular <= NULL * largest), combination(row * deviation, names))
-        for singular, row in zip(known.singular, known.directions, strict=True)
+        Direction(float(singular), bool(unseen), combination(row * deviation, names))
+        for singular, unseen, row in zip(known.singular, known.unseen, known.directions, strict=True)
     )
 
 

@@ -1,6 +1,8 @@
 """What was measured, as curves of amplitudes: torsiograms as they are, signals over time by their orders."""
 
+import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
@@ -8,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.analyses.fit.fit_settings import FIT, UNITS, Measured
-from torsion.analyses.fit.predictions import Curve
+from torsion.arrays import ComplexArray, FloatArray
 from torsion.errors import Fault, InputError, Path
 from torsion.study import Study
 from torsion.two_columns import Columns, pairs
@@ -16,24 +18,49 @@ from torsion.two_columns import Columns, pairs
 if TYPE_CHECKING:
     from torsion.kernels.order_tracking import Tracked
 
+MOST_ROWS = 2_000_000  # of a signal
+GAP = 4.0  # times the usual distance of samples, from which some are missing
+SEEN = 10.0  # deviations of what was tracked that an amplitude stands out by: of weaker ones its logarithm is biased
+LEAST_CYCLES = 3.0  # of an order in a window; of fewer the mean rotation takes a part
+APART = 1.0  # cycles by which two orders differ over a window; nearer ones cannot be kept apart
 TIME_AND_SPEED = Columns(
-    ("time", "speed"), ("s", "rad/s"), "time [s], speed [rpm]", "0.5, 1200", "a finite speed at a finite time"
-)
-PULSES = Columns(("time",), ("s",), "time [s]", "0.00213", "a finite time")
+    ("time", "speed"), ("s", "rad/s"), "time [s], speed [rpm]", "0.5, 1200", "a finite speed at a finite time",
+    most=MOST_ROWS,
+)  # fmt: skip
+PULSES = Columns(("time",), ("s",), "time [s]", "0.00213", "a finite time", most=MOST_ROWS)
 
 
-def curves(study: Study, measured: tuple[Measured, ...]) -> tuple[tuple[Curve, ...], dict[str, int]]:
-    """All amplitudes over speed; of every signal, how many of its windows lie outside the speed range."""
-    found, unused = list[Curve](), dict[str, int]()
+@dataclass(frozen=True)
+class Curve:
+    """Measured amplitudes of one order."""
+
+    at: str
+    order: Fraction  # per revolution of the reference
+    quantity: str  # angle, speed or torque
+    within: float
+    speed: FloatArray  # (points,) rad/s of the reference
+    amplitude: ComplexArray  # (points,) in SI
+    has_phase: bool
+    origin: str  # what of the file it is
+    error: FloatArray  # (points,) over the amplitude: standard deviation of what was tracked; 0 of a torsiogram
+    unused: int = 0  # windows of a signal outside the speeds, or in which the order does not stand out
+
+    @property
+    def deviation(self) -> FloatArray:
+        """(points,) of the logarithm of an amplitude, and of a phase in rad."""
+        return np.asarray(np.hypot(self.within, self.error))
+
+
+def curves(study: Study, measured: tuple[Measured, ...]) -> tuple[Curve, ...]:
+    """All amplitudes over speed."""
+    found = list[Curve]()
     for place, one in enumerate(measured):
         path = (*FIT, "measured", place)
         if one.torsiogram is not None:
             found.append(_of_torsiogram(study, one, path))
         elif one.signal is not None:
-            each, outside = _of_signal(study, one, path)
-            found += each
-            unused[one.signal] = outside
-    return tuple(found), unused
+            found += _of_signal(study, one, path)
+    return tuple(found)
 
 
 def _of_torsiogram(study: Study, one: Measured, path: Path) -> Curve:
@@ -44,11 +71,12 @@ def _of_torsiogram(study: Study, one: Measured, path: Path) -> Curve:
     return Curve(
         one.at or "", one.order or Fraction(1), one.quantity or "", one.within, np.array([row.speed for row in rows]),
         amplitude * np.exp(1j * phase), phases[0] is not None, f"torsiogram {int(path[-1]) + 1} of `measured`",
+        np.zeros(len(rows)),
     )  # fmt: skip
 
 
-def _of_signal(study: Study, one: Measured, path: Path) -> tuple[Iterator[Curve], int]:
-    """A curve for each order, and the number of windows outside the speed range."""
+def _of_signal(study: Study, one: Measured, path: Path) -> Iterator[Curve]:
+    """A curve for each order, of the windows within the speed range in which it stands out."""
     ratio = next(float(station.ratio) for station in study.train.stations if station.name == one.at)
     tracked = _tracked(study, one, path, ratio)
     speeds, reference = study.operation.speeds, tracked.speed / ratio
@@ -59,20 +87,24 @@ def _of_signal(study: Study, one: Measured, path: Path) -> tuple[Iterator[Curve]
         least, most = (end * 30.0 / np.pi for end in (reference.min(), reference.max()))
         message = f"the signal runs from {least:.6g} to {most:.6g} rpm, outside the speeds of `operation`"
         raise InputError([Fault((*path, "signal"), message, "widen `operation.speeds`")])
-    used = np.flatnonzero(inside)
-    order = used[np.argsort(reference[used], kind="stable")]
-    made = (
-        Curve(one.at or "", exact, "angle", one.within, reference[order], tracked.angle[order, k], False,
-              one.signal or "")
-        for k, exact in enumerate(one.orders)
-    )  # fmt: skip
-    return made, int(len(reference) - len(used))
+    for k, order in enumerate(one.orders):
+        angle, error = tracked.angle[:, k], tracked.error[:, k]
+        used = np.flatnonzero(inside & (np.abs(angle) >= SEEN * error))
+        if not used.size:
+            message = f"order {order} does not stand out of the noise in any of {np.count_nonzero(inside)} windows"
+            hint = "longer windows (`revolutions`), or leave it out; are `pulses` right?"
+            raise InputError([Fault((*path, "orders"), message, hint)])
+        used = used[np.argsort(reference[used], kind="stable")]
+        yield Curve(
+            one.at or "", order, "angle", one.within, reference[used], angle[used], False, one.signal or "",
+            error[used] / np.abs(angle[used]), len(reference) - len(used),
+        )  # fmt: skip
 
 
 def signal_faults(study: Study, one: Measured, path: Path) -> tuple[Fault, ...]:
     """What is wrong with a signal, where its file is read."""
     try:
-        _of_signal(study, one, path)
+        tuple(_of_signal(study, one, path))
     except InputError as error:
         return error.faults
     return ()
@@ -95,6 +127,12 @@ def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked"
     if one.pulses and (wrong := uneven(time)) is not None:
         message = f"at {time[wrong]:.6g} s pulses are missing, or there is one too many"
         raise InputError([Fault(place, message, "even marks, each once a revolution: mend the file")])
+    steps = np.diff(time)
+    gap = int(steps.argmax())
+    if one.pulses is None and steps[gap] > GAP * np.median(steps):
+        message = f"behind {time[gap]:.6g} s samples are missing, for {steps[gap]:.3g} s"
+        raise InputError([Fault(place, message, "a signal without gaps: cut it there")])
+    _refuse_orders(one, own, path)
     highest = one.pulses or _samples(time, values[1])
     if (own >= highest / 2.0).any():
         worst = one.orders[int(np.argmax(own))]
@@ -112,6 +150,23 @@ def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked"
         message = f"the signal is shorter than a window of {one.revolutions} revolutions"
         raise InputError([Fault(place, message, "a lower `revolutions`")])
     return found
+
+
+def _refuse_orders(one: Measured, own: FloatArray, path: Path) -> None:
+    """Orders that a window is too short for; own: (orders,) per revolution of the shaft."""
+    ascending = np.argsort(own)
+    least, gaps = float(own.min()), np.diff(own[ascending])
+    slow, close = least * one.revolutions < LEAST_CYCLES, bool((gaps * one.revolutions < APART).any())
+    if not slow and not close:
+        return
+    cycles, needed = (least, LEAST_CYCLES) if slow else (float(gaps.min()), APART)
+    words = f"order {one.orders[ascending[0]]} has"
+    if not slow:
+        first, second = (one.orders[k] for k in ascending[gaps.argmin() :][:2])
+        words = f"orders {first} and {second} differ by"
+    message = f"{words} {cycles * one.revolutions:.3g} cycles in a window of {one.revolutions} revolutions"
+    hint = f"{needed:g} are needed: `revolutions: {math.ceil(needed / cycles)}`"
+    raise InputError([Fault((*path, "orders"), message, hint)])
 
 
 def _samples(time: np.ndarray, speed: np.ndarray) -> float:

@@ -40,7 +40,7 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
     places = [place for place, one in enumerate(measured) if one.frequency is not None]
     if not places:
         return Pairs((), (), np.empty(0), np.empty(0))
-    nominal = train.modes(np.ones(len(deviation)).tolist()).frequency
+    nominal = train.frequencies(np.ones(len(deviation)).tolist())
     lower, upper = _bands(train, deviation, len(nominal))
     numbers = dict[int, int]()
     for place in places:
@@ -105,5 +105,5 @@ def _bands(train: Train, deviation: FloatArray, count: int) -> tuple[FloatArray,
         corners = np.exp(OUTSIDE * side * np.sign(rise) * deviation)
         for corner in np.unique(corners, axis=0):
             here = np.flatnonzero((corners == corner).all(axis=1))
-            ends[row, here] = train.modes(corner.tolist()).frequency[here]
+            ends[row, here] = train.frequencies(corner.tolist())[here]
     return ends[0], ends[1]

@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from copy import copy
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
+from torsion.analyses.fit.closed_forms import closed_forms, no_value, spot
+from torsion.analyses.fit.measurements import Curve
 from torsion.analyses.response.over_speed import response_of_orders
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import ComplexArray, FloatArray
@@ -20,44 +22,46 @@ from torsion.study import Study, Variation
 STEP = 1e-5  # of the logarithm of a factor: a central difference errs by some 1e-10 of its square and 1e-11 of rounding
 
 
-@dataclass(frozen=True)
-class Curve:
-    """Measured amplitudes of one order."""
-
-    at: str
-    order: Fraction  # per revolution of the reference
-    quantity: str  # angle, speed or torque
-    within: float
-    speed: FloatArray  # (points,) rad/s of the reference
-    amplitude: ComplexArray  # (points,) in SI
-    has_phase: bool
-    origin: str  # what of the file it is
-
-
 class Train:
     """The train of a file with its figures at given factors, divided as that of the file is."""
 
     def __init__(self, variation: Variation, system: System, curves: tuple[Curve, ...], count: int) -> None:
         self.variation, self.curves, self.count = variation, curves, count
         self.system = system  # of the file, as finely as all that was measured needs
-        self._known = lru_cache(maxsize=64)(self._assembled)
+        self._known = lru_cache(maxsize=64)(self._read)
+        self.closed = closed_forms(variation, system, curves, count, self._assembled)
 
-    def _assembled(self, factors: tuple[float, ...]) -> tuple[Study, System]:
+    def by_reading(self) -> "Train":
+        """The same with its file read again for all figures."""
+        other = copy(self)
+        other.closed = None
+        return other
+
+    def _read(self, factors: tuple[float, ...]) -> tuple[Study, System]:
         """Raises SolveError for factors with which the file would be at fault."""
         try:
             study = self.variation.study(factors)
         except InputError as error:
             message = "; ".join(fault.message for fault in error.faults)
             raise SolveError(f"the file with fitted figures is at fault: {message}", "a smaller deviation") from None
+        return study, self._assembled(study)
+
+    def _assembled(self, study: Study) -> System:
         train, segments = study.train, self.system.segments
         if self.system.model == "lumped":
             bars = tuple(replace(bar, segments=segments.get(bar.name, bar.segments)) for bar in train.bars)
             train = replace(train, bars=bars)
-        return study, assemble(train, self.system.model, **vars(self.system.requested))
+        return assemble(train, self.system.model, **vars(self.system.requested))
 
     def modes(self, factors: Sequence[float]) -> Modes:
         """The lowest modes."""
         return modes_as_discretised(self._known(tuple(factors))[1], self.count)
+
+    def frequencies(self, factors: Sequence[float]) -> FloatArray:
+        """(modes,) Hz of these."""
+        if self.closed is None:
+            return self.modes(factors).frequency
+        return np.asarray(self.closed.at(tuple(factors)).modes.frequency / (2.0 * math.pi))
 
     def amplitudes(self, factors: Sequence[float], curve: Curve, speed: FloatArray | None = None) -> ComplexArray:
         """(speeds,) in SI; raises SolveError where the response has no value there."""
@@ -66,20 +70,18 @@ class Train:
         found = response_of_orders(study, system, [curve.order], points)
         line = next(place for place, one in enumerate(found.lines) if one.order == curve.order)
         if (found.status[:, line] == Status.SINGULAR).any():
-            raise SolveError(f"the response of order {curve.order} has no finite value at a speed", "give damping")
+            raise no_value(curve)
         if curve.quantity == "torque":
-            part = study.train.position(curve.at)
-            span = next(k for k, one in enumerate(system.spans) if one.part == part)
-            return found.torque[:, line, span]
-        station = next(k for k, one in enumerate(system.stations) if one.name == curve.at)
-        angle = found.angle[:, line, station]
+            return found.torque[:, line, spot(system, curve)]
+        angle = found.angle[:, line, spot(system, curve)]
         return angle * (2j * math.pi * found.frequency[:, line]) if curve.quantity == "speed" else angle
 
     def logarithms(self, factors: Sequence[float], numbers: Sequence[int]) -> FloatArray:
         """ln of the frequencies of the modes `numbers` (from 0), and of all amplitudes; then their phases in rad."""
-        found = [np.log(self.modes(factors).frequency[list(numbers)])] if len(numbers) else []
-        for curve in self.curves:
-            values = np.log(self.amplitudes(factors, curve))
+        found = [np.log(self.frequencies(factors)[list(numbers)])] if len(numbers) else []
+        for place, curve in enumerate(self.curves):
+            closed = None if self.closed is None else self.closed.at(tuple(factors))
+            values = np.log(self.amplitudes(factors, curve) if closed is None else closed.amplitude(place))
             found += [values.real, values.imag] if curve.has_phase else [values.real]
         return np.concatenate(found)
 
@@ -95,9 +97,15 @@ class Train:
 
     def slopes(self, logs: FloatArray, numbers: Sequence[int]) -> FloatArray:
         """(measurements, figures): d `logarithms`/d ln factor."""
-        amplitudes = self._differences(logs, lambda factors: self.logarithms(factors, ()), 0) if self.curves else None
-        frequencies = self.mode_slopes(logs, numbers) if len(numbers) else None
-        return np.vstack([one for one in (frequencies, amplitudes) if one is not None])
+        found = [self.mode_slopes(logs, numbers)] if len(numbers) else []
+        if self.curves and self.closed is None:
+            found.append(self._differences(logs, lambda factors: self.logarithms(factors, ()), 0))
+        elif self.closed is not None:
+            closed = self.closed.at(tuple(np.exp(logs).tolist()))
+            for place, curve in enumerate(self.curves):
+                slopes = closed.amplitude_slopes(place)
+                found += [slopes.real, slopes.imag] if curve.has_phase else [slopes.real]
+        return np.vstack(found)
 
     def mode_slopes(self, logs: FloatArray, numbers: Sequence[int]) -> FloatArray:
         """(modes, figures): those of the frequencies alone, by the shares of both energies where the layout stays.
@@ -105,6 +113,8 @@ class Train:
         d ln f/d ln k is half the share of a span in the elastic energy, -d ln f/d ln J that of a station in the kinetic
         one (Rayleigh 1877, 1, art. 90).
         """
+        if self.closed is not None:
+            return self.closed.at(tuple(np.exp(logs).tolist())).mode_slopes(numbers)
         each = list(numbers)
         moved = [[self._known(tuple(np.exp(ends).tolist()))[1] for ends in pair] for pair in _either_side(logs)]
         if all(map(_is_plain, (self.system, *(one for pair in moved for one in pair)))):

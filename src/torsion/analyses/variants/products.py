@@ -43,12 +43,21 @@ class Products:
         logs = np.log(np.where(turns, 1.0, values / self.nominal).T)
         found = np.exp(self.power @ logs)
         for row in np.flatnonzero(self.share.any(axis=1)).tolist():
-            found[row] *= (1.0 + sum(share * np.expm1(term @ logs) for share, term in self._terms(row))) ** self.root[
-                row
-            ]
+            more = sum(share * np.expm1(term @ logs) for share, term in self._terms(row))
+            found[row] *= (1.0 + more) ** self.root[row]
         if turns.any():
             return np.asarray(found * np.exp(1j * (self.turn @ (values - self.nominal).T)))
         return np.asarray(found)
+
+    def slopes(self, values: FloatArray) -> Rows:
+        """(rows, figures) of the logarithm of each row by that of each figure, at values (figures,), maybe complex."""
+        logs = np.log(np.where(self.turn.any(axis=0), 1.0, values / self.nominal))
+        found: Rows = self.power.copy()
+        for row in np.flatnonzero(self.share.any(axis=1)).tolist():
+            terms = [(share * np.exp(term @ logs), share, term) for share, term in self._terms(row)]
+            whole = 1.0 + sum(now - share for now, share, _ in terms)
+            found[row] += self.root[row] * sum(now * term for now, _, term in terms) / whole
+        return found + 1j * self.turn * values if self.turn.any() else found
 
     def _terms(self, row: int) -> Iterator[tuple[float, FloatArray]]:
         """Share and powers (figures,) of the terms of a sum that have figures."""

@@ -129,25 +129,28 @@ def _drawn(findings: Findings, curve: FittedCurve, place: int) -> Figure:
 
 
 def _points(findings: Findings, curve: FittedCurve) -> Block:
-    size, shown = _scale(curve), np.arange(curve.speed.size)
+    size, shown, varies = _scale(curve), np.arange(curve.speed.size), bool((curve.deviation > curve.within).any())
     if shown.size > MOST_POINTS:
         shown = np.sort(np.argsort(-np.abs(curve.residual), kind="stable")[:MOST_POINTS])
     rows = [
         (
             rpm(float(curve.speed[k])), *(number(float(one[k] * size.factor)) for one in
                                           (curve.measured, curve.before, curve.after)),
-            number(float(curve.residual[k]), 2),
+            *([number(100.0 * float(curve.deviation[k]), 3)] if varies else []), number(float(curve.residual[k]), 2),
             *([] if curve.phase_residual is None else [number(float(curve.phase_residual[k]), 2)]),
         )
         for k in shown.tolist()
     ]  # fmt: skip
     rest = "" if shown.size == curve.speed.size else f" (the {MOST_POINTS} of {curve.speed.size} that agree least)"
-    rest += f"; {counted(curve.unused, 'window')} outside the speed range not used" if curve.unused else ""
+    if curve.unused:
+        rest += f"; {counted(curve.unused, 'window')} outside the speed range or lost in noise not used"
     phase = "" if curve.phase_residual is None else " | Residual of the phase -> of phase"
-    unit = size.unit
+    unit, each = size.unit, f"Residual, in deviations of {number(100.0 * curve.within, 3)} %"
+    if varies:
+        each = "Deviation [%] -> ± % | Residual, in deviations"
     return table(
         f"Speed [rpm] | Measured [{unit}] | Before the fit [{unit}] -> before | Fitted [{unit}] -> fitted | "
-        f"Residual, in deviations of {number(100.0 * curve.within, 3)} % -> residual{phase}",
+        f"{each} -> residual{phase}",
         rows, f"Measured {_title(findings, curve)}{rest}",
     )  # fmt: skip
 
