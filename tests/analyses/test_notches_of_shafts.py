@@ -76,3 +76,18 @@ def test_corner_without_a_fillet_beside_an_endurance_is_outside_the_rule(step: s
 def test_endurance_of_a_shaft_without_a_detail_is_refused() -> None:
     with pytest.raises(InputError, match="finds no fillet or notch with an `endurance`"):
         torsion.run(parse(JUDGED.replace("STEP", "step: sharp").replace("HOLE", "notches: {hole: 9 mm}")))
+
+
+def test_step_of_the_bore_behind_a_fillet_is_outside_the_rule() -> None:
+    text = JUDGED.replace("STEP", "step: {fillet: 4 mm}").replace("HOLE", f"bore: 40 mm, {HOLE}")
+    lines = torsion.run(parse(text)).need(Checks).lines
+    assert [one.what for one in lines if one.verdict == "outside"] == ["step of the bore to b"]
+
+
+@pytest.mark.parametrize(("outer", "bore"), [(0.092, 0.085), (0.092, 0.076), (0.1, 0.085)])
+def test_fillet_to_a_weaker_tube_has_more_stress_than_the_tube(outer: float, bore: float) -> None:
+    """Its K_t is that of both ends: a thin tube behind it makes it larger, and the tube is not judged by itself."""
+    larger = f"{outer} m, bore: {bore} m, endurance: 60 MPa"
+    text = JUDGED.replace("140 mm, HOLE", larger).replace("STEP", f"step: {{fillet: {outer / 2 - 0.045} m}}")
+    (fillet,) = stated_fillets(assemble(parse(text).train))
+    assert fillet.factor / fillet.modulus > 1.0 / float(section_modulus(outer, bore)) > 1.0 / fillet.modulus

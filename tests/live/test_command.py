@@ -49,7 +49,9 @@ def test_ctrl_c_ends_it_without_a_word(tmp_path: Path) -> None:
     file = tmp_path / "pair.yaml"
     file.write_text(SCENE, encoding="utf-8")
     command = [sys.executable, "-m", "torsion", "live", str(file), "--no-browser", "--edit"]
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background ignores Ctrl-C
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        signal.signal(signal.SIGINT, before)
         assert process.stdout is not None
         first, second = process.stdout.readline(), process.stdout.readline()
         with urlopen(first.split()[-1].partition("#")[0]) as page:  # it has begun to answer

@@ -6,7 +6,7 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.harmonic_components import excitations
-from torsion.analyses.undamped_modes import Modes, Ruled, condensed_modes, modes, modes_settings
+from torsion.analyses.undamped_modes import Modes, Ruled, chord_spans, condensed_modes, modes, modes_settings
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
 from torsion.assembly.system import MOST_GROUPS, System, condensed
@@ -124,6 +124,9 @@ def run_modes(work: Work) -> None:
         found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
         system = found.system
         step.method = "tree elimination in mixed form, certified by Sturm counts"
+        if chord_spans(system).size:
+            bounds = "certified by counts" if found.certified else "with the error bound of the method"
+            step.method = f"closed loops: Jacobi rotations of a factor without differences, {bounds}"
         if tables := system.tables_over("frequency"):
             steepest = max(table.steepest for table in tables.values())
             step.method += f"; by table one root a mode, as d ln k/d ln ω = {steepest:.3g} < 2"

@@ -70,6 +70,7 @@ class System:
     resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`
     groups: SegmentGroups | None = None  # of a condensed system: the segments that its spans stand for
     uncondensed: "System | None" = None  # of a condensed system: that of all segments
+    in_tree: BoolArray | None = None  # (spans,) those of the tree; None: the stiffest that close no loop
     tables: "Mapping[int, StiffnessTable]" = field(default_factory=dict)  # of spans that follow one: `tabled_spans`
 
     @property
@@ -238,9 +239,9 @@ def _condensed_train(system: System) -> CondensedTrain:
     """
     flexibility = system.flexibility / system.span_ratio**2
     ends = _split_held(system)
-    chosen = np.ones(len(flexibility), dtype=bool)
+    chosen = np.ones(len(flexibility), dtype=bool) if system.in_tree is None else system.in_tree
     way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
-    if ends.anchors or len(flexibility) > np.count_nonzero(way.parent >= 0):
+    if system.in_tree is None and (ends.anchors or len(flexibility) > np.count_nonzero(way.parent >= 0)):
         chosen = _spanning(system, flexibility, ends)
         way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
     return _layout(system, flexibility, ends, chosen, way)

@@ -130,6 +130,32 @@ def network_modes(
     return VariantModes(frequency, lower, upper, number)
 
 
+def counted_modes(found: TreeModes, tree: Tree, ends: tuple[IntArray, IntArray], chord: FloatArray) -> TreeModes:
+    """Modes of one train with chords, with bounds that counts prove: each frequency is in its own, and none is missing.
+
+    They stay as they are, with the bounds of their method, where counts do not enclose every one of them.
+    """
+    modes = len(found.frequency)
+    own, one = replace(tree, flexibility=tree.flexibility[:, None], inertia=tree.inertia[:, None]), chord[:, None]
+    torn, rows = _torn(Network(own, pairs(tree.size, *ends), one), tree, ends)
+    if not modes or torn.tree.parents.count(-1) != 1:
+        return found
+    most = rows[np.argmax(tree.moving_inertia[:, None] * found.angle**2, axis=0)]  # what moves most of each mode
+    passed = np.abs(found.torque * found.angle[tree.parent]).sum(axis=0) / found.frequency**2
+    bounds, left = np.stack([found.frequency] * 2), np.arange(modes)
+    for roots in (most[:1].repeat(modes), most):  # the first root is right for most of them
+        for root in np.unique(roots[left]).tolist():
+            some = left[roots[left] == root]
+            columns = torn.chosen(np.zeros(len(some), dtype=np.int64))
+            way = _way(columns, root, float(found.frequency[some[len(some) // 2]]) ** 2)
+            w = found.frequency[some]
+            bounds[:, some], proven = _enclosed(columns, w, passed[some] * w**2, some + found.rigid, way)
+            left = np.setdiff1d(left, some[proven])
+    if left.size:
+        return found
+    return replace(found, lower=bounds[0], upper=bounds[1], certified=True)
+
+
 def _laws(tree: Tree, factors: FloatArray | None, trains: int) -> Shafts | None:
     """The shafts of all trains."""
     if tree.shafts is None:
@@ -366,18 +392,18 @@ def _proven(
 
 
 def _enclosed(
-    trains: Network, frequency: FloatArray, passed: FloatArray, mode: int, way: _Way
+    trains: Network, frequency: FloatArray, passed: FloatArray, mode: int | IntArray, way: _Way
 ) -> tuple[FloatArray, BoolArray]:
-    """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
-    shafts = trains.tree.shafts
+    """Bounds (2, trains) rad/s of the mode (of each; from 0, rigid ones counted), and which of them are proven."""
+    shafts, mode = trains.tree.shafts, np.broadcast_to(mode, frequency.shape)
     bounds, left, some = np.stack([frequency] * 2), np.arange(len(frequency)), trains
     half = expected_width(trains.tree, frequency, passed)
     half = np.minimum(half * (_OF_CHORDS if len(trains.chord) else 1.0), _WIDEST / _WIDENED[-1])
     top = np.inf if shafts is None else SHARE_OF_LIMIT * shafts.limit
     for times in _WIDENED:
         bounds[0, left], bounds[1, left] = (frequency[left] * (1.0 + sign * times * half[left]) for sign in (-1, 1))
-        proven = (_count(some, bounds[0, left], 1, way) <= mode) & (_count(some, bounds[1, left], -1, way) > mode)
-        proven &= bounds[1, left] <= top
+        proven = (_count(some, bounds[0, left], 1, way) <= mode[left]) & (bounds[1, left] <= top)
+        proven &= _count(some, bounds[1, left], -1, way) > mode[left]
         left = left[~proven]
         if not left.size:
             break

@@ -64,6 +64,16 @@ TRAINS: dict[str, dict[str, str]] = {
         "more": "- shaft: {name: line, length: 2, diameter: 0.05, role: propeller, features: propeller keyless}",
         "vary": "rubber.stiffness: {uniform: 15 %}, disc.inertia: {uniform: 20 %}, line.length: {uniform: 20 %}",
     },
+    "diameters beside discs, and the stress that they decide": {
+        "rules": "[iacs-m68, coupling-maker]", "limits": "vibratory_torque: 165 N*m",
+        "more": "- shaft: {name: line, length: 2, diameter: 0.05, role: propeller, features: propeller keyless}",
+        "vary": "rubber.stiffness: {uniform: 15 %}, line.diameter: {uniform: 10 %}, line.length: {uniform: 10 %}",
+    },
+    "bored shafts": {
+        "rules": "[coupling-maker]", "limits": "vibratory_torque: 160 N*m",
+        "more": "- shaft: {name: line, length: 2, diameter: 0.06, bore: 0.04, role: intermediate, features: slot}",
+        "vary": "rubber.stiffness: {uniform: 15 %}, line.diameter: {uniform: 10 %}, line.bore: {uniform: 10 %}",
+    },
     "stress above the limit of continuous use": {
         "rules": "[iacs-m68]", "pump": "damping: {model: viscous, value: 3 N*m*s/rad}, ",
         "more": "- shaft: {name: line, length: 1.5, diameter: 0.032, role: intermediate, features: slot, segments: 3}",
@@ -185,6 +195,10 @@ def test_figures_enter_rows_as_powers_or_as_a_share_of_a_sum() -> None:
     for read, factor in (
         (lambda x: [[x**2, 3 * x**2], [5.0, 5.0]], [[1.5**2], [1.0]]),
         (lambda x: [[x + 1.0, 2 * x + 2.0], [1 / x, 7.0 / x]], [[4.0 / 3.0], [1.0 / 1.5]]),
+        (
+            lambda x: [[0.35 + 0.93 * x**-0.2], [1 / (x**4 - 3)]],
+            [[(0.35 + 0.93 * 3**-0.2) / (0.35 + 0.93 * 2**-0.2)], [1 / 6]],
+        ),
         (lambda x: [[x, x**2]], None),  # the samples of a row vary as one
         (lambda x: [[x**2 + x, 1.0]], None),
     ):

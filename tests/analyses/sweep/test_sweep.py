@@ -132,6 +132,8 @@ EXACT = (
     ("text", "vary"),
     [
         (LOOP, "chord.stiffness: {uniform: 30 %}, coupling-1.stiffness: {uniform: 20 %}"),
+        (LOOP, "coupling-2.stiffness: {uniform: 50 %}, coupling-1.stiffness: {uniform: 50 %}"),  # either is the stiffer
+        (LOOP, "chord.stiffness: {from: 15e-6 MN*m/rad, to: 15e3 MN*m/rad, steps: 128}"),
         (EXACT, "disc-1.inertia: {uniform: 30 %}, shaft-1.diameter: {uniform: 10 %}"),
         (EXACT, "shaft-1.length: {uniform: 40 %}"),
     ],

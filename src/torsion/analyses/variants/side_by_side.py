@@ -81,6 +81,8 @@ def side_by_side(system: System, variation: Variation, values: FloatArray, count
 
     def read(study: Study) -> Rows | None:
         own = (of_train if system.bars is None else as_divided)(system, study.train)
+        if len(own_chord) and len(own.spans) == len(system.spans):  # the stiffest spans of a variant may be others
+            own = replace(own, in_tree=~np.isin(np.arange(len(system.spans)), system.condensed.extra))
         (ends, chord), tree = _chords(own), _tree(own)
         same = np.array_equal(tree.parent, base.parent) and np.array_equal(ends, at)
         rows = np.concatenate([tree.flexibility, tree.moving_inertia, chord, _figures(tree)])[:, None]

@@ -14,7 +14,7 @@ from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import Steady, steady_if_known
 from torsion.analyses.undamped_modes import Modes, span_torques
 from torsion.analyses.variants.one_by_one import READ, Key
-from torsion.analyses.variants.products import Products, Rows, products
+from torsion.analyses.variants.products import UNCHANGED, Products, Rows, products
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
 from torsion.assembly import as_divided
 from torsion.assembly.lumped import SHARE_OF_ERROR, excess, is_refined, segments_along
@@ -247,8 +247,7 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
     mean, same = steady_if_known(study, system, sample), [_read_alike(part) for part in study.train.parts]
     size = (5 + 2 * len(found)) * system.condensed.tree.size
     highest = highest_excited(study, system, work.ruled)
-    whole = Swept(work, system, found, Products(np.empty((0, 0)), np.empty((0, 0)), np.empty(0), np.empty((0, 0))),
-                  np.ones(len(system.spans)), (), highest)  # fmt: skip
+    whole = Swept(work, system, found, UNCHANGED, np.ones(len(system.spans)), (), highest)
     evidence = whole.evidence(sample[None], np.ones((size, 1)))
     clauses = list(work.rules.pointwise(evidence))
 

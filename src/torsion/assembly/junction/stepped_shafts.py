@@ -245,14 +245,16 @@ def corners(train: Train) -> Iterator[tuple[Step | None, Bar, Bar, End, End]]:
 
 
 def unrounded(train: Train) -> Iterator[tuple[Bar, Bar, str]]:
-    """Both shafts at every corner of no stated radius, and what it is; other corners of flanges and undercuts too."""
+    """Both shafts at every corner of no stated radius, and what it is: other ones of flanges, undercuts, bores too."""
     wide = {inertia.station for inertia in train.inertias}
-    for step, one, two, _, _ in corners(train):
+    for step, one, two, smaller, larger in corners(train):
         if step is not None and (step.round or not _is_smooth(one, two)):
             if not step.round:
                 yield one, two, "sharp step" if step.form == "sharp" else "step" if step.form else step.words
             elif not step.fillet:
                 yield one, two, f"other corner of the {step.words}"
+            if step.round and smaller.bore != larger.bore:
+                yield one, two, "step of the bore"
         elif step is None and one.driven not in wide and not _is_smooth(one, two):
             yield one, two, "step"
 

@@ -35,7 +35,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm."
     )
     yield _matrix(found, reference(findings))
-    yield _list(found, rated(findings), reference(findings))
+    if any(c.is_inside for c in found):
+        yield _list(found, rated(findings), reference(findings))
     by_torque = findings.get(FrequenciesOverSpeed)
     met = {c.order for c in found if c.is_inside}
     shown = sorted(sorted({c.order for c in found}, key=lambda one: (one not in met, one))[:MOST_ORDERS])

@@ -351,9 +351,10 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     if response is not None and np.any(unreliable(findings)):
         _, unknown = unanswered(response.speed * RPM, unreliable(findings))
     critical = [(one.speed * RPM, one.line.named().partition(" (")[0]) for one in strongest(findings)]
+    they = "critical speed" if len(critical) == 1 else counted(len(critical), "critical speed")
     caption = (
         f"Speeds of {reference(findings)}: what is barred or unstable"
-        + (f", and the {counted(len(critical), 'critical speed')} with the largest torque" if critical else "")
+        + (f", and the {they} with the largest torque" if critical else "")
     )  # fmt: skip
     yield of_torsion(findings, speed_range(
         "speeds", caption, speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings),

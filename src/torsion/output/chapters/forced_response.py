@@ -174,9 +174,11 @@ def _name(findings: Findings, index: int) -> str:
     return findings.need(Response).lines[index].named(reference(findings))
 
 
-def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Table:
+def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Block:
     """The peaks as a table; where there are too many, the largest referred to one speed."""
     response, peaks = findings.need(Response), found_peaks(findings, found)
+    if not peaks:
+        return Paragraph("No harmonic component has a resonance peak inside the speed range.")
     size = [-peak.torque * peak.element.ratio for peak in peaks]
     kept = sorted(sorted(range(len(peaks)), key=size.__getitem__)[:MOST_PEAKS])
     rows = []

@@ -74,7 +74,7 @@ def _spread(findings: Findings, found: Sweep) -> Figure:
 
 def _indices(found: Sweep) -> Block:
     rows = [
-        (one.of, one.figure, *(number(value, 3) for value in (one.first, one.first_error, one.total, one.total_error)))
+        (one.of, one.figure, *(_share(value) for value in (one.first, one.first_error, one.total, one.total_error)))
         for one in found.indices
     ]
     return table(
@@ -84,6 +84,11 @@ def _indices(found: Sweep) -> Block:
         "95 % interval",
         short="Share of the variance due to a figure",
     )
+
+
+def _share(value: float) -> str:
+    """Of a variance, to thousandths: an index has no more digits than its interval."""
+    return f"{value:.3f}".replace("-", "−") if abs(value) >= 0.0005 else "< 0.001"
 
 
 def _frequencies(found: Sweep) -> Block:
