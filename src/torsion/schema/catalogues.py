@@ -5,16 +5,15 @@ from dataclasses import replace
 
 from torsion import units
 from torsion.components.lowering import Part
-from torsion.errors import Fault, Path
+from torsion.errors import Fault
 from torsion.schema.csv_columns import CATALOGUE, LABEL, SAID
 from torsion.schema.csv_rows import Reading, Rows
-from torsion.schema.fault_text import Node, Source
+from torsion.schema.fault_text import Source
+from torsion.schema.varied_figure import Row
 
-Alternative = tuple[str, tuple[tuple[Path, Node], ...], dict[str, float]]  # name, puts, mass and cost
 
-
-def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> Iterator[Alternative]:
-    """Every row of a catalogue of a component, whose table the reader of the source has opened."""
+def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> Iterator[Row]:
+    """Every row of a catalogue of a component, with mass and cost; the reader of the source has opened the table."""
     reading = Reading(source, None, dict(source.tables), [])
     for row in Rows(reading.tables[name], CATALOGUE + part.kind).nodes(reading):
         label, said = str(row.value[LABEL]), {}
@@ -31,7 +30,7 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
         puts = {key: node for key, node in row.parts.items() if key not in (LABEL, *SAID)}
         origin = row.parts.get("source", row.parts[LABEL])
         puts["source"] = replace(origin, value=f"{name}, {label}" + (f": {origin.value}" if "source" in puts else ""))
-        yield label, tuple(((*part.path, key), node) for key, node in puts.items()), said
+        yield Row(label, tuple(((*part.path, key), node) for key, node in puts.items()), said)
     faults += reading.faults
 
 

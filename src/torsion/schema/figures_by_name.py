@@ -79,7 +79,7 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
 def _of_catalogue(law: Choice, name: str, part: Part, overlay: Overlay) -> Iterator[Figure]:
     """The figure whose values are the rows of a catalogue; none where those are at fault."""
     before = len(overlay.faults)
-    rows = [Row(*one) for one in alternatives(name, part, overlay.source, overlay.faults)]
+    rows = list(alternatives(name, part, overlay.source, overlay.faults))
     there = {path: node.value for row in rows for path, _ in row.puts
              if (node := node_at(overlay.source.root, path)) is not None}  # fmt: skip
     own = (k for k, row in enumerate(rows)

@@ -29,10 +29,6 @@ class Varying(Protocol):
     """Settings of an analysis that varies figures of the file."""
 
     @property
-    def together(self) -> tuple[tuple[str, ...], ...]:
-        """Figures that vary as one."""
-
-    @property
     def varied(self) -> tuple[str, Mapping[str, Choice]]:
         """The key that names the figures, and how each varies; none for every tolerance of the file."""
 
@@ -64,10 +60,6 @@ class Variation:
         source = chosen.file(list(values.values()))
         others = tuple(one for place, one in enumerate(self.figures) if place not in values)
         return replace(self, figures=others, source=source, base=self.read(source))
-
-    def only(self, place: int, value: float) -> Study:
-        """The study with one figure at a value, all others as in the file."""
-        return replace(self, figures=(self.figures[place],)).study([value])
 
     def stated(self, place: int, value: float) -> tuple[str, str]:
         """The first value of a figure in words, as the file has it and at a value."""
@@ -135,16 +127,17 @@ class Variation:
         apart: Collection[int],
     ) -> Group:  # fmt: skip
         """The group of variants with these values; keys that do not vary are as in the first of them."""
-        own, columns = list[Figure](), list[FloatArray]()
+        own, columns = list[Figure](), [np.empty((len(values), 0))]
         for place, one in enumerate(self.figures):
             column = values[:, place]
             if place in listed:
-                figures, numbers = self._numbered[place].numbers(int(self._numbered[place].kinds[int(column[0])]))
-                numbers = numbers[column.astype(np.intp)]
-            else:
-                figures, numbers = ([] if place in apart else [one]), column[:, None][:, : place not in apart]
-            own += figures
-            columns.append(numbers)
+                numbered, rows = self._numbered[place], column.astype(np.intp)
+                figures, numbers = numbered.numbers(int(numbered.kinds[rows[0]]))
+                own += figures
+                columns.append(numbers[rows])
+            elif place not in apart:
+                own.append(one)
+                columns.append(column[:, None])
         numbers, row = np.hstack(columns), {place: float(values[0, place]) for place in (*listed, *apart)}
         own = [replace(one, nominal=_middle(one, value)) for one, value in zip(own, numbers[0], strict=True)]
 
@@ -198,7 +191,8 @@ def _variation(
     if not found and len(faults) == before:
         hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
         faults.append(Fault(place, "no figure of the file varies", hint))
-    figures = list(_in_columns(found, settings.together, (*place, "together"), faults))
+    as_one = getattr(settings, "together", ())  # names of figures
+    figures = list(_in_columns(found, as_one, (*place, "together"), faults))
     variation = Variation(tuple(figures), source, read, study)
     if len(faults) == before and isinstance(settings, Refusing):
         faults += [replace(one, path=(*place, *one.path)) for one in settings.refused(study, figures)]
@@ -247,10 +241,10 @@ def _in_pairs(one: Figure, other: Figure) -> bool:
 
 def _faults_at_ends(variation: Variation, where: Path) -> Iterator[Fault]:
     """Figures whose range, or one of whose alternatives that are tried, leaves what the file may say."""
-    for place, figure in enumerate(variation.figures):
+    for figure in variation.figures:
         for value in _to_be_read(figure, variation.source) if figure.rows else figure.ends.tolist():
             try:
-                variation.only(place, value)
+                replace(variation, figures=(figure,)).study([value])
             except InputError as error:
                 why = error.faults[0]
                 message = f"{figure.name} {figure.words(value)}: {why.message}"

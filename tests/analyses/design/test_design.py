@@ -87,6 +87,18 @@ def test_a_robust_choice_is_the_best_at_the_worst_of_the_samples_of_the_sweep() 
     assert best == pytest.approx(-log(high / low) / 4.0, rel=1e-5)
 
 
+def test_alternatives_that_are_no_numbers_are_solved_by_themselves() -> None:
+    ends = [0.1 + 0.01 * k for k in range(20)]
+    listed = ", ".join(f"[0.1, {end:.2f}]" for end in ends)
+    found = designed(
+        TWO.replace("tolerance: 15 %%", "inertia: [0.1, 0.2]")
+        % f"  design: {{choose: {{coupling-1.inertia: {{values: [{listed}]}}}}, aim: {{mode-1.frequency: 27 Hz}}}}"
+    )
+    frequency = np.sqrt(20000 * (1 / 1.3 + 1 / (0.8 + np.array(ends)))) / (2 * pi)
+    assert found.evaluations == 20
+    assert found.picked[0] == np.argmin(np.abs(np.log(frequency / 27.0)))
+
+
 def test_a_robust_choice_keeps_a_condition_in_every_sample_of_a_case() -> None:
     text = TWO % (
         "  design: {choose: {coupling-1.stiffness: {from: 1e4, to: 6e4}}, aim: {mode-1.frequency: 33}, robust: true,\n"

@@ -86,11 +86,6 @@ class DesignSettings(Declared):
         return "choose", self.choose
 
     @property
-    def together(self) -> tuple[tuple[str, ...], ...]:
-        """None are chosen as one."""
-        return ()
-
-    @property
     def target(self) -> tuple[Subject, float] | None:
         """The mode and the frequency (Hz) that are aimed at; None for the margin."""
         if self.aim == "margin":
