@@ -1,6 +1,6 @@
 """Responses of many trains side by side: each train by itself, 40 digits, closed forms; peaks and their told error."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import mpmath as mp
 import numpy as np
@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
 from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import Status, TreeResponse, complex_compliance, status, tree_response
-from torsion.kernels.variant_response import EVEN, Trains, resonance_grid, vertex
+from torsion.kernels.tree_response import complex_compliance, tree_response
+from torsion.kernels.variant_response import Trains, resonance_grid, variant_peaks
 
 
 def layout(parent: list[int], held: tuple[int, ...] = ()) -> Tree:
@@ -29,42 +29,6 @@ def chain(size: int, count: int, *, eta: float = 0.05, seed: int = 1, spread: fl
     loss = np.full(size, eta / 4.0)
     loss[1] = eta
     return Trains(layout([*range(-1, size - 1)]), h, j, np.zeros(size), loss, np.zeros(size))
-
-
-def part(trains: Trains, some: slice) -> Trains:
-    return replace(trains, flexibility=trains.flexibility[:, some], inertia=trains.inertia[:, some])
-
-
-def response(trains: Trains, w: np.ndarray, force: np.ndarray) -> TreeResponse:
-    """At circular frequencies `w` (trains, points); columns are trains, and points in each."""
-    h, j = (np.repeat(own, w.shape[1], axis=1) for own in (trains.flexibility, trains.inertia))
-    hc = complex_compliance(h, trains.viscous, trains.loss_factor, w.ravel())
-    tree = replace(trains.tree, flexibility=h, inertia=j)
-    return tree_response(tree, w.ravel(), force, ground_damping=trains.ground_damping, compliance=hc)
-
-
-@dataclass(frozen=True)
-class Peaks:
-    """Of every span's torque over a band, as a grid and the parabola find them; (spans, trains), or (trains,)."""
-
-    torque: np.ndarray
-    error: np.ndarray  # infinite where damping moves resonances away from the points
-    ok: np.ndarray
-
-
-def peaks(trains: Trains, force: np.ndarray, band: tuple[float, float]) -> Peaks:
-    centre, ratio = trains.resonances(band[1])
-    w, size = resonance_grid(centre, ratio, np.linspace(*band, EVEN)), len(trains.inertia)
-    found = np.abs(response(trains, w, force).torque).reshape(size, len(w), -1)
-    coarse, (fine, place, _) = vertex(w[:, ::2], found[:, :, ::2])[0], vertex(w, found)
-    there = response(trains, place.T, force)
-    own = np.abs(there.torque).reshape(size, len(w), size)[np.arange(size), :, np.arange(size)]
-    torque = np.fmax(own, found.max(axis=2))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        gap = np.abs(np.stack([fine, coarse]) / torque - 1.0).max(axis=0)
-    error = np.where(torque > 0.0, np.inf if trains.displaces(band[1]) else gap, 0.0)
-    ok = status(there.amplification, there.residual).reshape(len(w), size).max(axis=1) == Status.OK
-    return Peaks(np.where(ok, torque, np.inf), error, ok)
 
 
 @settings(max_examples=25, deadline=None)
@@ -128,13 +92,13 @@ def test_another_number_of_columns_is_refused() -> None:
 
 def test_peaks_are_those_of_a_search_and_the_told_error_covers_them() -> None:
     trains, force, band = chain(6, 12), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]), (1.0, 130.0)
-    found = peaks(trains, force, band)
+    found = variant_peaks(trains, force, band)
     assert found.ok.all()
     for k in range(12):
-        one = part(trains, slice(k, k + 1))
+        one = trains.part(slice(k, k + 1))
 
         def torque(w: np.ndarray, one: Trains = one) -> np.ndarray:
-            return np.abs(response(one, np.reshape(w, (1, -1)), force).torque)
+            return np.abs(one.response(np.reshape(w, (1, -1)), force).torque)
 
         even = np.linspace(*band, 4001)
         sampled = torque(even)
@@ -155,20 +119,27 @@ def test_a_mode_that_only_some_trains_have_within_the_band_is_found_there() -> N
     trains = chain(3, 64, eta=0.004, spread=0.3)
     middle = np.sort(trains.resonances(1e3)[0][1])
     band = (0.6 * middle[0], middle[20])
-    found = peaks(trains, np.array([0.0, 0.0, 1.0]), band)
+    found = variant_peaks(trains, np.array([0.0, 0.0, 1.0]), band)
     within = trains.resonances(1e3)[0][1] < 0.999 * band[1]
     even = np.broadcast_to(np.linspace(*band, 20001), (64, 20001))
     for k in np.flatnonzero(within).tolist():
-        dense = np.abs(response(part(trains, slice(k, k + 1)), even[:1], np.array([0.0, 0.0, 1.0])).torque).max(axis=1)
+        dense = np.abs(trains.part(slice(k, k + 1)).response(even[:1], np.array([0.0, 0.0, 1.0])).torque).max(axis=1)
         assert (found.torque[1:, k] >= (1.0 - 1e-6) * dense[1:]).all()
     assert 0 < within.sum() < 64
 
 
 def test_a_resonance_without_damping_is_no_number() -> None:
     trains = chain(4, 5, eta=0.0)
-    found = peaks(trains, np.array([1.0, 0.0, 0.0, 0.0]), (1.0, 150.0))
+    found = variant_peaks(trains, np.array([1.0, 0.0, 0.0, 0.0]), (1.0, 150.0))
     assert not found.ok.any()
     assert np.isinf(found.torque).all()
+
+
+def test_more_trains_than_are_solved_at_once_are_the_same_as_some_of_them() -> None:
+    trains, force = chain(5, 400), np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+    found = variant_peaks(trains, force, (1.0, 120.0))
+    some = replace(trains.part(slice(150, 400)), loss_factor=np.tile(trains.loss_factor[:, None], 250))
+    assert found.torque[1:, 150:] == pytest.approx(variant_peaks(some, force, (1.0, 120.0)).torque[1:], rel=1e-6)
 
 
 def test_a_grid_holds_every_resonance_and_its_half_power_points() -> None:
@@ -190,8 +161,8 @@ def test_no_peak_of_a_heavily_damped_train_is_missed_unless_the_error_says_so() 
         viscous, loss = np.zeros(4), np.full(4, 0.02)
         viscous[rng.integers(1, 4)] = np.exp(rng.uniform(-4.0, 4.0)) / h.mean()
         trains = Trains(layout([-1, 0, 1, 2]), h, j, viscous, loss, np.zeros(4))
-        found = peaks(trains, force, band)
-        true = np.abs(response(trains, np.tile(w, (3, 1)), force).torque).reshape(4, 3, -1).max(axis=2)[1:]
+        found = variant_peaks(trains, force, band)
+        true = np.abs(trains.response(np.tile(w, (3, 1)), force).torque).reshape(4, 3, -1).max(axis=2)[1:]
         moved += bool(np.isinf(found.error[1:]).any())
         missed = true / found.torque[1:] - 1.0
         assert (missed <= 5e-3 + 2.0 * found.error[1:]).all()

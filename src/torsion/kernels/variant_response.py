@@ -1,22 +1,28 @@
-"""Where peaks of the response of many trains of one layout are looked for, side by side.
+"""Forced response of many trains of one layout side by side: at frequencies of each, and the peak of every torque.
 
-That is a grid that knows the resonances of each train; a parabola through 1/|T|^2 says where a peak stands (that is
-nearly one about a resonance). The same with every other point left out says how far the grid decides.
+The columns of one sweep are trains times frequencies. A peak is looked for on a grid that knows the resonances of each
+train, a parabola through 1/|T|^2 says where it stands (that is nearly one about a resonance), and there it is solved;
+the same with every other point left out says how far the grid decides.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import Tree
+from torsion.kernels.tree_response import Status, TreeResponse, complex_compliance, status, tree_response
 from torsion.kernels.variant_modes import variant_modes
 
 ABOUT = np.array([0.0, 0.2, 0.5, 1.0, 2.0, 4.0])  # to either side of a resonance, times damping ratio and frequency
 EVEN = 17  # points over the whole band
+COLUMNS = 2**13  # trains times points solved at once
 LEAST_RATIO = 1e-9  # damping ratio below which points about a resonance would be one
 
 
@@ -35,6 +41,25 @@ class Trains:
     def count(self) -> int:
         """Number of trains."""
         return int(self.inertia.shape[1])
+
+    def part(self, part: slice) -> "Trains":
+        """Some of the trains."""
+        return self._with(lambda own: own[:, part])
+
+    def _with(self, changed: Callable[[FloatArray], FloatArray]) -> "Trains":
+        """The same with other columns of what has columns."""
+        given = (own for own in vars(self).values() if isinstance(own, np.ndarray))
+        return Trains(self.tree, *(changed(own) if own.ndim > 1 else own for own in given))
+
+    def response(self, w: FloatArray, force: NDArray[Any], *, check: bool = True) -> TreeResponse:
+        """The response at circular frequencies `w` (trains, points) rad/s; columns are trains, and points in each.
+
+        force: (stations,) N m, or (stations, columns).
+        """
+        one, flat = self._with(lambda own: np.repeat(own, w.shape[1], axis=1)), w.ravel()
+        hc = complex_compliance(one.flexibility, one.viscous, one.loss_factor, flat)
+        tree = replace(self.tree, flexibility=one.flexibility, inertia=one.inertia)
+        return tree_response(tree, flat, force, ground_damping=one.ground_damping, compliance=hc, check=check)
 
     def _middle(self, highest: float, least: int = 0) -> tuple[Tree, TreeModes, int]:
         """The train of the geometric means, its modes, and how many of them count below `highest` rad/s."""
@@ -133,3 +158,47 @@ def vertex(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, IntArr
         inner = (bend > 0.0) & (move > left) & (move < right) & (least > 0.3 * here)
         found = np.where(inner, least**-0.5, value[..., 1])
     return found, np.where(inner, place[..., 1] + move, place[..., 1]), top
+
+
+@dataclass(frozen=True)
+class VariantPeaks:
+    """The largest magnitude of every span's torque over a band of frequencies."""
+
+    torque: FloatArray  # (spans, trains) N m; infinite where a response in the band is not ok
+    frequency: FloatArray  # (spans, trains) rad/s at which it stands
+    error: FloatArray  # (spans, trains) relative: what half of the points, and the parabola, would have said otherwise;
+    # infinite where damping moves resonances away from the points
+    ok: BoolArray  # (trains,) the response at every peak is ok
+
+
+def variant_peaks(trains: Trains, force: FloatArray, band: tuple[float, float]) -> VariantPeaks:
+    """Peaks of every span's torque within a `band` (lowest, highest) rad/s under `force` (stations,) N m.
+
+    >>> two = Tree(np.array([-1, 0]), np.zeros(2), np.zeros(2), np.zeros(2, dtype=bool))
+    >>> k, none = np.array([1e4, 2e4]), np.zeros(2)
+    >>> trains = Trains(two, np.stack([0 * k, 1 / k]), np.ones((2, 2)), none, np.array([0, 0.1]), none)
+    >>> variant_peaks(trains, np.array([0.0, 1.0]), (1.0, 400.0)).torque[1].round(6)  # sqrt(1 + eta^2)/(2 eta)
+    array([5.024938, 5.024938])
+    """
+    size, count = trains.inertia.shape
+    centre, ratio = trains.resonances(band[1])
+    torque, where, error = np.empty((3, size, count))
+    ok = np.empty(count, dtype=np.bool_)
+    points = 2 * (EVEN + len(ratio) * (2 * len(ABOUT) - 1)) - 1
+    width = max(1, COLUMNS // points)
+    for begin in range(0, count, width):
+        part = slice(begin, min(begin + width, count))
+        some, w = trains.part(part), resonance_grid(centre[:, part], ratio, np.linspace(*band, EVEN))
+        found = np.abs(some.response(w, force, check=False).torque).reshape(size, len(w), -1)
+        coarse, _, _ = vertex(w[:, ::2], found[:, :, ::2])
+        fine, place, _ = vertex(w, found)
+        there = some.response(place.T, force)
+        own = np.abs(there.torque).reshape(size, len(w), size)[np.arange(size), :, np.arange(size)]
+        worst = status(there.amplification, there.residual).reshape(len(w), size).max(axis=1)
+        torque[:, part], where[:, part] = np.fmax(own, found.max(axis=2)), place
+        with np.errstate(invalid="ignore", divide="ignore"):
+            gap = np.abs(np.stack([fine, coarse]) / torque[:, part] - 1.0).max(axis=0)
+        error[:, part] = np.where(torque[:, part] > 0.0, np.inf if some.displaces(band[1]) else gap, 0.0)
+        ok[part] = worst == Status.OK
+        torque[:, part.start + np.flatnonzero(~ok[part])] = np.inf
+    return VariantPeaks(torque, where, error, ok)
