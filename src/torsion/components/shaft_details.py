@@ -14,6 +14,7 @@ Small = Annotated[float, Quantity("m", above=0, usual=(None, 1.0), slip=("mm",))
 Long = Annotated[float, Quantity("m", above=0, usual=(None, 20.0), slip=("m", "mm"))]
 LARGEST_HOLE = 0.2  # of the diameter, up to which its factor was measured (IACS UR M53)
 THINNEST = 0.05  # wall between a groove and the bore / radius
+SOFTEST = 0.1  # shear modulus of a hub / that of its shaft, from which on the elements take its face as fixed
 ROOM = 0.8  # of the angle of one of several grooves, that it may take well below its floor
 
 
@@ -151,6 +152,7 @@ class Hub(Declared):
     fit: Literal["shrink", "key"] = required(
         "shrink: joined to the shaft all along, by finite elements; key: torque handed over evenly along it"
     )
+    material: str | None = given("name of one of `materials`; of a shrink fit (default: the shaft's)")
     torque: Literal["rim", "face"] = given(
         "where the torque of a shrink fit leaves the hub: over its outer surface, or its face at the shaft's end", "rim"
     )
@@ -162,6 +164,8 @@ class Hub(Declared):
             raise refuse(
                 f"a hub with `fit: {self.fit}` {wrong}", "finite elements need it; a key counts as rigid", "fit"
             )
+        if self.fit == "key" and self.material is not None:
+            raise refuse("a hub with `fit: key` has no `material`", "a key counts as rigid", "material")
 
 
 def faults_of(shaft: Any) -> None:
