@@ -8,9 +8,10 @@ from scipy.special import jn_zeros
 
 import torsion
 from torsion.analyses.fillet_stresses import Fillets
+from torsion.analyses.hub_moves import HubMoves
 from torsion.analyses.response.amplitudes import Synthesis
 from torsion.analyses.sharp_steps import SharpSteps
-from torsion.analyses.undamped_modes import modes
+from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly import assemble
 from torsion.assembly.junction.hubs import bonded
 from torsion.errors import InputError
@@ -141,6 +142,23 @@ def test_a_hub_leaves_the_fillet_and_the_sharp_step_beside_it_as_they_are() -> N
         steps, (fillet,) = results.need(SharpSteps).steps, results.need(Fillets).each
         found.append((fillet.factor, [step.flexibility for step in steps]))
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("model", ["lumped", "exact"])
+def test_each_hub_moves_the_frequencies_as_its_absence_from_the_file(model: str) -> None:
+    first, last = "{length: 120 mm, fit: shrink, diameter: 180 mm, end: first}", "{length: 90 mm, fit: key}"
+    settings = f"analyses: {{model: {model}, modes: {{count: 2}}}}\n"
+    both, *alone = (
+        torsion.run(parse(SCENE % (f", hub: [{hubs}]", "") + settings)) for hubs in (f"{first}, {last}", last, first)
+    )
+    for move, other, error in zip(both.need(HubMoves).each, alone, (True, False), strict=True):
+        without = other.need(Modes).frequency
+        rtol = 1e-12 if model == "exact" else 1e-4  # lumped: divided as the shaft with the hub, not by itself
+        np.testing.assert_allclose(move.frequency, without, rtol=rtol)
+        np.testing.assert_allclose(move.change, both.need(Modes).frequency / move.frequency - 1.0, rtol=1e-9)
+        assert move.change[0] > 0.01
+        assert (move.error is not None) is error
+    assert both.need(HubMoves).each[1].twisting == pytest.approx(0.03, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,11 @@ def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
     for bar in train.bars:
         record = parts[bar.part].shaft
         for hub in record.hubs if record is not None else ():
-            left, source = seat_length(train, bar, hub)
+            left, error = seat_length(train, bar, hub)
+            source = "of a torque that is handed over evenly"
+            if error is not None:
+                of = f" of {hub.material}" if hub.material else ""
+                source = f"by finite elements{of} without slip, within {1e3 * error:.1g} mm"
             seat = f"its seat of {1e3 * hub.length:g} mm in the hub at its {hub.end} end twists as {1e3 * left:.4g} mm"
             remark = f"{seat} of it (a model: {source}; handbooks: {1e3 * THIRD * hub.length:.4g} mm)"
             before = parts[bar.part].remark
@@ -26,15 +30,14 @@ def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
     return replace(train, parts=tuple(parts)), stiff
 
 
-def seat_length(train: Train, bar: Bar, hub: Hub) -> tuple[float, str]:
-    """m of the shaft, which twists as much as its seat and the hub; and where that is from, in words."""
+def seat_length(train: Train, bar: Bar, hub: Hub) -> tuple[float, float | None]:
+    """m of the shaft, which twists as much as its seat and the hub; and its error (m), None by formula."""
     if hub.diameter is None:
-        return THIRD * hub.length, "of a torque that is handed over evenly"
+        return THIRD * hub.length, None
     unit, own = bar.outer[0], train.shaft(bar).material
     modulus = train.materials[hub.material or own].shear_modulus / train.materials[own].shear_modulus
     found, error = bonded(hub.length / unit, hub.diameter / unit, bar.bore[0] / unit, hub.torque, modulus)
-    of = f" of {hub.material}" if hub.material else ""
-    return unit * found, f"by finite elements{of} without slip, within {unit * error * 1e3:.1g} mm"
+    return unit * found, unit * error
 
 
 @lru_cache(maxsize=256)
