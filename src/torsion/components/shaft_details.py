@@ -156,6 +156,12 @@ class Hub(Declared):
     torque: Literal["rim", "face"] = given(
         "where the torque of a shrink fit leaves the hub: over its outer surface, or its face at the shaft's end", "rim"
     )
+    pressure: Annotated[float, Quantity("Pa", above=0, usual=(1e6, 1e9), slip=("MPa", "kPa"))] | None = given(
+        "smallest mean pressure in a shrink fit, for the rule `shrink-fits`; the finite elements do not know it"
+    )
+    friction: Annotated[float, Quantity("1", above=0, below=1, usual=(0.05, 0.4), slip=("%",))] | None = given(
+        "coefficient of friction in a shrink fit; with `pressure`"
+    )
     end: Literal["first", "last"] = given("end of the shaft on which it sits", "last")
 
     def refuse_clashes(self) -> None:
@@ -166,6 +172,10 @@ class Hub(Declared):
             )
         if self.fit == "key" and self.material is not None:
             raise refuse("a hub with `fit: key` has no `material`", "a key counts as rigid", "material")
+        if (self.pressure is None) != (self.friction is None):
+            raise refuse("`pressure` and `friction` of a hub belong together", "the fit carries their product")
+        if self.fit == "key" and self.pressure is not None:
+            raise refuse("a hub with `fit: key` has no `pressure`", "a key carries the torque", "pressure")
 
 
 def faults_of(shaft: Any) -> None:

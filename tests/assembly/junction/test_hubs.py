@@ -171,6 +171,8 @@ def test_each_hub_moves_the_frequencies_as_its_absence_from_the_file(model: str)
         ("hub: {length: 50 mm, fit: key, material: steel}", "5:", "has no `material`"),
         ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: brass}", "5:", "no material is called 'brass'"),
         ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: gum, torque: face}", "5:", "below 0.1"),
+        ("hub: {length: 50 mm, fit: key, pressure: 60 MPa, friction: 0.1}", "5:", "has no `pressure`"),
+        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, pressure: 60 MPa}", "5:", "belong together"),
         ("hub: {length: 50 mm, fit: key}, step: sharp", "5:", "where a `step` is stated"),
         ("hub: [{length: 50 mm, fit: key}, {length: 60 mm, fit: key}]", "5:", "sit on one end"),
         ("notches: {keyway: {width: 20 mm, depth: 4 mm, fillet: 5 mm}}", "5:", "not smaller than the depth"),
