@@ -84,47 +84,38 @@ class GrooveStress:
 def keyway(width: float, depth: float, fillet: float, number: int = 1, bore: float = 0.0) -> Grooved:
     """Grooves with parallel flanks and a flat floor, `depth` below the circumference; all in radii of the shaft."""
     half, floor = width / 2.0, 1.0 - depth
-    within = _within(floor, bore, half)
-    foot, top = (half, floor + fillet), (half, math.sqrt(1.0 - half * half))
-    angles = math.asin((half - fillet) / within), math.asin(half / within)  # straight below both ends of the fillet
-    return _grooved(
-        [(0.0, floor), (half - fillet, floor), foot, top], angles, fillet, (half - fillet, floor + fillet), None,
-        number=number, within=within, bore=bore,
-    )  # fmt: skip
+    points = [(0.0, floor), (half - fillet, floor), (half, floor + fillet), (half, math.sqrt(1.0 - half * half))]
+    return _grooved(points, fillet, number, bore, is_flat=True)
 
 
 def splines(root: float, tooth: float, fillet: float, number: int, bore: float = 0.0) -> Grooved:
     """Straight-sided splines: radius of the root circle, width of a tooth, fillet between; in radii of the shaft."""
     pitch, half = math.pi / number, tooth / 2.0
     away = math.asin((half + fillet) / (root + fillet))  # of the fillet's centre from the middle of the tooth
+    along = (root + fillet) * math.cos(away)
 
     def turned(radius: float, angle: float) -> tuple[float, float]:
         return radius * math.sin(angle), radius * math.cos(angle)
 
-    along = (root + fillet) * math.cos(away)
-    own = math.atan2(half, along)
-    within = _within(root, bore, 0.0)
     points = [
-        (0.0, root), turned(root, pitch - away), turned(math.hypot(half, along), pitch - own),
+        (0.0, root), turned(root, pitch - away), turned(math.hypot(half, along), pitch - math.atan2(half, along)),
         turned(1.0, pitch - math.asin(half)),
     ]  # fmt: skip
-    return _grooved(
-        points, (pitch - away, pitch - own), fillet, turned(root + fillet, pitch - away), (0.0, 0.0),
-        number=number, within=within, bore=bore,
-    )  # fmt: skip
+    return _grooved(points, fillet, number, bore, is_flat=False)
 
 
-def _within(floor: float, bore: float, half: float) -> float:
-    """Radius of the circle within: between the floor and what is below it, wide enough for the flanks."""
-    least = max(bore, half)
-    return least + (floor - least) * 0.5
+def _grooved(points: list[tuple[float, float]], fillet: float, number: int, bore: float, *, is_flat: bool) -> Grooved:
+    """Floor, fillet, flank and circumference, from the groove's axis on; a floor that is not flat is round.
 
-
-def _grooved(
-    points: list[tuple[float, float]], angles: tuple[float, float], fillet: float, center: tuple[float, float],
-    floor: tuple[float, float] | None, *, number: int, within: float, bore: float,
-) -> Grooved:  # fmt: skip
-    """Floor, fillet, flank and circumference; floor: centre of the root circle, None where it is flat."""
+    The ends of a fillet are joined to the circle within straight down from a flat floor, toward the axis from a round
+    one.
+    """
+    (_, root), (x, y), (half, _), _ = points
+    least = max(bore, half) if is_flat else bore
+    within = least + (root - least) * 0.5  # between the floor and what is below it, wide enough for the flanks
+    angles = [math.asin(one[0] / within) if is_flat else math.atan2(*one) for one in points[1:3]]
+    center = (x, y + fillet) if is_flat else (x * (1.0 + fillet / root), y * (1.0 + fillet / root))
+    floor = None if is_flat else (0.0, 0.0)
     last = math.pi / number
     fine = fillet / IN_FILLET
     lengths = [math.dist(*pair) for pair in pairwise(points)]
