@@ -9,7 +9,7 @@ from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering, Role, ShaftRecord, Support
 from torsion.components.material import Material, Strength
-from torsion.components.shaft_details import SOFTEST, Hub, Notch, Step, faults_of
+from torsion.components.shaft_details import SOFTEST, STIFFEST, Hub, Notch, Step, faults_of
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
 
@@ -153,11 +153,11 @@ class Shaft(Component, keyword="shaft", sort="link"):
         """Faults of hubs of another material; raised here, where the materials are known."""
         for number, hub in enumerate(self.hub):
             made_of = build.material(hub.material, "hub", number) if hub.material else own
-            if made_of and hub.torque == "face" and made_of.shear_modulus < SOFTEST * own.shear_modulus:
-                message = (
-                    f"the hub's shear modulus is below {SOFTEST:g} of the shaft's, and its `face` hands over the torque"
-                )
-                build.fault(message, "`torque: rim`, or give hub and seat as a `coupling`", "hub", number)
+            least, most = SOFTEST if hub.torque == "face" else 1.0 / STIFFEST, STIFFEST
+            if made_of and not least <= made_of.shear_modulus / own.shear_modulus <= most:
+                limits = f"below {least:g} or above {most:g} of the shaft's"
+                hint = "give hub and seat as a `coupling`; of a soft hub, `torque: rim`"
+                build.fault(f"the shear modulus of the hub is {limits}", hint, "hub", number)
 
 
 def _ends(values: tuple[float, ...]) -> tuple[float, float]:

@@ -15,6 +15,7 @@ Long = Annotated[float, Quantity("m", above=0, usual=(None, 20.0), slip=("m", "m
 LARGEST_HOLE = 0.2  # of the diameter, up to which its factor was measured (IACS UR M53)
 THINNEST = 0.05  # wall between a groove and the bore / radius
 SOFTEST = 0.1  # shear modulus of a hub / that of its shaft, from which on the elements take its face as fixed
+STIFFEST = 1e4  # the same, up to which rounding leaves the bounds in order; of a rim the inverse is the softest
 ROOM = 0.8  # of the angle of one of several grooves, that it may take well below its floor
 
 
