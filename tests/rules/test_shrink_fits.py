@@ -51,7 +51,7 @@ def test_fit_passes_to_its_slip_torque_over_the_safety_and_fails_above() -> None
 def test_slip_reaches_into_the_seat_by_its_share_of_the_slip_torque() -> None:
     _, found = line(60e6)
     reach = 120.0 * found.value / (1.5 * found.limit)
-    assert f"slip reaches at most {reach:.3g} of 120 mm" in found.note
+    assert f"slip reaches over at most {reach:.3g} of 120 mm" in found.note
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,7 @@ class ShrinkFits(RuleOverSpeed):
             reach = 1e3 * hub.length * float(np.nan_to_num(torque, nan=np.inf).max()) / capacity
             notes = (
                 f"slips at {capacity:.5g} N m, safety {safety:g}",
-                f"slip reaches at most {min(reach, 1e3 * hub.length):.3g} of {1e3 * hub.length:g} mm into the seat",
+                f"slip reaches over at most {min(reach, 1e3 * hub.length):.3g} of {1e3 * hub.length:g} mm of the seat",
                 "no axial load, no start or shock in it",
                 MOSTLY,
             )
