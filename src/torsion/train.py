@@ -71,8 +71,13 @@ class Train:
     @property
     def has_steps(self) -> bool:
         """Steps between shafts, or hubs on them, are yet to be taken into their flexibility."""
-        stated = (p.shaft is not None and (p.shaft.step is not None or bool(p.shaft.hubs)) for p in self.parts)
-        return self.steps is not None and (self.steps != "none" or any(stated))
+        stated = any(part.shaft is not None and part.shaft.step is not None for part in self.parts)
+        return self.steps is not None and (self.steps != "none" or stated or self.has_hubs)
+
+    @property
+    def has_hubs(self) -> bool:
+        """A shaft has a hub on its end."""
+        return any(part.shaft is not None and bool(part.shaft.hubs) for part in self.parts)
 
     @property
     def has_corners(self) -> bool:

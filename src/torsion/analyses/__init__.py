@@ -81,6 +81,11 @@ ANALYSES: dict[str, Analysis] = {
         results={"sharp_steps": "SharpSteps"}, chapters=("natural_frequencies",), place=("steps",),
         wanted=lambda study: study.train.has_corners,
     ),
+    "hubs": Analysis(
+        "hubs on shafts", "torsion.analyses.hub_moves", needs=("modes",),
+        results={"hubs": "HubMoves"}, chapters=("natural_frequencies",), place=("train",),
+        wanted=lambda study: study.train.has_hubs,
+    ),
     "damped": Analysis(
         "damped modes", "torsion.analyses.damped_modes", needs=("couplings by table",),
         results={"damped_modes": "DampedModes"}, wanted=always, chapters=("natural_frequencies",),

@@ -7,6 +7,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly import assemble
 from torsion.findings import Work
 from torsion.results import reported, result
+from torsion.train import Train
 
 
 @reported
@@ -38,7 +39,7 @@ def sharp_steps(found: Modes) -> SharpSteps | None:
     """
     from torsion.assembly.junction.stepped_shafts import stepped
 
-    system, before = found.system, found.system.train
+    before = found.system.train
     train = stepped(before, "sharp", [], by_table=True)
     added = {spring.part: spring.flexibility for spring in train.springs[len(before.springs) :]}
     names = {bar.driving: bar.name for bar in before.bars}
@@ -50,11 +51,16 @@ def sharp_steps(found: Modes) -> SharpSteps | None:
     )
     if not steps:
         return None
-    size, hertz = found.frequency.size, found.frequency
+    hertz = found.frequency
     if added:
-        other = assemble(train, system.model, **vars(system.requested))
-        hertz = modes_as_discretised(other, size).frequency
+        hertz = frequencies_of(train, found)
     return SharpSteps(steps, hertz, np.asarray(hertz / found.frequency[: hertz.size] - 1.0))
+
+
+def frequencies_of(train: Train, found: Modes) -> FloatArray:
+    """Hz, as many as were found, of a train that differs in flexibilities alone, assembled as that of the modes."""
+    other = assemble(train, found.system.model, **vars(found.system.requested))
+    return modes_as_discretised(other, found.frequency.size).frequency
 
 
 def run(work: Work) -> None:

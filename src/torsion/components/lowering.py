@@ -295,14 +295,16 @@ class Lowering:
             of, name=named, kind=kind, is_point=is_point, stations=(), is_named=False, note=None, ratio=self.at.ratio,
         ))  # fmt: skip
 
-    def material(self, name: str) -> Material | None:
-        """The material of that name; None, with a fault, where there is none."""
+    def material(self, name: str, *keys: str | int) -> Material | None:
+        """The material of that name; None, with a fault at `material` behind these keys, where there is none."""
         found = self.materials.get(name)
         if found is None:
             near, known = nearest(name, self.materials), f"there is {', '.join(self.materials)}"
             figures = "{shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}"  # of an example
             hint = f"declare it with its figures, as `materials: {{{name}: {figures}}}`; {known}"
-            self.fault(f"no material is called '{name}'", f"did you mean '{near}'?" if near else hint, "material")
+            self.fault(
+                f"no material is called '{name}'", f"did you mean '{near}'?" if near else hint, *keys, "material"
+            )
         return found
 
     def record(self, **facts: Any) -> None:

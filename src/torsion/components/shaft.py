@@ -8,8 +8,8 @@ from pydantic import BeforeValidator, ConfigDict, Field, ValidationInfo, WithJso
 from torsion import fields
 from torsion.components.component import Component
 from torsion.components.lowering import Lowering, Role, ShaftRecord, Support
-from torsion.components.material import Strength
-from torsion.components.shaft_details import Hub, Notch, Step, faults_of
+from torsion.components.material import Material, Strength
+from torsion.components.shaft_details import SOFTEST, STIFFEST, Hub, Notch, Step, faults_of
 from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
 
@@ -132,6 +132,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
         material = build.material(self.material)
         if material is None:
             return
+        self._lower_hubs(build, material)
         section, widest = None, math.inf if self.unusual else WIDEST
         if self.section is not None:
             section = SectionMesh(self.section.mesh, UNITS[self.section.unit], widest)
@@ -147,6 +148,16 @@ class Shaft(Component, keyword="shaft", sort="link"):
                 segments=self.segments,
             )
         )  # fmt: skip
+
+    def _lower_hubs(self, build: Lowering, own: Material) -> None:
+        """Faults of hubs of another material; raised here, where the materials are known."""
+        for number, hub in enumerate(self.hub):
+            made_of = build.material(hub.material, "hub", number) if hub.material else own
+            least, most = SOFTEST if hub.torque == "face" else 1.0 / STIFFEST, STIFFEST
+            if made_of and not least <= made_of.shear_modulus / own.shear_modulus <= most:
+                limits = f"below {least:g} or above {most:g} of the shaft's"
+                hint = "give hub and seat as a `coupling`; of a soft hub, `torque: rim`"
+                build.fault(f"the shear modulus of the hub is {limits}", hint, "hub", number)
 
 
 def _ends(values: tuple[float, ...]) -> tuple[float, float]:

@@ -14,6 +14,8 @@ Small = Annotated[float, Quantity("m", above=0, usual=(None, 1.0), slip=("mm",))
 Long = Annotated[float, Quantity("m", above=0, usual=(None, 20.0), slip=("m", "mm"))]
 LARGEST_HOLE = 0.2  # of the diameter, up to which its factor was measured (IACS UR M53)
 THINNEST = 0.05  # wall between a groove and the bore / radius
+SOFTEST = 0.1  # shear modulus of a hub / that of its shaft, from which on the elements take its face as fixed
+STIFFEST = 1e4  # the same, up to which rounding leaves the bounds in order; of a rim the inverse is the softest
 ROOM = 0.8  # of the angle of one of several grooves, that it may take well below its floor
 
 
@@ -151,8 +153,15 @@ class Hub(Declared):
     fit: Literal["shrink", "key"] = required(
         "shrink: joined to the shaft all along, by finite elements; key: torque handed over evenly along it"
     )
+    material: str | None = given("name of one of `materials`; of a shrink fit (default: the shaft's)")
     torque: Literal["rim", "face"] = given(
         "where the torque of a shrink fit leaves the hub: over its outer surface, or its face at the shaft's end", "rim"
+    )
+    pressure: Annotated[float, Quantity("Pa", above=0, usual=(1e6, 1e9), slip=("MPa", "kPa"))] | None = given(
+        "smallest mean pressure in a shrink fit, for the rule `shrink-fits`; the finite elements do not know it"
+    )
+    friction: Annotated[float, Quantity("1", above=0, below=1, usual=(0.05, 0.4), slip=("%",))] | None = given(
+        "coefficient of friction in a shrink fit; with `pressure`"
     )
     end: Literal["first", "last"] = given("end of the shaft on which it sits", "last")
 
@@ -162,6 +171,12 @@ class Hub(Declared):
             raise refuse(
                 f"a hub with `fit: {self.fit}` {wrong}", "finite elements need it; a key counts as rigid", "fit"
             )
+        if self.fit == "key" and self.material is not None:
+            raise refuse("a hub with `fit: key` has no `material`", "a key counts as rigid", "material")
+        if (self.pressure is None) != (self.friction is None):
+            raise refuse("`pressure` and `friction` of a hub belong together", "the fit carries their product")
+        if self.fit == "key" and self.pressure is not None:
+            raise refuse("a hub with `fit: key` has no `pressure`", "a key carries the torque", "pressure")
 
 
 def faults_of(shaft: Any) -> None:

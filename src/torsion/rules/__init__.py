@@ -33,6 +33,7 @@ RULES = {  # name in the file: class, and what it is made with
     "coupling-maker": "torsion.rules.coupling_maker:CouplingMaker",
     "gear-hammer": "torsion.rules.gear_hammer:GearHammer",
     "fillets": "torsion.rules.fillet_endurance:FilletEndurance",
+    "shrink-fits": "torsion.rules.shrink_fits:ShrinkFits",
     "ice": "torsion.rules.ice_peaks:IcePeaks",
     "universal-joints": "torsion.rules.universal_joints:UniversalJoints",
 }

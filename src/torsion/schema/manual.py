@@ -118,6 +118,7 @@ SETTINGS = {  # an example of every analysis and rule
     "coupling-maker": "coupling-maker: {continuous: {from: 400 rpm, to: 1800 rpm}}",
     "gear-hammer": "gear-hammer: {limit: 0.35}",
     "fillets": "fillets: {continuous: {from: 600 rpm, to: 1500 rpm}}",
+    "shrink-fits": "shrink-fits: {safety: 2}",
     "ice": "ice: {factor: 1.3}",
     "universal-joints": "universal-joints: {speed_angle: 17000}",
 }

@@ -8,9 +8,10 @@ from scipy.special import jn_zeros
 
 import torsion
 from torsion.analyses.fillet_stresses import Fillets
+from torsion.analyses.hub_moves import HubMoves
 from torsion.analyses.response.amplitudes import Synthesis
 from torsion.analyses.sharp_steps import SharpSteps
-from torsion.analyses.undamped_modes import modes
+from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly import assemble
 from torsion.assembly.junction.hubs import bonded
 from torsion.errors import InputError
@@ -24,6 +25,11 @@ train:
   - shaft: {name: a, length: 400 mm, diameter: 100 mm, role: intermediate, endurance: 60 MPa%s}
   - disc: {inertia: 24}
 rules: [%s]
+materials:
+  steel: {shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}
+  bronze: {shear_modulus: 39.65 GPa, density: 8800}
+  air: {shear_modulus: 2 MPa, density: 1100, unusual: true}
+  gum: {shear_modulus: 2 GPa, density: 1100}
 """
 KEYWAY = "{keyway: {width: 25 mm, depth: 14 mm, fillet: 2 mm}}"
 
@@ -46,6 +52,48 @@ def test_every_further_length_of_a_hub_fixed_at_its_face_twists_as_the_solid_of_
     assert bonded(3.0, 1.6, 0.0, "rim")[0] == pytest.approx(bonded(2.0, 1.6, 0.0, "rim")[0], abs=2e-5)
 
 
+def test_hub_of_the_material_of_its_shaft_is_the_limit_of_equal_moduli() -> None:
+    for torque in ("rim", "face"):
+        found, error = bonded(1.0, 1.8, 0.0, torque)
+        near, other = bonded(1.0, 1.8, 0.0, torque, 1.0 + 1e-9)
+        assert abs(near - found) <= error + other
+
+
+def test_very_stiff_hub_clamps_the_surface_of_its_shaft() -> None:
+    """Whatever its diameter, and wherever it is fixed: the length of Wiener and Hopf, 1e5 its distance from rigid."""
+    number = 4000
+    tail = 1.0 / (2.0 * math.pi * (number + 1.0))
+    length = float(np.sum(1.0 / jn_zeros(1, number) - 1.0 / jn_zeros(2, number)) + tail) / 2.0
+    for hub, torque in ((1.4, "rim"), (1.8, "rim"), (1.8, "face")):
+        found, error = bonded(2.0, hub, 0.0, torque, 1e5)
+        assert abs(found - length) < error + 2e-5
+        assert error < 2e-5
+
+
+@pytest.mark.parametrize("modulus", [1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("bore", [0.0, 0.5])
+def test_very_soft_hub_is_an_elastic_bed_of_its_shaft(modulus: float, bore: float) -> None:
+    """G I theta'' = k theta: coth(lambda L)/lambda, lambda^2 = k/(G I), k = 4 pi G_h/(1/a^2 - 1/b^2) of the ring.
+
+    The ring's 1/k alone is too little, with the shaft's own shear across, a^2/(24 G I) where it is solid, too much.
+    """
+    length, hub = 1.0, 1.8
+    area = math.pi / 32.0 * (1.0 - bore**4)
+    bed = (4.0 - 4.0 / hub**2) / (4.0 * math.pi * modulus)
+    across = 0.25 / (24.0 * area)
+    rates = [1.0 / math.sqrt(area * one) for one in (bed, bed + across)]
+    low, high = (1.0 / (math.tanh(rate * length) * rate) for rate in rates)
+    found, error = bonded(length, hub, bore, "rim", modulus)
+    assert low < found - error < found + error < high
+    assert error < 2e-5 * found
+
+
+@pytest.mark.parametrize("modulus", [0.35, 2.6])
+def test_long_hub_of_another_material_twists_as_the_sum_of_both_stiffnesses(modulus: float) -> None:
+    short, long = (bonded(length, 1.6, 0.0, "face", modulus)[0] for length in (2.0, 3.0))
+    assert long - short == pytest.approx(1.0 / (1.0 + modulus * (1.6**4 - 1.0)), abs=2e-5)
+
+
 @pytest.mark.parametrize("model", ["lumped", "fem", "exact"])
 @pytest.mark.parametrize(
     ("hub", "left"),
@@ -54,6 +102,10 @@ def test_every_further_length_of_a_hub_fixed_at_its_face_twists_as_the_solid_of_
         ("{length: 120 mm, fit: key, end: first}", 0.04),
         ("{length: 120 mm, fit: shrink, diameter: 180 mm}", 0.1 * bonded(1.2, 1.8, 0.0, "rim")[0]),
         ("{length: 120 mm, fit: shrink, diameter: 180 mm, torque: face}", 0.1 * bonded(1.2, 1.8, 0.0, "face")[0]),
+        (
+            "{length: 120 mm, fit: shrink, diameter: 180 mm, material: bronze}",
+            0.1 * bonded(1.2, 1.8, 0.0, "rim", 0.5)[0],
+        ),
     ],
 )
 def test_hub_leaves_a_part_of_its_seat_to_twist(model: str, hub: str, left: float) -> None:
@@ -93,6 +145,23 @@ def test_a_hub_leaves_the_fillet_and_the_sharp_step_beside_it_as_they_are() -> N
     assert found[0] == found[1]
 
 
+@pytest.mark.parametrize("model", ["lumped", "exact"])
+def test_each_hub_moves_the_frequencies_as_its_absence_from_the_file(model: str) -> None:
+    first, last = "{length: 120 mm, fit: shrink, diameter: 180 mm, end: first}", "{length: 90 mm, fit: key}"
+    settings = f"analyses: {{model: {model}, modes: {{count: 2}}}}\n"
+    both, *alone = (
+        torsion.run(parse(SCENE % (f", hub: [{hubs}]", "") + settings)) for hubs in (f"{first}, {last}", last, first)
+    )
+    for move, other, error in zip(both.need(HubMoves).each, alone, (True, False), strict=True):
+        without = other.need(Modes).frequency
+        rtol = 1e-12 if model == "exact" else 1e-4  # lumped: divided as the shaft with the hub, not by itself
+        np.testing.assert_allclose(move.frequency, without, rtol=rtol)
+        np.testing.assert_allclose(move.change, both.need(Modes).frequency / move.frequency - 1.0, rtol=1e-9)
+        assert move.change[0] > 0.01
+        assert (move.error is not None) is error
+    assert both.need(HubMoves).each[1].twisting == pytest.approx(0.03, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("keys", "at", "words"),
     [
@@ -100,6 +169,12 @@ def test_a_hub_leaves_the_fillet_and_the_sharp_step_beside_it_as_they_are() -> N
         ("hub: {length: 50 mm, fit: shrink}", "5:", "lacks its `diameter`"),
         ("hub: {length: 50 mm, fit: key, diameter: 0.2}", "5:", "has no `diameter`"),
         ("hub: {length: 50 mm, fit: shrink, diameter: 90 mm}", "5:", "not larger than its shaft"),
+        ("hub: {length: 50 mm, fit: key, material: steel}", "5:", "has no `material`"),
+        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: brass}", "5:", "no material is called 'brass'"),
+        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: gum, torque: face}", "5:", "below 0.1"),
+        ("hub: {length: 50 mm, fit: key, pressure: 60 MPa, friction: 0.1}", "5:", "has no `pressure`"),
+        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, pressure: 60 MPa}", "5:", "belong together"),
+        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: air}", "5:", "below 0.0001"),
         ("hub: {length: 50 mm, fit: key}, step: sharp", "5:", "where a `step` is stated"),
         ("hub: [{length: 50 mm, fit: key}, {length: 60 mm, fit: key}]", "5:", "sit on one end"),
         ("notches: {keyway: {width: 20 mm, depth: 4 mm, fillet: 5 mm}}", "5:", "not smaller than the depth"),

@@ -20,7 +20,7 @@ NOT_IN_THIS_TRAIN = (
     "compressors", "lateral", "joints.lines[].optimum",
     "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks", "tooth_forces", "dampers", "engines",
     "pendulums", "coupling_tables", "design", "sweep", "fit", "tolerances", "coupling_temperatures",
-    "frequencies_over_speed", "sharp_steps", "fillets",
+    "frequencies_over_speed", "sharp_steps", "hubs", "fillets",
     "vibratory_torques",
     "files", "report",  # in files alone
 )  # fmt: skip

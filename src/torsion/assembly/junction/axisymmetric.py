@@ -80,14 +80,17 @@ class Solved:
 
 
 def solved(profile: Profile, fine: float = FINE) -> Solved:
-    """A line by elements of degree 4, divided until the bounds of its excess length are `fine` apart."""
+    """A line by elements of degree 4, divided until the bounds of its excess length are `fine` apart.
+
+    Of an excess length beyond a diameter, in a soft hub, `fine` is a share.
+    """
     here, levels = meridian(profile).graded(GRADED), list[Bounds]()
     end = profile.smaller
     unit = end.twist / end.length * end.outer[0]
     while True:
         bounds, fields = on_mesh(profile, here)
         levels.append(bounds)
-        if bounds.upper - bounds.lower <= fine * unit:
+        if bounds.upper - bounds.lower <= fine * max(unit, bounds.lower - profile.plain):
             return Solved(profile, here, tuple(levels), fields)
         if bounds.triangles > MOST:
             raise SolveError("the finite elements of a junction do not converge; look at its dimensions")
@@ -132,11 +135,13 @@ def _functions(profile: Profile, here: Meridian) -> tuple[Any, FloatArray, Float
     basis = skfem.Basis(here.curved, skfem.ElementTriP4(), intorder=ORDER)
     z, r = np.asarray(basis.global_coordinates())
     values = np.array([np.broadcast_to(np.asarray(one[0]), r.shape) for one in basis.basis])
-    return basis, values, np.array([one[0].grad for one in basis.basis]), r, _modulus(profile, z)
+    return basis, values, np.array([one[0].grad for one in basis.basis]), r, _modulus(profile, z, r)
 
 
-def _modulus(profile: Profile, z: FloatArray) -> FloatArray:
+def _modulus(profile: Profile, z: FloatArray, r: FloatArray) -> FloatArray:
     owner = np.searchsorted(np.array(profile.places[1:-1]), z)
+    if profile.seat:
+        owner = np.where(r < profile.seat, 0, owner)
     return np.array([one.modulus for one in profile.lengths])[owner]
 
 

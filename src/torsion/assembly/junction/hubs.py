@@ -17,7 +17,11 @@ def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
     for bar in train.bars:
         record = parts[bar.part].shaft
         for hub in record.hubs if record is not None else ():
-            left, source = seat_length(bar, hub)
+            left, error = seat_length(train, bar, hub)
+            source = "of a torque that is handed over evenly"
+            if error is not None:
+                of = f" of {hub.material}" if hub.material else ""
+                source = f"by finite elements{of} without slip, within {1e3 * error:.1g} mm"
             seat = f"its seat of {1e3 * hub.length:g} mm in the hub at its {hub.end} end twists as {1e3 * left:.4g} mm"
             remark = f"{seat} of it (a model: {source}; handbooks: {1e3 * THIRD * hub.length:.4g} mm)"
             before = parts[bar.part].remark
@@ -26,18 +30,23 @@ def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
     return replace(train, parts=tuple(parts)), stiff
 
 
-def seat_length(bar: Bar, hub: Hub) -> tuple[float, str]:
-    """m of the shaft, which twists as much as its seat; and where that is from, in words."""
+def seat_length(train: Train, bar: Bar, hub: Hub) -> tuple[float, float | None]:
+    """m of the shaft, which twists as much as its seat and the hub; and its error (m), None by formula."""
     if hub.diameter is None:
-        return THIRD * hub.length, "of a torque that is handed over evenly"
-    unit = bar.outer[0]
-    found, error = bonded(hub.length / unit, hub.diameter / unit, bar.bore[0] / unit, hub.torque)
-    return unit * found, f"by finite elements without slip, within {unit * error * 1e3:.1g} mm"
+        return THIRD * hub.length, None
+    unit, own = bar.outer[0], train.shaft(bar).material
+    modulus = train.materials[hub.material or own].shear_modulus / train.materials[own].shear_modulus
+    found, error = bonded(hub.length / unit, hub.diameter / unit, bar.bore[0] / unit, hub.torque, modulus)
+    return unit * found, unit * error
 
 
 @lru_cache(maxsize=256)
-def bonded(length: float, hub: float, bore: float, torque: Literal["rim", "face"]) -> tuple[float, float]:
-    """Length of shaft that twists as a seat in a bonded hub of its material, and its error; all in diameters.
+def bonded(
+    length: float, hub: float, bore: float, torque: Literal["rim", "face"], modulus: float = 1.0
+) -> tuple[float, float]:
+    """Length of shaft that twists as a seat in a bonded hub and the hub itself, and its error; all in diameters.
+
+    modulus: shear modulus of the hub / that of the shaft.
 
     >>> length, error = bonded(1.0, 1.8, 0.0, "rim")
     >>> round(length, 3), error < 2e-5
@@ -47,6 +56,6 @@ def bonded(length: float, hub: float, bore: float, torque: Literal["rim", "face"
     from torsion.assembly.junction.profile import REACH, Length, Profile
 
     free = Length(REACH * (1.0 - bore) / 2.0, (1.0, 1.0), (bore, bore))
-    seat = Length(length, (hub, hub), (bore, bore))
+    seat = Length(length, (hub, hub), (bore, bore), modulus)
     found = solved(Profile((free, seat), (None,), torque))
     return found.excess_length, found.error

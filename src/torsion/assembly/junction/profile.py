@@ -87,6 +87,12 @@ class Profile:
         return sum(one.twist for one in (self.lengths if self.fixed == "end" else self.lengths[:-1]))
 
     @property
+    def seat(self) -> float:
+        """Radius at which a hub of another material than its shaft begins; 0 where there is none."""
+        shaft, hub = self.lengths[0], self.lengths[-1]
+        return 0.0 if self.fixed == "end" or shaft.modulus == hub.modulus else shaft.outer[1] / 2.0
+
+    @property
     def places(self) -> tuple[float, ...]:
         """Where the lengths end, from 0 on."""
         found = [0.0]

@@ -228,6 +228,8 @@ def _radii(
     low, high = min(kept), max(kept)
     if low < core:
         kept.append(core)
+    if low < profile.seat < high:
+        kept.append(profile.seat)
     if profile.fixed == "face" and z == profile.places[-1]:
         kept.append(profile.lengths[0].outer[1] / 2.0)
     near = CLOSE * high
@@ -266,6 +268,8 @@ def _strips(profile: Profile, ends: Pair, core: float, fills: list[_Fill]) -> li
     edges = [(bore0, bore1), (outer0, outer1)]
     if bore0 < core:
         edges.insert(1, (core, core))
+    if bore0 < profile.seat < outer0 * (1.0 - CLOSE):
+        edges.insert(-1, (profile.seat, profile.seat))
     found = list(pairwise(edges))
     for fill in fills:
         if fill.span[0] < amid < fill.span[1]:

@@ -80,7 +80,7 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         else:
             message = f"the fillets of '{smaller.bar.name}' take more than half of its twist"
             faults.append(Fault(path, message, "give the stiffness of both as a `coupling` in its place"))
-    if train.steps is not None and any(part.shaft is not None and part.shaft.hubs for part in train.parts):
+    if train.steps is not None and train.has_hubs:
         found, shorter = _hubs(found, shorter, faults)
     bars = [
         replace(bar, shear_modulus=bar.shear_modulus / (1.0 - shorter.get(bar.name, 0.0) / bar.length))

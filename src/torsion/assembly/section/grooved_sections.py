@@ -46,9 +46,16 @@ class Piece:
     within: tuple[float, float]  # angles on the circle within to which its ends are joined
     sides: tuple[float, ...]  # shares of it at which its sides end, from 0 to 1
     center: tuple[float, float] | None = None  # of an arc, taken the shorter way around
+    base: float = 0.0  # radius of the base circle of an involute that goes away from the groove's axis; 0 for none
 
     def at(self, share: FloatArray) -> FloatArray:
-        """(2, shares) the points there."""
+        """(2, shares) the points there; along an involute by shares of the string, which keeps it smooth."""
+        if self.base:
+            first, last = (math.sqrt(math.hypot(*one) ** 2 - self.base**2) for one in (self.start, self.end))
+            string = first + (last - first) * share
+            turns = string / self.base - np.arctan(string / self.base)
+            angle = math.atan2(*self.start) + turns - involute(first / self.base)
+            return np.asarray(np.hypot(string, self.base) * np.array([np.sin(angle), np.cos(angle)]))
         start, end = np.array(self.start), np.array(self.end)
         if self.center is None:
             return np.asarray(start[:, None] + np.outer(end - start, share))
@@ -84,47 +91,80 @@ class GrooveStress:
 def keyway(width: float, depth: float, fillet: float, number: int = 1, bore: float = 0.0) -> Grooved:
     """Grooves with parallel flanks and a flat floor, `depth` below the circumference; all in radii of the shaft."""
     half, floor = width / 2.0, 1.0 - depth
-    within = _within(floor, bore, half)
-    foot, top = (half, floor + fillet), (half, math.sqrt(1.0 - half * half))
-    angles = math.asin((half - fillet) / within), math.asin(half / within)  # straight below both ends of the fillet
-    return _grooved(
-        [(0.0, floor), (half - fillet, floor), foot, top], angles, fillet, (half - fillet, floor + fillet), None,
-        number=number, within=within, bore=bore,
-    )  # fmt: skip
+    points = [(0.0, floor), (half - fillet, floor), (half, floor + fillet), (half, math.sqrt(1.0 - half * half))]
+    return _grooved(points, fillet, number, bore, is_flat=True)
 
 
 def splines(root: float, tooth: float, fillet: float, number: int, bore: float = 0.0) -> Grooved:
     """Straight-sided splines: radius of the root circle, width of a tooth, fillet between; in radii of the shaft."""
     pitch, half = math.pi / number, tooth / 2.0
     away = math.asin((half + fillet) / (root + fillet))  # of the fillet's centre from the middle of the tooth
+    along = (root + fillet) * math.cos(away)
 
     def turned(radius: float, angle: float) -> tuple[float, float]:
         return radius * math.sin(angle), radius * math.cos(angle)
 
-    along = (root + fillet) * math.cos(away)
-    own = math.atan2(half, along)
-    within = _within(root, bore, 0.0)
     points = [
-        (0.0, root), turned(root, pitch - away), turned(math.hypot(half, along), pitch - own),
+        (0.0, root), turned(root, pitch - away), turned(math.hypot(half, along), pitch - math.atan2(half, along)),
         turned(1.0, pitch - math.asin(half)),
     ]  # fmt: skip
-    return _grooved(
-        points, (pitch - away, pitch - own), fillet, turned(root + fillet, pitch - away), (0.0, 0.0),
-        number=number, within=within, bore=bore,
-    )  # fmt: skip
+    return _grooved(points, fillet, number, bore, is_flat=False)
 
 
-def _within(floor: float, bore: float, half: float) -> float:
-    """Radius of the circle within: between the floor and what is below it, wide enough for the flanks."""
-    least = max(bore, half)
-    return least + (floor - least) * 0.5
+def involute(tangent: float) -> float:
+    """tan a - a, by the tangent of the pressure angle.
+
+    >>> round(involute(math.tan(math.radians(30.0))), 7)
+    0.0537515
+    """
+    return tangent - math.atan(tangent)
+
+
+def involute_splines(
+    module: float, number: int, root: float, fillet: float, *, angle: float = math.pi / 6.0, shift: float = 0.0,
+    bore: float = 0.0,
+) -> Grooved:  # fmt: skip
+    """Involute splines with a round fillet; lengths in radii of the shaft, which is that over the teeth.
+
+    angle: of pressure (rad) on the reference circle, module * number / 2, where a tooth is module * (pi/2 + 2 shift tan
+    angle) wide. The fillet touches the root circle and the flank: its centre is on the involute of the same base circle
+    whose string is longer by its radius. DIN 5480 (from memory, to be verified) has 30 degrees, a shaft of module
+    (number + 2 shift + 0.9), a root of module (number + 2 shift - 1.2) by hobbing and a fillet of 0.16 modules.
+    Raises ValueError where the fillet reaches below the base circle or above the teeth.
+    """
+    pitch, base = math.pi / number, 0.5 * module * number * math.cos(angle)
+    at_base = (0.5 * math.pi + 2.0 * shift * math.tan(angle)) / number + involute(math.tan(angle))
+    long = math.sqrt(max((root + fillet) ** 2 - base**2, 0.0))  # string of the fillet's centre
+    if long < fillet or math.hypot(base, long - fillet) >= 1.0:
+        raise ValueError("the fillet does not end on the flank")
+
+    def turned(radius: float, half: float) -> tuple[float, float]:
+        return radius * math.sin(pitch - half), radius * math.cos(pitch - half)
+
+    own, top = ((string / base) for string in (long - fillet, math.sqrt(1.0 - base**2)))
+    points = [
+        (0.0, root), turned(root, at_base + fillet / base - involute(long / base)),
+        turned(math.hypot(base, long - fillet), at_base - involute(own)), turned(1.0, at_base - involute(top)),
+    ]  # fmt: skip
+    if points[1][0] < 0.0 or at_base <= involute(top):
+        raise ValueError("the fillets do not fit between the teeth, or the teeth are pointed")
+    return _grooved(points, fillet, number, bore, is_flat=False, base=base)
 
 
 def _grooved(
-    points: list[tuple[float, float]], angles: tuple[float, float], fillet: float, center: tuple[float, float],
-    floor: tuple[float, float] | None, *, number: int, within: float, bore: float,
-) -> Grooved:  # fmt: skip
-    """Floor, fillet, flank and circumference; floor: centre of the root circle, None where it is flat."""
+    points: list[tuple[float, float]], fillet: float, number: int, bore: float, *, is_flat: bool, base: float = 0.0
+) -> Grooved:
+    """Floor, fillet, flank and circumference, from the groove's axis on; a floor that is not flat is round.
+
+    The ends of a fillet are joined to the circle within straight down from a flat floor, toward the axis from a round
+    one.
+    """
+    (_, root), (x, y), (half, _), _ = points
+    least = max(bore, half) if is_flat else bore
+    within = least + (root - least) * 0.5  # between the floor and what is below it, wide enough for the flanks
+    angles = [math.asin(one[0] / within) if is_flat else math.atan2(*one) for one in points[1:3]]
+    center = (x, y + fillet) if is_flat else (x * (1.0 + fillet / root), y * (1.0 + fillet / root))
+    floor = None if is_flat else (0.0, 0.0)
     last = math.pi / number
     fine = fillet / IN_FILLET
     lengths = [math.dist(*pair) for pair in pairwise(points)]
@@ -139,7 +179,7 @@ def _grooved(
     pieces = [
         Piece(points[0], points[1], (0.0, low), graded(lengths[0], fine, at_end=True), floor),
         Piece(points[1], points[2], (low, high), tuple(np.linspace(0.0, 1.0, IN_FILLET + 1)), center),
-        Piece(points[2], points[3], (high, top), graded(lengths[2], fine)),
+        Piece(points[2], points[3], (high, top), graded(lengths[2], fine), base=base),
         Piece(
             points[3], (math.sin(last), math.cos(last)), (top, last),
             graded(arc, max(fine, lengths[2] / 4.0), most=WIDEST), (0.0, 0.0),

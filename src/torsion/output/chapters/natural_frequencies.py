@@ -7,12 +7,13 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.holzer import HolzerTable, holzer
+from torsion.analyses.hub_moves import HubMoves
 from torsion.analyses.sharp_steps import SharpSteps
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.chapters.sharp_steps import sharp_steps
+from torsion.output.chapters.sharp_steps import moved_by_hubs, sharp_steps
 from torsion.output.figures import mode_shape
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import LESS, NONE, ROUNDING, counted, number, rpm
@@ -55,6 +56,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield frequencies(modes)
     if (steps := findings.get(SharpSteps)) is not None:
         yield from sharp_steps(steps)
+    if (hubs := findings.get(HubMoves)) is not None:
+        yield from moved_by_hubs(hubs)
     if damped is not None:
         yield from _damped(damped)
     yield Heading("Energy shares", 2)

@@ -1,15 +1,21 @@
-"""Part of the chapter of natural frequencies: how far sharp steps between shafts would move them."""
+"""Part of the chapter of natural frequencies: how far sharp steps would move them, and how far hubs do."""
 
 from collections.abc import Iterator
 
+from torsion.analyses.hub_moves import HubMoves
 from torsion.analyses.sharp_steps import SharpSteps
 from torsion.output.blocks import Block, Heading, Paragraph, Points, table
-from torsion.output.numbers import number
+from torsion.output.numbers import NONE, number
 
 INTRODUCTION = (
     "Shafts of unlike diameter meet without a word on the corner between them. The frequencies above give such a step "
     "no twist of its own, that is `steps: none`. A sharp corner twists most; `steps: sharp` takes it, and `step` of a "
     "shaft its own fillet or chamfer."
+)
+HUBS = (
+    "Of the seat of a hub only a part twists; bonded by finite elements or keyed by formula, both are models, and slip "
+    "at the mouth of a seat is in neither. Without a hub stands for a shaft that twists in all of this seat, the other "
+    "hubs as they are: how much depends on the model of the hub."
 )
 
 
@@ -27,4 +33,28 @@ def sharp_steps(found: SharpSteps) -> Iterator[Block]:
             for mode, (f, change) in enumerate(zip(found.frequency.tolist(), found.change.tolist(), strict=True), 1)
         ],
         "Natural frequencies with sharp steps between the shafts",
+    )
+
+
+def moved_by_hubs(found: HubMoves) -> Iterator[Block]:
+    """The hubs, and the frequencies without each of them."""
+    yield Heading("Hubs on shafts", 2)
+    yield Paragraph(HUBS)
+    yield table(
+        "< Shaft | < End | Seat [mm] | Twists as [mm] | Error [mm]",
+        [
+            (hub.shaft, hub.end, number(1e3 * hub.seat, 5), number(1e3 * hub.twisting, 4),
+             NONE if hub.error is None else number(1e3 * hub.error, 1))
+            for hub in found.each
+        ],
+        "Hubs on the ends of shafts",
+    )  # fmt: skip
+    yield table(
+        "< Shaft | < End | Mode | Without the hub [Hz] | Moved by it [%]",
+        [
+            (hub.shaft, hub.end, mode, number(f, 7), number(100.0 * change, 3))
+            for hub in found.each
+            for mode, (f, change) in enumerate(zip(hub.frequency.tolist(), hub.change.tolist(), strict=True), 1)
+        ],
+        "Natural frequencies without hubs, one at a time",
     )

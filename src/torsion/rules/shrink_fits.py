@@ -1,0 +1,107 @@
+"""Rule `shrink-fits`: the greatest torque of a shaft in a shrunk hub against the torque at which the fit slips."""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated
+
+import numpy as np
+
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.components.shaft_details import Hub
+from torsion.errors import Fault
+from torsion.fields import Declared, Quantity, given
+from torsion.findings import Results
+from torsion.primitives import Bar
+from torsion.rules import judgement
+from torsion.rules.judgement import MOSTLY, RATED, Clause, RuleOverSpeed, curve_of
+from torsion.rules.verdict_line import TO_BE_VERIFIED
+from torsion.study import Study
+from torsion.train import Train
+
+USUAL_SAFETY = 2.0  # against slip, of shrunk couplings in class rules (from memory, to be verified)
+
+
+class ShrinkFitSettings(Declared):
+    """Settings of `shrink-fits`."""
+
+    safety: Annotated[float, Quantity("1", at_least=1, usual=(None, 5.0))] | None = given(
+        "slip torque / greatest torque that is demanded (default: 2, to be verified)"
+    )
+
+
+class ShrinkFits(RuleOverSpeed):
+    """The rule, as the study reads it."""
+
+    name = "shrink-fits"
+    settings = ShrinkFitSettings
+
+    def speeds(self, study: Study, settings: ShrinkFitSettings) -> tuple[float, ...]:
+        """rad/s: the rated speed."""
+        return () if study.operation.rated is None else (study.operation.rated.speed,)
+
+    def faults(self, study: Study, settings: ShrinkFitSettings) -> list[Fault]:
+        """What the file lacks for this rule."""
+        if not any(fits(study.train)):
+            hint = "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
+            return [Fault(self.path(study, settings), f"{self.name} finds no hub with a `pressure`", hint)]
+        found = judgement.vibration_faults(self, study, settings)
+        if not study.operation.has_mean_torque:
+            message = f"the mean torque is not known, and {self.name} compares it"
+            found.append(Fault(("operation", "rated", "power"), message, RATED))
+        return found
+
+    def left_out(self, study: Study, settings: ShrinkFitSettings) -> tuple[tuple[str, str], ...]:
+        """Shrunk hubs of which the file does not say what they carry."""
+        known = [(bar.name, hub.end) for bar, hub, _ in fits(study.train)]
+        return tuple(
+            (
+                f"{self.name} for the hub at the {hub.end} end of {bar.name}",
+                "its `pressure` and `friction` are not given",
+            )
+            for bar in study.train.bars
+            if (record := study.train.parts[bar.part].shaft) is not None
+            for hub in record.hubs
+            if hub.fit == "shrink" and (bar.name, hub.end) not in known
+        )
+
+    def clauses(self, evidence: Results, settings: ShrinkFitSettings) -> Iterator[Clause]:
+        """Mean torque and vibration, true to phase, of the shaft at every speed, over all of its length."""
+        response, peak = evidence.need(Response), evidence.need(Synthesis).peak
+        safety = settings.safety or USUAL_SAFETY
+        for bar, hub, capacity in fits(evidence.study.train):
+            spans = judgement.spans_of(evidence.system, bar.part)
+            torque = np.max(peak[:, spans], axis=1)
+            reach = 1e3 * hub.length * float(np.nan_to_num(torque, nan=np.inf).max()) / capacity
+            notes = (
+                f"slips at {capacity:.5g} N m, safety {safety:g}",
+                f"slip reaches over at most {min(reach, 1e3 * hub.length):.3g} of {1e3 * hub.length:g} mm of the seat",
+                "no axial load, no start or shock in it",
+                MOSTLY,
+            )
+            standing = TO_BE_VERIFIED if settings.safety is None else "setting"
+            yield Clause(
+                "slip", bar.name, f"greatest torque in the fit of the hub at its {hub.end} end, mean and vibration",
+                standing, curve_of(response, torque, capacity / safety), np.ones(len(torque), dtype=bool), "N m", notes,
+                spans,
+            )  # fmt: skip
+
+
+def fits(train: Train) -> Iterator[tuple[Bar, Hub, float]]:
+    """Every shrunk hub whose pressure is given, and the torque (N m) at which all of its fit slips."""
+    for bar in train.bars:
+        record = train.parts[bar.part].shaft
+        for hub in record.hubs if record is not None else ():
+            if hub.pressure is not None and hub.friction is not None:
+                yield bar, hub, slip_torque(bar.outer[0], hub.length, hub.pressure, hub.friction)
+
+
+def slip_torque(diameter: float, length: float, pressure: float, friction: float) -> float:
+    """N m at which a fit slips: friction * pressure all over its cylinder, times its radius (m, m, Pa, 1).
+
+    A torque below it slips as far into the seat of a rigid hub as friction takes to balance it: that share of its
+    length; less far where the part that still sticks takes a share.
+
+    >>> round(slip_torque(0.1, 0.12, 60e6, 0.15), 3)
+    16964.6
+    """
+    return 0.5 * math.pi * diameter**2 * length * friction * pressure
