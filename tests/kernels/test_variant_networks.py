@@ -14,7 +14,7 @@ from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.distributed.uniform_shaft import UniformShafts, uniform_shafts
 from torsion.kernels.loops import graph_modes, pairs
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.network_counts import Network, modal_way, network_count
+from torsion.kernels.network_counts import Elimination, Network, modal_way, network_count
 from torsion.kernels.tree import Tree
 from torsion.kernels.variant_networks import counted_modes, network_modes
 
@@ -57,15 +57,20 @@ def test_counts_say_which_mode_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     assert again.frequency == pytest.approx(right.frequency, rel=1e-14)
 
 
+def _chains(size: int, loops: int, trains: int) -> tuple:
+    """Layout, flexibilities, inertias, ends of chords and their flexibilities of the trains of `benchmarks.sweeps`."""
+    case, rng = chain(size, stiff=False), np.random.default_rng(1)
+    j = np.array(case.inertia)[:, None] * rng.uniform(0.95, 1.05, (size, trains))
+    soft = 1.0 / rng.uniform(0.85, 1.15, (size + loops, trains))
+    h = np.concatenate([0 * j[:1], soft[1:size] / np.array(case.stiffness)[1:, None]])
+    tree = Tree(np.arange(-1, size - 1), *np.zeros((2, size)), np.zeros(size, dtype=bool))
+    ends = np.array([1, 0][:loops]), np.array([size - 2, size - 1][:loops])
+    return tree, h, j, ends, soft[size:] / min(case.stiffness[1:])
+
+
 def test_frequencies_beside_a_pole_of_what_the_root_sees_settle() -> None:
     """Newton's first steps there double the way; bounds are wide enough to enclose what has not settled."""
-    case, rng, size, trains = chain(10, stiff=False), np.random.default_rng(1), 10, 400
-    j = np.array(case.inertia)[:, None] * rng.uniform(0.95, 1.05, (size, trains))
-    soft = 1.0 / rng.uniform(0.85, 1.15, (size + 1, trains))
-    h = np.concatenate([0 * j[:1], soft[1:size] / np.array(case.stiffness)[1:, None]])
-    tree = Tree(np.arange(-1, 9), *np.zeros((2, size)), np.zeros(size, dtype=bool))
-    ends = np.array([1]), np.array([8])
-    c = soft[size:] / min(case.stiffness[1:])
+    tree, h, j, ends, c = _chains(10, 1, 400)
     found = network_modes(tree, h, j, 6, ends, c)
     alone = graph_modes(replace(tree, flexibility=h[:, 23], inertia=j[:, 23]), *ends, c[:, 23], 6)
     assert found.frequency[:, 23] == pytest.approx(alone.frequency, rel=4e-15)
@@ -188,12 +193,32 @@ def test_counts_of_either_way_err_only_on_their_side(kind: str) -> None:
 
 @pytest.mark.parametrize(("size", "loops", "count"), [(6, 1, 4), (10, 2, 6), (20, 1, 6)])
 def test_no_train_beside_a_resonance_of_its_torn_tree_is_solved_by_itself(size: int, loops: int, count: int) -> None:
-    case, rng, trains = chain(size, stiff=False), np.random.default_rng(1), 400
-    j = np.array(case.inertia)[:, None] * rng.uniform(0.95, 1.05, (size, trains))
-    soft = 1.0 / rng.uniform(0.85, 1.15, (size + loops, trains))
-    h = np.concatenate([0 * j[:1], soft[1:size] / np.array(case.stiffness)[1:, None]])
-    tree = Tree(np.arange(-1, size - 1), *np.zeros((2, size)), np.zeros(size, dtype=bool))
-    ends = np.array([1, 0][:loops]), np.array([size - 2, size - 1][:loops])
-    found = network_modes(tree, h, j, count, ends, soft[size:] / min(case.stiffness[1:]))
-    assert found.alone <= 0.01 * trains * count
+    tree, h, j, ends, c = _chains(size, loops, 400)
+    found = network_modes(tree, h, j, count, ends, c)
+    assert found.alone <= 0.01 * found.frequency.size
     assert ((found.upper - found.lower) / found.frequency).max() < 4e-12
+
+
+def test_counts_beside_a_resonance_of_the_torn_tree_err_only_on_their_side() -> None:
+    """Where the loads of chords grow a thousandfold in the elimination, and with them their roundings."""
+    tree, h, j, ends, c = _chains(10, 1, 2000)
+    frequency, below = network_modes(tree, h, j, 1, ends, c).frequency[0], 0
+    many = Network(replace(tree, flexibility=h, inertia=j), pairs(10, *ends), c)
+    torn, _ = variant_networks._torn(many, replace(tree, flexibility=h[:, 0], inertia=j[:, 0]), ends)
+    static = variant_networks._way(torn, 9, float(frequency.mean()) ** 2)
+    with np.errstate(all="ignore"):
+        grown = np.abs(Elimination(torn, frequency**2, static).load[0]).max(axis=0)
+    some = np.argsort(grown)[-12:]
+    torn, rng = torn.chosen(some), np.random.default_rng(4)
+    modal, _ = modal_way(torn, frequency[some] ** 2, static)
+    for exponent in (-51, -48, -45, -43, -41):
+        w = frequency[some] * (1.0 + rng.choice([-1, 1], len(some)) * 2.0**exponent)
+        exact = [
+            _below(replace(tree, flexibility=h[:, k], inertia=j[:, k]), ends, c[:, k], one)
+            for k, one in zip(some, w, strict=True)
+        ]
+        for way in (static, modal):
+            assert (network_count(torn, w, 1.0, way) >= exact).all()
+            assert (network_count(torn, w, -1.0, way) <= exact).all()
+            below += int((network_count(torn, w, 1.0, way) == network_count(torn, w, -1.0, way)).sum())
+    assert below >= 10  # some are sure
