@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import torsion
 from torsion.analyses.tolerances import Tolerances, tolerances
-from torsion.analyses.undamped_modes import modes, undamped_tree
+from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.kernels.variant_modes import variant_modes
 
 INERTIA, STIFFNESS = (1.2, 0.35, 0.6, 0.95), (20000.0, 310000.0, 47000.0)
@@ -218,13 +218,15 @@ def test_no_corner_of_a_train_with_loops_lies_outside(seed: int) -> None:
 def test_no_corner_of_a_train_with_a_distributed_shaft_lies_outside(model: str) -> None:
     """Each corner as a train of its own; the band is no wider than they are."""
     text = (
-        "name: x\nmodel: %s\ntrain:\n  - disc: {inertia: %r%s}\n  - coupling: {stiffness: %r%s}\n"
+        "name: x\nanalyses: {model: %s}\ntrain:\n  - disc: {inertia: %r%s}\n  - coupling: {stiffness: %r%s}\n"
         "  - disc: {inertia: 2}\n  - shaft: {length: 2 m, diameter: 80 mm}\n  - disc: {inertia: %r%s}\n"
     )
     made = found(text % (model, 5.0, ", tolerance: 5 %", 4e5, ", tolerance: 10 %", 8.0, ", tolerance: 20 %"))
     ends = [(one * (1 - t), one * (1 + t)) for one, t in ((5.0, 0.05), (4e5, 0.1), (8.0, 0.2))]
-    trains = [torsion.parse(text % (model, a, "", b, "", c, "")).train for a, b, c in itertools.product(*ends)]
-    corners = np.array([modes(torsion.assemble(one)).frequency for one in trains])
+    corners = np.array([
+        torsion.run(torsion.parse(text % (model, a, "", b, "", c, ""))).need(Modes).frequency
+        for a, b, c in itertools.product(*ends)
+    ])  # fmt: skip
     shown = corners[:, : made.lower.size]
     assert made.lower == pytest.approx(shown.min(axis=0), rel=1e-11)
     assert made.upper == pytest.approx(shown.max(axis=0), rel=1e-11)
