@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import torsion
 from torsion.analyses.tolerances import Tolerances, tolerances
-from torsion.analyses.undamped_modes import modes, undamped_tree
+from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.kernels.variant_modes import variant_modes
 
 INERTIA, STIFFNESS = (1.2, 0.35, 0.6, 0.95), (20000.0, 310000.0, 47000.0)
@@ -190,6 +190,48 @@ def test_no_corner_of_a_random_train_lies_outside(size: int, seed: int) -> None:
     assert made.upper == pytest.approx(every.max(axis=1), rel=1e-12)
     assert (made.lower[:, None] <= every * (1.0 + 1e-14)).all()
     assert (made.upper[:, None] >= every * (1.0 - 1e-14)).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_corner_of_a_train_with_loops_lies_outside(seed: int) -> None:
+    """Every combination of the ends of all figures, by the dense problem."""
+    rng, loops = np.random.default_rng(seed), 1 + seed % 2
+    k, j, chord = (10.0 ** rng.uniform(*ends, n) for ends, n in (((2, 5), 3), ((-1, 1), 4), ((2, 5), loops)))
+    wide = rng.uniform(0.01, 0.3, 7 + loops)
+    links = [
+        f"  - {{between: [disc-{1 + one}, disc-{3 + one}], coupling: {{stiffness: {c!r}, tolerance: {t!r}}}}}\n"
+        for one, (c, t) in enumerate(zip(chord.tolist(), wide[7:].tolist(), strict=True))
+    ]
+    made = found(scene(k, j, wide[:3], "links:\n" + "".join(links), wide[3:7]))
+    spans = [(0, 1), (1, 2), (2, 3), *((one, one + 2) for one in range(loops))]
+    for signs in itertools.product((-1, 1), repeat=7 + loops):
+        factor, matrix = 1.0 + np.array(signs) * wide, np.zeros((4, 4))
+        for (a, b), own in zip(spans, np.append(k * factor[:3], chord * factor[7:]), strict=True):
+            matrix[[a, b, a, b], [a, b, b, a]] += own * np.array([1.0, 1.0, -1.0, -1.0])
+        root = np.sqrt(j * factor[3:7])
+        corner = np.sqrt(np.linalg.eigvalsh(matrix / np.outer(root, root))[1:]) / (2.0 * np.pi)
+        assert (made.lower <= corner * (1.0 + 1e-9)).all()
+        assert (made.upper >= corner * (1.0 - 1e-9)).all()
+
+
+@pytest.mark.parametrize("model", ["exact", "fem"])
+def test_no_corner_of_a_train_with_a_distributed_shaft_lies_outside(model: str) -> None:
+    """Each corner as a train of its own; the band is no wider than they are."""
+    text = (
+        "name: x\nanalyses: {model: %s}\ntrain:\n  - disc: {inertia: %r%s}\n  - coupling: {stiffness: %r%s}\n"
+        "  - disc: {inertia: 2}\n  - shaft: {length: 2 m, diameter: 80 mm}\n  - disc: {inertia: %r%s}\n"
+    )
+    made = found(text % (model, 5.0, ", tolerance: 5 %", 4e5, ", tolerance: 10 %", 8.0, ", tolerance: 20 %"))
+    ends = [(one * (1 - t), one * (1 + t)) for one, t in ((5.0, 0.05), (4e5, 0.1), (8.0, 0.2))]
+    corners = np.array([
+        torsion.run(torsion.parse(text % (model, a, "", b, "", c, ""))).need(Modes).frequency
+        for a, b, c in itertools.product(*ends)
+    ])  # fmt: skip
+    shown = corners[:, : made.lower.size]
+    assert made.lower == pytest.approx(shown.min(axis=0), rel=1e-11)
+    assert made.upper == pytest.approx(shown.max(axis=0), rel=1e-11)
+    assert (made.lower <= shown.min(axis=0) * (1.0 + 1e-13)).all()
+    assert (made.upper >= shown.max(axis=0) * (1.0 - 1e-13)).all()
 
 
 def test_a_coupling_that_closes_a_loop_is_taken_out_and_made_rigid() -> None:

@@ -1,6 +1,7 @@
 """Many trains with closed loops or distributed shafts: each as one train by itself, and rings in closed form."""
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -11,10 +12,11 @@ from hypothesis import strategies as st
 from torsion.kernels import variant_networks
 from torsion.kernels.distributed.span_laws import Shafts
 from torsion.kernels.distributed.uniform_shaft import UniformShafts, uniform_shafts
-from torsion.kernels.loops import graph_modes
+from torsion.kernels.loops import graph_modes, pairs
 from torsion.kernels.natural_modes import tree_modes
+from torsion.kernels.network_counts import Elimination, Network, modal_way, network_count
 from torsion.kernels.tree import Tree
-from torsion.kernels.variant_networks import network_modes
+from torsion.kernels.variant_networks import counted_modes, network_modes
 
 
 @settings(max_examples=30, deadline=None)
@@ -55,15 +57,20 @@ def test_counts_say_which_mode_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     assert again.frequency == pytest.approx(right.frequency, rel=1e-14)
 
 
+def _chains(size: int, loops: int, trains: int) -> tuple:
+    """Layout, flexibilities, inertias, ends of chords and their flexibilities of the trains of `benchmarks.sweeps`."""
+    case, rng = chain(size, stiff=False), np.random.default_rng(1)
+    j = np.array(case.inertia)[:, None] * rng.uniform(0.95, 1.05, (size, trains))
+    soft = 1.0 / rng.uniform(0.85, 1.15, (size + loops, trains))
+    h = np.concatenate([0 * j[:1], soft[1:size] / np.array(case.stiffness)[1:, None]])
+    tree = Tree(np.arange(-1, size - 1), *np.zeros((2, size)), np.zeros(size, dtype=bool))
+    ends = np.array([1, 0][:loops]), np.array([size - 2, size - 1][:loops])
+    return tree, h, j, ends, soft[size:] / min(case.stiffness[1:])
+
+
 def test_frequencies_beside_a_pole_of_what_the_root_sees_settle() -> None:
     """Newton's first steps there double the way; bounds are wide enough to enclose what has not settled."""
-    case, rng, size, trains = chain(10, stiff=False), np.random.default_rng(1), 10, 400
-    j = np.array(case.inertia)[:, None] * rng.uniform(0.95, 1.05, (size, trains))
-    soft = 1.0 / rng.uniform(0.85, 1.15, (size + 1, trains))
-    h = np.concatenate([0 * j[:1], soft[1:size] / np.array(case.stiffness)[1:, None]])
-    tree = Tree(np.arange(-1, 9), *np.zeros((2, size)), np.zeros(size, dtype=bool))
-    ends = np.array([1]), np.array([8])
-    c = soft[size:] / min(case.stiffness[1:])
+    tree, h, j, ends, c = _chains(10, 1, 400)
     found = network_modes(tree, h, j, 6, ends, c)
     alone = graph_modes(replace(tree, flexibility=h[:, 23], inertia=j[:, 23]), *ends, c[:, 23], 6)
     assert found.frequency[:, 23] == pytest.approx(alone.frequency, rel=4e-15)
@@ -110,3 +117,108 @@ def test_rings_have_their_pairs_of_equal_frequencies() -> None:
     found = network_modes(tree, h, np.ones((size, 3)), size - 1, (np.array([0]), np.array([size - 1])), h[:1])
     exact = np.sort(2 * np.sin(np.pi * np.arange(1, size) / size))[:, None] * np.sqrt(stiff)
     assert found.frequency == pytest.approx(exact, rel=4e-15)
+
+
+def _below(tree: Tree, ends: tuple[np.ndarray, ...], chord: np.ndarray, w: float) -> int:
+    """Frequencies below `w` in exact rational numbers: negative pivots of K - w^2 J."""
+    free, square = np.flatnonzero(~tree.held).tolist(), Fraction(float(w)) ** 2
+    matrix = [[Fraction(0)] * tree.size for _ in range(tree.size)]
+    spans = [(tree.parent[i], i, tree.flexibility[i]) for i in range(tree.size) if tree.parent[i] >= 0]
+    for a, b, h in [*spans, *zip(*ends, chord, strict=True)]:
+        for one, other, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
+            matrix[one][other] += sign / Fraction(float(h))
+    for i in free:
+        matrix[i][i] -= square * Fraction(float(tree.inertia[i]))
+    negative = 0
+    for k, i in enumerate(free):
+        negative += matrix[i][i] < 0
+        for row in free[k + 1 :]:
+            share = matrix[row][i] / matrix[i][i]
+            for column in free[k + 1 :]:
+                matrix[row][column] -= share * matrix[i][column]
+    return negative
+
+
+def _nasty(kind: str, rng: np.random.Generator) -> tuple[Tree, tuple[np.ndarray, ...], np.ndarray]:
+    size, loops, wide = int(rng.integers(3, 7)), int(rng.integers(1, 4)), 6.0 if kind == "stiff" else 0.3
+    parent, held = np.array([-1, *(int(rng.integers(0, k)) for k in range(1, size))]), np.zeros(size, dtype=bool)
+    held[0] = kind != "arms" and rng.random() < 0.3
+    h, j, c = (10.0 ** rng.uniform(-wide, wide, rows) for rows in (size, size, loops))
+    ends = tuple(np.array([rng.choice(size, 2, replace=False) for _ in range(loops)]).T)
+    if kind == "loose":
+        c *= 10.0 ** rng.uniform(3, 12, loops)
+    if kind == "massless":
+        j[rng.integers(1, size)] = 0.0
+    if kind == "arms":  # two alike, with a chord from end to end: modes with and without its torque, close together
+        parent, ends, c = np.array([-1, 0, 1, 0, 3]), (np.array([2]), np.array([4])), 10.0 ** rng.uniform(0, 6, 1)
+        held, h, j = np.zeros(5, dtype=bool), h[[0, 1, 2, 1, 2]], j[[0, 1, 2, 1, 2]]
+        h = h * (1.0 + rng.choice([0.0, 1e-12, 1e-6]) * rng.normal(size=5))
+    return Tree(parent, h, j, held), ends, c
+
+
+@pytest.mark.parametrize("kind", ["random", "stiff", "loose", "massless", "arms"])
+def test_certified_bounds_hold_one_more_mode_in_exact_counts(kind: str) -> None:
+    rng, certified = np.random.default_rng(5), 0
+    for _ in range(25):
+        tree, ends, c = _nasty(kind, rng)
+        found = counted_modes(tree, *ends, c)
+        certified += found.certified
+        for mode, (low, high) in enumerate(zip(found.lower, found.upper, strict=True) if found.certified else ()):
+            assert _below(tree, ends, c, low) <= mode + found.rigid < _below(tree, ends, c, high)
+    assert certified >= 15
+
+
+@pytest.mark.parametrize("kind", ["random", "loose", "massless", "arms"])
+def test_counts_of_either_way_err_only_on_their_side(kind: str) -> None:
+    """A few roundings from a frequency, and toward any root: never less with +1, never more with -1 than exact."""
+    rng = np.random.default_rng(8)
+    for _ in range(25):
+        tree, ends, c = _nasty(kind, rng)
+        modes = graph_modes(tree, *ends, c)
+        count = len(modes.frequency)
+        h, j, chord = (np.repeat(one[:, None], count, axis=1) for one in (tree.flexibility, tree.inertia, c))
+        many = Network(replace(tree, flexibility=h, inertia=j), pairs(tree.size, *ends), chord)
+        torn, _ = variant_networks._torn(many, tree, ends)
+        if not len(torn.chord) or not count:
+            continue
+        square = float(modes.frequency.max()) ** 2
+        static = variant_networks._way(torn, int(rng.choice(np.flatnonzero(~torn.tree.held))), square)
+        modal, _ = modal_way(torn, modes.frequency**2, static)
+        w = modes.frequency * (1.0 + rng.choice([-1, 1], count) * 2.0 ** rng.uniform(-52, -38, count))
+        exact = np.array([_below(tree, ends, c, one) for one in w])
+        for way in (static, modal):
+            assert (network_count(torn, w, 1.0, way) >= exact).all()
+            assert (network_count(torn, w, -1.0, way) <= exact).all()
+
+
+@pytest.mark.parametrize(("size", "loops", "count"), [(6, 1, 4), (10, 2, 6), (20, 1, 6)])
+def test_no_train_beside_a_resonance_of_its_torn_tree_is_solved_by_itself(size: int, loops: int, count: int) -> None:
+    tree, h, j, ends, c = _chains(size, loops, 400)
+    found = network_modes(tree, h, j, count, ends, c)
+    assert found.alone <= 0.01 * found.frequency.size
+    assert ((found.upper - found.lower) / found.frequency).max() < 4e-12
+
+
+def test_counts_beside_a_resonance_of_the_torn_tree_err_only_on_their_side() -> None:
+    """Where the loads of chords grow a thousandfold in the elimination, and with them their roundings."""
+    tree, h, j, ends, c = _chains(10, 1, 2000)
+    frequency, below = network_modes(tree, h, j, 1, ends, c).frequency[0], 0
+    many = Network(replace(tree, flexibility=h, inertia=j), pairs(10, *ends), c)
+    torn, _ = variant_networks._torn(many, replace(tree, flexibility=h[:, 0], inertia=j[:, 0]), ends)
+    static = variant_networks._way(torn, 9, float(frequency.mean()) ** 2)
+    with np.errstate(all="ignore"):
+        grown = np.abs(Elimination(torn, frequency**2, static).load[0]).max(axis=0)
+    some = np.argsort(grown)[-12:]
+    torn, rng = torn.chosen(some), np.random.default_rng(4)
+    modal, _ = modal_way(torn, frequency[some] ** 2, static)
+    for exponent in (-51, -48, -45, -43, -41):
+        w = frequency[some] * (1.0 + rng.choice([-1, 1], len(some)) * 2.0**exponent)
+        exact = [
+            _below(replace(tree, flexibility=h[:, k], inertia=j[:, k]), ends, c[:, k], one)
+            for k, one in zip(some, w, strict=True)
+        ]
+        for way in (static, modal):
+            assert (network_count(torn, w, 1.0, way) >= exact).all()
+            assert (network_count(torn, w, -1.0, way) <= exact).all()
+            below += int((network_count(torn, w, 1.0, way) == network_count(torn, w, -1.0, way)).sum())
+    assert below >= 10  # some are sure

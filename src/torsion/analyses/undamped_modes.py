@@ -217,12 +217,10 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
         torque = bar_torques(system, found.torque, outer)
     else:
         if chords.size:
-            from torsion.kernels.loops import graph_modes
             from torsion.kernels.variant_networks import counted_modes
 
             flexibility = (system.flexibility / system.span_ratio**2)[chords]
-            ends = node[system.driving[chords]], node[system.driven[chords]]
-            found = counted_modes(graph_modes(tree, *ends, flexibility, count), tree, ends, flexibility)
+            found = counted_modes(tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count)
         else:
             from torsion.kernels.natural_modes import tree_modes
 

@@ -8,7 +8,7 @@ in each column. Trains that counts do not confirm (close modes, or far from the 
 singular values of each; then each is solved by itself.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +18,8 @@ from torsion.kernels.mode_shapes import TreeModes, free_shapes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below, expected_width
 from torsion.kernels.tree import Rerooted, Tree, by_layers, rerooted_at_middle
+
+Selection = IntArray | BoolArray | slice
 
 _COLUMNS = 2048  # trains at once: arrays of a sweep stay in the cache (measured)
 _LARGEST = 2**19  # stations times trains at once
@@ -111,7 +113,7 @@ def _side_by_side(numbered: Rerooted, flexibility: FloatArray, inertia: FloatArr
     return replace(numbered.tree, flexibility=flexibility[span], inertia=inertia[order])
 
 
-def _columns(trains: Tree, chosen: IntArray | BoolArray) -> Tree:
+def _columns(trains: Tree, chosen: Selection) -> Tree:
     return replace(trains, flexibility=trains.flexibility[:, chosen], inertia=trains.inertia[:, chosen])
 
 
@@ -235,16 +237,31 @@ def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _enclosed(trains: Tree, frequency: FloatArray, passed: FloatArray, mode: int) -> tuple[FloatArray, BoolArray]:
     """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
-    bounds, left, some = np.stack([frequency] * 2), np.arange(len(frequency)), trains
-    half = expected_width(trains, frequency, passed)
-    for times in _WIDENED:
-        bounds[0, left], bounds[1, left] = (frequency[left] * (1.0 + sign * times * half[left]) for sign in (-1, 1))
-        below = count_below(some, bounds[0, left], bound=1) <= mode
-        proven = below & (count_below(some, bounds[1, left], bound=-1) > mode)
+
+    def counted(left: Selection, w: FloatArray, lean: float) -> IntArray:
+        return count_below(_columns(trains, left), w, bound=lean)
+
+    return enclosed(counted, frequency, expected_width(trains, frequency, passed), mode, _WIDENED)
+
+
+def enclosed(
+    counted: Callable[[Selection, FloatArray, float], IntArray], frequency: FloatArray, half: FloatArray,
+    mode: int | IntArray, widened: tuple[float, ...],
+) -> tuple[FloatArray, BoolArray]:  # fmt: skip
+    """Bounds (2, m) rad/s of the mode (from 0, rigid ones counted) about each `frequency` (m,), and which are proven.
+
+    counted: of some columns, frequencies below w, never less (+1.0) or never more (-1.0) than exact. half: relative
+    half width (m,), which is `widened` by each factor for those that are left.
+    """
+    bounds, left = np.stack([frequency] * 2), np.arange(len(frequency))
+    modes = np.broadcast_to(mode, frequency.shape)
+    is_proven = np.zeros(len(frequency), dtype=np.bool_)
+    for times in widened:
+        some: Selection = slice(None) if len(left) == len(frequency) else left
+        lower, upper = (frequency[left] * (1.0 + sign * times * half[left]) for sign in (-1, 1))
+        proven = (counted(some, lower, 1.0) <= modes[left]) & (counted(some, upper, -1.0) > modes[left])
+        bounds[:, left], is_proven[left] = (lower, upper), proven
         left = left[~proven]
         if not left.size:
             break
-        some = _columns(trains, left)
-    is_proven = np.ones(len(frequency), dtype=np.bool_)
-    is_proven[left] = False
     return bounds, is_proven

@@ -11,7 +11,7 @@ and M are those of one train; those of M in it are carried along as a running er
 elimination at s (1 + i 1e-100) has the slope for Newton's steps. A train that is not proven is solved by itself.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,64 +22,23 @@ from torsion.kernels.distributed.span_laws import Columns, Shafts
 from torsion.kernels.loops import graph_modes, pairs, stiffest_tree
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.sturm import SHARE_OF_LIMIT, count_below, expected_width, margins
+from torsion.kernels.network_counts import Elimination, Network, Way, modal_way, network_count
+from torsion.kernels.sturm import SHARE_OF_LIMIT, expected_width
 from torsion.kernels.tree import Tree
-from torsion.kernels.variant_modes import VariantModes, changes, middle_of, parts, toward
+from torsion.kernels.variant_modes import Selection, VariantModes, changes, enclosed, middle_of, parts, toward
 
-_UNIT_ROUNDOFF = 2.0**-53
 _STEP = 1e-100  # relative, imaginary: beside it nothing changes but imaginary parts (Squire and Trapp 1998)
 _STEPS = 12  # of Newton; 3 are usual, 9 beside a pole of the stiffness that the root sees
 _HALVINGS = 14  # of a bracket of two octaves
 _SETTLED = 1e-10  # relative step after which the next one is below rounding, beside a pole too
 _FARTHEST = 0.3  # relative step beyond which one has left its mode
 _WIDENED = (1.0, 4.0, 16.0)  # times the width in which counts are expected to enclose a frequency
-_OF_CHORDS = 64.0  # times that width with chords: their running error is a bound, not an estimate
+_OF_CHORDS = (16.0, 256.0)  # the same with chords: their running error is a bound, not an estimate
+_OF_MODES = (4.0, 32.0, 256.0)  # the same about the angles of the mode
+_BESIDE = 1e-7  # relative half width that says whether a mode is the right one
+_ROOTS = 6  # at most to be tried
 _WIDEST = 2.0**-39  # relative half width, 1.8e-12; one not proven in it is solved by itself
-_ROUNDINGS = 10.0  # of a term of M or a load, besides those of sums: r, its products, h r, the torque passed on
 _SOFT = 0.05  # of s h J, above which a span is soft
-_EIGENVALUE = 8.0  # roundings of the eigenvalues of a matrix whose entries are below 1, times its size squared
-
-
-@dataclass(frozen=True)
-class Network:
-    """Trains of one layout side by side: a tree with a column for each, and its chords."""
-
-    tree: Tree  # flexibility and inertia (stations, trains); its laws are `Columns`
-    pair: FloatArray  # (chords, stations) torques of each chord
-    chord: FloatArray  # (chords, trains) rad/(N m)
-
-    def chosen(self, trains: IntArray | BoolArray | slice) -> "Network":
-        """Some of the trains."""
-        tree, shafts = self.tree, self.tree.shafts
-        if shafts is not None:
-            place = np.arange(tree.flexibility.shape[1])[trains]
-            laws = tuple(law.chosen(place) for law in shafts.laws if isinstance(law, Columns))
-            shafts = replace(shafts, laws=laws)
-        some = replace(tree, flexibility=tree.flexibility[:, trains], inertia=tree.inertia[:, trains], shafts=shafts)
-        return replace(self, tree=some, chord=self.chord[:, trains])
-
-
-@dataclass(frozen=True)
-class _Way:
-    """How to eliminate toward a root."""
-
-    steps: list[tuple[int, int, int]]  # station, the one toward the root, the span between; the leaves first
-    root: int
-    twisted: FloatArray  # (chords, stations) torque of each pair through the span toward the root, where it twists q
-    load: FloatArray  # (chords, stations) of the spans that q leaves untwisted
-
-
-@dataclass(frozen=True)
-class _Seen:
-    """What is left at the root after elimination."""
-
-    stiffness: NDArray[Any]  # (trains,) N m/rad of the open train
-    load: NDArray[Any]  # (chords, trains) of the pairs
-    matrix: NDArray[Any]  # (chords, chords, trains) rad/(N m), M without what the root adds
-    negative: IntArray  # (trains,) pivots of all stations but the root
-    size: FloatArray  # like `matrix`: sum of its terms without signs
-    error: FloatArray  # like `matrix`: of roundings
-    load_error: FloatArray  # like `load`
 
 
 def network_modes(
@@ -107,7 +66,7 @@ def network_modes(
 
     def alone(h: FloatArray, j: FloatArray, c: FloatArray, shafts: Shafts | None) -> TreeModes:
         own = replace(tree, flexibility=h, inertia=j, shafts=shafts)
-        return graph_modes(own, *ends, c, count) if len(c) else tree_modes(own, count)
+        return counted_modes(own, *ends, c, count) if len(c) else tree_modes(own, count)
 
     middle = None if tree.shafts is None or factors is None else _shafts_of(tree.shafts, middle_of(factors))
     known = alone(middle_of(flexibility), middle_of(inertia), middle_of(chord), middle)
@@ -130,30 +89,37 @@ def network_modes(
     return VariantModes(frequency, lower, upper, number)
 
 
-def counted_modes(found: TreeModes, tree: Tree, ends: tuple[IntArray, IntArray], chord: FloatArray) -> TreeModes:
-    """Modes of one train with chords, with bounds that counts prove: each frequency is in its own, and none is missing.
+def counted_modes(
+    tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray, count: int | None = None
+) -> TreeModes:
+    """As `graph_modes`, with bounds by counts and `certified` True where these enclose every mode.
 
-    They stay as they are, with the bounds of their method, where counts do not enclose every one of them.
+    Not where parts of the train have no span between them, nor where counts do not say which mode it is in 1.8e-12.
+
+    >>> ring = Tree(np.array([-1, 0, 1]), np.array([0.0, 1.0, 1.0]), np.ones(3), np.zeros(3, dtype=bool))
+    >>> found = counted_modes(ring, np.array([0]), np.array([2]), np.ones(1))
+    >>> found.certified, bool((found.lower < np.sqrt(3.0)).all() and (found.upper > np.sqrt(3.0)).all())
+    (True, True)
     """
+    found = graph_modes(tree, first, second, flexibility, count)
     modes = len(found.frequency)
-    own, one = replace(tree, flexibility=tree.flexibility[:, None], inertia=tree.inertia[:, None]), chord[:, None]
-    torn, rows = _torn(Network(own, pairs(tree.size, *ends), one), tree, ends)
-    if not modes or torn.tree.parents.count(-1) != 1:
+    if found.certified or not modes:
         return found
-    most = rows[np.argmax(tree.moving_inertia[:, None] * found.angle**2, axis=0)]  # what moves most of each mode
+    one = Network(replace(tree, flexibility=tree.flexibility[:, None], inertia=tree.inertia[:, None]),
+                  pairs(tree.size, first, second), flexibility[:, None])  # fmt: skip
+    torn, rows = _torn(one, tree, (first, second))
+    if torn.tree.parents.count(-1) != 1:
+        return found
+    energy = (tree.moving_inertia[:, None] * found.angle**2).sum(axis=1)
     passed = np.abs(found.torque * found.angle[tree.parent]).sum(axis=0) / found.frequency**2
-    bounds, left = np.stack([found.frequency] * 2), np.arange(modes)
-    for roots in (most[:1].repeat(modes), most):  # the first root is right for most of them
-        for root in np.unique(roots[left]).tolist():
-            some = left[roots[left] == root]
-            columns = torn.chosen(np.zeros(len(some), dtype=np.int64))
-            way = _way(columns, root, float(found.frequency[some[len(some) // 2]]) ** 2)
-            w = found.frequency[some]
-            bounds[:, some], proven = _enclosed(columns, w, passed[some] * w**2, some + found.rigid, way)
-            left = np.setdiff1d(left, some[proven])
-    if left.size:
+    bounds, proven = enclosed_each(
+        torn.chosen(np.zeros(modes, dtype=np.int64)), found.frequency, passed, np.arange(modes) + found.rigid,
+        int(rows[np.argmax(energy)]),
+    )  # fmt: skip
+    if not proven.all():
         return found
-    return replace(found, lower=bounds[0], upper=bounds[1], certified=True)
+    _, lower, upper = bounds
+    return replace(found, frequency=np.clip(found.frequency, lower, upper), lower=lower, upper=upper, certified=True)
 
 
 def _laws(tree: Tree, factors: FloatArray | None, trains: int) -> Shafts | None:
@@ -190,7 +156,7 @@ def _torn(many: Network, mean: Tree, ends: tuple[IntArray, IntArray]) -> tuple[N
     return Network(new, pairs(mean.size, torn.first, torn.second), flexibility[mean.size :]), torn.station
 
 
-def _way(trains: Network, root: int, square: float) -> _Way:
+def _way(trains: Network, root: int, square: float) -> Way:
     """Elimination near s = `square`: q follows the spans that are stiff beside the inertia at either end."""
     steps, sign = toward(trains.tree, root), trains.pair.copy()
     load, inertia, soft = np.zeros_like(sign), middle_of(trains.tree.moving_inertia), list[int]()
@@ -203,108 +169,17 @@ def _way(trains: Network, root: int, square: float) -> _Way:
             soft.append(station)
     twisted = sign.copy()
     twisted[:, soft] = 0.0
-    return _Way(steps, root, twisted, load)
+    return Way(steps, root, sign[..., None], twisted[..., None], load[..., None], np.zeros((len(sign), 1)))
 
 
-def _eliminated(trains: Network, square: NDArray[Any], way: _Way, lean: float = 0.0) -> _Seen:
-    """All but the root at s = `square` (trains,); with `lean` +1 or -1 every rounding is outweighed, as in `sturm`."""
-    tree, number, of_stiffness, of_laws = trains.tree, len(trains.chord), 0.0, square
-    unit = (np.count_nonzero(way.twisted, axis=1).max(initial=0) + tree.most_children + _ROUNDINGS) * _UNIT_ROUNDOFF
-    if lean:
-        of_square, of_argument, of_stiffness = margins(tree, square)
-        of_square, of_stiffness = of_square + 2.0 * _UNIT_ROUNDOFF, of_stiffness + 2.0 * _UNIT_ROUNDOFF  # other root
-        of_laws, square = square * (1.0 + lean * of_argument), square * (1.0 + lean * of_square)
-    a, h = tree.moving_inertia * square, tree.flexibility.astype(square.dtype)
-    if tree.shafts is not None:
-        h[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
-        tree.add_ends(a, inner * square, outer * square)
-    q, matrix = np.zeros((number, *a.shape), a.dtype), np.zeros((number, number, len(square)), a.dtype)
-    matrix[np.arange(number), np.arange(number)] = trains.chord
-    for station, near, span in reversed(way.steps if number else []):
-        q[:, station] = way.twisted[:, station, None] * h[span] + (0.0 if tree.held[near] else q[:, near])
-        matrix += (way.twisted[:, None, station] * way.twisted[None, :, station])[..., None] * h[span]
-    size, z, own = np.abs(matrix), np.where(tree.held[:, None], np.inf, -a), a * q
-    if number:
-        matrix = matrix + np.einsum("kit,lit->klt", own, q)
-        size = size + np.einsum("kit,lit->klt", np.abs(own), np.abs(q))
-    f, e = own + way.load[:, :, None], unit * np.abs(own)
-    error, negative = unit * size, np.zeros(len(square), dtype=np.int64)
-    for i, near, span in way.steps:
-        if tree.held[i]:
-            through, passed, term = 1.0 / h[span], -q[:, i] / h[span], -_product(q[:, i], q[:, i] / h[span])
-            if number:
-                term = term - _product(q[:, i], f[:, i]) - _product(f[:, i], q[:, i])
-            rest, own, share = 0.0, np.abs(q[:, i]), np.abs(1.0 / h[span])
-            e[:, near] += unit * own * share
-            error += unit * (_product(own, own) * share + 2.0 * _product(own, np.abs(f[:, i])))
-        else:
-            rest = 1.0 / (1.0 + h[span] * z[i])
-            through, passed, weight = z[i] * rest, rest * f[:, i], h[span] * rest
-            negative += rest.real < 0.0
-            term = weight * _product(f[:, i], f[:, i])
-            if lean:
-                less = lean * of_stiffness * np.abs(through)
-                through = through - less
-                if number and not tree.held[near]:  # what is passed on less is as inertia of the next station
-                    f[:, near] += less * q[:, near]
-                    matrix = matrix + less * _product(q[:, near], q[:, near])
-            if number and lean:
-                own, room, share = np.abs(f[:, i]), e[:, i], np.abs(rest)
-                error += np.abs(weight) * (_product(own + room, own + room) * (1.0 + unit) - _product(own, own))
-                beside, torque = np.abs(q[:, near]), unit * np.abs(through)
-                error += torque * _product(beside, beside)
-                e[:, near] += share * (room + unit * own) + torque * beside
-        z[near] += through
-        if number:
-            matrix, size = matrix + term, size + np.abs(term)
-            f[:, near] += 0.0 if tree.held[near] else passed  # every span has a copy of a fixed station of its own
-    return _Seen(
-        z[way.root],
-        f[:, way.root],
-        matrix,
-        negative,
-        size,
-        error + 3.0 * tree.size * _UNIT_ROUNDOFF * size,
-        e[:, way.root],
-    )
-
-
-def _product(one: NDArray[Any], other: NDArray[Any]) -> NDArray[Any]:
-    """(chords, chords, trains) of two (chords, trains)."""
-    return np.asarray(one[:, None] * other[None, :])
-
-
-def _count(trains: Network, w: FloatArray, lean: float, way: _Way) -> IntArray:
-    """Frequencies below `w` (trains,) rad/s, rigid motions included: never less (+1) or never more (-1) than exact."""
-    number = len(trains.chord)
-    if not number:
-        return count_below(trains.tree, w, bound=lean)
-    with np.errstate(all="ignore"):
-        seen = _eliminated(trains, w * w, way, lean)
-        own, room, root = np.abs(seen.load), seen.load_error, np.abs(1.0 / seen.stiffness)
-        last = _product(seen.load, seen.load) / seen.stiffness
-        error = seen.error + root * (
-            _product(own + room, own + room) - (1.0 - 4.0 * _UNIT_ROUNDOFF) * _product(own, own)
-        )
-        chord = np.arange(number)
-        scale = np.sqrt((seen.size + np.abs(last))[chord, chord])
-        matrix, error = ((one / _product(scale, scale)).transpose(2, 0, 1) for one in (seen.matrix + last, error))
-        matrix[:, chord, chord] += lean * (error.sum(axis=2) + _EIGENVALUE * number**2 * _UNIT_ROUNDOFF)
-    lost = ~np.isfinite(matrix).all(axis=(1, 2))
-    matrix[lost] = lean * np.eye(number)
-    below = (np.linalg.eigvalsh(matrix) < 0.0).sum(axis=1)
-    found = seen.negative + (seen.stiffness < 0.0) - below
-    return np.asarray(np.where(lost, trains.tree.size if lean > 0 else -1, found))
-
-
-def _polished(trains: Network, start: FloatArray, way: _Way) -> FloatArray:
+def _polished(trains: Network, start: FloatArray, way: Way) -> FloatArray:
     """Frequency (trains,) rad/s after Newton's steps to where the dynamic stiffness that the root sees is zero."""
     square, left, some = start * start, np.arange(len(start)), trains
     for _ in range(_STEPS):
         here = square[left]
         with np.errstate(all="ignore"):
-            seen = _eliminated(some, here * (1.0 + 1j * _STEP), way)
-            stiffness = seen.stiffness + _through_chords(seen)
+            seen = Elimination(some, here * (1.0 + 1j * _STEP), way)
+            stiffness = seen.at_root[0] + (_through_chords(seen) if seen.number else 0.0)
             change = -stiffness.real / (stiffness.imag / _STEP)
         change[~(np.abs(change) <= _FARTHEST)] = 0.0
         square[left] = here + here * change
@@ -315,13 +190,14 @@ def _polished(trains: Network, start: FloatArray, way: _Way) -> FloatArray:
     return np.sqrt(square)
 
 
-def _through_chords(seen: _Seen) -> NDArray[Any]:
+def _through_chords(seen: Elimination) -> NDArray[Any]:
     """What the chords add (trains,) to the stiffness that the root sees."""
-    if len(seen.load) < 2:
-        return np.asarray((seen.load**2 / seen.matrix[:, 0]).sum(axis=0) if len(seen.load) else 0.0)
-    matrix, load = seen.matrix.transpose(2, 0, 1), seen.load.T[:, :, None]
+    own = seen.at_root[1]
+    if len(own) < 2:
+        return np.asarray((own**2 / seen.matrix[:, 0]).sum(axis=0))
+    matrix, load = seen.matrix.transpose(2, 0, 1), own.T[:, :, None]
     lost = ~(np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(load).all(axis=(1, 2)))
-    matrix = np.where(lost[:, None, None], np.eye(len(seen.load)), matrix)
+    matrix = np.where(lost[:, None, None], np.eye(len(own)), matrix)
     try:
         return np.asarray((load * np.linalg.solve(matrix, load)).sum(axis=(1, 2)))
     except np.linalg.LinAlgError:  # of some train exactly; then all are solved by themselves
@@ -349,13 +225,7 @@ def _modes(
         start.append(w * np.exp(np.nan_to_num(-0.5 * moved / w**2)))
         ways.append(_way(torn, int(rows[np.argmax(j * angle**2)]), w * w))
         passed.append(np.abs(torque * angle[mean.parent]).sum() / w**2)
-    bounds, proven = _proven(torn, np.stack(start), ways, np.array(passed), known.rigid)
-    left = np.flatnonzero(~proven)
-    if left.size:
-        some = torn.chosen(left)
-        near = np.stack([_bracketed(some, start[k][left], k + known.rigid, way) for k, way in enumerate(ways)])
-        bounds[:, :, left], proven[left] = _proven(some, near, ways, np.array(passed), known.rigid)
-    return bounds, proven
+    return _proven(torn, np.stack(start), ways, np.array(passed), known.rigid)
 
 
 def _at(tree: Tree, square: float) -> tuple[FloatArray, FloatArray]:
@@ -367,47 +237,94 @@ def _at(tree: Tree, square: float) -> tuple[FloatArray, FloatArray]:
     return h, j
 
 
-def _bracketed(trains: Network, start: FloatArray, mode: int, way: _Way) -> FloatArray:
+def _bracketed(trains: Network, start: FloatArray, mode: int, way: Way) -> FloatArray:
     """Frequencies (trains,) rad/s near the mode (from 0, rigid ones counted), by halving with counts about `start`."""
     low, high = 0.5 * start, 2.0 * start
     for _ in range(_HALVINGS):
         middle = np.sqrt(low * high)
-        is_above = _count(trains, middle, 1.0, way) > mode
+        is_above = network_count(trains, middle, 1.0, way) > mode
         low, high = np.where(is_above, low, middle), np.where(is_above, middle, high)
     return np.asarray(np.sqrt(low * high))
 
 
 def _proven(
-    trains: Network, start: FloatArray, ways: list[_Way], passed: FloatArray, rigid: int
+    trains: Network, start: FloatArray, ways: list[Way], passed: FloatArray, rigid: int
 ) -> tuple[FloatArray, BoolArray]:
     """Frequencies and bounds (3, modes, trains) rad/s by Newton from `start`, and which trains are proven."""
     frequency = np.stack([_polished(trains, one, way) for one, way in zip(start, ways, strict=True)])
     order = np.argsort(frequency, axis=0)
-    frequency, many = np.take_along_axis(frequency, order, axis=0), passed[order]
-    bounds, proven = np.stack([frequency] * 3), np.isfinite(frequency).all(axis=0)
-    for mode, (one, way) in enumerate(zip(frequency, ways, strict=True)):
-        bounds[1:, mode], is_proven = _enclosed(trains, one, many[mode] * one**2, mode + rigid, way)
-        proven &= is_proven
-    return bounds, np.asarray(proven)
+    frequency, passed = np.take_along_axis(frequency, order, axis=0), passed[order]
+    bounds, proven = np.stack([frequency] * 3), np.zeros(frequency.shape, dtype=np.bool_)
+    for k, (one, way) in enumerate(zip(frequency, ways, strict=True)):
+        bounds[1:, k], proven[k] = _enclosed(trains, one, passed[k], k + rigid, way)
+    mode, column = np.nonzero(~proven)
+    if mode.size:
+        some, near, way = trains.chosen(column), frequency[mode, column], ways[mode[0]]
+        is_beside = _enclosed(some, near, passed[mode, column], mode + rigid, way, half=_BESIDE)[1]
+        for k in np.unique(mode[~is_beside]).tolist():
+            lost = (mode == k) & ~is_beside
+            own = trains.chosen(column[lost])
+            near[lost] = _polished(own, _bracketed(own, start[k, column[lost]], k + rigid, ways[k]), ways[k])
+        found = enclosed_each(some, near, passed[mode, column], mode + rigid, way.root)
+        bounds[:, mode, column], proven[mode, column] = found
+    return bounds, np.asarray(proven.all(axis=0))
+
+
+def enclosed_each(
+    trains: Network, frequency: FloatArray, passed: FloatArray, mode: IntArray, root: int
+) -> tuple[FloatArray, BoolArray]:
+    """Better frequencies and bounds (3, m) rad/s, each with its own train and `mode`, and which are proven.
+
+    Roots are tried until all are: each has its own resonances of parts of the torn tree, beside which counts are less
+    sure.
+    """
+    bounds, proven = np.stack([frequency] * 3), np.zeros(len(frequency), dtype=np.bool_)
+    near = frequency.copy()
+    for one in _roots(trains.tree, root):
+        for is_modal in (True, False) if len(trains.chord) else (False,):
+            left = np.flatnonzero(~proven)
+            if not left.size:
+                return bounds, proven
+            some = trains.chosen(left)
+            way = _way(some, one, float(near[left].max()) ** 2)
+            if is_modal:
+                way, square = modal_way(some, near[left] ** 2, way)
+                near[left] = np.sqrt(square)
+            bounds[0, left] = near[left]
+            bounds[1:, left], proven[left] = _enclosed(some, near[left], passed[left], mode[left], way)
+    return bounds, proven
+
+
+def _roots(tree: Tree, root: int) -> list[int]:
+    """Some stations, as far from each other as can be, from `root`."""
+    far, chosen = np.full(tree.size, np.inf), [root]
+    while len(chosen) < min(_ROOTS, tree.size):
+        away = {chosen[-1]: 0.0}
+        for station, near, _ in reversed(toward(tree, chosen[-1])):
+            away[station] = away[near] + 1.0
+        far = np.minimum(far, [away.get(station, 0.0) for station in range(tree.size)])
+        far[tree.held] = 0.0
+        chosen.append(int(np.argmax(far)))
+    return chosen
 
 
 def _enclosed(
-    trains: Network, frequency: FloatArray, passed: FloatArray, mode: int | IntArray, way: _Way
+    trains: Network, frequency: FloatArray, passed: FloatArray, mode: int | IntArray, way: Way, half: float = 0.0
 ) -> tuple[FloatArray, BoolArray]:
-    """Bounds (2, trains) rad/s of the mode (of each; from 0, rigid ones counted), and which of them are proven."""
-    shafts, mode = trains.tree.shafts, np.broadcast_to(mode, frequency.shape)
-    bounds, left, some = np.stack([frequency] * 2), np.arange(len(frequency)), trains
-    half = expected_width(trains.tree, frequency, passed)
-    half = np.minimum(half * (_OF_CHORDS if len(trains.chord) else 1.0), _WIDEST / _WIDENED[-1])
+    """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven.
+
+    half: relative half width, by default that in which success is expected, up to the widest.
+    """
+    shafts, widened = trains.tree.shafts, tuple[float, ...](_WIDENED)
+    if len(trains.chord):
+        widened = _OF_CHORDS if way.basis is None else _OF_MODES
+    width = np.minimum(expected_width(trains.tree, frequency, passed * frequency**2), _WIDEST / widened[-1])
+    if half:
+        width, widened = np.full(len(frequency), half), (1.0,)
     top = np.inf if shafts is None else SHARE_OF_LIMIT * shafts.limit
-    for times in _WIDENED:
-        bounds[0, left], bounds[1, left] = (frequency[left] * (1.0 + sign * times * half[left]) for sign in (-1, 1))
-        proven = (_count(some, bounds[0, left], 1, way) <= mode[left]) & (bounds[1, left] <= top)
-        proven &= _count(some, bounds[1, left], -1, way) > mode[left]
-        left = left[~proven]
-        if not left.size:
-            break
-        some = some.chosen(~proven)
-    is_proven = np.ones(len(frequency), dtype=np.bool_)
-    is_proven[left] = False
-    return bounds, is_proven
+
+    def counted(left: Selection, w: FloatArray, lean: float) -> IntArray:
+        return network_count(trains.chosen(left), w, lean, way.chosen(left))
+
+    bounds, proven = enclosed(counted, frequency, width, mode, widened)
+    return bounds, proven & (bounds[1] <= top)

@@ -1,0 +1,287 @@
+"""Counts of the natural frequencies of trains with closed loops or distributed shafts, many side by side.
+
+With H the flexibilities of L chords, P their torque pairs and D the dynamic stiffness of the tree at s = w^2, the
+pivots of [[D, P], [P', -H]] in both orders give the count of the train: that of the tree, less the number of negative
+eigenvalues of M = H + P' D^-1 P (Sylvester; Haynsworth 1968). For any angles q it is H + P'q + q'P - q'D q + g'D^-1 g
+with g = P - D q. Static: q has the twists of stiff spans and none of soft ones, so that nothing large cancels. Modal:
+q is the response to the chord torques of a mode, so that g is of rounding only, and a resonance of a part of the torn
+tree, beside which D^-1 g is large, matters no more. One elimination from the leaves to a root gives D's pivots and
+g'D^-1 g.
+
+Roundings of pivots are those of a train with other inertias and flexibilities, outweighed as in `sturm`, so that tree
+and M are those of one train; those of M in it are carried along as a running error, by which M is leaned.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.kernels.distributed.span_laws import Columns
+from torsion.kernels.sturm import count_below, margins
+from torsion.kernels.tree import Tree
+
+_UNIT_ROUNDOFF = 2.0**-53
+_ROUNDINGS = 10.0  # of a term of M or a load, besides those of sums: r, its products, h r, the torque passed on
+_OF_STIFFNESS = 5.0  # of what a span passes on, less its margin, if 1 + h z is taken to be that of another h
+_EIGENVALUE = 8.0  # roundings of the eigenvalues of a matrix whose entries are below 1, times its size squared
+
+
+@dataclass(frozen=True)
+class Network:
+    """Trains of one layout side by side: a tree with a column for each, and its chords."""
+
+    tree: Tree  # flexibility and inertia (stations, trains); its laws are `Columns`
+    pair: FloatArray  # (chords, stations) torques of each chord
+    chord: FloatArray  # (chords, trains) rad/(N m)
+
+    def chosen(self, trains: IntArray | BoolArray | slice) -> "Network":
+        """Some of the trains."""
+        tree, shafts = self.tree, self.tree.shafts
+        if shafts is not None:
+            place = np.arange(tree.flexibility.shape[1])[trains]
+            laws = tuple(law.chosen(place) for law in shafts.laws if isinstance(law, Columns))
+            shafts = replace(shafts, laws=laws)
+        some = replace(tree, flexibility=tree.flexibility[:, trains], inertia=tree.inertia[:, trains], shafts=shafts)
+        return replace(self, tree=some, chord=self.chord[:, trains])
+
+
+@dataclass(frozen=True)
+class Way:
+    """How to eliminate toward a root, with angles q of the tree for each chord; the last axis: 1 or trains."""
+
+    steps: list[tuple[int, int, int]]  # station, the one toward the root, the span between; the leaves first
+    root: int
+    sign: FloatArray  # (chords, stations, .) torque of each pair through the span toward the root
+    torque: FloatArray  # (chords, stations, .) of q in the same spans
+    load: FloatArray  # (chords, stations, .) of the pairs, less those torques
+    lift: FloatArray  # (chords, .) angle of the root in q
+    basis: FloatArray | None = None  # (chords, chords, trains) chord torques in place of unit ones
+    terms: FloatArray | None = None  # (chords, stations, trains) like `load`: sum of its terms without signs
+
+    def chosen(self, trains: IntArray | BoolArray | slice) -> "Way":
+        """For some of the trains."""
+        if self.basis is None or self.terms is None:
+            return self
+        rows = {name: getattr(self, name)[..., trains] for name in ("torque", "load", "lift", "basis", "terms", "sign")}
+        return replace(self, **rows)
+
+    def modal(self, held: BoolArray, chord_torque: FloatArray, torque: FloatArray, lift: FloatArray) -> "Way":
+        """With the shape of a mode as q of its `chord_torque` (chords, trains), in place of the largest of them.
+
+        torque: (stations, trains) in the spans toward the root; lift: (trains,) angle of the root.
+        """
+        number, trains = chord_torque.shape
+        largest, column = np.argmax(np.abs(chord_torque), axis=0), np.arange(trains)
+        scale = chord_torque[largest, column]
+        basis = np.repeat(np.eye(number)[:, :, None], trains, axis=2)
+        basis[largest, :, column] = (chord_torque / scale).T
+        sign, bound = (
+            np.einsum("klt,lst->kst", one, np.broadcast_to(other, (*other.shape[:2], trains)))
+            for one, other in ((basis, self.sign), (np.abs(basis), np.abs(self.sign)))
+        )
+        q, lifts = np.broadcast_to(self.torque, sign.shape).copy(), np.zeros((number, trains))
+        q[largest, :, column], lifts[largest, column] = (torque / scale).T, lift / scale
+        load, terms = sign - q, bound + np.abs(q)
+        for station, near, _ in self.steps:
+            if not held[near]:
+                load[:, near] -= sign[:, station] - q[:, station]
+                terms[:, near] += bound[:, station] + np.abs(q[:, station])
+        return Way(self.steps, self.root, sign, q, load, lifts, basis, terms)
+
+
+def product(one: NDArray[Any], other: NDArray[Any]) -> NDArray[Any]:
+    """(chords, chords, trains) of two (chords, trains)."""
+    return np.asarray(one[:, None] * other[None, :])
+
+
+class Elimination:
+    """All but the root at s = `square` (trains,); with `lean` +1 or -1 every rounding is outweighed, as in `sturm`.
+
+    `stiffness` (stations, trains) N m/rad: each as it was eliminated, that of the root last; `load` (chords, stations,
+    trains) of g; `matrix` (chords, chords, trains) rad/(N m): M without what the root adds; `negative` (trains,):
+    pivots of all stations but the root. With `lean`, `size` is the sum of the terms of `matrix` without signs, and
+    `error`, `load_error` are of roundings.
+    """
+
+    def __init__(self, trains: Network, square: NDArray[Any], way: Way, lean: float = 0.0) -> None:
+        tree = trains.tree
+        self.way, self.lean, self.fixed, of_laws = way, lean, tree.held.tolist(), square
+        if lean:
+            of_square, of_argument, of_stiffness = margins(tree, square)
+            of_square, self.margin = of_square + 2.0 * _UNIT_ROUNDOFF, of_stiffness + 2.0 * _UNIT_ROUNDOFF  # other root
+            of_laws, square = square * (1.0 + lean * of_argument), square * (1.0 + lean * of_square)
+        a, h = tree.moving_inertia * square, tree.flexibility.astype(square.dtype)
+        if tree.shafts is not None:
+            h[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
+            tree.add_ends(a, inner * square, outer * square)
+        self.inertia, self.flexibility, self.stiffness = a, h, np.where(tree.held[:, None], np.inf, -a)
+        self.negative, self.number = np.zeros(len(square), dtype=np.int64), len(trains.chord)
+        if self.number:
+            self._begin(trains)
+        for station, near, span in way.steps:
+            (self._past_fixed if self.fixed[station] else self._past_free)(station, near, h[span])
+        if lean and self.number:
+            self.error += 3.0 * tree.size * _UNIT_ROUNDOFF * self.size
+
+    def _begin(self, trains: Network) -> None:
+        """M of q alone, and the loads that q leaves."""
+        way, a, h, tree = self.way, self.inertia, self.flexibility, trains.tree
+        spans = tree.size if way.basis is not None else np.count_nonzero(way.torque, axis=1).max(initial=0)
+        self.term = (2 * tree.most_children + _ROUNDINGS) * _UNIT_ROUNDOFF  # of a product of loads, or one passed on
+        self.unit = self.term + spans * _UNIT_ROUNDOFF  # with those of q
+        basis = np.eye(self.number)[:, :, None] if way.basis is None else way.basis
+        self.q = np.zeros((self.number, *a.shape), a.dtype)
+        self.q[:, way.root] = way.lift
+        self.matrix = np.einsum("klt,lt,mlt->kmt", basis, trains.chord, basis).astype(a.dtype)
+        for station, near, span in reversed(way.steps):
+            s, t = way.sign[:, station], way.torque[:, station]
+            self.q[:, station] = t * h[span] + (0.0 if self.fixed[near] else self.q[:, near])
+            self.matrix += (product(s, t) + product(t, s) - product(t, t)) * h[span]
+        own = a * self.q
+        self.load = own + way.load
+        self.matrix += np.einsum("kit,lit->klt", own, self.q)
+        if self.lean:
+            self._begin_bounds(np.abs(np.einsum("klt,lt,mlt->kmt", np.abs(basis), trains.chord, np.abs(basis))))
+
+    def _begin_bounds(self, size: FloatArray) -> None:
+        way, h = self.way, self.flexibility
+        self.reach, self.size = np.zeros_like(self.q), size  # reach: sum of the terms of q without signs
+        self.reach[:, way.root] = np.abs(way.lift)
+        for station, near, span in reversed(way.steps):
+            s, t = np.abs(way.sign[:, station]), np.abs(way.torque[:, station])
+            self.reach[:, station] = t * h[span] + (0.0 if self.fixed[near] else self.reach[:, near])
+            self.size += h[span] * (product(s, t) if way.basis is None else product(s + t, s + t))
+        own = self.inertia * self.reach
+        self.size += np.einsum("kit,lit->klt", own, self.reach)
+        self.error, self.load_error = self.unit * self.size, self.unit * own
+        if way.terms is not None:
+            self.load_error += self.unit * way.terms
+
+    def _past_fixed(self, i: int, near: int, h: NDArray[Any]) -> None:
+        share = 1.0 / h
+        self.stiffness[near] += share
+        if not self.number:
+            return
+        q, f = self.q[:, i], self.load[:, i]
+        term = product(q, q * share) + product(q, f) + product(f, q)
+        self.matrix -= term
+        if self.lean:
+            own = self.reach[:, i]
+            less = self.unit * (own * share + np.abs(f)) + self.load_error[:, i]
+            self.size += np.abs(term)
+            self.error += product(own, less) + product(less, own)
+        if not self.fixed[near]:
+            self.load[:, near] -= q * share
+            if self.lean:
+                self.load_error[:, near] += 2.0 * self.unit * self.reach[:, i] * share
+
+    def _past_free(self, i: int, near: int, h: NDArray[Any]) -> None:
+        z = self.stiffness[i]
+        rest = 1.0 / (1.0 + h * z)
+        through = z * rest
+        self.negative += rest.real < 0.0
+        if self.number:
+            f = self.load[:, i]
+            term = h * rest * product(f, f)
+            self.matrix += term
+            if self.lean:
+                self.size += np.abs(term)
+                self._bound(i, h * rest)
+        if self.lean:
+            less = self.lean * self.margin * np.abs(through)
+            through = through - less
+            if self.number and not self.fixed[near]:  # what is passed on less is as inertia of the next station
+                self._lessen(i, near, less, np.abs(through), np.abs(rest))
+        self.stiffness[near] += through
+        if self.number and not self.fixed[near]:  # every span has a copy of a fixed station of its own
+            self.load[:, near] += rest * f
+
+    def _bound(self, i: int, weight: FloatArray) -> None:
+        own, room = np.abs(self.load[:, i]), self.load_error[:, i]
+        self.error += np.abs(weight) * (product(own + room, own + room) * (1.0 + self.term) - product(own, own))
+
+    def _lessen(self, i: int, near: int, less: FloatArray, through: FloatArray, rest: FloatArray) -> None:
+        q, room = self.q[:, near], self.unit * self.reach[:, near]
+        most, amount = np.abs(q) + room, _OF_STIFFNESS * _UNIT_ROUNDOFF * through  # by which `less` is not right
+        self.load[:, near] += less * q
+        self.matrix += less * product(q, q)
+        beside = amount * most + np.abs(less) * room
+        self.error += product(beside, most) + product(most, beside)
+        own = rest * (self.load_error[:, i] + self.term * np.abs(self.load[:, i]))
+        self.load_error[:, near] += own + beside
+
+    @property
+    def at_root(self) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Stiffness (trains,) and loads (chords, trains) that are left there."""
+        return self.stiffness[self.way.root], self.load[:, self.way.root] if self.number else np.empty((0, 0))
+
+
+def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntArray:
+    """Frequencies below `w` (trains,) rad/s, rigid motions included: never less (+1) or never more (-1) than exact."""
+    number = len(trains.chord)
+    if not number:
+        return count_below(trains.tree, w, bound=lean)
+    with np.errstate(all="ignore"):
+        seen = Elimination(trains, w * w, way, lean)
+        stiffness, load = seen.at_root
+        own, room, root = np.abs(load), seen.load_error[:, way.root], np.abs(1.0 / stiffness)
+        last = product(load, load) / stiffness
+        error = seen.error + root * (product(own + room, own + room) - (1.0 - 4.0 * _UNIT_ROUNDOFF) * product(own, own))
+        chord = np.arange(number)
+        scale = np.sqrt((seen.size + np.abs(last))[chord, chord])
+        matrix, error = ((one / product(scale, scale)).transpose(2, 0, 1) for one in (seen.matrix + last, error))
+        matrix[:, chord, chord] += lean * (error.sum(axis=2) + _EIGENVALUE * number**2 * _UNIT_ROUNDOFF)
+    lost = ~np.isfinite(matrix).all(axis=(1, 2))
+    matrix[lost] = lean * np.eye(number)
+    below = (np.linalg.eigvalsh(matrix) < 0.0).sum(axis=1)
+    found = seen.negative + (stiffness < 0.0) - below
+    return np.asarray(np.where(lost, trains.tree.size if lean > 0 else -1, found))
+
+
+def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, FloatArray]:
+    """The way with q of the mode near s = `square` (trains,), and Rayleigh's s (trains,) of it; `way`: static."""
+    with np.errstate(all="ignore"):
+        seen = Elimination(trains, square, way)
+        stiffness, load = seen.at_root
+        chord_torque = _least(seen.matrix + product(load, load) / stiffness)
+        f = np.einsum("kt,kst->st", chord_torque, seen.load)
+        q = np.einsum("kt,kst->st", chord_torque, seen.q)
+        torque = np.einsum("kt,kst->st", chord_torque, np.broadcast_to(way.torque, seen.load.shape)).copy()
+        angle = np.zeros_like(f)
+        angle[way.root] = f[way.root] / stiffness
+        for i, near, span in reversed(way.steps):
+            h, beside = seen.flexibility[span], 0.0 if seen.fixed[near] else angle[near]
+            if seen.fixed[i]:
+                angle[i] = -q[i]
+                torque[i] += (angle[i] - beside) / h
+            else:
+                rest = 1.0 / (1.0 + h * seen.stiffness[i])
+                angle[i] = rest * (beside + h * f[i])
+                torque[i] += rest * (f[i] - seen.stiffness[i] * beside)
+        lift = angle[way.root]
+        lost = ~(np.isfinite(torque).all(axis=0) & np.isfinite(lift) & np.isfinite(chord_torque).all(axis=0))
+        torque[:, lost], lift, chord_torque[:, lost] = 0.0, np.where(lost, 0.0, lift), 1.0
+        modal = way.modal(trains.tree.held, chord_torque, torque, lift)
+        own = Elimination(trains, square, modal)
+        row, column = np.argmax(np.abs(chord_torque), axis=0), np.arange(len(square))
+        stiffness, load = own.at_root
+        matrix = (own.matrix + product(load, load) / stiffness)[row, row, column]
+        change = -matrix / (own.inertia * own.q[row, :, column].T ** 2).sum(axis=0)
+    return modal, np.where(np.isfinite(change) & (np.abs(change) < 1e-6), square * (1.0 + change), square)
+
+
+def _least(matrix: FloatArray) -> FloatArray:
+    """Chord torques (chords, trains) for which M (chords, chords, trains) is least beside its diagonal."""
+    number = len(matrix)
+    if number == 1:
+        return np.ones(matrix.shape[1:])
+    scale = 1.0 / np.sqrt(np.abs(np.einsum("kkt->kt", matrix)))
+    scaled = (matrix * product(scale, scale)).transpose(2, 0, 1)
+    lost = ~np.isfinite(scaled).all(axis=(1, 2))
+    scaled[lost] = np.eye(number)
+    values, vectors = np.linalg.eigh(scaled)
+    least = np.argmin(np.abs(values), axis=1)
+    return np.asarray(np.take_along_axis(vectors, least[:, None, None], axis=2)[:, :, 0].T * scale)
