@@ -1,14 +1,10 @@
-"""Natural frequencies of many trains with closed loops or distributed shafts, side by side and proven by counts.
+"""Natural frequencies of trains with closed loops or distributed shafts, many side by side, each proven by counts.
 
-With H the flexibilities of L chords, P their torque pairs and D the dynamic stiffness of the tree at s = w^2, the
-pivots of [[D, P], [P', -H]] in both orders give the count of the train: that of the tree, less the number of negative
-eigenvalues of M = H + P' D^-1 P (Sylvester; Haynsworth 1968). For any angles q it is H + 2 P'q - q'D q + g'D^-1 g with
-g = P - D q: with the static twists of stiff spans in q, and 0 in soft ones, nothing large cancels. One elimination from
-the leaves to a root, the station with the most kinetic energy, gives D's pivots and g'D^-1 g.
-
-Roundings of pivots are those of a train with other inertias and flexibilities, outweighed as in `sturm`, so that tree
-and M are those of one train; those of M in it are carried along as a running error, by which M is leaned. The same
-elimination at s (1 + i 1e-100) has the slope for Newton's steps. A train that is not proven is solved by itself.
+From the modes of the middle train every other begins at what shares of energy say, as in `variant_modes`. Newton's
+steps make the dynamic stiffness zero that is seen at the station with the most kinetic energy; the same elimination at
+s (1 + i 1e-100) has the slope. What the counts of `network_counts` do not enclose with static angles is bracketed
+anew if it is another mode, then enclosed with the angles of its mode, toward one root or another. A train that is not
+proven then is solved by itself.
 """
 
 from dataclasses import replace
