@@ -27,13 +27,14 @@ from torsion.assembly.section.section_torsion import (
 from torsion.errors import SolveError
 
 STEADY = 1e-3  # relative error at which the triangles are fine enough
-ROUNDS = 3  # of halving the sides of the first mesh
+ROUNDS = 4  # of halving the sides of the first mesh
 IN_FILLET = 3  # sides along a fillet in the first mesh
 WIDEST = math.radians(15.0)  # a side of the outer circle
 FANNED = 1.3  # rad, at most, that floor, fillet and flank take of the circle within
 FAN = 0.2, 0.5, 0.8  # shares of that at the ends of the fillet and at the top of the flank
 SLANT = 0.6  # of the angle at which a line from the outline would touch the circle within
 SLIGHT = 0.02  # of the rest of the circle within, at least, for a flank
+BELOW = 1.5  # halves of a tooth's sector, at most, from the root to the circle within: no slivers below many teeth
 CLOSE = 1e-9  # relative to the radius: on a line
 
 
@@ -103,7 +104,7 @@ def splines(root: float, tooth: float, fillet: float, number: int, bore: float =
 
     along = (root + fillet) * math.cos(away)
     own = math.atan2(half, along)
-    within = _within(root, bore, 0.0)
+    within = max(_within(root, bore, 0.0), root * (1.0 - BELOW * pitch))
     points = [
         (0.0, root), turned(root, pitch - away), turned(math.hypot(half, along), pitch - own),
         turned(1.0, pitch - math.asin(half)),
