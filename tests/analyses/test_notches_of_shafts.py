@@ -1,9 +1,12 @@
 """Notches where a shaft is not the same all along, and those that have no answer."""
 
+import math
+
 import pytest
 
 import torsion
-from torsion.analyses.fillet_stresses import hole_factor, stated_fillets
+from torsion.analyses.fillet_stresses import Fillets, hole_factor, stated_fillets
+from torsion.analyses.response.amplitudes import Synthesis
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
 from torsion.kernels.round_sections import section_modulus
@@ -31,7 +34,7 @@ def test_notch_in_a_cone_is_judged_at_its_weaker_end(bores: tuple[float, float],
 
 
 def test_groove_without_an_answer_is_located() -> None:
-    splines = "{teeth: 3, root: 10 mm, width: 2 mm, fillet: 0.2 mm}"
+    splines = "{teeth: 3, root: 10 mm, width: 2 mm, fillet: 0.1 mm}"
     shaft = f"diameter: 100 mm, notches: [{{hole: 9 mm}}, {{splines: {splines}}}]"
     system = assemble(parse(SCENE.replace("SHAFT", shaft)).train)
     with pytest.raises(SolveError, match="does not converge") as raised:
@@ -52,6 +55,7 @@ train:
 analyses: {response: }
 rules: [fillets]
 """
+FILLET = "corner in the bore, at the fillet of 4 mm, to b"
 HOLE = "endurance: 60 MPa, notches: {hole: 9 mm}"
 
 
@@ -73,15 +77,88 @@ def test_corner_without_a_fillet_beside_an_endurance_is_outside_the_rule(step: s
     assert [one.what for one in lines if one.verdict == "outside"] == outside
 
 
+def test_corner_in_the_bore_behind_a_fillet_is_outside_the_rule() -> None:
+    text = JUDGED.replace("STEP", "step: {fillet: 4 mm}").replace("HOLE", "bore: 40 mm")
+    lines = torsion.run(parse(text)).need(Checks).lines
+    assert [one.what for one in lines if one.verdict == "outside"] == [FILLET]
+
+
+FLANGE = "step: {flange: {diameter: 900 mm, thickness: 200 mm, fillet: 8 mm}}"
+SMALL, LARGE = "diameter: 90 mm", "diameter: 140 mm"
+
+
+@pytest.mark.parametrize("sizes", [(SMALL, LARGE), (LARGE, SMALL)])
+def test_fillet_on_a_flange_has_the_torque_of_its_own_side(sizes: tuple[str, str]) -> None:
+    text = JUDGED.replace("STEP", FLANGE).replace("HOLE", "endurance: 60 MPa")
+    text = text.replace(SMALL, "FIRST").replace(LARGE, sizes[1]).replace("FIRST", sizes[0])
+    found = torsion.run(parse(text))
+    (one,) = found.need(Fillets).each
+    own = found.system.span_part == found.study.train.position("ab"[sizes.index(SMALL)])
+    torque = found.need(Synthesis).half_range[:, own].max(axis=1)
+    assert one.nominal is not None
+    assert one.nominal * one.modulus == pytest.approx(torque.max(), rel=0.02)  # the shaft's own inertia is slight
+
+
+def factors(text: str) -> list[float]:
+    scene = SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", text)
+    return [one.factor for one in stated_fillets(assemble(parse(scene).train))]
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_fillet_beside_a_larger_shaft_of_thin_wall_has_at_least_its_nominal_stress(*, backwards: bool) -> None:
+    step = ", step: {fillet: 50 mm}"
+    first, last = ["diameter: 100 mm", "diameter: 102 mm, bore: 98 mm"][:: -1 if backwards else 1]
+    (found,) = factors(
+        f"  - shaft: {{name: a, length: 1 m, {first}{step}}}\n  - shaft: {{name: b, length: 1 m, {last}}}\n"
+    )
+    ratio = float(section_modulus(0.1, 0.0) / section_modulus(0.102, 0.098))
+    assert found == pytest.approx(ratio, rel=1e-12)  # 6.37; in the fillet itself 5.02
+
+
+def neck(length: float, radius: float, larger: float = 300.0) -> str:
+    """A shaft of 100 mm between two larger ones; mm."""
+    beside = f"length: 1 m, diameter: {larger} mm"
+    step = f"step: {{fillet: {radius} mm}}"
+    return (
+        f"  - shaft: {{name: a, {beside}, {step}}}\n  - shaft: {{name: b, length: {length} mm, diameter: 100 mm, "
+        f"{step}}}\n  - shaft: {{name: c, {beside}}}\n"
+    )
+
+
+@pytest.mark.parametrize("radius", [5.0, 10.0, 20.0])
+def test_two_fillets_that_meet_are_a_groove(radius: float) -> None:
+    """Neuber (1958): deep hyperbolic groove in torsion; one with parallel flanks lies up to a tenth above it."""
+    root = math.sqrt(50.0 / radius + 1.0)
+    neuber = 3.0 * (1.0 + root) ** 2 / (4.0 * (1.0 + 2.0 * root))
+    for found in factors(neck(2.0 * radius, radius)):
+        assert 1.0 < found / neuber < 1.1
+
+
+def test_fillets_two_diameters_apart_know_nothing_of_each_other() -> None:
+    near, far = factors(neck(199.0, 10.0)), factors(neck(201.0, 10.0))
+    assert near == pytest.approx(far, rel=2e-3)
+
+
+def test_fillets_and_hubs_have_room_on_their_shaft() -> None:
+    with pytest.raises(InputError, match="reaches into what else stands on 'b'"):
+        assemble(parse(SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", neck(19.0, 10.0))).train)
+    hub = neck(60.0, 10.0).replace("diameter: 100 mm, step: {fillet: 10.0 mm}", HUB)
+    with pytest.raises(InputError, match="reaches into what else stands on 'b'"):
+        assemble(parse(SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", hub)).train)
+
+
+HUB = "diameter: 100 mm, hub: {length: 55 mm, diameter: 160 mm, fit: shrink}"
+
+
+@pytest.mark.parametrize("key", ["notches", "hub", "support"])
+def test_empty_list_of_details_is_refused_in_its_place(key: str) -> None:
+    with pytest.raises(InputError, match=f"`{key}` is an empty list"):
+        parse(SCENE.replace("SHAFT", f"diameter: 90 mm, {key}: []"))
+
+
 def test_endurance_of_a_shaft_without_a_detail_is_refused() -> None:
     with pytest.raises(InputError, match="finds no fillet or notch with an `endurance`"):
         torsion.run(parse(JUDGED.replace("STEP", "step: sharp").replace("HOLE", "notches: {hole: 9 mm}")))
-
-
-def test_step_of_the_bore_behind_a_fillet_is_outside_the_rule() -> None:
-    text = JUDGED.replace("STEP", "step: {fillet: 4 mm}").replace("HOLE", f"bore: 40 mm, {HOLE}")
-    lines = torsion.run(parse(text)).need(Checks).lines
-    assert [one.what for one in lines if one.verdict == "outside"] == ["step of the bore to b"]
 
 
 @pytest.mark.parametrize(("outer", "bore"), [(0.092, 0.085), (0.092, 0.076), (0.1, 0.085)])

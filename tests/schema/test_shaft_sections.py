@@ -136,3 +136,12 @@ def test_an_editor_takes_sections_in_place_of_a_length() -> None:
     validator = jsonschema.Draft202012Validator(json_schema())
     assert validator.is_valid(parse_source(SECTIONS, "").data)
     assert not validator.is_valid(parse_source(SECTIONS.replace("sections: [", "segments: 3, note: ["), "").data)
+
+
+@pytest.mark.parametrize("text", ["", "length [mm];diameter [mm]\n"])
+def test_table_without_rows_says_which_columns_it_has(text: str, tmp_path: Path) -> None:
+    tmp_path.joinpath("line.csv").write_text(text)
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SCENE.format(shafts="  - shaft: {name: line, sections: line.csv}"))
+    with pytest.raises(InputError, match=re.escape("first a row of `length [mm]`, `diameter [mm]`")):
+        read(scene)

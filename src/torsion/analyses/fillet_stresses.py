@@ -194,23 +194,33 @@ def _is_of_chart(one: Keyway, outer: float) -> bool:
 
 def _fillets(system: System) -> Iterator[Fillet]:
     from torsion.assembly.junction.fillet_stress import fillet_stress
-    from torsion.assembly.junction.stepped_shafts import corners, profile_of
+    from torsion.assembly.junction.stepped_shafts import corners, stressed_profile
 
     for step, one, two, smaller, larger in corners(system.train):
         if step is None or not step.round:
             continue
         unit, radius = smaller.outer, step.round
+        modulus, other = (float(section_modulus(end.outer, end.bore)) for end in (smaller, larger))
         with _located((*system.train.parts[one.part].path, "step")):
-            stress = fillet_stress(profile_of(step, smaller, larger))
-        modulus = float(section_modulus(smaller.outer, smaller.bore))
-        spans = np.flatnonzero(system.span_part == one.part)[-1:]
+            profile, beyond = stressed_profile(system.train, step, smaller, larger)
+            stress = fillet_stress(profile, beyond=beyond)
+        end = profile.smaller
+        scale = float(section_modulus(1.0, smaller.bore / unit) / section_modulus(end.outer[0], end.bore[0]))
+        factor = max(stress.factor * scale, modulus / other)  # a larger shaft of thin wall endures less beside it
         fit = None
         if step.fillet and not smaller.bore and not larger.bore:
             fit = peterson((larger.outer - unit) / 2.0 / unit, radius / unit)
         yield Fillet(
-            one.name, two.name, radius, unit, larger.outer, modulus, stress.factor, stress.error, fit,
-            endurance(system.train, one, two), None, None, None, None, "fillet", (int(spans[0]),),
+            one.name, two.name, radius, unit, larger.outer, modulus, factor, stress.error, fit,
+            endurance(system.train, one, two), None, None, None, None, "fillet", _beside(system, one, two, smaller.bar),
         )  # fmt: skip
+
+
+def _beside(system: System, one: Bar, two: Bar, smaller: Bar) -> tuple[int, ...]:
+    """The span of the smaller shaft that ends or begins at the step: a flange's inertia is not in its torque."""
+    at_end = smaller.name == one.name
+    part, there = (one.part, system.driven == one.driven) if at_end else (two.part, system.driving == two.driving)
+    return tuple(np.flatnonzero((system.span_part == part) & there).tolist())
 
 
 def run(work: Work) -> None:

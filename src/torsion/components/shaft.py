@@ -91,12 +91,12 @@ class Shaft(Component, keyword="shaft", sort="link"):
             raise refuse("a shaft with a `section` has no `diameter`", "the mesh says the dimensions; remove one")
         return section
 
-    @field_validator("support")
+    @field_validator("support", "notches", "hub")
     @classmethod
-    def _is_there(cls, support: tuple[Support, ...]) -> tuple[Support, ...]:
-        if not support:
-            raise refuse("`support` is an empty list", "give a support, or leave the key out")
-        return support
+    def _is_there(cls, listed: tuple[Any, ...], known: ValidationInfo) -> tuple[Any, ...]:
+        if not listed:
+            raise refuse(f"`{known.field_name}` is an empty list", "list one, or leave the key out")
+        return listed
 
     def refuse_clashes(self) -> None:
         if self.section is not None:

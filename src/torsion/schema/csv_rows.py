@@ -29,6 +29,7 @@ from torsion.schema.csv_harmonics import by_load, harmonic, list_node
 from torsion.schema.csv_numbers import Numbers, in_unit, is_number, numbers_of, unit_fault
 from torsion.schema.csv_text import FORMULA_ERROR, Cell, rows_of
 from torsion.schema.fault_text import Node, Source
+from torsion.schema.shaft_sections import SECTIONS
 from torsion.schema.yaml_source import parse_source, resolved
 
 _HEAD = re.compile(r"(.*?)\s*[\[(](.+)[\])]")  # inertia [kg*m**2]
@@ -94,6 +95,8 @@ class Rows:
             return "`kind`, `name`, `inertia [kg*m**2]`, ..."
         if self.key.startswith("harmonics"):
             return "`imep [bar]`, " * ("load" in self.key) + "`order`, `amplitude [bar]`, `phase [deg]`"
+        if self.key == SECTIONS:
+            return "`length [mm]`, `diameter [mm]`, ..."
         if self.key == TORSIOGRAM:
             return "`speed [rpm]`, `amplitude [deg]`, ..."
         if self.key == LIBRARY:

@@ -1,6 +1,7 @@
 """Shear stress at keyways and splines against Weber's groove, a published chart and the general section."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -163,3 +164,12 @@ def test_slender_teeth_leave_the_core() -> None:
 
 def test_small_hole_stretches_its_edge_fourfold() -> None:
     assert hole_factor(0.0) * math.sqrt(3.0) == pytest.approx(4.0, rel=1e-15)
+
+
+@pytest.mark.parametrize(("root", "tooth", "fillet"), [(85.0, 1.0, 0.1), (86.0, 1.3, 0.05), (70.0, 1.0, 0.1)])
+def test_hundred_teeth_have_an_answer(root: float, tooth: float, fillet: float) -> None:
+    """The same at two depths of the circle within, which is an aid of the mesh alone."""
+    section = splines(root / 90.0, tooth / 45.0, fillet / 45.0, 100)
+    found = groove_stress(section)
+    assert found.error < 1e-3
+    assert on_mesh(replace(section, within=section.within - 0.02), 4).factor == pytest.approx(found.factor, rel=5e-3)

@@ -28,11 +28,11 @@ class FilletStress:
 
 
 @lru_cache(maxsize=256)
-def fillet_stress(profile: Profile, steady: float = STEADY) -> FilletStress:
+def fillet_stress(profile: Profile, steady: float = STEADY, beyond: float = 0.0) -> FilletStress:
     """K_t of the fillets of a line, the triangles along them divided until both fields agree.
 
     The angle says the stress as G r |grad psi|, the stress function as |grad phi| / r^2; their mean is reported.
-    steady: relative error at which they do.
+    steady: relative error at which they do; beyond: place on the axis, of the fillets from there on.
     Raises ValueError where no corner is round, SolveError where the two do not meet.
 
     >>> from torsion.assembly.junction.profile import Corner, junction
@@ -45,7 +45,7 @@ def fillet_stress(profile: Profile, steady: float = STEADY) -> FilletStress:
     before = math.inf
     for _ in range(ROUNDS):  # the first mesh is as good as the stiffness needs; the stress needs a finer one
         here = here.refined(np.unique(here.mesh.f2t[0, here.fillets]))
-        found = _largest(profile, here, on_mesh(profile, here)[1])
+        found = _largest(profile, here, on_mesh(profile, here)[1], beyond)
         error = max(found.error, abs(found.factor - before) / found.factor)
         if error <= steady:
             return replace(found, error=error)
@@ -53,8 +53,9 @@ def fillet_stress(profile: Profile, steady: float = STEADY) -> FilletStress:
     raise SolveError("the stress in a fillet does not converge; look at its dimensions")
 
 
-def _largest(profile: Profile, here: Meridian, fields: Fields) -> FilletStress:
-    shape, facets = fields.basis.mesh, here.fillets
+def _largest(profile: Profile, here: Meridian, fields: Fields, beyond: float) -> FilletStress:
+    shape = fields.basis.mesh
+    facets = here.fillets[here.mesh.p[0, here.mesh.facets[:, here.fillets]].mean(axis=0) > beyond]
     elements = np.unique(shape.f2t[0, facets])
     zero, one = np.zeros_like(_ALONG), np.ones_like(_ALONG)
     sides = np.concatenate([[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1)  # in the order of t2f

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import get_args
 
-from torsion.assembly.junction.profile import Corner, CornerKind, Length, Profile, junction
+from torsion.assembly.junction.profile import Corner, CornerKind, Length, Profile, junction, mirrored
 from torsion.components.shaft_details import STEP, Step, StepForm
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.junction_table import junction_table
@@ -18,6 +18,7 @@ from torsion.train import ENDS, Train
 # Excess length / smaller diameter over larger / smaller diameter, from memory (Wilson; Ker Wilson), to be verified.
 HANDBOOK = ((1.0, 0.0), (1.25, 0.055), (1.5, 0.085), (2.0, 0.100), (3.0, 0.107), (math.inf, 0.125))
 MOST_WITH_HUBS = 0.95  # of its twist that hubs and fillets together may take
+SHORT = 2.0  # diameters; beyond it the stress at one end of a shaft between two larger ones knows nothing of the other
 MOST = 0.5  # of its twist that large fillets may take from a shaft
 
 
@@ -49,6 +50,11 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
     are left out, and said to be.
     """
     found, said, shorter = train, set[int](), dict[str, float]()
+    taken = {
+        bar.name: sum(hub.length for hub in record.hubs)
+        for bar in train.bars
+        if (record := train.parts[bar.part].shaft) is not None
+    }
     for one, two in _adjoining(train):
         record, path = train.shaft(one), (*train.parts[one.part].path, "step")
         said.add(one.part)
@@ -58,7 +64,7 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         if step.form == "none":
             continue
         ends = _end(train, one, 1), _end(train, two, 0)
-        fault, excess, source = _twist(step, ends, path, by_table=by_table)
+        fault, excess, source = _twist(step, ends, path, taken, by_table=by_table)
         if fault or not source:
             if fault and (
                 record.step is not None or max(ends[0].bore, ends[1].bore) >= min(one.outer[1], two.outer[0])
@@ -141,10 +147,10 @@ def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
 
 
 def _twist(
-    step: Step, ends: tuple[End, End], path: tuple[str | int, ...], *, by_table: bool
+    step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken: dict[str, float], *, by_table: bool
 ) -> tuple[Fault | None, float, str]:
     """What is wrong with a step; else its excess length (m) and where that is from."""
-    if fault := _fault(step, ends, path):
+    if fault := _fault(step, ends, path, taken):
         return fault, 0.0, ""
     try:
         return None, *excess_length(step, *ends, by_table=by_table)
@@ -152,7 +158,8 @@ def _twist(
         return Fault(path, str(error), "other dimensions, or `step: none`, which leaves its twist out"), 0.0, ""
 
 
-def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...]) -> Fault | None:
+def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken: dict[str, float]) -> Fault | None:
+    """taken: m of each shaft under the corners and hubs so far."""
     one, two = ends
     names = f"'{one.bar.name}' and '{two.bar.name}'"
     if any(end.bar.section is not None for end in ends):
@@ -177,8 +184,13 @@ def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...]) -> Fa
     elif step.size:
         kind: CornerKind = "fillet" if step.round else "chamfer"
         reach = Corner(kind, step.size).legs(height)[0]
+    name = smaller.bar.name
     if reach >= smaller.bar.length:
-        return Fault(path, f"the corner reaches beyond '{smaller.bar.name}'", "a fillet is shorter than its shaft")
+        return Fault(path, f"the corner reaches beyond '{name}'", "a fillet is shorter than its shaft")
+    taken[name] = taken.get(name, 0.0) + reach
+    if reach and taken[name] > smaller.bar.length:
+        hint = "the corners at both of its ends, and its hubs, together have room in its length"
+        return Fault(path, f"the corner reaches into what else stands on '{name}'", hint)
     return None
 
 
@@ -232,6 +244,25 @@ def profile_of(step: Step, one: End, two: End) -> Profile:
     return junction(sizes[0], sizes[1], corner, moduli=moduli, between=tuple(between))
 
 
+def stressed_profile(train: Train, step: Step, smaller: End, larger: End) -> tuple[Profile, float]:
+    """That of `profile_of`, and where on its axis the fillet lies behind.
+
+    Both steps of a short shaft between two larger ones are in it, as they share their field.
+    """
+    profile, bar = profile_of(step, smaller, larger), smaller.bar
+    other = next((
+        (found or Step(form="sharp"), low, high) for found, one, two, low, high in corners(train)
+        if low.bar.name == bar.name and larger.bar.name not in (one.name, two.name) and high.outer > low.outer
+    ), None)  # fmt: skip
+    if other is None or len({*bar.outer}) > 1 or len({*bar.bore}) > 1 or bar.length >= SHORT * smaller.outer:
+        return profile, 0.0
+    behind = mirrored(profile_of(*other))
+    grooves = sum(each.undercut.width for each in (step, other[0]) if each.undercut is not None)
+    between = replace(profile.lengths[0], length=(bar.length - grooves) / smaller.outer)
+    whole = Profile((*behind.lengths[:-1], between, *profile.lengths[1:]), (*behind.corners, *profile.corners))
+    return whole, behind.places[-2] + between.length / 2.0
+
+
 def corners(train: Train) -> Iterator[tuple[Step | None, Bar, Bar, End, End]]:
     """Where shafts meet in a train whose steps are springs: what is stated, both shafts, smaller and larger end."""
     starts = {bar.driving: bar for bar in train.bars}
@@ -245,7 +276,7 @@ def corners(train: Train) -> Iterator[tuple[Step | None, Bar, Bar, End, End]]:
 
 
 def unrounded(train: Train) -> Iterator[tuple[Bar, Bar, str]]:
-    """Both shafts at every corner of no stated radius, and what it is: other ones of flanges, undercuts, bores too."""
+    """Both shafts at every corner of no stated radius, and what it is: also beside a fillet, and in the bore."""
     wide = {inertia.station for inertia in train.inertias}
     for step, one, two, smaller, larger in corners(train):
         if step is not None and (step.round or not _is_smooth(one, two)):
@@ -254,7 +285,7 @@ def unrounded(train: Train) -> Iterator[tuple[Bar, Bar, str]]:
             elif not step.fillet:
                 yield one, two, f"other corner of the {step.words}"
             if step.round and smaller.bore != larger.bore:
-                yield one, two, "step of the bore"
+                yield one, two, f"corner in the bore, at the {step.words},"
         elif step is None and one.driven not in wide and not _is_smooth(one, two):
             yield one, two, "step"
 

@@ -27,13 +27,14 @@ from torsion.assembly.section.section_torsion import (
 from torsion.errors import SolveError
 
 STEADY = 1e-3  # relative error at which the triangles are fine enough
-ROUNDS = 3  # of halving the sides of the first mesh
+ROUNDS = 4  # of halving the sides of the first mesh
 IN_FILLET = 3  # sides along a fillet in the first mesh
 WIDEST = math.radians(15.0)  # a side of the outer circle
 FANNED = 1.3  # rad, at most, that floor, fillet and flank take of the circle within
 FAN = 0.2, 0.5, 0.8  # shares of that at the ends of the fillet and at the top of the flank
 SLANT = 0.6  # of the angle at which a line from the outline would touch the circle within
 SLIGHT = 0.02  # of the rest of the circle within, at least, for a flank
+BELOW = 1.5  # halves of a tooth's sector, at most, from the root to the circle within: no slivers below many teeth
 CLOSE = 1e-9  # relative to the radius: on a line
 
 
@@ -162,6 +163,8 @@ def _grooved(
     (_, root), (x, y), (half, _), _ = points
     least = max(bore, half) if is_flat else bore
     within = least + (root - least) * 0.5  # between the floor and what is below it, wide enough for the flanks
+    if not is_flat:
+        within = max(within, root * (1.0 - BELOW * math.pi / number))
     angles = [math.asin(one[0] / within) if is_flat else math.atan2(*one) for one in points[1:3]]
     center = (x, y + fillet) if is_flat else (x * (1.0 + fillet / root), y * (1.0 + fillet / root))
     floor = None if is_flat else (0.0, 0.0)

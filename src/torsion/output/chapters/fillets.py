@@ -13,7 +13,9 @@ TEXT = (
     "(Pilkey 1997, to be verified), which holds for solid shafts and 0.25 ≤ step height / radius ≤ 4. Peak stress: "
     "K_{t} times the nominal vibratory stress, half range of all orders, at its worst speed. Limits of class rules are "
     "those of nominal stresses with factors of their own; no K_{t} enters them. Corners of no stated radius, "
-    "among them the other corner of a flange or undercut, and the mouths of hubs are not in it."
+    "among them the other corner of a flange or undercut and that between unlike bores, and the mouths of hubs are not "
+    "in it. A short shaft between two larger ones is computed with both of its steps. Beside a larger shaft of thin "
+    "wall K_{t} is so large that the peak is at least the nominal stress of that."
 )
 NOTCHES = (
     "Keyways and splines: K_{t} of the section alone, by plane finite elements, over T/W_{p} of the plain shaft; no "
