@@ -356,7 +356,7 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     several = f"{len(critical)} critical speeds" if len(critical) > 1 else "critical speed"
     largest = f"the {several}{'' if response is None else ' with the largest torque'}"
     drawn = [words for words, is_there in (
-        (f"{ranges} ranges", ranges), ("ranges without an answer", unknown), (largest, critical),
+        (f"{ranges} range{'s' * (len(bars) + len(unstable) > 1)}", ranges), ("ranges without an answer", unknown), (largest, critical),
     ) if is_there]  # fmt: skip
     caption = f"Speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else " in operation")
     yield of_torsion(findings, speed_range(
