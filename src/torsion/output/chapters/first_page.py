@@ -355,9 +355,9 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     ranges = listed([kind for kind, found in (("barred", bars), ("unstable", unstable)) if len(found)])
     several = f"{len(critical)} critical speeds" if len(critical) > 1 else "critical speed"
     largest = f"the {several}{'' if response is None else ' with the largest torque'}"
-    drawn = [words for words, is_there in (
-        (f"{ranges} range{'s' * (len(bars) + len(unstable) > 1)}", ranges), ("ranges without an answer", unknown), (largest, critical),
-    ) if is_there]  # fmt: skip
+    restricted = f"{ranges} range{'s' * (len(bars) + len(unstable) > 1)}"
+    each = ((restricted, ranges), ("ranges without an answer", unknown), (largest, critical))
+    drawn = [words for words, is_there in each if is_there]
     caption = f"Speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else " in operation")
     yield of_torsion(findings, speed_range(
         "speeds", caption, speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings),
