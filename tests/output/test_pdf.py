@@ -1,10 +1,12 @@
 """What Typst is given to set: texts of the scene are nothing but text to it."""
 
+import json
 from pathlib import Path
 
 import pytest
 import typst
 
+import torsion
 from torsion.output.blocks import Block, Column, Figure, Heading, KeyValues, Paragraph, Points, Table, Verbatim
 from torsion.output.document import Cover, Document, numbered
 from torsion.output.pdf import pdf, text, words
@@ -93,3 +95,29 @@ def test_every_figure_is_drawn_in_a_file_of_its_own(source, bare) -> None:
     lines, drawn = source(figure, figure)
     assert drawn == ["figure-0.svg", "figure-1.svg"]
     assert [line.split(",")[0] for line in lines[1:]] == ['#drawing("figure-0.svg"', '#drawing("figure-1.svg"']
+
+
+def test_no_number_of_a_wide_table_is_wider_than_its_column(tmp_path: Path) -> None:
+    columns = (Column("Station", align="left"), *(Column(f"torque {k}", "N m") for k in range(10)))
+    style = (Path(torsion.__file__).parent / "output" / "templates" / "report.typ").read_text(encoding="utf-8")
+    helper = style[style.index("#let widths(") : style.index("#let drawing(")]
+    source = tmp_path / "wide.typ"
+    source.write_text(
+        f"""#let soft = black
+#let caption(number, words) = words
+{helper}
+#let cells = range(44).map(k => [−1.2345678·10⁻¹²])
+#let head = range(11).map(k => ([torque], [N m], [torque]))
+#let sides = (left, ..range(10).map(k => right))
+#set page(width: 400pt, margin: 0pt)
+#context [#metadata((
+  widths(head, sides, 7pt, cells, 17mm).map(w => w / 1pt),
+  measure(text(7pt, cells.first())).width / 1pt,
+)) <found>]
+""",
+        encoding="utf-8",
+    )
+    ((found,),) = ([one["value"] for one in json.loads(typst.query(str(source), "<found>"))],)
+    widths, number = found
+    assert len(columns) == len(widths)
+    assert all(one >= number + 7.0 - 1e-6 for one in widths[1:])

@@ -125,9 +125,13 @@ def degrees(angle: float, digits: int = DIGITS) -> str:
 
 
 def cell(value: Any) -> str:
-    """A single value: words as they stand, 2.5, 3 ∠ 40°, 1/2, yes, '–' for none."""
+    """A single value: words with the units of the report, 2.5, 3 ∠ 40°, 1/2, yes, '–' for none.
+
+    >>> cell("1 kg*m**2 to 2 kg*m**2, 7 values"), cell("*.inertia")
+    ('1 kg m² to 2 kg m², 7 values', '*.inertia')
+    """
     if isinstance(value, str):
-        return value
+        return re.sub(r"(?<=\d )[A-Za-z]+\*[\w*/]+", lambda unit: unit_words(unit[0]), value)
     value = value.item() if isinstance(value, np.generic) else value
     if isinstance(value, bool):
         return "yes" if value else "no"

@@ -124,7 +124,10 @@ def _block(item: Numbered, document: Document, folder: Path, figures: list[Path]
 
 
 def _table(table: Table, number: str) -> str:
-    head = "".join(f"({words(c.title)}, {words(c.unit)}), " for c in table.columns)
+    head = "".join(
+        f"({words(c.title)}, {words(c.unit)}, {words(max(c.title.split(), key=len, default=''))}), "
+        for c in table.columns
+    )
     align = "".join(f"{c.align}, " for c in table.columns)
     marks = table.marks or ("",) * len(table.rows)
     cells = []

@@ -118,6 +118,8 @@ def test_on_a_narrow_or_an_enlarged_screen_nothing_runs_over_its_edge(opens: Cal
         box = page.page.locator(f"figure#{first}").bounding_box()
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= wide
+        cut = "one => one.getBoundingClientRect().right > innerWidth + 1 ? one.textContent : null"
+        assert page.page.locator("main caption").evaluate_all(f"each => each.map({cut}).filter(Boolean)") == []
 
 
 @pytest.mark.parametrize("scene", EVERY)

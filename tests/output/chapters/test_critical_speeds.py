@@ -113,6 +113,7 @@ def test_campbell_diagram(found: Findings) -> None:
     drawn = figure(made.having(checks=Checks((line,))))
     shown = [*range(1, 12), 14]
     assert list(drawn.lines) == [f"order {k}" for k in shown]
+    assert drawn.caption == "Campbell diagram (lines of 12 of 14 orders)"
     for k in shown:  # a line of n times the speed in rpm / 60
         assert drawn.lines[f"order {k}"].y == pytest.approx(k * drawn.lines[f"order {k}"].x / 60.0)
     right, top = plot(drawn).x.high, plot(drawn).y.high

@@ -289,3 +289,12 @@ def test_words_of_a_graded_sketch_overlap_neither_each_other_nor_the_edges(numbe
 def test_a_check_in_words() -> None:
     assert use(check("outside")).grade == "not judged"
     assert use(check(value=0.0)).words == "✓ PASS 0 %"
+
+
+@pytest.mark.parametrize(("number", "words"), [(1, "the critical speed"), (2, "the 2 critical speeds")])
+def test_the_caption_of_the_speeds_names_only_what_is_drawn(found: Findings, number: int, words: str) -> None:
+    crossings = [one for one in found.need(CriticalSpeeds).crossings if one.is_inside][:1] * number
+    one = found.having(critical_speeds=replace(found.need(CriticalSpeeds), crossings=tuple(crossings)))
+    assert figure(judged(one), "speeds").caption == f"Speeds of flywheel: {words} with the largest torque"
+    barred = check(barred=(BarredRange(20.0, 30.0, 24.0, "slow"),))
+    assert figure(judged(one, barred), "speeds").caption.startswith(f"Speeds of flywheel: barred range, {words} ")

@@ -175,3 +175,17 @@ def test_shafts_of_another_train_are_refused(found: Findings) -> None:
 def test_a_train_that_cannot_vibrate_has_no_inertias() -> None:
     text = "name: x\ntrain: [disc: {inertia: 0}, coupling: {stiffness: 5}, disc: {held: true}]\n"
     assert "Inertias as given, and their sums" not in tables(torsion.run(torsion.parse(text)))
+
+
+def test_a_shaft_in_a_hub_keeps_the_modulus_of_its_material() -> None:
+    hub = "hub: {length: 60 mm, diameter: 120 mm, fit: shrink, end: first}"
+    text = f"""
+name: shrunk
+train:
+- disc: {{name: a, inertia: 1}}
+- shaft: {{name: line, length: 0.2 m, diameter: 60 mm, {hub}}}
+- disc: {{name: b, inertia: 1}}
+"""
+    made = tables(torsion.run(torsion.parse(text)))["Dimensions of the shafts"]
+    column = [one.title for one in made.columns].index("G")
+    assert [row[column] for row in made.rows] == ["79.3"]

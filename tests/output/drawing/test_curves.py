@@ -8,6 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from torsion.output.drawing.curves import MOST_POINTS, area, decimated, path
+from torsion.output.drawing.frame import WIDTH
+from torsion.output.figures.coupling_table import coupling_table
+from torsion.output.figures.figure import Axis
 
 
 def points(drawn: str) -> list[np.ndarray]:
@@ -75,3 +78,12 @@ def test_an_area_goes_along_the_line_and_back_along_its_base() -> None:
 @pytest.mark.parametrize("far", [1e9, -1e9])
 def test_what_is_far_outside_stays_a_number_that_a_browser_can_draw(far: float) -> None:
     assert max(abs(float(one)) for one in re.findall(r"-?\d+", path(np.arange(2.0), np.array([0.0, far]), 9))) < 1e6
+
+
+def test_a_coupling_by_table_has_room_for_the_symbols_of_its_first_and_last_point() -> None:
+    over, at = Axis("vibratory torque", "N m"), np.array([0.0, 300.0, 1600.0])
+    figure = coupling_table("t", "c", over=over, at=at, stiffness=at + 9.0, unit="kN m/rad", loss_factor=0.1 + at)
+    for panel in figure.panels:
+        shown = (panel.x.high - panel.x.low) / WIDTH  # N m for each px, at most
+        assert panel.x.low <= -4.0 * shown
+        assert panel.x.high >= 1600.0 + 4.0 * shown

@@ -39,13 +39,15 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _list(found, rated(findings), reference(findings))
     by_torque = findings.get(FrequenciesOverSpeed)
     met = {c.order for c in found if c.is_inside}
-    shown = sorted(sorted({c.order for c in found}, key=lambda one: (one not in met, one))[:MOST_ORDERS])
+    every = {c.order for c in found}
+    shown = sorted(sorted(every, key=lambda one: (one not in met, one))[:MOST_ORDERS])
+    capped = f" (lines of {len(shown)} of {len(every)} orders)" if len(shown) < len(every) else ""
     crossings = [
         (c.speed * RPM, c.frequency, c.is_inside, _words(c, rated(findings)))
         for c in found if c.is_inside or c.order in shown
     ]  # fmt: skip
     yield of_torsion(findings, frequencies_over_speed.campbell(
-        "campbell", "Campbell diagram", frequencies=findings.need(Modes).frequency.tolist(),
+        "campbell", f"Campbell diagram{capped}", frequencies=findings.need(Modes).frequency.tolist(),
         orders=[(float(one), f"order {order(one)}") for one in shown], crossings=crossings,
         speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings), barred=barred_rpm(findings),
         tolerated=tolerated_rpm(findings),

@@ -56,13 +56,13 @@ def conclusion(found: Design) -> str:
     one = found.best[found.chosen - 1]
     words = ", ".join(f"{figure.name} {figure.chosen}" for figure in found.figures)
     if one.frequency is not None:
-        was = "" if found.before_frequency is None else f" (as it stands {number(found.before_frequency)} Hz)"
+        was = "" if found.before_frequency is None else f" (as the file stands {number(found.before_frequency)} Hz)"
         missed = found.aims[(found.values == found.picked).all(axis=1)]
         words = f"{words}: {found.aim} is not reached" if missed.size and missed[0] < -NEAR else words
         reached = f"{number(one.frequency)} Hz{was}"
     else:
-        was = "" if found.before is None else f" (as it stands {number(_share(found.before), 4)} %)"
-        reached = "" if one.utilisation is None else f"{number(100.0 * one.utilisation, 4)} % of a limit at most{was}"
+        was = "" if found.before is None else f" (as the file stands {number(_share(found.before), 4)} %)"
+        reached = "" if one.utilisation is None else f"at most {number(100.0 * one.utilisation, 4)} % of a limit{was}"
     broken = "" if one.is_allowed else "; no choice keeps all that it has to"
     return f"{words}: {reached}; solved by itself: {one.proven}{broken}"
 

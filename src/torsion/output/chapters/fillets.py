@@ -45,7 +45,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     ]  # fmt: skip
     yield table(
         "< Shaft | < Detail | Radius [mm] | d [mm] | D [mm] | K_{t} | Error of K_{t} [%] | Peterson | "
-        "Nominal [N/mm²] | Peak [N/mm²] | At speed [rpm] | Endures [N/mm²] | Used",
+        "Nominal [N/mm²] | Peak [N/mm²] | At speed [rpm] | Endurance limit [N/mm²] -> endurance | Utilisation [%]",
         rows,
         "Shear stress in fillets and notches",
         marks=["fail" if one.utilisation is not None and one.utilisation > 1.0 else "" for one in found],
@@ -57,4 +57,4 @@ def _under_load(one: Fillet) -> tuple[str, ...]:
     stress = (NONE if value is None else number(1e-6 * value, 4) for value in values)
     speed = NONE if one.speed is None else rpm(one.speed)
     endures = NONE if one.endurance is None else number(1e-6 * one.endurance, 4)
-    return *stress, speed, endures, NONE if one.utilisation is None else number(one.utilisation, 4)
+    return *stress, speed, endures, NONE if one.utilisation is None else number(100.0 * one.utilisation, 4)

@@ -68,7 +68,7 @@ def box(findings: Findings) -> Box:
     unknown = [f"{one.what}, because {one.words}" for one in findings.plan.unanswered]
     if unknown:
         lines.append(("No answer", "; ".join(unknown[:MOST_UNANSWERED]) + _more(len(unknown) - MOST_UNANSWERED)))
-    lines += [("Beside it", one.text) for one in closing.beside(findings)]
+    lines += [("Also", one.text) for one in closing.beside(findings)]
     if checks:
         lines.append(("Checks", _counts(findings, checks)))
     lines.append(("Calculated", _basis(findings)))
@@ -351,14 +351,17 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     if response is not None and np.any(unreliable(findings)):
         _, unknown = unanswered(response.speed * RPM, unreliable(findings))
     critical = [(one.speed * RPM, one.line.named().partition(" (")[0]) for one in strongest(findings)]
-    they = "critical speed" if len(critical) == 1 else counted(len(critical), "critical speed")
-    caption = (
-        f"Speeds of {reference(findings)}: what is barred or unstable"
-        + (f", and the {they} with the largest torque" if critical else "")
-    )  # fmt: skip
+    bars, unstable = barred_rpm(findings), unstable_rpm(findings)
+    ranges = listed([kind for kind, found in (("barred", bars), ("unstable", unstable)) if len(found)])
+    several = f"{len(critical)} critical speeds" if len(critical) > 1 else "critical speed"
+    largest = f"the {several}{'' if response is None else ' with the largest torque'}"
+    restricted = f"{ranges} range{'s' * (len(bars) + len(unstable) > 1)}"
+    each = ((restricted, ranges), ("ranges without an answer", unknown), (largest, critical))
+    drawn = [words for words, is_there in each if is_there]
+    caption = f"Speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else " in operation")
     yield of_torsion(findings, speed_range(
         "speeds", caption, speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings),
-        barred=barred_rpm(findings), unstable=unstable_rpm(findings), unknown=unknown, critical=critical,
+        barred=bars, unstable=unstable, unknown=unknown, critical=critical,
     ))  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from torsion.analyses.fit.fit_results import Fit, FittedCurve
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
-from torsion.output.numbers import RPM, Scale, counted, number, order, rpm, scale
+from torsion.output.numbers import RPM, Scale, counted, given, number, order, rpm, scale
 from torsion.output.reported_values import reference
 
 MOST_POINTS, MOST_PAIRS = 60, 20
@@ -59,7 +59,7 @@ def conclusion(found: Fit) -> Paragraph:
 
 def _agreement(found: Fit) -> str:
     """Chi2 over its degrees of freedom, and what that says."""
-    known = f"{counted(found.measurements, 'measured value')}, chi2 {number(found.chi2, 3)}"
+    known = f"{counted(found.measurements, 'measured value')}, χ² {number(found.chi2, 3)}"
     if found.reduced is None:
         left = "no measurement is left over, so that nothing checks the model"
         return f"{known}: {'the fit does not reach what was measured' if found.is_wrong else left}."
@@ -68,7 +68,7 @@ def _agreement(found: Fit) -> str:
         words = "the model lacks something, or the deviations are stated too small"
     elif found.reduced < 0.25:
         words = "the measurements scatter less than their stated deviations"
-    return f"{known} with {number(found.freedom, 3)} degrees of freedom, {number(found.reduced, 3)} for each: {words}."
+    return f"{known} with {given(found.freedom, 3)} degrees of freedom, {number(found.reduced, 3)} for each: {words}."
 
 
 def _figures(found: Fit) -> Block:
@@ -82,7 +82,7 @@ def _figures(found: Fit) -> Block:
     ]  # fmt: skip
     return table(
         "< Figure -> | < In the file -> | < Fitted -> | Factor | 95 % from -> from | 95 % to -> to | "
-        "Deviation before [%] | Deviation behind [%] -> ± % | Moved, in deviations | Known [%]",
+        "Deviation before [%] | Deviation after [%] -> ± % | Moved, in deviations | Known [%]",
         rows, "Fitted figures (known: the share of what is known that the measurements give)", short="Fitted figures",
     )  # fmt: skip
 
@@ -158,7 +158,10 @@ def _points(findings: Findings, curve: FittedCurve) -> Block:
 def _identified(found: Fit) -> Iterator[Block]:
     """What the measurements say of combinations of figures, and how the figures go together."""
     yield Paragraph(IDENTIFIED)
-    rows = [(number(0.0 if one.is_unidentified else one.information, 3), one.words) for one in found.directions]
+    rows = [
+        (number(0.0 if one.is_unidentified else one.information, 3), one.words.replace(" -", " −"))
+        for one in found.directions
+    ]
     yield table("Information | < Combination", rows, "What the measurements say of the figures")
     names = [one.name for one in found.figures]
     pairs = sorted(combinations(range(len(names)), 2), key=lambda pair: -abs(float(found.correlation[pair])))

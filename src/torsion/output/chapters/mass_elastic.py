@@ -10,7 +10,7 @@ from torsion.analyses.discretisation import has_inertia
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
-from torsion.output.numbers import NONE, exact, given, number, scale
+from torsion.output.numbers import NONE, exact, given, number, scale, symbols
 from torsion.output.reported_values import source
 from torsion.output.selection import elements
 from torsion.primitives import Bar, Inertia, SectionMesh, Station
@@ -52,7 +52,7 @@ def _remarks(findings: Findings) -> Iterator[Paragraph]:
         if part.remark:
             named.setdefault(part.remark, []).append(part.name)
     for remark, names in named.items():
-        yield Paragraph(f"{listed(names)}: {remark}.", "note")
+        yield Paragraph(f"{listed(names)}: {symbols(remark)}.", "note")
 
 
 def _inertias(findings: Findings) -> Table:
@@ -176,12 +176,13 @@ def _shafts(findings: Findings) -> Table:
     rows, inertias = [], [sum(lumps) for _, lumps in _lumps(findings)]
     for requested, bar, inertia in zip(findings.study.train.bars, findings.system.train.bars, inertias, strict=True):
         material, pieces = findings.study.train.shaft(requested).material, findings.system.segments[bar.name]
+        own = findings.study.train.materials[material]  # a hub or a step raises the G of the calculation
         modulus, is_round = stress_modulus(bar) / MM**3, requested.section is None
         rows.append((
             bar.name, requested.section.file if isinstance(requested.section, SectionMesh) else _diameters(bar.outer),
             _diameters(bar.bore) if is_round else NONE, given(bar.length / MM, DIGITS), number(modulus, SUMMED),
             given(inertia, DIGITS),
-            material, given(requested.shear_modulus * 1e-9, DIGITS), given(bar.density, DIGITS), str(pieces),
+            material, given(own.shear_modulus * 1e-9, DIGITS), given(bar.density, DIGITS), str(pieces),
             source(findings, bar.part),
         ))  # fmt: skip
     divided = {"lumped": "Segments", "fem": "Elements"}.get(findings.system.model, "Pieces")

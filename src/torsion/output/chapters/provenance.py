@@ -1,6 +1,7 @@
 """Chapters: what was computed, how and in what time, what was left out and why; and the input as read."""
 
 import hashlib
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,13 +16,24 @@ from torsion.study import Study
 def steps(findings: Findings) -> Iterator[Block]:
     """Always printed."""
     plan = findings.plan
-    rows = [(line.what, line.method, line.size, number(1e3 * line.seconds, 3), line.why) for line in plan.done]
+    rows = [
+        (line.what, line.method, _singular(line.size), number(1e3 * line.seconds, 3), line.why) for line in plan.done
+    ]
     yield Heading("What was computed")
     yield table("< Step | < Method | < Size | Time [ms] | < Why", rows, "Steps that were done")
     if plan.left_out:
         yield table("< Left out | < Why", plan.left_out, "Left out")
     if plan.versions:
         yield KeyValues(tuple(plan.versions.items()))
+
+
+def _singular(size: str) -> str:
+    """A size of the plan, of which a single one is not said as several.
+
+    >>> _singular("1 lines at 241 speeds, cycle of 1/2 turns")
+    '1 line at 241 speeds, cycle of 1/2 turns'
+    """
+    return re.sub(r"(?<![\d.,/])1 (\w+[^s\W])s\b", r"1 \1", size)
 
 
 def input_file(findings: Findings) -> Iterator[Block]:

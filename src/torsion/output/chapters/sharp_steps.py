@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from torsion.analyses.hub_moves import HubMoves
 from torsion.analyses.sharp_steps import SharpSteps
 from torsion.output.blocks import Block, Heading, Paragraph, Points, table
-from torsion.output.numbers import NONE, number
+from torsion.output.numbers import NONE, number, symbols
 
 INTRODUCTION = (
     "Shafts of unlike diameter meet without a word on the corner between them. The frequencies above give such a step "
@@ -23,7 +23,7 @@ def sharp_steps(found: SharpSteps) -> Iterator[Block]:
     """The steps, and the frequencies with sharp corners at them."""
     yield Heading("Steps between shafts", 2)
     yield Paragraph(INTRODUCTION)
-    yield Points(tuple(f"{step.shaft}: {step.remark}." for step in found.steps))
+    yield Points(tuple(f"{step.shaft}: {symbols(step.remark)}." for step in found.steps))
     if not any(step.flexibility for step in found.steps):
         return
     yield table(

@@ -66,7 +66,7 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
     if left_out:
         low += 1.3 * SIZE
         which = " and ".join(f"{bad[sign]} {what}" for sign, what in NOT_KEPT.items() if bad[sign])
-        said = f"Without their words for want of room: {counted(left_out, 'component')}"
+        said = f"Not labelled for want of room: {counted(left_out, 'component')}"
         said += f" (of these {which})." if which else "."
         texts.append(words(4.0, low - 3.0, said, f' fill="{SOFT}"'))
     for said in sketch.beside:

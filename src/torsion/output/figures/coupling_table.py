@@ -7,13 +7,16 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
 
+ROOM = 0.015  # of the range, free beyond its ends for the symbols
+
 
 def coupling_table(
     name: str, caption: str, *, over: Axis, at: FloatArray, stiffness: FloatArray, unit: str, loss_factor: FloatArray,
     modes: Sequence[tuple[float, float, str]] = (),
 ) -> Figure:  # fmt: skip
     """at, stiffness (in `unit`), loss_factor: (points,); modes: place, stiffness and words of each mode within them."""
-    x = Axis(over.quantity, over.unit, float(at[0]), float(at[-1]))
+    room = ROOM * float(at[-1] - at[0])
+    x = Axis(over.quantity, over.unit, float(at[0]) - room, float(at[-1]) + room)
     places, values = np.array([one[:2] for one in modes]).reshape(-1, 2).T
     marks = Marks("modes", places, values, "disc", "natural", words=tuple(one[2] for one in modes))
     curve = Line("stiffness", at, stiffness, symbol="box")

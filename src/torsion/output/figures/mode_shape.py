@@ -36,7 +36,15 @@ def mode(
     marks = list[Marks]()
     if hangs.any():
         upper.append(Line("", *_joined(x, angle, ends[hangs]), "natural"))
-        marks.append(Marks("ring, ground, side wheel", across[hangs, 0], torque[hangs], "diamond", "outside"))
+        marks.append(
+            Marks(
+                "of no length here: ring, ground, side wheel, step",
+                across[hangs, 0],
+                torque[hangs],
+                "diamond",
+                "outside",
+            )
+        )
     room = ROOM * (float(np.ptp(x)) or 1.0)
     along = Axis("", "", float(x.min()) - room, float(x.max()) + room, places=tuple(thinned(ticks, MOST_TICKS)))
     shown = marked & (np.count_nonzero(marked) <= MOST_DOTS)
