@@ -239,7 +239,7 @@ def _enclosed(trains: Tree, frequency: FloatArray, passed: FloatArray, mode: int
     """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
 
     def counted(left: Selection, w: FloatArray, lean: float) -> IntArray:
-        return count_below(_columns(trains, left), w, bound=lean)
+        return count_below(trains if isinstance(left, slice) else _columns(trains, left), w, bound=lean)
 
     return enclosed(counted, frequency, expected_width(trains, frequency, passed), mode, _WIDENED)
 
