@@ -13,11 +13,12 @@ from torsion.fields import Declared
 from torsion.rules import RULES, lacking, needed, not_judged, rule, settings, verdicts
 from torsion.rules.verdict_line import Rule
 
+SHRUNK = {"length": 0.03, "end": "last", "pressure": 60e6, "friction": 0.15}
 PARTS = [
     ("motor", {"inertia": 1.0, "ripple": [{"order": 2, "torque": 5.0}]}),
     ("coupling", {"name": "rubber", "stiffness": 2e4, "psi": 1.0, "vibratory_torque": 50.0, "max_torque": 90.0}),
     ("gear", {"name": "gearbox", "ratio": 2}),
-    ("shaft", {"name": "crank", "length": 0.1, "diameter": 0.1, "role": "crank"}),
+    ("shaft", {"name": "crank", "length": 0.1, "diameter": 0.1, "role": "crank", "hub": SHRUNK}),
     ("disc", {"name": "wheel", "inertia": 1.0}),
     ("shaft", {"name": "seat", "length": 0.2, "diameter": 0.08, "step": {"fillet": 0.004}, "endurance": 100e6}),
     ("shaft", {"name": "line", "length": 1.0, "diameter": 0.1, "role": "intermediate"}),
