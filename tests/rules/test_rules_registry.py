@@ -13,7 +13,7 @@ from torsion.fields import Declared
 from torsion.rules import RULES, lacking, needed, not_judged, rule, settings, verdicts
 from torsion.rules.verdict_line import Rule
 
-SHRUNK = {"length": 0.03, "end": "last", "fit": "shrink", "pressure": 60e6, "friction": 0.15}
+SHRUNK = {"length": 0.03, "diameter": 0.15, "end": "last", "fit": "shrink", "pressure": 60e6, "friction": 0.15}
 PARTS = [
     ("motor", {"inertia": 1.0, "ripple": [{"order": 2, "torque": 5.0}]}),
     ("coupling", {"name": "rubber", "stiffness": 2e4, "psi": 1.0, "vibratory_torque": 50.0, "max_torque": 90.0}),
