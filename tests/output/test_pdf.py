@@ -100,18 +100,18 @@ def test_every_figure_is_drawn_in_a_file_of_its_own(source, bare) -> None:
 def test_no_number_of_a_wide_table_is_wider_than_its_column(tmp_path: Path) -> None:
     columns = (Column("Station", align="left"), *(Column(f"torque {k}", "N m") for k in range(10)))
     style = (Path(torsion.__file__).parent / "output" / "templates" / "report.typ").read_text(encoding="utf-8")
-    helper = style[style.index("#let widths(") : style.index("#let drawing(")]
+    helper = style[style.index("#let widest(") : style.index("#let drawing(")]
     source = tmp_path / "wide.typ"
     source.write_text(
         f"""#let soft = black
 #let caption(number, words) = words
 {helper}
 #let cells = range(44).map(k => [−1.2345678·10⁻¹²])
-#let head = range(11).map(k => ([torque], [N m], [torque]))
+#let head = range(11).map(k => ([torque], [N m], [torque], [10⁻¹²]))
 #let sides = (left, ..range(10).map(k => right))
 #set page(width: 400pt, margin: 0pt)
 #context [#metadata((
-  widths(head, sides, 7pt, cells, 17mm).map(w => w / 1pt),
+  widths(head, sides, 7pt, cells, 400pt).map(w => w / 1pt),
   measure(text(7pt, cells.first())).width / 1pt,
 )) <found>]
 """,

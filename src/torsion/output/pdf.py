@@ -3,6 +3,8 @@
 import json
 import tempfile
 from base64 import b64decode
+from collections.abc import Iterable
+from itertools import repeat
 from pathlib import Path
 
 from torsion.errors import Fault, InputError
@@ -123,10 +125,15 @@ def _block(item: Numbered, document: Document, folder: Path, figures: list[Path]
             return f"#verbatim({text(lines)})"
 
 
+def _longest(texts: Iterable[str]) -> str:
+    """The longest word."""
+    return max((word for one in texts for word in one.split()), key=len, default="")
+
+
 def _table(table: Table, number: str) -> str:
     head = "".join(
-        f"({words(c.title)}, {words(c.unit)}, {words(max(c.title.split(), key=len, default=''))}), "
-        for c in table.columns
+        f"({words(c.title)}, {words(c.unit)}, {words(_longest([c.title]))}, {text(_longest(each))}), "
+        for c, each in zip(table.columns, zip(*table.rows, strict=True) if table.rows else repeat(()), strict=False)
     )
     align = "".join(f"{c.align}, " for c in table.columns)
     marks = table.marks or ("",) * len(table.rows)
