@@ -149,6 +149,37 @@ def test_loops_and_distributed_shafts_are_side_by_side(text: str, vary: str, mon
     assert found.frequency == pytest.approx(alone.frequency, rel=1e-13)
 
 
+SHAFTS = """name: two shafts
+train:
+  - disc: {name: first, inertia: 1.5}
+  - shaft: {name: front, length: 0.8 m, diameter: 80 mm}
+  - shaft: {name: aft, length: 0.5 m, diameter: 110 mm}
+  - disc: {inertia: 4}
+analyses: {modes: {count: 4}, sweep: {vary: {VARY}, samples: 128}}
+"""
+
+
+@pytest.mark.parametrize(
+    "vary",
+    [
+        "front.diameter: {uniform: 8 %}, aft.diameter: {uniform: 8 %}, first.inertia: {uniform: 20 %}",
+        "front.length: {uniform: 10 %}, aft.diameter: {uniform: 8 %}",
+    ],
+)
+def test_variants_side_by_side_have_lumped_shafts_divided_as_each_by_itself(
+    vary: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last mode of a variant, and the length of a shaft, say in how many segments it is."""
+    study, solved, counted = torsion.parse(SHAFTS.replace("VARY", vary)), one_by_one._each, list[int]()
+    with monkeypatch.context() as patch:
+        patch.setattr(one_by_one, "_each", lambda *given: counted.append(1) or solved(*given))
+        found = swept(study)
+    assert len(counted) < 64
+    monkeypatch.setattr(side_by_side, "side_by_side", lambda *given: None)
+    alone = swept(study)
+    assert found.frequency == pytest.approx(alone.frequency, rel=1e-13)
+
+
 def test_variants_that_need_shorter_pieces_of_a_shaft_are_solved_by_themselves() -> None:
     soft = "  - disc: {inertia: 0.001}\n  - coupling: {name: c%d, stiffness: 20}\n"
     names = [f"c{k}.stiffness" for k in range(6)]
