@@ -1,7 +1,8 @@
-"""Digits of results and pages of reports, in few words: `python -m tests.contracts.frozen` writes them anew."""
+"""Digits of results, in few words: `python -m tests.contracts.frozen` writes them anew."""
 
 import contextlib
 import hashlib
+import io
 import json
 from datetime import date
 from functools import cache
@@ -9,16 +10,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.contracts.frozen_pages import ROOT, of_pages, packed
+from rich.console import Console
 
 import torsion
 from torsion.findings import Findings
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.tree import Tree
 from torsion.output.document import Document, document
+from torsion.output.renderers import OUTPUTS
 from torsion.output.results_json import results
 
-FILE, PAGES = (Path(__file__).with_name(f"frozen_{what}.json") for what in ("digits", "pages"))
+ROOT = Path(__file__).parents[2]
+FILE = Path(__file__).with_name("frozen_digits.json")
 SCENES = {path.stem: path for path in sorted((ROOT / "shafting_specs").glob("**/*.yaml"))}
 TAKEN = {  # of the results of a scene
     "modes": ("frequency_Hz", "lower_Hz", "upper_Hz", "torque_Nm"),
@@ -49,6 +52,14 @@ def written(scene: str) -> dict[str, Any]:
 def reported(scene: str) -> Document:
     """The report of a scene, of a day."""
     return document(solved(scene), date(2026, 11, 22))
+
+
+def terminal(report: Document) -> list[str]:
+    """The lines of a report on a wide terminal."""
+    console = Console(file=io.StringIO(), width=200, color_system="truecolor", force_terminal=True)
+    for item in OUTPUTS["terminal"](report):
+        console.print(item)
+    return console.file.getvalue().splitlines()  # type: ignore[attr-defined]
 
 
 def digits(values: Any) -> Digits:
@@ -103,4 +114,3 @@ def write(file: Path, values: dict[str, Any]) -> None:
 
 if __name__ == "__main__":
     write(FILE, {**{name: of_scene(written(name)) for name in SCENES}, "random trains": of_trains()})
-    write(PAGES, {name: packed(of_pages(reported(name), written(name))) for name in SCENES})

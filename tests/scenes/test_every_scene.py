@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.contracts.frozen import SCENES, reported, solved
-from tests.contracts.frozen_pages import terminal as lines_of
+from tests.contracts.frozen import terminal as lines_of
 
 import torsion
 from torsion.analyses.joints.joint_results import Joints
