@@ -3,7 +3,7 @@
 Each mutant is one change at one place of a copy of `src`: a sign, a factor, a comparison, an index, a pair of opposite
 names. The tests of that part run against the copy; a mutant that they all pass has survived and is listed. Places are
 drawn by seed, evenly over the parts, so that a run can be repeated; `--list` shows them without running anything.
-Pictures (`DRAWN`) are left as they are: their look is looked at, what they show is frozen with the pages.
+Pictures (`DRAWN`) are left as they are: their look is looked at.
 Some mutants mean the same as the program (a maximum over one span): whoever reads the list judges that.
 """
 
@@ -33,7 +33,7 @@ PARTS: dict[str, tuple[str, ...]] = {  # part of src/torsion: the tests that sho
     "output/terminal.py": (FROZEN, "tests/output"),
     "output/chapters": (FROZEN, "tests/output"),
 }
-DRAWN = ("output/drawing", "output/figures", "output/surface", "output/chapters/twisted_train")  # pictures
+DRAWN = ("output/drawing", "output/figures")  # pictures
 OPERATORS: dict[type[ast.operator], tuple[str, str]] = {
     ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"),
 }  # fmt: skip

@@ -24,7 +24,7 @@ DOORS = {
     "yaml": ("schema/yaml_source.py",),
     "pint": ("units.py",),
     "skfem": ("assembly/", "analyses/lateral/"),
-    "meshio": ("assembly/section/section_mesh.py", "output/surface/vtu.py"),
+    "meshio": ("assembly/section/section_mesh.py", "output/mode_lines.py"),
     "matplotlib": (),
     "jinja2": ("output/",),
     "typst": ("output/",),

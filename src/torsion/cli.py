@@ -44,9 +44,7 @@ def solve(
     matrices: Annotated[
         Path | None, typer.Option("--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed.")
     ] = None,
-    vtu: Annotated[
-        bool, typer.Option("--vtu", help="Write modes.vtu for ParaView, and pictures in the report.")
-    ] = False,
+    vtu: Annotated[bool, typer.Option("--vtu", help="Write the mode shapes as modes.vtu for ParaView.")] = False,
     csv: Annotated[
         bool, typer.Option("--csv", help="Write every table (tables.zip) and the numbers of every figure as CSV too.")
     ] = False,

@@ -48,7 +48,7 @@ def solve(
     Every case of the file is solved beside it and has its own report in a folder there; or of them `case` alone.
 
     Raises InputError with every fault of the file, SolveError where no answer has the promised accuracy; an earlier
-    report stays whole then. With `vtu` the mode shapes are written too, as a surface, and pictured.
+    report stays whole then. With `vtu` the mode shapes are written too.
     """
     findings = solved(file, case=case, memory=memory, progress=progress)
     write(findings, folder_of(file, out, findings.study.case), also=outputs(pdf=pdf, vtu=vtu))

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 
@@ -100,12 +100,12 @@ class Document:
 
 
 def document(
-    findings: Findings, today: date | None = None, also: Collection[str] = (), report: Report = REPORTS["solve"],
+    findings: Findings, today: date | None = None, report: Report = REPORTS["solve"],
     before: Sequence[Block] = (),
 ) -> Document:  # fmt: skip
-    """The report of the findings, `also` with the chapters of those outputs, and behind the blocks `before` them."""
+    """Return the report of the findings, with the blocks `before` at its begin."""
     body, beside = list[Numbered](), dict[str, Callable[[], str]]()
-    for item in numbered([*before, *chapters(findings, report, also)]):
+    for item in numbered([*before, *chapters(findings, report)]):
         block, files = shortened(item.block, item.number, report.stem)
         body.append(Numbered(block, item.number))
         beside.update(files)

@@ -15,7 +15,7 @@ from torsion.output.drawing.dark import rules
 from torsion.output.drawing.live import Page
 from torsion.output.drawing.svg import framed
 from torsion.output.drawing.text import SUBSCRIPT
-from torsion.output.figures.figure import Figure, Twisted
+from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE
 from torsion.output.page_files import TEMPLATES, script, style
 
@@ -58,8 +58,7 @@ def _drawn(body: Sequence[Numbered], level: int = 9) -> Drawn:
     live = Page()
     figures = [item.block for item in body if isinstance(item.block, Figure)]
     drawings = {figure.name: _figure(live, figure) for figure in figures}
-    surfaces = {figure.name for figure in figures if any(isinstance(panel, Twisted) for panel in figure.panels)}
-    dark = rules(text for name, text in drawings.items() if name not in surfaces)  # theirs are a scale
+    dark = rules(drawings.values())
     return Drawn(drawings, Markup(live.numbers(level)), Markup(dark))
 
 

@@ -35,7 +35,7 @@ OUTPUTS = {
     "fitted": Output("torsion.output.fitted_scene:fitted", "-fitted.yaml", of_findings=True),
     "designed": Output("torsion.output.designed_scene:designed", ".yaml", of_findings=True),
     "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
-    "vtu": Output("torsion.output.surface.vtu:vtu", ".vtu", on_request=True, of_findings=True),
+    "vtu": Output("torsion.output.mode_lines:vtu", ".vtu", on_request=True, of_findings=True),
     "figures": Output("torsion.output.figure_csv:tables", "-figures.csv", on_request=True),
     "tables": Output("torsion.output.table_files:archive", ".zip", on_request=True),
     "long": Output("torsion.output.renderers:beside", "-table.csv"),

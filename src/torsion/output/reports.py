@@ -21,7 +21,6 @@ class Report:
     files: Mapping[str, str] = field(default_factory=dict)  # output: name of its file, where that is not the stem's
     keys: tuple[str, ...] = ()  # of the results in JSON, beside the head; () for all
     columns: str = ""  # chapter's function that gives the columns of the CSV; "" for no CSV
-    on_request: Mapping[str, str] = field(default_factory=dict)  # chapter: the output that it is printed with
 
 
 REPORTS = {
@@ -29,7 +28,7 @@ REPORTS = {
         "Torsional vibration calculation",
         (
             "case_verdict:over_all", "verdict", "case_comparison", "plant", "data_sheets", "mass_elastic", "@modes",
-            "twisted_train", "@critical", "@tolerances", "excitations", "@engine", "damping_given", "@*", "closing",
+            "@critical", "@tolerances", "excitations", "@engine", "damping_given", "@*", "closing",
             "provenance:steps", "verdict:remarks", "provenance:input_file",
         ),
         "report",
@@ -37,7 +36,6 @@ REPORTS = {
             "json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip",
             "designed": "designed.yaml",
         },
-        on_request={"twisted_train": "vtu"},
     ),
     "joint": Report(
         "Universal joints",

@@ -1,7 +1,7 @@
 """Where every station of the train stands in the sketch and in the plots over the train."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,12 +41,15 @@ def label(parts: Sequence[Part], position: int) -> str:
     return f"{number} {name}" if len(parts) <= MOST_NAMES else number
 
 
-def layout(system: System) -> Layout:
-    """Stations in the order of the train; a branch gets a free row beside the point that carries it."""
+def layout(system: System, lengths: Mapping[int, float] | None = None) -> Layout:
+    """Stations in the order of the train; a branch gets a free row beside the point that carries it.
+
+    lengths: of parts, in place of those in the sketch.
+    """
     number = len(system.stations)
     x, row = np.full(number, np.nan), np.zeros(number)
     rows, of_path = _Rows(), dict[Path, int]()
-    widths = _widths(system)
+    widths = _widths(system) | dict(lengths or {})
     for number, part in enumerate(system.train.parts):
         if part.stations and part.kind != "planets":  # they stand beside their gear
             first, last = part.stations[0], part.stations[-1]

@@ -31,13 +31,13 @@ def write(
     cannot be written, InputError where a file is one of the scene's, or cannot be made of these findings: after all
     others are written, where it is one on request.
     """
-    made = document(findings, today or date.today(), also, REPORTS[report])
+    made = document(findings, today or date.today(), REPORTS[report])
     Path(folder).mkdir(parents=True, exist_ok=True)
     faults: list[Fault] = []
     contents, read, folders = files(made, findings, also, faults), inputs(findings.study), {Path(folder)}
     for found in findings.cases.values():
         if found.is_answered and found.study.case is not None:
-            page = document(found, today or date.today(), also, REPORTS[report])
+            page = document(found, today or date.today(), REPORTS[report])
             own = files(page, found, also, faults, without=("json",))
             contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
             folders.add(Path(folder) / found.study.case.folder)

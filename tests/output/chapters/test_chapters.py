@@ -15,11 +15,9 @@ from torsion.output.reports import Report
 SCENES = Path(__file__).parents[3] / "shafting_specs"
 
 
-def heads(
-    findings: Findings, *names: str, on_request: dict[str, str] | None = None, also: tuple[str, ...] = ()
-) -> list[str]:
-    report = Report("r", names, "stem", on_request=on_request or {})
-    return [block.text for block in chapters(findings, report, also) if isinstance(block, Heading) and block.level == 1]
+def heads(findings: Findings, *names: str) -> list[str]:
+    report = Report("r", names, "stem")
+    return [block.text for block in chapters(findings, report) if isinstance(block, Heading) and block.level == 1]
 
 
 def test_chapters_by_module_by_function_and_by_analysis(undamped: Findings) -> None:
@@ -37,13 +35,6 @@ def test_the_chapters_of_all_other_analyses(undamped: Findings) -> None:
     assert "Verdict" not in every
     assert [*rest[-2:]] == ["Natural frequencies", "The plant"]
     assert sorted(rest[:-1]) == sorted(every)
-
-
-def test_a_chapter_on_request_stands_with_its_output_alone(bare: Findings) -> None:
-    asked = {"plant": "vtu"}
-    assert heads(bare, "verdict", "plant", on_request=asked) == ["Verdict"]
-    assert heads(bare, "verdict", "plant", on_request=asked, also=("vtu",)) == ["Verdict", "The plant"]
-    assert heads(bare, "verdict", "plant", on_request=asked, also=("html",)) == ["Verdict"]
 
 
 def test_steps_with_their_times(bare: Findings) -> None:

@@ -13,7 +13,7 @@ from torsion.output.figures import (
     mode_shape,
     orders_over_speed,
 )
-from torsion.output.figures.figure import Axis, Disc, Figure, Link, Sketch, Twisted
+from torsion.output.figures.figure import Axis, Disc, Figure, Link, Sketch
 
 SPEED = np.linspace(300.0, 1800.0, 61)
 BUMP = 100.0 / (1.0 + ((SPEED - 900.0) / 60.0) ** 2)
@@ -30,12 +30,6 @@ SKETCH = Sketch(
         Link(kind, (0.0, 0.0), (1.0, 0.0), kind)
         for kind in ("shaft", "coupling", "gear", "joint", "rigid", "tie")
     ),
-)  # fmt: skip
-TWISTED = Twisted(
-    x=np.array([0.0, 0, 1, 1]), radius=np.array([0.0, 0.2, 0.1, 0]), place=np.zeros((4, 2)),
-    turn=np.array([0.0, 0, 0.5, 0.5]), angle=np.array([0.0, 0, 1, 1]), strip=np.array([0, 1, 2]),
-    body=np.zeros(3, dtype=np.int64), labels=[((0.5, 0.0, 0.0), 0.3, "1 <shaft> & $x$")],
-    ties=[((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))],
 )  # fmt: skip
 ERRORS = [("<lumped>", np.array([1e-5, np.inf, 0.0])), ("$fem$", np.array([1e-12, 1e-9, 1e-8]))]
 PANELS = [
@@ -61,7 +55,6 @@ def frequency(**changes: Any) -> Figure:
 
 KINDS: dict[str, Figure] = {
     "sketch": Figure("plant", "the <plant>", (SKETCH,)),
-    "twisted": Figure("twisted-1", "twisted", (TWISTED,)),
     "mode": mode_shape.mode(
         "mode-1", "mode 1", x=np.array([0.0, 1, 2, 2]), row=np.array([0.0, 0, 0, 1]),
         ends=np.array([[0, 1], [1, 2], [2, 3]]), marked=np.ones(4, dtype=bool), angle=np.array([1.0, 0, -1, -0.5]),

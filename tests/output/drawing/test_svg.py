@@ -100,7 +100,6 @@ def test_words_lie_on_the_sheet_and_do_not_overlap(kind: str) -> None:
 def test_names_stand_as_text_with_their_signs_escaped() -> None:
     assert "1 &lt;motor&gt; &amp; $x$" in svg(KINDS["sketch"])
     assert "a &amp; b" in svg(KINDS["steady"])
-    assert "1 &lt;shaft&gt; &amp; $x$" in svg(KINDS["twisted"])
     assert "\x08" not in svg(Figure("a", "bell \x08", ()))
 
 

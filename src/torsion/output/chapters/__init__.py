@@ -1,6 +1,6 @@
 """The chapters of a report: functions of the findings, which give no block where these have nothing for them."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from importlib import import_module
 
@@ -13,10 +13,9 @@ Chapter = Callable[[Findings], Iterable[Block]]
 OF_ANALYSIS, OF_THE_REST = "@", "@*"  # in a list of chapters: those of an analysis, or of all that it does not name
 
 
-def chapters(findings: Findings, report: Report = REPORTS["solve"], also: Collection[str] = ()) -> list[Block]:
-    """The blocks of a report's chapters in their order, each once; `also` of those that belong to these outputs."""
-    names = [name for name in report.chapters if report.on_request.get(name, "") in ("", *also)]
-    return [block for chapter in dict.fromkeys(_named(findings, names)) for block in chapter(findings)]
+def chapters(findings: Findings, report: Report = REPORTS["solve"]) -> list[Block]:
+    """Return the blocks of a report's chapters in their order, each once."""
+    return [block for chapter in dict.fromkeys(_named(findings, report.chapters)) for block in chapter(findings)]
 
 
 def _named(findings: Findings, names: Sequence[str]) -> Iterator[Chapter]:

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.output.drawing import grades, sketch, twisted
+from torsion.output.drawing import grades, sketch
 from torsion.output.drawing.frame import RIGHT, TOP, WIDTH, Frame, horizontal, margin, vertical
 from torsion.output.drawing.image import palette
 from torsion.output.drawing.pens import BANDS, INK, stroke
 from torsion.output.drawing.plot import drawn, hatching, is_on, symbols
 from torsion.output.drawing.text import clean, plain, shown, words
 from torsion.output.drawing.words import GROWTH, SIZE, width
-from torsion.output.figures.figure import Band, Cells, Figure, Level, Line, Marks, Panel, Shares, Sketch, Twisted
+from torsion.output.figures.figure import Band, Cells, Figure, Level, Line, Marks, Panel, Shares, Sketch
 from torsion.output.numbers import number
 
 FONTS = "Arial, Liberation Sans, Helvetica, sans-serif"
@@ -36,10 +36,6 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
                 foot = frame.top + frame.high + (frame.below if has_numbers else 6.0)
             case Sketch():
                 high, text = sketch.drawn(panel, foot)
-                pieces.append(text)
-                foot += high
-            case Twisted():
-                high, text = twisted.drawn(panel, foot)
                 pieces.append(text)
                 foot += high
             case Shares():
@@ -80,7 +76,7 @@ def description(figure: Figure) -> str:
     return " ".join(found)
 
 
-def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Twisted | Shares, bool]]:
+def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Shares, bool]]:
     """Every plot, and whether its x axis has numbers: not where the next one has the same."""
     for place, panel in enumerate(figure.panels):
         below = figure.panels[place + 1] if place + 1 < len(figure.panels) else None

@@ -1,6 +1,5 @@
 """A figure as data: axes, lines, limits, ranges, marks and words. Drawings and tables are made of it."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -213,21 +212,6 @@ class Shares:
 
 
 @dataclass(frozen=True)
-class Twisted:
-    """The train twisted by a mode, as rings with strips between them."""
-
-    x: FloatArray  # (rings,) m
-    radius: FloatArray  # (rings,) m
-    place: FloatArray  # (rings, 2) m, y and z of its axis
-    turn: FloatArray  # (rings,) rad about x
-    angle: FloatArray  # (rings,) -1..1
-    strip: IntArray  # (strips,) its first ring
-    body: IntArray  # (strips,)
-    labels: Sequence[tuple[Sequence[float], float, str]]  # point on an axis, free room above it or below, text
-    ties: Sequence[tuple[Sequence[float], Sequence[float]]] = ()  # from point to point
-
-
-@dataclass(frozen=True)
 class Moving:
     """A mode that a page moves over the sketch of the train; not drawn."""
 
@@ -257,7 +241,7 @@ class Figure:
 
     name: str  # a stable identifier, the only one of its kind in a report
     caption: str
-    panels: tuple[Panel | Sketch | Twisted | Shares, ...]
+    panels: tuple[Panel | Sketch | Shares, ...]
     moving: Moving | None = None
     criticals: Criticals | None = None
 

@@ -1,0 +1,93 @@
+"""The mode shapes as modes.vtu, which ParaView opens: every span of the train as a line, with its radius and angles.
+
+The filter *Tube* of ParaView, with the array `radius`, makes bodies of the lines.
+"""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError
+from torsion.findings import Findings
+from torsion.kernels.round_sections import section_modulus
+from torsion.output.document import Document
+from torsion.output.station_layout import WIDTH, layout
+from torsion.primitives import Section
+
+NAME = "modes.vtu"
+LENGTH = 0.1  # m: the unit of length of a train without shafts
+THIN = 0.3  # radius of what has no diameter, in the mean radius of the shafts
+
+
+def vtu(_document: Document, findings: Findings) -> bytes:
+    """Return the content of the file; raise InputError if there is no mode."""
+    import meshio
+
+    modes, system = requested_modes(findings), findings.system
+    ends = np.column_stack([system.driving, system.driven])
+    radius, modulus = radii(system)
+    cells = [("line", np.arange(ends.size).reshape(-1, 2))]
+
+    at_points: dict[str, FloatArray] = {"radius": radius.ravel()}
+    at_cells: dict[str, list[FloatArray]] = {"component": [system.span_part.astype(float)]}
+    digits = max(2, len(str(modes.frequency.size)))
+    for mode in range(modes.frequency.size):
+        name, angle, torque = f"mode_{mode + 1:0{digits}}", modes.shape[:, mode], modes.torque[:, mode]
+        at_points[f"{name}_angle"] = angle[ends].ravel()
+        at_points[f"{name}_angle_relative"] = (angle / np.abs(angle).max())[ends].ravel()
+        at_cells[f"{name}_torque"] = [torque]
+        if np.isfinite(modulus).any():
+            at_cells[f"{name}_stress"] = [torque / modulus]
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / NAME
+        mesh = meshio.Mesh(coordinates(system)[ends].reshape(-1, 3), cells, point_data=at_points, cell_data=at_cells)
+        mesh.write(path, file_format="vtu")
+        return path.read_bytes()
+
+
+def requested_modes(findings: Findings) -> Modes:
+    """Return the modes to be written; raise InputError if there is none."""
+    modes = findings.get(Modes)
+    if modes is not None and modes.frequency.size:
+        return modes
+    why = dict(findings.plan.left_out).get("natural frequencies", "the train has no elastic mode")
+    path = ("analyses",) if findings.study.analyses else ("train",)
+    hint = "name `modes` in `analyses`" if modes is None and findings.study.analyses else ""
+    raise InputError([Fault(path, f"there is no mode shape to write: {why}", hint)])
+
+
+def coordinates(system: System) -> FloatArray:
+    """Return the points (stations, 3) in m: x along the train, y across it for branches; shafts have their length."""
+    bars = system.train.bars
+    unit = (sum(bar.length for bar in bars) / len(bars) if bars else LENGTH) / WIDTH["shaft"]
+    places = layout(system, {bar.part: bar.length / unit for bar in bars})
+    return unit * np.column_stack([places.x, -places.row, np.zeros(places.x.size)])
+
+
+def radii(system: System) -> tuple[FloatArray, FloatArray]:
+    """Return the radius (spans, 2) at both ends of every span in m, and its section modulus (spans,) in m3.
+
+    The modulus is that of the weaker end, NaN outside shafts.
+    """
+    bars = {bar.part: bar for bar in system.train.bars}
+    mean = sum(sum(bar.outer) / 4 for bar in bars.values()) / len(bars) if bars else LENGTH / 4
+    radius, modulus = np.full((len(system.spans), 2), THIN * mean), np.full(len(system.spans), np.nan)
+    x = coordinates(system)[:, 0]
+
+    for span, (driving, driven) in enumerate(zip(system.driving, system.driven, strict=True)):
+        bar = bars.get(int(system.span_part[span]))
+        if bar is None:
+            continue
+        share = (x[[driving, driven]] - x[bar.driving]) / bar.length
+        outer, bore = (first + (last - first) * share for first, last in (bar.outer, bar.bore))
+        radius[span] = outer / 2
+        section = bar.section
+        modulus[span] = (
+            section.stress_modulus if isinstance(section, Section) else section_modulus(outer.min(), bore.max())
+        )
+    return radius, modulus
