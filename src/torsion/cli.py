@@ -239,12 +239,11 @@ def live(
     case: Case = None,
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page (default: a free one).")] = 0,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open no browser.")] = False,
-    edit: Annotated[bool, typer.Option("--edit", help="With an editor that saves into the file.")] = False,
 ) -> None:
     """Show a page that follows the file: verdict, Campbell diagram and response, solved again whenever it is saved.
 
     Every toleranced figure of the file, and every figure that its sweep, design or fit varies, has a slider. The page
-    is for this machine alone and, without --edit, writes nothing; its address bears a token. Ctrl-C ends it. Exit
+    is for this machine alone and writes nothing; its address bears a token. Ctrl-C ends it. Exit
     status: 0, or 2 where there is no such file or the port is taken.
     """
     from torsion.live.server import Server
@@ -253,7 +252,7 @@ def live(
     if not file.is_file():
         _stop(f"{file}: this is no file", BAD_INPUT)
     try:
-        server = Server(Session(file, case), port, edit)
+        server = Server(Session(file, case), port)
     except OSError as error:
         _stop(f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)", BAD_INPUT)
     try:

@@ -48,7 +48,7 @@ def test_a_port_is_free_again_as_soon_as_the_command_has_ended(tmp_path: Path) -
 def test_ctrl_c_ends_it_without_a_word(tmp_path: Path) -> None:
     file = tmp_path / "pair.yaml"
     file.write_text(SCENE, encoding="utf-8")
-    command = [sys.executable, "-m", "torsion", "live", str(file), "--no-browser", "--edit"]
+    command = [sys.executable, "-m", "torsion", "live", str(file), "--no-browser"]
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background ignores Ctrl-C
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         signal.signal(signal.SIGINT, before)

@@ -13,14 +13,11 @@ POLICY = (  # of the page and, as it has no address of its own, of its frames
 )
 
 
-def page(is_edited: bool = False) -> str:
-    """The page, with an editor or without, in which `@NONCE@` stands for what its policy allows to run."""
+def page() -> str:
+    """Return the page, in which `@NONCE@` stands for what its policy allows to run."""
     frame = _filled("frame.html", STYLE=style(), SCRIPT=f"{script()}\n{_text('frame.js')}", NUMBERS=NOTHING)
     shell = json.dumps(frame, ensure_ascii=False).replace("<", "\\u003c")
-    names = ("live", "edit") if is_edited else ("live",)
-    looks, scripts = ("\n".join(_text(f"{name}.{kind}") for name in names) for kind in ("css", "js"))
-    editor = _text("edit.html") if is_edited else ""
-    return _filled("live.html", STYLE=f"{style()}\n{looks}", SCRIPT=scripts, FRAME=shell, EDITOR=editor)
+    return _filled("live.html", STYLE=f"{style()}\n{_text('live.css')}", SCRIPT=_text("live.js"), FRAME=shell)
 
 
 def _filled(name: str, **texts: str) -> str:

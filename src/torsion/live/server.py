@@ -2,8 +2,7 @@
 
 Bound to 127.0.0.1. Host and Origin must be its own (against rebinding of names and requests of other pages), every
 request but that for the page bears a token, which stands in the fragment of the address alone, and no path of a
-request reaches the disk: nothing is read but what the session follows, and nothing is written but, by an editor, that
-file.
+request reaches the disk: nothing is read but what the session follows, and nothing is written.
 """
 
 import hmac
@@ -14,7 +13,6 @@ import sys
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-from torsion.live.editor import Editor
 from torsion.live.page import POLICY, page
 from torsion.live.session import Session
 
@@ -37,11 +35,10 @@ class Server(ThreadingHTTPServer):
     daemon_threads = True
     allow_reuse_address = os.name == "posix"  # at once after another has ended there; of one that listens none is taken
 
-    def __init__(self, session: Session, port: int = 0, is_edited: bool = False) -> None:
+    def __init__(self, session: Session, port: int = 0) -> None:
         super().__init__(("127.0.0.1", port), Handler)
         self.session, self.token = session, secrets.token_urlsafe(32)
-        self.editor = Editor(session.file, session.case) if is_edited else None
-        self.page = page(is_edited)
+        self.page = page()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A connection that breaks off is no fault."""
@@ -51,8 +48,6 @@ class Server(ThreadingHTTPServer):
     def end(self) -> None:
         """Answer no more, and stop what solves and reads for it."""
         self.session.end()
-        if self.editor is not None:
-            self.editor.end()
         self.server_close()
 
     @property
@@ -82,11 +77,7 @@ class Handler(BaseHTTPRequestHandler):
         self._answer(200, body, "text/html; charset=utf-8", {"Content-Security-Policy": POLICY.format(nonce=nonce)})
 
     def do_POST(self) -> None:
-        """What a page requests: `/next`, news when there are any, or `/set`, sliders at other positions.
-
-        Of an editor also `/open`, the text of the file, `/check`, the faults of another text, `/save`, that text into
-        the file, and `/put`, moved sliders into the file.
-        """
+        """What a page requests: `/next`, news when there are any, or `/set`, sliders at other positions."""
         try:
             answer = self._requested()
         except Refusal as refusal:
@@ -105,22 +96,6 @@ class Handler(BaseHTTPRequestHandler):
             case "/set", {"values": dict(values), **rest} if not rest:
                 return {"turn": session.move(_positions(values))}
             case "/next" | "/set", _:
-                raise Refusal(400)
-        if self.server.editor is None:
-            raise Refusal(404)
-        return self._edited(self.server.editor, body)
-
-    def _edited(self, editor: Editor, body: Any) -> dict[str, Any]:
-        match self.path, body:
-            case "/open", dict() if not body:
-                return editor.opened()
-            case "/check", {"text": str(text)} if len(body) == 1:
-                return editor.checked(text)
-            case "/save", {"text": str(text), "of": str(of)} if len(body) == 2:
-                return editor.saved(text, of)
-            case "/put", {"values": dict(values), "of": str(of)} if len(body) == 2:
-                return editor.put(_positions(values), of)
-            case "/open" | "/check" | "/save" | "/put", _:
                 raise Refusal(400)
         raise Refusal(404)
 

@@ -70,20 +70,6 @@ def moved_study(study: Study, variation: Variation, positions: Mapping[str, floa
     return replace(replace(variation, figures=figures).study(values), case=study.case) if figures else study
 
 
-def text_with(variation: Variation, positions: Mapping[str, float]) -> str:
-    """The text of the file with its sliders at these positions, all else of it as it was written.
-
-    Raises InputError, or LookupError where a value does not stand in the text by itself.
-    """
-    from torsion.schema.edited_text import edited_in_place
-
-    figures, values = at_positions(variation, positions)
-    chosen = replace(variation, figures=figures)
-    source, puts = chosen.changed(values)
-    chosen.read(source)  # which the file may say
-    return edited_in_place(variation.source, puts.items(), (), source.data)
-
-
 def at_positions(variation: Variation, positions: Mapping[str, float]) -> tuple[tuple[Figure, ...], tuple[float, ...]]:
     """The figures whose sliders are moved, and their values."""
     known, pairs = sliders_of(variation), list[tuple[Figure, float]]()

@@ -22,23 +22,13 @@ def edited(source: Source, puts: Iterable[tuple[Path, Node]], gone: Iterable[Pat
     value stands in a table, or is repeated by an alias), all that the file says is written anew; so is a
     case, without the other cases.
     """
-    with suppress(LookupError):
-        return edited_in_place(source, puts, gone, expected)
+    with suppress(LookupError, InputError):
+        removed = [_removal(source, path) for path in gone if node_at(source.root, path) is not None]
+        text = _applied(source.text, [*_edits(source, puts), *removed])
+        if _plain(_read(text, source).data) == _plain(expected):
+            return text
     is_case = _read(source.text, source).data != source.data
     return yaml_text(_written_out({key: expected[key] for key in expected if not (is_case and key == "cases")}))
-
-
-def edited_in_place(source: Source, puts: Iterable[tuple[Path, Node]], gone: Iterable[Path], expected: Any) -> str:
-    """The same, changed in its places alone; raises LookupError where it cannot be."""
-    removed = [_removal(source, path) for path in gone if node_at(source.root, path) is not None]
-    text = _applied(source.text, [*_edits(source, puts), *removed])
-    try:
-        is_as_expected = _plain(_read(text, source).data) == _plain(expected)
-    except InputError:
-        is_as_expected = False
-    if not is_as_expected:
-        raise LookupError
-    return text
 
 
 def _read(text: str, source: Source) -> Source:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.output.browser.opened import until
 
 from torsion.output.numbers import number
 
@@ -34,7 +33,7 @@ class Live:
     def __init__(self, browser: Any, file: Path) -> None:
         self.file, self.messages = file, list[str]()
         self.save()
-        command = [sys.executable, "-m", "torsion", "live", str(file), "--no-browser", "--edit"]
+        command = [sys.executable, "-m", "torsion", "live", str(file), "--no-browser"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().split()[-1]
@@ -111,68 +110,6 @@ def test_a_fault_stands_above_the_last_picture(live: Live) -> None:
     live.save(4.0)
     live.until(live.modes, shown(12e3, 4.0))
     faults.wait_for(state="hidden")
-
-
-def test_a_text_is_read_while_it_is_typed_and_saved_as_it_stands(live: Live) -> None:
-    live.save(4.0)
-    live.until(live.modes, shown(12e3, 4.0))
-    text = live.page.get_by_role("textbox", name="text of the file")
-    text.fill(SCENE.format(inertia=4.5).replace("stiffness", "stifness"))
-    fault = live.page.get_by_role("button", name="6:28 unknown key")
-    fault.click()
-    place = text.evaluate("area => area.value.slice(area.selectionStart, area.selectionStart + 8)")
-    assert place == "stifness"
-    assert live.page.locator("#rows").inner_text().split("\n")[4:6] == ["5", "✗ 6"]
-    assert live.file.read_text(encoding="utf-8") == SCENE.format(inertia=4.0)  # nothing is saved by typing
-    text.fill(SCENE.format(inertia=4.5))
-    live.page.get_by_text("not saved", exact=True).wait_for()
-    text.press("Control+s")
-    live.until(live.modes, shown(12e3, 4.5))
-    assert live.file.read_text(encoding="utf-8") == SCENE.format(inertia=4.5)
-    live.page.locator("#found li").first.wait_for(state="detached")
-
-
-def test_keys_are_completed_where_they_fit(live: Live) -> None:
-    text = live.page.get_by_role("textbox", name="text of the file")
-    before = text.input_value()
-    text.fill("")
-    text.press_sequentially("operation: {spee")
-    assert live.page.locator("#keys button").all_inner_texts() == ["speeds"]
-    text.press("Tab")
-    text.press_sequentially("{fr")
-    text.press("Tab")
-    assert text.input_value() == "operation: {speeds: {from: "
-    text.fill("train:\n  - coupling:\n      name: a\n      sti")
-    text.press("End")
-    text.press_sequentially("f")
-    assert live.page.locator("#keys button").all_inner_texts() == ["stiffness"]
-    text.fill(before)
-
-
-def test_a_text_is_never_saved_over_what_has_changed_on_the_disk(live: Live) -> None:
-    text = live.page.get_by_role("textbox", name="text of the file")
-    text.fill(SCENE.format(inertia=7.0))
-    live.save(6.0)
-    live.until(live.page, "the file has changed on the disk meanwhile")
-    live.page.get_by_role("button", name="save", exact=True).click()
-    live.until(live.page, "the file has changed on the disk meanwhile: nothing was written")
-    assert live.file.read_text(encoding="utf-8") == SCENE.format(inertia=6.0)
-    assert text.input_value() == SCENE.format(inertia=7.0)
-    live.page.get_by_role("button", name="take the text of the disk").click()
-    assert text.input_value() == SCENE.format(inertia=6.0)
-
-
-def test_a_moved_slider_is_written_into_the_file(live: Live) -> None:
-    live.save(2.0)
-    live.until(live.modes, shown(12e3, 2.0))
-    until(live.page, "document.getElementById('text').value.includes('inertia: 2.0')")
-    live.page.get_by_role("slider", name="link.stiffness").fill("1.07")
-    live.until(live.page, "12.84 kN*m/rad (+7 %)")
-    live.page.get_by_role("button", name="write into the file").click()
-    live.until(live.page, "12.84 kN*m/rad")
-    live.until(live.page, "The figures of the file.")
-    assert live.file.read_text(encoding="utf-8") == SCENE.format(inertia=2.0).replace("12 kN", "12.84 kN")
-    live.until(live.modes, shown(1.07 * 12e3, 2.0))
 
 
 def test_a_page_without_the_token_shows_nothing(live: Live, browser: Any) -> None:
