@@ -1,4 +1,4 @@
-"""Rebuilding the house changes no digit: every bit, or 1e-13 of the sums where the order of a sum may change."""
+"""Rebuilding the house changes no digit: every bit, or 1e-12 of the sums, as another processor adds in another order."""
 
 import json
 from xml.etree import ElementTree
@@ -20,8 +20,8 @@ def _equal(found: dict, known: dict) -> None:
             continue
         assert isinstance(digits[1], int), name
         assert digits[1] == known[name][1], name
-        assert digits[2] == pytest.approx(known[name][2], rel=1e-13, abs=1e-13 * known[name][3]), name
-        assert digits[3] == pytest.approx(known[name][3], rel=1e-13), name
+        assert digits[2] == pytest.approx(known[name][2], rel=1e-12, abs=1e-12 * known[name][3]), name
+        assert digits[3] == pytest.approx(known[name][3], rel=1e-12), name
 
 
 @pytest.mark.parametrize("scene", SCENES, scope="session")
