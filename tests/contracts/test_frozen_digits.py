@@ -1,4 +1,4 @@
-"""Rebuilding the house changes no digit: every bit, or 1e-12 of the sums, as another processor adds in another order."""
+"""Rebuilding the house changes no digit: every bit, or 1e-12 of the sums, which processors add in unlike orders."""
 
 import json
 from xml.etree import ElementTree
