@@ -16,8 +16,8 @@ from torsion.schema.scene_reader import Scene
 
 ROOT = Path(__file__).parents[1]
 SCENES = ROOT / "shafting_specs"  # whose files examples name
-PAGES = [ROOT / "README.md", ROOT / "shafting_specs" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-LINKED = [*PAGES, ROOT / "CHANGELOG.md", *sorted((ROOT / "reports").glob("*.md")),
+PAGES = [ROOT / "README.md", ROOT / "shafting_specs" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+LINKED = [*PAGES, ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "reports").glob("*.md")),
           *sorted((ROOT / "reports" / "papers").glob("*.md"))]  # fmt: skip
 THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
 EQUATION = re.compile(r"\(T(\d+)\)")
