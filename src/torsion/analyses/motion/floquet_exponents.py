@@ -23,7 +23,7 @@ REST = 1e-9  # relative: what a basis of modes may miss of a motion that repeats
 APART = 1e-10  # relative: of a motion that others combine to, less is left
 BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
 HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
-FEWEST_MODES, MOST_MODES = 3, 12  # elastic ones
+FEWEST_MODES, MOST_MODES = 1, 12  # elastic ones
 UNSTABLE = 1e-7  # growth over one common period: less is rounding
 Method = Literal["hill", "monodromy"]
 MOST_HILL = 2500  # rows of the eigenvalue problem
@@ -235,7 +235,7 @@ def damped(at: Scene, shapes: Basis) -> Scene:
 def modes_that_matter(at: Scene, shapes: Basis, fastest: float, requested: int | None = None) -> Basis:
     """The rigid motions and as many elastic modes as requested.
 
-    Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 3 to 12 elastic ones.
+    Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 1 to 12 elastic ones.
     """
     elastic = shapes.frequency[shapes.rigid :]
     highest = HIGHEST * float(max(at.layout.orders, default=at.order)) * fastest

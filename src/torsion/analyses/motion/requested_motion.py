@@ -52,7 +52,8 @@ class StabilitySettings(Declared):
     speeds: SpeedRange | None = given("speeds (default: those of the operation)")
     method: Method = given("`monodromy` in steps of time, or `hill`: the eigenvalues of Hill's matrix", "monodromy")
     modes: Annotated[int, Field(ge=1, le=1000)] | None = given(
-        "reduce to so many elastic modes (default: all of a train of at most 20 coordinates, else those that matter)"
+        "reduce to so many elastic modes (default: all of a short train, else those up to three times the highest "
+        "order of a joint)"
     )
     map: MapSettings | None = given("growth over speed and one more quantity")
 

@@ -17,7 +17,8 @@ MOST_SEEDS = 60  # combination resonances that are looked at between the speeds 
 LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
 CHECKED = 3  # speeds at which the other method checks the growth rate
-WHOLE = 20  # coordinates up to which no mode is left out; beyond, the highest modes make the steps in time many
+WHOLE = 20  # coordinates up to which no mode is left out, unless its highest mode
+TURNED = 300.0  # rad: turns through more in a common period at the lowest speed, which makes the steps in time many
 MORE = 2  # times the modes kept: how many the estimate of the error keeps
 MOST_CHECKED = 600  # rows of Hill's matrix for that: beyond, its eigenvalues take far longer than the growth rate
 
@@ -73,7 +74,8 @@ def stability(
     search = growth_search(study, system, method=method)
     harmonics_at_least(search.at)  # raises SolveError before anything is computed
     elastic = search.shapes.frequency[search.shapes.rigid :]
-    if modes is None and search.at.layout.free > WHOLE:
+    longest = 2.0 * np.pi / (float(search.at.order) * float(np.min(speeds)))
+    if modes is None and (search.at.layout.free > WHOLE or search.shapes.highest * longest > TURNED):
         fewer = modes_that_matter(search.at, search.shapes, float(np.max(speeds)))
         modes = fewer.modes - fewer.rigid
     modes = None if modes is None or modes >= len(elastic) else modes

@@ -73,9 +73,9 @@ def monodromy(
     """(2 size, 2 size): what a period makes of (y, y'); M, C, K (times, size, size) at even times of the period (s)."""
     rule, size = radau(stages), mass.shape[1]
     share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
-    form = (steps, stages, size, size)
-    inert, damp, stiff = (at_times(part, share).reshape(form) for part in (mass, damping, stiffness))
-    return through_steps(inert, damp, stiff, period / steps, rule)
+    samples = np.stack([mass, damping, stiffness], axis=1)
+    nodes = at_times(samples, share).reshape(steps, stages, 3, size, size)
+    return through_steps(nodes[:, :, 0], nodes[:, :, 1], nodes[:, :, 2], period / steps, rule)
 
 
 def through_steps(
