@@ -125,7 +125,8 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
     ),
     "fillets": Analysis(
-        "stress in fillets", "torsion.analyses.fillet_stresses", needs=("response",), results={"fillets": "Fillets"},
+        "stress in fillets", "torsion.analyses.fillet_stresses", needs=("response", "nonlinear peaks"),
+        results={"fillets": "Fillets"},
         wanted=lambda study: study.train.has_fillets, chapters=("fillets",), place=("train",),
     ),
     "pendulums": Analysis(
