@@ -162,8 +162,8 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("stability_ranges",), place=("analyses", "stability", "map"),
     ),
     "nonlinear peaks": Analysis(
-        "exact motion at the peaks of nonlinear couplings", "torsion.analyses.transient.nonlinear_peaks",
-        needs=("response",), results={"nonlinear_peaks": "NonlinearPeaks"},
+        "exact motion at the peaks of nonlinear couplings", "torsion.analyses.transient.raised_synthesis",
+        needs=("response",), results={"nonlinear_peaks": "torsion.analyses.transient.nonlinear_peaks:NonlinearPeaks"},
         wanted=lambda study: study.train.has_nonlinear_couplings,
         chapters=("nonlinear_at_peaks",),
         place=("analyses", "response"),

@@ -72,25 +72,19 @@ class NonlinearPeaks:
     computed: Synthesis | None = None  # of the response alone, with which the exact motions are compared
 
 
-def run(work: Work) -> None:
-    """The peaks of every such coupling, and the synthesis raised to them; nothing without a response to compare."""
-    from torsion.analyses.transient.raised_synthesis import raised_synthesis
-
-    found, title = work.get(Response), "exact motion at the peaks of nonlinear couplings"
-    if found is None or found.balanced is None:
-        return
-    peaks, computed = tuple[NonlinearPeak, ...](), work.get(Synthesis)
+def exact_peaks(work: Work, found: Response, balanced: Balanced) -> tuple[NonlinearPeak, ...]:
+    """The peaks of every nonlinear coupling; none where the train has no such motion, and the plan then says why."""
+    title = "exact motion at the peaks of nonlinear couplings"
     try:
         with work.log.step(title, "the response has one harmonic of their torques") as step:
-            band = Band(found, found.balanced, work.progress)
-            peaks = _peaks(work.study, found, found.balanced, band)
+            band = Band(found, balanced, work.progress)
+            peaks = _peaks(work.study, found, balanced, band)
             step.method = "from event to event, until it repeats itself"
-            step.size = f"{len(found.balanced.spans)} couplings, {len(peaks)} motions{band.words}"
+            step.size = f"{len(balanced.spans)} couplings, {len(peaks)} motions{band.words}"
     except (InputError, SolveError) as error:
         work.log.without(title, str(error))
-    work.put(nonlinear_peaks=NonlinearPeaks(peaks, computed))
-    if computed is not None:
-        work.put(synthesis=raised_synthesis(work))
+        return ()
+    return peaks
 
 
 def _peaks(study: Study, found: Response, balanced: Balanced, band: Band) -> tuple[NonlinearPeak, ...]:

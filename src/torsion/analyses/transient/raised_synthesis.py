@@ -8,11 +8,20 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Balanced, Response, Synthesis
-from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
+from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearPeaks, exact_peaks
 from torsion.arrays import BoolArray, FloatArray
-from torsion.findings import Results
+from torsion.findings import Results, Work
 
 SAMPLED = 1e-3  # share by which the extremes of a sampled motion may be off: no smaller surplus counts
+
+
+def run(work: Work) -> None:
+    """The peaks of every nonlinear coupling, and the synthesis raised to them; nothing without a response of them."""
+    response, computed = work.get(Response), work.get(Synthesis)
+    if response is None or computed is None or response.balanced is None:
+        return
+    work.put(nonlinear_peaks=NonlinearPeaks(exact_peaks(work, response, response.balanced), computed))
+    work.put(synthesis=raised_synthesis(work))
 
 
 def raised_synthesis(evidence: Results) -> Synthesis:
