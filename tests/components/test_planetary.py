@@ -163,11 +163,59 @@ def test_stage_of_elastic_meshes_moves_as_its_planets_one_by_one(tmp_path: Any, 
     assert 2 * np.pi * found.results["modes"].frequency == pytest.approx(alike, rel=1e-12)
 
 
-def test_planets_between_a_stiff_sun_and_a_soft_ring_are_counted_at_the_carrier(tmp_path: Any) -> None:
-    """No springs between two angles stand for them; then the report says so."""
-    found = findings(tmp_path, stage(sun_mesh=3e6, ring_mesh=9e6))
-    gear = next(part for part in found.study.train.parts if part.kind == "gear")
-    assert "counted at the carrier" in gear.remark
+def train_of(given: dict[str, Any]) -> Any:
+    scene = {
+        "name": "planetary",
+        "train": [
+            {"disc": {"inertia": SHAFTS["J1"]}}, {"coupling": {"stiffness": SHAFTS["k1"]}},
+            {"gear": {"planetary": given}},
+            {"coupling": {"stiffness": SHAFTS["k2"]}}, {"disc": {"inertia": SHAFTS["J2"]}},
+        ],
+    }  # fmt: skip
+    return torsion.parse(yaml.safe_dump(scene)).train
+
+
+@pytest.mark.parametrize("driving", MEMBERS)
+@pytest.mark.parametrize("fixed", MEMBERS)
+def test_stage_has_all_its_modes_or_is_refused_for_meshes_of_any_stiffness(fixed: str, driving: str) -> None:
+    """Each mesh from 1e-3 to 1e3 times the other at the teeth: all frequencies to 1e-11, or refused at the mesh.
+
+    A fixed member whose mesh is the softer one couples carrier and ring (or sun) by a negative inertia, which no
+    network of positive springs and inertias has.
+    """
+    if fixed == driving:
+        return
+    refusals = []
+    for ratio in (1e-3, 0.03, 0.5, 0.9, 1.1, 2.0, 30.0, 1e3):
+        given = stage(fixed=fixed, driving=driving, sun_mesh=3e6, ring_mesh=3e6 * 16 * ratio)
+        try:
+            train = train_of(given)
+        except InputError as error:
+            (fault,) = error.faults
+            assert fault.path[-1] == f"{fixed}_mesh"
+            assert "softer at the teeth" in fault.message
+            refusals.append(ratio)
+            continue
+        every, against = planet_by_planet(given)
+        alike = [frequency for frequency in every if abs(frequency / against - 1.0) > 1e-9]
+        modes = torsion.modes(torsion.assemble(train), count=len(alike))
+        assert modes.certified
+        assert 2 * np.pi * modes.frequency == pytest.approx(alike, rel=1e-11)
+    softer = {"carrier": [], "ring": [1e-3, 0.03, 0.5, 0.9], "sun": [1.1, 2.0, 30.0, 1e3]}
+    assert refusals == softer[fixed]
+
+
+def test_stiffness_that_the_refusal_names_is_accepted() -> None:
+    """At the teeth a sun and a ring mesh are equal where they are as the squares of the teeth."""
+    with pytest.raises(InputError, match=r"at least 4.8e\+07 N\*m/rad with this `sun_mesh`"):
+        train_of(stage(sun_mesh=3e6, ring_mesh=4.7e7))
+    train_of(stage(sun_mesh=3e6, ring_mesh=4.8e7))
+
+
+def test_soft_ring_beside_a_rigid_sun_is_refused_only_for_planets_with_inertia() -> None:
+    with pytest.raises(InputError, match="give `sun_mesh` too"):
+        train_of(stage(ring_mesh=4.8e7))
+    train_of(stage(ring_mesh=4.8e7, planet_inertia=0))
 
 
 @pytest.mark.parametrize(
@@ -182,6 +230,7 @@ def test_planets_between_a_stiff_sun_and_a_soft_ring_are_counted_at_the_carrier(
         ({}, {"inertia": [1, 2]}, "exclude each other"),
         ({"sun": 0}, {}, "sun"),
         ({"planet": 12}, {}, "a planet of 12 teeth does not fit"),
+        ({"planet": [40, 96]}, {}, "a planet of 96 teeth does not turn in a ring of 96"),
     ],
 )
 def test_what_cannot_be_is_refused(tmp_path: Any, given: dict[str, Any], gear: dict[str, Any], words: str) -> None:

@@ -9,11 +9,14 @@ import pytest
 
 import torsion
 from torsion import rules
-from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.transient.nonlinear_peaks import NonlinearPeaks
+from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
+from torsion.analyses.transient.raised_synthesis import raised_synthesis
 from torsion.findings import Findings
+from torsion.output.blocks import Table
+from torsion.output.chapters.component_loads import couplings
 from torsion.rules.coupling_maker import heat
-from torsion.rules.verdict_line import Check
+from torsion.rules.verdict_line import Check, Checks
 
 SCENE = Path(__file__).parents[2] / "shafting_specs" / "toothed_coupling.yaml"
 
@@ -23,8 +26,10 @@ def found() -> Findings:
     return torsion.run(torsion.read(SCENE))
 
 
-def judged(found: Findings, peaks: NonlinearPeaks) -> dict[str, Check]:
-    return {one.clause: one for one in rules.verdicts(found.having(nonlinear_peaks=peaks))}
+def judged(found: Findings, *each: NonlinearPeak) -> dict[str, Check]:
+    """The checks with other exact motions beside the same response."""
+    evidence = found.having(nonlinear_peaks=replace(found.need(NonlinearPeaks), each=each))
+    return {check.clause: check for check in rules.verdicts(evidence.having(synthesis=raised_synthesis(evidence)))}
 
 
 def test_a_verdict_takes_the_exact_motion_where_it_is_larger(found: Findings) -> None:
@@ -32,7 +37,7 @@ def test_a_verdict_takes_the_exact_motion_where_it_is_larger(found: Findings) ->
     first = peaks[0]
     assert first.response == pytest.approx(np.abs(found.need(Response).torque).max(), rel=1e-12)
     larger = replace(first, half_ranges=np.array([2.0 * first.response]), greatests=np.array([1500.0]))
-    checks = judged(found, NonlinearPeaks((larger, *peaks[1:])))
+    checks = judged(found, larger, *peaks[1:])
     assert checks["T_KW"].value == pytest.approx(2.0 * first.response, rel=1e-9)
     assert checks["T_KW"].verdict == "fail"
     assert checks["T_Kmax"].value == pytest.approx(1500.0, rel=1e-9)
@@ -43,7 +48,7 @@ def test_a_verdict_takes_the_exact_motion_where_it_is_larger(found: Findings) ->
 def test_an_exact_motion_that_is_smaller_takes_nothing_away(found: Findings) -> None:
     peaks = found.need(NonlinearPeaks).each
     none = np.zeros(1)
-    checks = judged(found, NonlinearPeaks(tuple(replace(one, half_ranges=none, greatests=none) for one in peaks)))
+    checks = judged(found, *(replace(one, half_ranges=none, greatests=none) for one in peaks))
     largest = np.abs(found.need(Response).torque).max()
     assert checks["T_KW"].value == pytest.approx(largest, rel=1e-9)
 
@@ -51,12 +56,55 @@ def test_an_exact_motion_that_is_smaller_takes_nothing_away(found: Findings) -> 
 @pytest.mark.parametrize("known", [True, False])
 def test_what_no_exact_motion_stands_beside_does_not_pass(found: Findings, known: bool) -> None:
     peaks = found.need(NonlinearPeaks).each
-    unsettled = NonlinearPeaks(tuple(replace(one, exact=None) for one in peaks) if known else ())
-    checks = judged(found, unsettled)
+    checks = judged(found, *(replace(peak, exact=None) for peak in peaks if known))
     assert checks["T_KN"].verdict == "pass"
     for clause in ("T_KW", "T_Kmax"):
         assert checks[clause].verdict == "fail"
         assert "compute the motion over time" in checks[clause].note
+
+
+DRY = """
+name: dry friction that slips, between two resonances
+operation: {speeds: {from: 300 rpm, to: 1500 rpm, steps: 5}, rated: {speed: 1400 rpm, power: 6.7 kW}, load: constant}
+train:
+- motor: {inertia: 1.2}
+- coupling:
+    {name: dry, stiffness: 8e3, viscous: 2, hysteresis_torque: {torque: 100, stiffness: 1e6}, vibratory_torque: 900,
+     max_torque: 1500, heat_limit: 40 kW}
+- disc: {name: p, inertia: 0.4}
+- shaft: {name: s, length: 1, diameter: 50 mm}
+- propeller: {inertia: 0.5}
+excitations: [{at: p, order: 1, torque: 250}]
+analyses: {response: }
+rules: [coupling-maker]
+"""
+
+
+@pytest.fixture(scope="module")
+def slipping() -> Findings:
+    return torsion.run(torsion.parse(DRY))
+
+
+def test_synthesis_of_a_coupling_that_slips_is_at_least_the_exact_motion(slipping: Findings) -> None:
+    """Harmonic balance has one harmonic of the friction, which alone is 46 % low at 966 rpm."""
+    response, total = slipping.need(Response), slipping.need(Synthesis)
+    peaks = [peak for peak in slipping.need(NonlinearPeaks).each if peak.exact is not None]
+    assert max(peak.half_range / peak.response for peak in peaks) > 1.3
+    for peak in peaks:
+        speed = int(np.argmin(np.abs(response.speed - peak.speed)))
+        assert (total.half_range[speed] >= peak.half_ranges * (1.0 - 1e-12)).all()
+        assert (total.peak[speed] >= peak.greatests * (1.0 - 1e-12)).all()
+
+
+def test_value_of_the_verdict_is_the_value_of_the_table(slipping: Findings) -> None:
+    checks = {check.clause: check.value for check in slipping.need(Checks).lines}
+    total, span = slipping.need(Synthesis), [span.name for span in slipping.system.spans].index("dry")
+    assert checks["T_KW"] == total.half_range[:, span].max()
+    assert checks["T_Kmax"] == total.peak[:, span].max()
+    (table,) = (block for block in couplings(slipping) if isinstance(block, Table))
+    _, vibratory, _, _, _, _, peak, _, heat, *_ = table.rows[0]
+    for clause, text in (("T_KW", vibratory), ("T_Kmax", peak), ("P_KW", heat)):
+        assert float(str(text)) == pytest.approx(checks[clause], rel=1e-3)
 
 
 def test_the_heat_of_friction_is_the_area_of_its_loop() -> None:

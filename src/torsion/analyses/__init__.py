@@ -125,7 +125,8 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
     ),
     "fillets": Analysis(
-        "stress in fillets", "torsion.analyses.fillet_stresses", needs=("response",), results={"fillets": "Fillets"},
+        "stress in fillets", "torsion.analyses.fillet_stresses", needs=("response", "nonlinear peaks"),
+        results={"fillets": "Fillets"},
         wanted=lambda study: study.train.has_fillets, chapters=("fillets",), place=("train",),
     ),
     "pendulums": Analysis(
@@ -161,8 +162,8 @@ ANALYSES: dict[str, Analysis] = {
         chapters=("stability_ranges",), place=("analyses", "stability", "map"),
     ),
     "nonlinear peaks": Analysis(
-        "exact motion at the peaks of nonlinear couplings", "torsion.analyses.transient.nonlinear_peaks",
-        needs=("response",), results={"nonlinear_peaks": "NonlinearPeaks"},
+        "exact motion at the peaks of nonlinear couplings", "torsion.analyses.transient.raised_synthesis",
+        needs=("response",), results={"nonlinear_peaks": "torsion.analyses.transient.nonlinear_peaks:NonlinearPeaks"},
         wanted=lambda study: study.train.has_nonlinear_couplings,
         chapters=("nonlinear_at_peaks",),
         place=("analyses", "response"),

@@ -26,10 +26,6 @@ BESIDE_NO_PLANETARY = frozenset((
     "ratio", "teeth", "inertia", "mesh_stiffness", "sense", "branches", "module", "pitch_diameter", "helix_angle",
     "pressure_angle",
 ))  # fmt: skip
-AT_THE_CARRIER = (
-    "the inertia of its planets about their axes is counted at the carrier, because the mesh of the fixed member is "
-    "softer than the other one"
-)
 SAME_SIZE = 1e-3  # relative, of two diameters that drawings print to a tenth of a millimetre
 
 
@@ -99,8 +95,6 @@ class Gear(Component, keyword="gear", sort="link"):
             sense, halves, half = 1 if stage.speed > 0 else -1, stage.halves, "member"
         driving, driven = build.link(self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None)
         mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.at
-        if stage is not None and stage.counts_planets_at_the_carrier:
-            build.record(remark=AT_THE_CARRIER)
         if stage is not None and stage.star is not None:
             mesh = _with_planets(build, gear, mesh, stage, before)
         build.add(mesh)

@@ -72,8 +72,33 @@ class Planetary(Declared):
         if len(self.planet) == 1 and abs(self.planet[0] - between) > max(PROFILE_SHIFT[0], PROFILE_SHIFT[1] * between):
             hint = f"near (ring - sun)/2 = {between:g}; of a stepped planet [with the sun, with the ring]"
             raise refuse(f"a planet of {self.planet[0]} teeth does not fit between sun and ring", hint, "planet")
+        if self.planet and self.planet[-1] >= self.ring:
+            raise refuse(f"a planet of {self.planet[-1]} teeth does not turn in a ring of {self.ring}", key="planet")
         if self.planet_mass and self.radius is None:
             raise refuse("`planet_mass` moves on a circle whose `radius` is missing", "give `radius`", "planet_mass")
+        self._refuse_soft_fixed_mesh()
+
+    def _refuse_soft_fixed_mesh(self) -> None:
+        """Refuse planets with inertia whose mesh with the fixed member is the softer one, which no springs represent.
+
+        The dynamic stiffness of the planets between the member of the other mesh and the carrier then has a negative
+        coupling of inertia, which no network of positive springs and inertias has.
+        """
+        if not self.has_moving_planets or self._softness_of_mesh >= 0.0:
+            return
+        fixed, other = self.fixed, self.meshing
+        stiffness = {"sun": self.sun_mesh, "ring": self.ring_mesh}[other]
+        hint = "leave out `planet_inertia` (the planets then have no inertia about their axes) or both meshes (rigid)"
+        if stiffness is None:
+            hint = f"give `{other}_mesh` too, or {hint}"
+        else:
+            hint = f"at least {stiffness * self._mesh_ratio:.6g} N*m/rad with this `{other}_mesh`, or {hint}"
+        raise refuse(
+            f"the mesh of the fixed {fixed} is softer at the teeth than that of the {other}: no model of this program "
+            "has such planets",
+            hint,
+            f"{fixed}_mesh",
+        )
 
     @property
     def driven(self) -> Member:
@@ -126,41 +151,64 @@ class Planetary(Declared):
                 yields += float(weights[member] / weights[self.driving]) ** 2 / stiffness
         return yields
 
+    @property
+    def has_moving_planets(self) -> bool:
+        """The planets have an inertia between elastic meshes: they move against the members."""
+        return bool(self.planet_inertia) and (self.sun_mesh is not None or self.ring_mesh is not None)
+
+    @cached_property
+    def _coefficients(self) -> tuple[Fraction, Fraction, Fraction]:
+        """The twist of the stage's mesh by its planets and by its carrier, that of the fixed member's by its planets.
+
+        Each over the angle that the body has in the rigid motion; the fixed member's mesh has (u, -u).
+        """
+        speeds, (with_sun, with_ring) = self.speeds, self.teeth
+        steps = {"sun": with_sun / self.sun, "ring": -with_ring / self.ring}
+        step = steps[self.meshing]
+        return step * speeds["planet"], -(1 + step) * speeds["carrier"], steps[self.fixed] * speeds["planet"]
+
+    @property
+    def _mesh_ratio(self) -> float:
+        """Stiffness of the fixed member's mesh over that of the other one where both are equal at the teeth."""
+        planets, carrier, fixed = self._coefficients
+        return float(planets * carrier / fixed**2)
+
+    @property
+    def _yields(self) -> dict[str, float]:
+        """Flexibilities (rad/(N m)) of the meshes at their own members, 0 where they are rigid."""
+        return {"sun": 1.0 / (self.sun_mesh or float("inf")), "ring": 1.0 / (self.ring_mesh or float("inf"))}
+
+    @property
+    def _softness_of_mesh(self) -> float:
+        """Flexibility (rad/(N m), at its member) of the stage's mesh less that of the fixed member's, at the teeth.
+
+        Infinite for a fixed carrier, where both meshes are in a row.
+        """
+        if self.fixed == "carrier":
+            return float("inf")
+        own, other = self._yields[self.meshing], self._mesh_ratio * self._yields[self.fixed]
+        return 0.0 if abs(own - other) <= ROUNDING * own else own - other
+
     @cached_property
     def star(self) -> Star | None:
-        """The meshes with planets that have an inertia between them; None where they need, or have, no star.
+        """The meshes with planets that have an inertia between them; None where they have no star.
 
         The twist of a mesh is a sum over its member, the planets and the carrier, of coefficients v that add up to 0 in
         the rigid motion. The mesh with the fixed member has but two of them, u and -u, and the triangle of stiffnesses
-        that both make is a star with one arm that can be negative: where the fixed member's mesh is the softer one.
+        that both make is a star with one arm that would be negative where the fixed member's mesh is the softer one.
         """
-        yields = {"sun": 1.0 / (self.sun_mesh or float("inf")), "ring": 1.0 / (self.ring_mesh or float("inf"))}
-        if not self.planet_inertia or not any(yields.values()):
+        if not self.has_moving_planets:
             return None
-        own, (with_sun, with_ring) = self.speeds, self.teeth
-        steps = {"sun": with_sun / self.sun, "ring": -with_ring / self.ring}
+        speeds, yields = self.speeds, self._yields
         if self.fixed == "carrier":
             other = yields[self.driven] * float(1 / self.speed) ** 2
             return Star(yields[self.driving], other, 0.0, is_mesh_driving=True)
-        planets = steps[self.meshing] * own["planet"]
-        carrier = -(1 + steps[self.meshing]) * own["carrier"]
-        between = steps[self.fixed] * own["planet"]
-        first, second = yields[self.meshing], float(planets * carrier / between**2) * yields[self.fixed]
-        mesh = 0.0 if abs(first - second) <= ROUNDING * first else first - second
-        if mesh < 0.0:
-            return None
+        planets, carrier, fixed = self._coefficients
         to_carrier, to_planets = (
-            float(-one / (own[self.meshing] * between**2)) * yields[self.fixed] for one in (planets, carrier)
+            float(-share / (speeds[self.meshing] * fixed**2)) * yields[self.fixed] for share in (planets, carrier)
         )
-        return Star(
-            mesh / float(own[self.meshing]) ** 2, to_carrier, to_planets, is_mesh_driving=self.driving == self.meshing
-        )
-
-    @property
-    def counts_planets_at_the_carrier(self) -> bool:
-        """Its meshes are elastic, its planets have an inertia, and no star stands for them."""
-        is_elastic = self.sun_mesh is not None or self.ring_mesh is not None
-        return bool(self.planet_inertia) and is_elastic and self.star is None
+        mesh = self._softness_of_mesh / float(speeds[self.meshing]) ** 2
+        return Star(mesh, to_carrier, to_planets, is_mesh_driving=self.driving == self.meshing)
 
     @property
     def halves(self) -> tuple[float, float]:

@@ -158,11 +158,11 @@ def worth_a_figure(findings: Findings, torque: Mapping[Element, float], most: in
 
 
 def synthesis(findings: Findings, spans: Sequence[int]) -> FloatArray:
-    """(speeds,) N m: largest half range of all lines together in the spans; NaN where any line is not ok."""
+    """(speeds,) N m: largest half range of all lines together in the spans; NaN where it is not known."""
     if findings.get(Synthesis) is None:
         return np.zeros(0)
     size = findings.need(Synthesis).half_range[:, list(spans)].max(axis=1)
-    return np.where(unreliable(findings), np.nan, size)
+    return np.where(unreliable(findings) | ~np.isfinite(size), np.nan, size)
 
 
 def responds(findings: Findings) -> bool:

@@ -86,10 +86,6 @@ def not_judged(study: "Study") -> tuple[tuple[str, str], ...]:
 
 def verdicts(evidence: "Results") -> tuple["Check", ...]:
     """The checks of every rule that the study names, in its order."""
-    if evidence.study.train.has_nonlinear_couplings:
-        from torsion.rules.beside_exact_motion import on_the_safe_side
-
-        evidence = on_the_safe_side(evidence)
     if evidence.study.train.has_tables_over("vibratory torque"):
         from torsion.rules.other_solutions import worst_of_solutions
 

@@ -138,6 +138,14 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
     return power
 
 
+def raised_heat(evidence: Results, spans: IntArray) -> FloatArray:
+    """(speeds, lines) W: the heat of the spans, raised as the exact motions beside harmonic balance raise the torque.
+
+    Infinite where such a motion is needed and none is known.
+    """
+    return _nonlinear(evidence, spans, harmonic_heat(evidence.need(Response), evidence.system, spans), power=2)
+
+
 def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
     """Every coupling with its position in the train's parts, and its maker's limits."""
     return ((k, part, part.ratings) for k, part in enumerate(study.train.parts) if part.ratings is not None)
@@ -163,7 +171,7 @@ def _vibration(
             yield clause("T_KW(f)", what, "N m", curve, use, in_use, "", size)
     if (of_heat := _heat_limit(evidence.study, ratings)) is not None:
         name, what, most, words = of_heat
-        power = _nonlinear(evidence, spans, harmonic_heat(response, evidence.system, spans), power=2)
+        power = raised_heat(evidence, spans)
         at = np.full(power.shape, most) if isinstance(most, float) else most.at(response.frequency)
         least = float(at.min())  # of a limit over frequency every share counts as one of the least
         yield clause(
@@ -223,7 +231,7 @@ def _nonlinear(evidence: Results, spans: IntArray, values: FloatArray, power: in
     """Values (speeds, ...) of a torque to that power, as large as exact motions beside harmonic balance have them."""
     if not evidence.study.train.has_nonlinear_couplings:
         return values
-    from torsion.rules.beside_exact_motion import surplus
+    from torsion.analyses.transient.raised_synthesis import surplus
 
     factor = surplus(evidence)[0][:, spans].max(axis=1) ** power
     unknown = ~np.isfinite(evidence.need(Synthesis).half_range[:, spans[0]])  # no exact motion is known

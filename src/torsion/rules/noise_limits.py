@@ -105,6 +105,6 @@ def _surplus(evidence: Results, spans: IntArray) -> FloatArray | float:
     """By which the exact motion of nonlinear couplings exceeds the torques about the station; 1 without them."""
     if not evidence.study.train.has_nonlinear_couplings or not spans.size:
         return 1.0
-    from torsion.rules.beside_exact_motion import surplus
+    from torsion.analyses.transient.raised_synthesis import surplus
 
     return np.asarray(surplus(evidence)[0][:, spans].max(axis=1))

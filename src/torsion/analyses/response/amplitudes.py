@@ -140,9 +140,18 @@ class Response(Displayed):
 class Synthesis:
     """All lines together, true to phase, over the common cycle."""
 
-    half_range: FloatArray = result("N*m", ("speed", "span"), "(max - min)/2", printed=("element", "speed"))
+    half_range: FloatArray = result(
+        "N*m",
+        ("speed", "span"),
+        "(max - min)/2; of couplings with play, friction or stages at least that of the exact motion beside it, null "
+        "where none is known",
+        printed=("element", "speed"),
+    )
     peak: FloatArray = result(
-        "N*m", ("speed", "span"), "largest magnitude of mean and vibration", printed=("element", "speed")
+        "N*m",
+        ("speed", "span"),
+        "largest magnitude of mean and vibration, raised to the exact motion as `half_range_Nm`",
+        printed=("element", "speed"),
     )
     rms: FloatArray = result("N*m", ("speed", "span"), "root mean square", printed=("element", "speed"))
     bound: FloatArray = result("N*m", ("speed", "span"), "sum of magnitudes", printed=("element", "speed"))

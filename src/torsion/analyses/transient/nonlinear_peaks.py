@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.response.amplitudes import Balanced, Response
+from torsion.analyses.response.amplitudes import Balanced, Response, Synthesis
 from torsion.analyses.response.balanced_couplings import balanced_spans
 from torsion.analyses.transient.compared_band import Band, WorkEnds
 from torsion.analyses.transient.event_driven_curves import EventDrivenCurves
@@ -69,25 +69,22 @@ class NonlinearPeaks:
     """Every coupling with play, friction or stages."""
 
     each: tuple[NonlinearPeak, ...] = result("", (), "every coupling with play, friction or stages", key="")
+    computed: Synthesis | None = None  # of the response alone, with which the exact motions are compared
 
 
-def run(work: Work) -> None:
-    """The peaks of every such coupling; nothing without a response, or where the train has no such motion."""
-    found, title = work.get(Response), "exact motion at the peaks of nonlinear couplings"
-    if found is None:
-        return
-    if found.balanced is None:
-        return
+def exact_peaks(work: Work, found: Response, balanced: Balanced) -> tuple[NonlinearPeak, ...]:
+    """The peaks of every nonlinear coupling; none where the train has no such motion, and the plan then says why."""
+    title = "exact motion at the peaks of nonlinear couplings"
     try:
         with work.log.step(title, "the response has one harmonic of their torques") as step:
-            band = Band(found, found.balanced, work.progress)
-            peaks = _peaks(work.study, found, found.balanced, band)
+            band = Band(found, balanced, work.progress)
+            peaks = _peaks(work.study, found, balanced, band)
             step.method = "from event to event, until it repeats itself"
-            step.size = f"{len(found.balanced.spans)} couplings, {len(peaks)} motions{band.words}"
-        work.put(nonlinear_peaks=NonlinearPeaks(peaks))
+            step.size = f"{len(balanced.spans)} couplings, {len(peaks)} motions{band.words}"
     except (InputError, SolveError) as error:
         work.log.without(title, str(error))
-        work.put(nonlinear_peaks=NonlinearPeaks(()))
+        return ()
+    return peaks
 
 
 def _peaks(study: Study, found: Response, balanced: Balanced, band: Band) -> tuple[NonlinearPeak, ...]:

@@ -233,7 +233,8 @@ def couplings(findings: Findings) -> Iterator[Block]:
     speed, steady, rows = findings.need(Response).speed, findings.get(Steady), []
     for element, limits, values in found:
         spans = list(element.spans)
-        peak = np.where(unreliable(findings), np.nan, element.largest(findings.need(Synthesis).peak))
+        peak = element.largest(findings.need(Synthesis).peak)
+        peak = np.where(unreliable(findings) | ~np.isfinite(peak), np.nan, peak)
         mean = None if steady is None else unit.text(float(np.abs(steady.torque[spans]).max()))
         rows.append((
             element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean,
@@ -256,9 +257,9 @@ def couplings(findings: Findings) -> Iterator[Block]:
 
 
 def _heat(findings: Findings, spans: list[int]) -> FloatArray:
-    """(speeds,) W; NaN where the response has no reliable value."""
-    from torsion.rules.coupling_maker import heat
+    """(speeds,) W, as the rules judge it; NaN where the response has no reliable value."""
+    from torsion.rules.coupling_maker import raised_heat
 
     with np.errstate(all="ignore"):
-        power = heat(findings.need(Response), findings.system, np.array(spans))
-    return np.where(unreliable(findings), np.nan, power)
+        power = raised_heat(findings, np.array(spans)).sum(axis=1)
+    return np.where(unreliable(findings) | ~np.isfinite(power), np.nan, power)

@@ -143,7 +143,8 @@ def _torques(findings: Findings, found: Compared) -> Iterator[Block]:
     yield Paragraph(
         "Complex torques at the driving end of every component, at every requested speed and order; a "
         "difference counts relative to the largest of these torques at that speed and order, all referred to one "
-        "speed. Near a resonance an error of its frequency is magnified."
+        "speed. Every model is compared equally far from its own resonances, peaks with peaks: the error of a natural "
+        "frequency stands in the table above."
     )
     compared = [(model.model, model.torques) for model in found.models if model.torques is not None]
     if places := tuple(text for model in found.models if (text := _worst(model, found))):

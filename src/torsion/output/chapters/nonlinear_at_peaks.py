@@ -13,8 +13,9 @@ METHOD = (
     "harmonic component, about the mean twist under the mean torque, a coupling is a stiffness of its own. Natural "
     "frequencies are those of a closed play, without friction, in the first stage. At the largest torque amplitude of "
     "each such coupling, and in each quarter of the speeds at which it is not linear, the motion is also computed "
-    "exactly, from event to event, beginning as the response is, until it repeats itself. Verdicts stand on the larger "
-    "of both. The last columns are the mode that the coupling takes most part in, and its frequency as stiff as the "
+    "exactly, from event to event, beginning as the response is, until it repeats itself. The synthesis and the "
+    "verdicts take the larger of both; where no exact motion settles, the synthesis has no value and no verdict "
+    "passes. The last columns are the mode that the coupling takes most part in, and its frequency as stiff as the "
     "couplings are at these amplitudes."
 )
 TITLES = (
