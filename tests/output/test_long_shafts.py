@@ -149,3 +149,27 @@ def test_modes_alone_are_reported_at_the_groups_of_the_whole_train() -> None:
     np.testing.assert_array_equal(results["modes"]["shape_rad"], modes.shape[groups.stations].T)
     assert np.array(results["modes"]["elastic_share"]).sum(axis=1) == pytest.approx(np.ones(3), rel=1e-13)
     assert np.array(results["modes"]["kinetic_share"]).sum(axis=1) == pytest.approx(np.ones(3), rel=1e-13)
+
+
+@pytest.mark.parametrize("only", [None, ("modes",)], ids=["condensed", "whole"])
+def test_totals_of_a_group_are_those_of_its_own_segments(only) -> None:
+    """Inertia and flexibility, and of a mode J angle^2 and torque^2 / k, from the station after the group before."""
+    findings = torsion.run(torsion.parse(SCENE)) if only is None else torsion.run(torsion.parse(SCENE), only=only)
+    system = findings.system if findings.system.groups is None else findings.system.whole
+    results, modes = json.loads(text(findings)), torsion.modes(system, 3)
+    kinetic, elastic = system.inertia[:, None] * modes.shape**2, system.flexibility[:, None] * modes.torque**2
+    groups = segment_groups(system, MOST_GROUPS)
+    stations = {station.name: place for place, station in enumerate(system.stations)}
+    outer = [stations[row["name"]] for row in results["stations"]]
+    inner = [0, *(place + 1 for place in outer[:-1])]
+    starts = groups.spans.tolist()
+    for rows, limits, unit, energy in (
+        ("stations", zip(inner, [place + 1 for place in outer], strict=True), "inertia_kg_m2", kinetic),
+        ("spans", zip(starts, [*starts[1:], len(system.spans)], strict=True), "flexibility_rad_per_Nm", elastic),
+    ):
+        key, whole = ("kinetic_share", system.inertia) if rows == "stations" else ("elastic_share", system.flexibility)
+        share = np.array(results["modes"][key])
+        for place, (begin, end) in enumerate(limits):
+            assert results[rows][place][unit] == pytest.approx(whole[begin:end].sum(), rel=1e-12)
+            exact = energy[begin:end].sum(axis=0) / energy.sum(axis=0)
+            np.testing.assert_allclose(share[:, place], exact, rtol=1e-9, atol=1e-14)

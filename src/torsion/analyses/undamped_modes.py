@@ -13,7 +13,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
 from torsion.assembly.shafts import phase
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, Path
+from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.kernels.tree import Tree
 from torsion.results import Displayed, derived, reported, result
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from torsion.kernels.mode_shapes import ShaftModes
 
 MOST_MODES = 100_000
+MOST_JUDGED = 1000  # modes that are computed beyond those requested, for a rule
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
 NONE = np.empty(0, dtype=np.int64)  # no spans
@@ -131,9 +132,7 @@ def modes(
         raise InputError([Fault(("count",), f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}")])
     ends = any(not table.holds for table in system.tables_over("frequency").values())
     if ends:  # no mode above the end of a table is sought
-        from torsion.assembly.tabled_spans import reach
-
-        system = resolving(system, reach(system)[1] / (2.0 * math.pi), refine=refine)
+        system = resolving(system, _table_end(system), refine=refine)
     if ends or not refine or (system.bars is None and math.isinf(system.resolved_to)):
         found = modes_as_discretised(system, count, progress=progress)
     else:
@@ -144,6 +143,34 @@ def modes(
         demand_resolution(found.system, math.inf)
     demand_resolution(found.system, float(found.frequency.max(initial=0.0)))
     return found
+
+
+def modes_up_to(found: Modes, requested: int, reach: float) -> tuple[FloatArray, float]:
+    """Natural frequencies (modes,) in Hz up to `reach` (Hz), and the frequency below which none is missing.
+
+    found: the modes of which `requested` were sought; where they end below `reach`, more are computed. The second
+    number is infinite where the train has no further mode, and stays below `reach` where no more can be computed.
+    """
+    frequency, sought = found.frequency, requested
+    ends = any(not table.holds for table in found.system.tables_over("frequency").values())
+    while (last := float(frequency.max(initial=0.0))) < reach:
+        if frequency.size < sought:
+            return frequency, _table_end(found.system) if ends else math.inf
+        sought = 2 * frequency.size + 2
+        if sought > MOST_JUDGED:
+            return frequency, last
+        try:
+            frequency = modes(found.system, sought).frequency
+        except SolveError:
+            return frequency, last
+    return frequency, last
+
+
+def _table_end(system: System) -> float:
+    """Frequency (Hz) at which the first table of a coupling ends."""
+    from torsion.assembly.tabled_spans import reach
+
+    return reach(system)[1] / (2.0 * math.pi)
 
 
 def _refined(system: System, count: int, progress: Progress | None) -> Modes:

@@ -1,40 +1,48 @@
 """Rules `api-610`, `api-617`, `api-618`, `api-684`: natural frequencies away from every possible excitation.
 
-From memory of the standards, to be verified: over the operating range a natural frequency is 10 % away from the
-multiples of every shaft's speed and of the line frequency; API 618 has 5 % for multiples above the first, up to 10.
+From memory of the standards, to be verified: over the operating range a natural frequency is 10 % away from once and
+twice the speed of every shaft, gear mesh and blade passing, and once and twice the line frequency; API 618 has 5 % for
+multiples of the speed above the first, up to 10.
 """
 
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import BeforeValidator
 
 from torsion import fields
-from torsion.analyses.response.harmonic_components import in_runs, lines
-from torsion.analyses.undamped_modes import Modes, ModesSettings
+from torsion.analyses.response.harmonic_components import Line, in_runs, lines
+from torsion.analyses.undamped_modes import Modes, ModesSettings, modes_up_to
+from torsion.components.lowering import Part
 from torsion.errors import Fault
-from torsion.fields import Declared, given
+from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Results
 from torsion.rules.judgement import Continuous, in_rpm, within_reach
 from torsion.rules.over_tolerances import margin_words
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, verdict_of
 from torsion.study import Study
+from torsion.train import Train
 
 RADIANS = 2.0 * math.pi
 ROUNDING = 1e-9  # relative: a margin this near to its limit is at the limit
-MORE_MODES = "give a larger `count` of `modes`"
 STRESS_ANALYSIS = "a stress analysis must show that the resonance does no harm"
+CLAUSE, WHERE = "separation", "train"
+NO_GRID = "none"
+STATE_LINE = "write `line_frequency: 50 Hz`, or `line_frequency: none` where there is no grid"
+MACHINES = ("motor", "generator")  # kinds of components that may be joined to a grid
 
 
 @dataclass(frozen=True)
 class Margins:
-    """What one standard wants."""
+    """The margins of one standard."""
 
     edition: str
     multiples: int  # of every shaft's speed that count whether the file excites them or not
-    first: float = 0.10  # of the shaft speeds themselves and of the line frequency
+    first: float = 0.10  # of the shaft speeds themselves, of meshes, of blades and of the line frequency
     other: float = 0.10  # of every other order
 
 
@@ -46,15 +54,36 @@ STANDARDS: Mapping[str, Margins] = {
 }
 
 
+class LineFrequency(Declared):
+    """The frequency of a grid, as a band."""
+
+    nominal: fields.Frequency = required("nominal frequency")
+    tolerance: Annotated[float, Quantity("1", at_least=0, below=1, slip=("%",))] = given(
+        "how far the grid departs from it, for example 2 %", 0.0
+    )
+
+
+def _read_line_frequency(value: Any) -> Any:
+    if isinstance(value, dict | LineFrequency) or value in (None, NO_GRID):
+        return value
+    return {"nominal": value}
+
+
 class MarginSettings(Declared):
     """Settings of the separation margins."""
 
     continuous: Continuous | None = given("operating range: {from, to} (default: all of `operation.speeds`)")
-    line_frequency: fields.Frequency | None = given("of the electric supply; once and twice it count (default: none)")
+    line_frequency: Annotated[
+        LineFrequency | Literal["none"] | None,
+        BeforeValidator(_read_line_frequency, json_schema_input_type=float | str | LineFrequency | None),
+    ] = given(
+        "of the electric supply, once and twice it count: a frequency, {nominal: 50 Hz, tolerance: 2 %}, or none where "
+        "there is no grid; a train with an electric machine is not judged without it"
+    )
 
 
 @dataclass(frozen=True)
-class Excited:
+class Excitation:
     """A possible excitation, and how far natural frequencies stay away from it."""
 
     name: str
@@ -62,6 +91,11 @@ class Excited:
     lowest: float  # Hz, over the operating range
     highest: float  # Hz
     order: Fraction | None = None  # of the reference; None at a fixed frequency
+
+    @property
+    def reach(self) -> float:
+        """Frequency (Hz) up to which the modes are judged."""
+        return (1.0 + self.margin) * self.highest
 
 
 class SeparationMargins(Rule):
@@ -90,76 +124,158 @@ class SeparationMargins(Rule):
 
     def left_out(self, study: Study, settings: MarginSettings) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
+        train, omitted = study.train, []
+        toothless = [mesh.name for mesh in train.constraints if _is_mesh(train, mesh.part) and not mesh.meshings]
+        if toothless:
+            omitted.append((f"{self.name}: gear mesh of {in_runs(toothless)}", "its `teeth` are not given"))
+        bladeless = [part.name for part in train.parts if part.propeller is not None and not part.propeller.blades]
+        if bladeless:
+            omitted.append((f"{self.name}: blade passing of {in_runs(bladeless)}", "its `blades` are not given"))
         other = "judged where the file excites the train by their orders, and not otherwise"
-        found = [(f"{self.name}: gear mesh, vane and blade passing", other)]
-        if settings.line_frequency is None:
-            found.append((f"{self.name}: line frequency", "`line_frequency` is not given"))
-        return (*found, (f"{self.name}: stress analysis of what is not apart", "it is the rules' about stress"))
+        stress = "it is the rules' about stress"
+        return (
+            *omitted,
+            (f"{self.name}: vane passing, harmonics of converters", other),
+            (f"{self.name}: stress analysis of what is not apart", stress),
+        )
 
     def check(self, evidence: Results, settings: MarginSettings) -> tuple[Check, ...]:
-        """Of every order and fixed frequency the natural frequency that comes nearest to it."""
-        modes = evidence.get(Modes)
-        if modes is None:
-            raise ValueError("a rule about natural frequencies needs them")
+        """Return the worst mode of every order and fixed frequency."""
+        excitations = tuple(list_excitations(evidence, settings, self.standard))
         requested = evidence.study.analyses.get("modes")
         count = (requested if isinstance(requested, ModesSettings) else ModesSettings()).count
-        is_whole = modes.frequency.size < count
-        found = (
-            self._of(one, modes, margin_words(evidence, one.lowest, one.highest), is_whole=is_whole)
-            for one in _excited(evidence, settings, self.standard)
-        )
-        study, use = evidence.study, settings.continuous
-        return tuple(within_reach(line, study, use=use) for line in found if line is not None)
-
-    def _of(self, one: Excited, modes: Modes, tolerated: list[str], *, is_whole: bool) -> Check | None:
-        """Of one excitation; None where the train has no elastic mode. is_whole: there are no more modes than these."""
-        frequency, last = modes.frequency, float(modes.frequency.max(initial=0.0))
-        apart = np.maximum((one.lowest - frequency) / one.lowest, (frequency - one.highest) / one.highest)
-        apart = np.maximum(apart, 0.0)
-        reach = (1.0 + one.margin) * one.highest
-        is_known = is_whole or last >= reach
+        highest = max((excitation.reach for excitation in excitations), default=0.0)
+        frequency, known_to = modes_up_to(evidence.need(Modes), count, highest)
         if not frequency.size:
-            return None
-        near = np.flatnonzero(apart < one.margin * (1.0 - ROUNDING))
-        worst = int(np.argmin(apart))
-        words = [*tolerated, f"{self.standard.edition}, from memory, to be verified against the edition in force"]
-        if near.size:
-            words += [f"modes {', '.join(str(mode + 1) for mode in near.tolist())}: {STRESS_ANALYSIS}"]
-        if not is_known:
-            words += [f"modes are known up to {last:.5g} Hz and are needed up to {reach:.5g} Hz: {MORE_MODES}"]
-        speed = None if one.order is None else RADIANS * float(frequency[worst]) / float(one.order)
+            return ()
+
+        checks = [
+            self._judge(excitation, frequency, known_to, margin_words(evidence, excitation.lowest, excitation.highest))
+            for excitation in excitations
+        ]
+        study, use = evidence.study, settings.continuous
+        judged = tuple(within_reach(check, study, use=use) for check in checks)
+        return (*judged, *self._missing_line(study.train, settings))
+
+    def _judge(
+        self, excitation: Excitation, frequency: np.ndarray, known_to: float, within_tolerances: list[str]
+    ) -> Check:
+        """Return the check of one excitation; all modes up to `known_to` (Hz) are in `frequency`."""
+        below = (excitation.lowest - frequency) / excitation.lowest
+        above = (frequency - excitation.highest) / excitation.highest
+        margin = np.maximum(np.maximum(below, above), 0.0)
+        near = np.flatnonzero(margin < excitation.margin * (1.0 - ROUNDING))
+        worst = int(np.argmin(margin))
+
+        nearest = float(frequency[worst])
+        words = [f"mode {worst + 1}, {nearest:.5g} Hz"]
+        speed = None if excitation.order is None else RADIANS * nearest / float(excitation.order)
         if speed is not None:
-            words.insert(0, f"critical speed {in_rpm(speed)}")
-        what = f"mode {worst + 1}, {float(frequency[worst]):.5g} Hz, away from it"
+            words[0] += f", critical speed {in_rpm(speed)}"
+        else:
+            words.append(_in_hertz(excitation))
+        words += within_tolerances
+        words.append(f"{self.standard.edition}, from memory, to be verified against the edition in force")
+        if near.size:
+            words.append(f"modes {', '.join(str(mode + 1) for mode in near.tolist())}: {STRESS_ANALYSIS}")
+        is_known = known_to >= excitation.reach * (1.0 - ROUNDING)
+        if not is_known:
+            words.append(f"modes are known up to {known_to:.5g} Hz and are needed up to {excitation.reach:.5g} Hz")
+
+        verdict = verdict_of(not near.size, TO_BE_VERIFIED)
         return Check(
-            self.name, "separation margin", one.name, what,
-            float(apart[worst]), one.margin, "1", verdict_of(is_known and not near.size, TO_BE_VERIFIED),
-            TO_BE_VERIFIED, speed, one.order, "; ".join(words), at_least=True,
+            self.name, CLAUSE, WHERE, f"Separation from {excitation.name}",
+            float(margin[worst]), excitation.margin, "1", "in part" if verdict == "pass" and not is_known else verdict,
+            TO_BE_VERIFIED, speed, excitation.order, "; ".join(words), at_least=True,
         )  # fmt: skip
 
+    def _missing_line(self, train: Train, settings: MarginSettings) -> Iterator[Check]:
+        """Yield a row that is not judged where an electric machine turns and the file says nothing of its grid."""
+        machines = [part.name for part in train.parts if _is_electric(part)]
+        if machines and settings.line_frequency is None:
+            note = f"the line frequency of {in_runs(machines)} is not stated: {STATE_LINE}"
+            yield Check(
+                self.name, CLAUSE, WHERE, "Separation from 1 x line frequency", math.nan, self.standard.first, "1",
+                "in part", TO_BE_VERIFIED, note=note, at_least=True,
+            )  # fmt: skip
 
-def _excited(evidence: Results, settings: MarginSettings, standard: Margins) -> Iterator[Excited]:
-    """Every order once, ascending, then every fixed frequency; of each the largest margin."""
+
+def list_excitations(evidence: Results, settings: MarginSettings, standard: Margins) -> Iterator[Excitation]:
+    """Every order once, ascending, then every fixed frequency; the largest margin counts."""
     use = settings.continuous or evidence.study.operation.speeds
     if use is None:
         raise ValueError("a rule about an operating range needs one")
-    orders, fixed = dict[Fraction, tuple[float, str]](), dict[float, str]()
-    for line in lines(evidence.system):
+    train = evidence.study.train
+    acting = lines(evidence.system)
+    orders = dict[Fraction, tuple[str, float]]()
+    for order, name, margin in (*_of_shafts(train, standard), *_of_teeth_and_blades(train, standard)):
+        first_name, largest = orders.get(order, (name, 0.0))
+        orders[order] = first_name, max(largest, margin)
+    for line in acting:
         if line.order is not None:
-            orders[line.order] = standard.other, in_runs(dict.fromkeys(line.sources))
-        elif line.frequency is not None:
-            fixed[line.frequency] = in_runs(dict.fromkeys(line.sources))
-    ratios = sorted({abs(station.ratio) for station in evidence.study.train.stations if not station.is_ground})
-    for ratio in ratios:
-        for multiple in range(1, standard.multiples + 1):
-            margin, by = orders.get(multiple * ratio, (0.0, ""))
-            own = standard.first if multiple == 1 else standard.other
-            shaft = "shaft speed" if len(ratios) == 1 else f"speed of the shaft at {ratio} of the reference"
-            orders[multiple * ratio] = max(margin, own), by or f"{multiple} x {shaft}"
-    for order, (margin, name) in sorted(orders.items()):
-        turns = float(order) / RADIANS
-        yield Excited(f"order {order} ({name})", margin, use.first * turns, use.last * turns, order)
-    if settings.line_frequency is not None:
-        fixed |= {n * settings.line_frequency: f"{n} x line frequency" for n in (1, 2)}
-    for frequency, name in sorted(fixed.items()):
-        yield Excited(f"{frequency:.5g} Hz ({name})", standard.first, frequency, frequency)
+            orders.setdefault(line.order, (_own_words(line, train), standard.other))
+    for order, (name, margin) in sorted(orders.items()):
+        hertz = float(order) / RADIANS
+        yield Excitation(name, margin, use.first * hertz, use.last * hertz, order)
+
+    for line in acting:
+        if line.frequency is not None:
+            name = f"the frequency of {in_runs(dict.fromkeys(line.sources))}"
+            yield Excitation(name, standard.first, line.frequency, line.frequency)
+    if isinstance(settings.line_frequency, LineFrequency):
+        nominal, tolerance = settings.line_frequency.nominal, settings.line_frequency.tolerance
+        for multiple in (1, 2):
+            ends = multiple * nominal * (1.0 - tolerance), multiple * nominal * (1.0 + tolerance)
+            yield Excitation(f"{multiple} x line frequency", standard.first, *ends)
+
+
+def _of_shafts(train: Train, standard: Margins) -> Iterator[tuple[Fraction, str, float]]:
+    """Multiples of the speed of every shaft, excited or not: order of the reference, name, margin."""
+    ratios = sorted({abs(station.ratio) for station in train.stations if not station.is_ground})
+    for multiple in range(1, standard.multiples + 1):  # what is once one shaft's speed is named by that shaft
+        margin = standard.first if multiple == 1 else standard.other
+        for ratio in ratios:
+            yield multiple * ratio, f"{multiple} x {_name_shaft(train, ratio)} speed", margin
+
+
+def _of_teeth_and_blades(train: Train, standard: Margins) -> Iterator[tuple[Fraction, str, float]]:
+    """Gear meshes and blades of which the file knows the number, likewise."""
+    for mesh in train.constraints:
+        if mesh.meshings:
+            order = mesh.meshings * abs(train.stations[mesh.driving].ratio)
+            yield order, f"gear mesh of {mesh.name}", standard.first
+    for part in train.parts:
+        if part.propeller is not None and part.propeller.blades:
+            yield part.propeller.blades * abs(part.ratio), f"blade passing of {part.name}", standard.first
+
+
+def _name_shaft(train: Train, ratio: Fraction) -> str:
+    """The component that names all that turns at a ratio to the reference: a machine before a disc, a gear last."""
+
+    def rank(part: Part) -> tuple[bool, bool, bool]:
+        return part.kind == "gear", not part.is_point, part.kind == "disc"
+
+    turning = [part for part in train.parts if part.stations and abs(part.ratio) == ratio]
+    if turning:
+        return min(turning, key=rank).name
+    return next(station.name for station in train.stations if abs(station.ratio) == ratio)
+
+
+def _own_words(line: Line, train: Train) -> str:
+    """An order of the file by the shaft whose own order is whole, or else the first: '7 x motor speed'."""
+    own = next((order for order in line.own_orders if order.denominator == 1), line.own_orders[0])
+    return f"{own} x {_name_shaft(train, abs(line.order / own)) if line.order else ''} speed"
+
+
+def _is_electric(part: Part) -> bool:
+    return part.kind in MACHINES or (part.shaft is not None and part.shaft.role == "generator")
+
+
+def _is_mesh(train: Train, part: int) -> bool:
+    return train.parts[part].kind == "gear"
+
+
+def _in_hertz(excitation: Excitation) -> str:
+    """The fixed frequency, or its band."""
+    ends = dict.fromkeys(f"{frequency:.5g}" for frequency in (excitation.lowest, excitation.highest))
+    return " to ".join(ends) + " Hz"

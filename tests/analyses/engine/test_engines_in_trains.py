@@ -12,11 +12,12 @@ import pytest
 from tests.kernels.engine.test_engine_kernels import ORACLES
 
 import torsion
+from torsion.analyses.engine.engine_analysis import varying_inertia
 from torsion.analyses.engine.engine_results import Engines
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady, steady
 from torsion.arrays import FloatArray
-from torsion.findings import Findings, Unanswered
+from torsion.findings import Findings, Unanswered, Work
 from torsion.kernels.engine.crank_slider import CrankSlider
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 from torsion.runner import _worst
@@ -329,12 +330,27 @@ def test_a_run_up_with_an_engine_is_that_with_its_torques_written_out() -> None:
 
 
 def test_the_estimate_of_parametric_resonance_is_that_of_the_undamped_equation_to_first_order() -> None:
-    """J_0 (1 + e cos 2 angle): growth e/4 of the frequency, a range of e/2 of it; the vector's are exact."""
+    """J_0 (1 + e cos 2 angle): growth e/4 of the frequency, a range of e/2 of it; the vector's are exact.
+
+    The range lies about twice the frequency over the harmonic, to first order in e.
+    """
     words = ORACLES["varying_inertia"]["result"].split()
     share, growth = abs(float(words[1])), float(words[-1])
     first, last = (float(word.strip("[],")) for word in words[4:6])
     assert share / 4 == pytest.approx(growth, rel=0.02)
-    assert share / 2 == pytest.approx(last - first, rel=0.02)
+
+    mean = 3.0
+    train = f"train: [disc: {{inertia: {mean}}}, coupling: {{stiffness: 5e4}}, disc: {{held: true}}]"
+    findings = torsion.run(torsion.parse(f"name: x\n{train}\n"), only=("modes",))
+    work = Work(findings.study, dict(findings.results))
+    (mode,) = varying_inertia(work, [(0, mean * np.array([0.0, -share]))])
+    assert (mode.mode, mode.harmonic, mode.share) == (1, 2, pytest.approx(share, rel=1e-12))
+    frequency = math.sqrt(5e4 / mean)
+    assert (mode.upper - mode.lower) / frequency == pytest.approx(last - first, rel=0.02)
+    assert (mode.upper + mode.lower) / 2 / frequency == pytest.approx((first + last) / 2, abs=share**2)
+    assert not mode.is_stable
+    assert replace(mode, damping=growth * 1.02).is_stable
+    assert not replace(mode, damping=growth * 0.98 / 1.02).is_stable
 
 
 TWIN = """

@@ -121,6 +121,31 @@ def test_verdicts_side_by_side_are_those_of_every_variant_by_itself(
     assert found.frequency[:, EACH] == pytest.approx(alone.frequency, rel=1e-13)
 
 
+def test_the_plan_says_the_largest_difference_that_was_found_and_promises_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The estimated error of a share, which the method once called its accuracy, is none that is known."""
+    given = list[tuple[Answers, list[int], Answers]]()
+
+    def noted(tried, alone, places):
+        given.append((tried.answers, places, alone))
+        return difference(tried, alone, places)
+
+    difference = judged_together.Tried.largest_difference
+    with monkeypatch.context() as patch:
+        patch.setattr(judged_together.Tried, "largest_difference", noted)
+        words = method(torsion.run(drive()))
+    ((answers, places, alone),) = given
+    exact = max(
+        abs(float(answers.checks[key][0][place]) / float(used[k]) - 1.0)
+        for key, (used, _) in alone.checks.items()
+        for k, place in enumerate(places)
+    )
+    assert f"of {len(places)} of these variants, solved separately too, the utilisations differ by {exact:.1e}" in words
+    assert "of the others by an unknown amount" in words
+    assert "right to" not in words
+
+
 def places_left(study: Study, monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Variants that are left to be solved by themselves, which is then spared."""
     left, solved = list[int](), one_by_one.solved

@@ -5,6 +5,8 @@ import numpy as np
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.results import reported, result
 
+ROUNDING = 1e-9  # relative: a share this near to the permissible one is at it
+
 
 @reported
 class VariedFigure:
@@ -130,3 +132,21 @@ class Sweep:
     grid: Grid | None = result("", (), "of a grid what every variant answers; null of samples and of large grids")
     factor: FloatArray  # (variants, figures) over the figure of the file; of ranges the value, of lists the row
     frequency: FloatArray  # (modes, variants) Hz, NaN where unknown
+    fail_at_most: float | None = result(
+        "1", (), "share of the variants that may fail a check; null where the file permits none", default=None
+    )
+
+    @property
+    def share_failing(self) -> float:
+        """Share of the variants that fail a check or have no answer; 0 where none is judged."""
+        return 0.0 if self.any_fails is None else self.any_fails.probability
+
+    @property
+    def fails(self) -> bool:
+        """More variants fail than the file permits."""
+        return self.fail_at_most is not None and self.share_failing > self.fail_at_most * (1.0 + ROUNDING)
+
+    @property
+    def is_partial(self) -> bool:
+        """Variants fail, and the file says nothing of how many may."""
+        return self.fail_at_most is None and self.share_failing > 0.0

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field
 
 from torsion.analyses.variants.laws import Choice, Law
 from torsion.errors import Fault
-from torsion.fields import Declared, given, refuse
+from torsion.fields import Declared, Quantity, given, refuse
 from torsion.study import Study
 
 FEWEST, MOST = 128, 1 << 22
@@ -42,6 +42,10 @@ class SweepSettings(Declared):
         "with the share of the spread of every frequency and limit that each figure has (Sobol's indices), which takes "
         "as many variants again for every figure and twice more", False
     )  # fmt: skip
+    fail_at_most: Annotated[float, Quantity("1", at_least=0, at_most=1, slip=("%",))] | None = given(
+        "share of the variants that may fail a check, for example 1 %; more is FAIL (default: any variant that fails "
+        "restricts the verdict and makes the exit status 1)"
+    )
     results: tuple[Result, ...] = given("what each variant answers (default: checks where the file names rules)", ())
 
     def refuse_clashes(self) -> None:
@@ -77,6 +81,9 @@ class SweepSettings(Declared):
 
     def refused(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
         """A grid of what has no steps or too many, checks without rules, and more variants than there can be."""
+        if self.fail_at_most is not None and not self.judges(study):
+            hint = "name `rules`" if not study.rules else "`results: [checks]`"
+            yield Fault(("fail_at_most",), "no variant can fail, as none is checked", hint)
         if "checks" in self.results and not study.rules:
             yield Fault(("results",), "no variant can be checked, as the file names no rules", "name `rules`")
         shape = {one.column: one.places for one in figures}

@@ -46,6 +46,7 @@ def summed(
         points.method, settings.seed, len(faults), tuple(dict.fromkeys(faults.values()))[:MOST_FAULTS], nominal,
         known.mean(axis=1), known.std(axis=1), low, high, known.min(axis=1), known.max(axis=1),
         tuple(checks), whole, indices, grid_of(variation, points, checks, frequency, faults), factor, frequency,
+        settings.fail_at_most,
     )  # fmt: skip
 
 

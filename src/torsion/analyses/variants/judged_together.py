@@ -38,15 +38,16 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
     alone = solved(work, variation, values[compared], modes, judged=True)
     if not tried.agrees(alone, compared):
         return None, "a few of the variants do not say the same side by side"
+    difference = tried.largest_difference(alone, compared)  # before those left take the places of what was tried
     answers.standing |= alone.standing
     places = np.flatnonzero(left).tolist()
     for used, fails in answers.checks.values():
         used[places], fails[places] = np.nan, False
     solved(work, variation, values, modes, judged=True, known=answers, places=places)
-    largest = max(float(one[~left].max(initial=0.0)) for one in tried.errors.values())
     return answers, (
-        f"judged side by side, shares of limits right to {largest:.0e}; {len(places)} variants near a limit, and "
-        f"{len(compared)} to compare, solved by themselves"
+        f"judged side by side; of {len(compared)} of these variants, solved separately too, the utilisations differ by "
+        f"{difference:.1e} at most, and of the others by an unknown amount; "
+        f"{len(places)} variants near a limit solved separately"
     )
 
 
@@ -90,6 +91,13 @@ class Tried:
                 return False
         known = np.isfinite(alone.frequency) & sure
         return np.allclose(answers.frequency[:, places][known], alone.frequency[known], rtol=1e-12, atol=0.0)
+
+    def largest_difference(self, alone: Answers, places: Sequence[int]) -> float:
+        """Largest relative difference of a share of the variants at `places` from what it is `alone`."""
+        shared = self.answers.checks.keys() & alone.checks.keys()
+        pairs = ((self.answers.checks[key][0][places], alone.checks[key][0]) for key in shared)
+        known = ((side_by_side, share) for side_by_side, share in pairs if np.isfinite(share).all() and share.all())
+        return max((float(np.abs(one / share - 1.0).max()) for one, share in known), default=0.0)
 
 
 def judged_of(train: Swept, values: FloatArray, modes: int, progress: Progress = silent) -> Tried:
