@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from torsion.cli import app
 from torsion.errors import BAD_INPUT, FAILED_CHECK, SOLVED
+from torsion.output.stored_report import naming
 
 TWO = """name: two discs
 operation: {speeds: {from: 300 rpm, to: 1800 rpm, steps: 21}, rated: {speed: 1500 rpm, power: 100 kW}}
@@ -136,7 +137,8 @@ def test_no_other_file_is_removed_whatever_the_earlier_results_name(name: str, o
     call("solve", "two.yaml", "-o", out)
     (here / "sub").mkdir()
     file, known = here / out / "results.json", {path for path in here.rglob("*") if path.name[0] != "."}
-    file.write_text(file.read_text(encoding="utf-8").replace('"files": [', f'"files": ["{name}", '), encoding="utf-8")
+    text = file.read_text(encoding="utf-8")
+    file.write_text(naming(text, ["report.html", "results.json", name]), encoding="utf-8")
     call("solve", "two.yaml", "-o", out)
     assert set(here.rglob("*")) == known
 

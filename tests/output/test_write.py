@@ -10,6 +10,7 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output import html, pdf
 from torsion.output import results_json as json
+from torsion.output.stored_report import naming
 from torsion.output.write import write, write_texts
 
 
@@ -56,9 +57,62 @@ def test_where_a_pdf_cannot_be_made_all_else_is_written_and_its_fault_told(
     assert "report.pdf" not in names
 
 
+def earlier_names(folder: Path, *names: str) -> None:
+    """Name these files in the results of a folder, with their checksum, as a report that has them does."""
+    file = folder / "results.json"
+    file.write_text(naming(file.read_text(encoding="utf-8"), ["results.json", *names]), encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "thesis.yaml", "data.csv", "results.json.bak", "cases/notes.txt"])
+def test_no_file_that_a_report_cannot_have_is_removed_though_the_results_name_it(
+    name: str, bare: Findings, tmp_path: Path
+) -> None:
+    write(bare, tmp_path)
+    (tmp_path / "cases").mkdir()
+    (tmp_path / name).write_text("a user's", encoding="utf-8")
+    earlier_names(tmp_path, name)
+    write(bare, tmp_path)
+    assert (tmp_path / name).read_text(encoding="utf-8") == "a user's"
+
+
+def test_nothing_is_removed_if_the_results_were_changed_by_hand(bare: Findings, tmp_path: Path) -> None:
+    write(bare, tmp_path)
+    file = tmp_path / "results.json"
+    text = file.read_text(encoding="utf-8").replace('"files": [', '"files": ["report.pdf", ')
+    file.write_text(text, encoding="utf-8")
+    (tmp_path / "report.pdf").write_bytes(b"a user's")
+    write(bare, tmp_path)
+    assert (tmp_path / "report.pdf").read_bytes() == b"a user's"
+
+
+def test_nothing_is_removed_through_a_symbolic_link(bare: Findings, tmp_path: Path) -> None:
+    own, out = tmp_path / "own", tmp_path / "out"
+    own.mkdir()
+    (own / "report.pdf").write_bytes(b"a user's")
+    write(bare, out)
+    (out / "warm").symlink_to(own)
+    (out / "modes.vtu").symlink_to(own / "report.pdf")
+    earlier_names(out, "warm/report.pdf", "modes.vtu")
+    write(bare, out)
+    assert (own / "report.pdf").read_bytes() == b"a user's"
+    assert (out / "modes.vtu").is_symlink()
+
+
+def test_results_behind_a_symbolic_link_name_no_file_to_remove(bare: Findings, tmp_path: Path) -> None:
+    own, out = tmp_path / "own", tmp_path / "out"
+    write(bare, own)
+    earlier_names(own, "report.pdf")
+    out.mkdir()
+    (out / "results.json").symlink_to(own / "results.json")
+    (out / "report.pdf").write_bytes(b"a user's")
+    write(bare, out)
+    assert (out / "report.pdf").read_bytes() == b"a user's"
+
+
 def test_the_series_of_an_earlier_report_do_not_stay_beside_a_later_one(bare: Findings, tmp_path: Path) -> None:
+    write(bare, tmp_path)
+    earlier_names(tmp_path, "series.npz")
     (tmp_path / "series.npz").write_bytes(b"earlier")
-    (tmp_path / "results.json").write_text('{\n"a": 1,\n"files": ["results.json", "series.npz"]\n}\n', encoding="utf-8")
     write(bare, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "results.json"]
 

@@ -5,17 +5,18 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import date
+from typing import Annotated
 
 import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, PageEnd, Table
 from torsion.output.chapters import chapters
 from torsion.output.figures.figure import Figure
-from torsion.output.frozen_data import NOT_KEPT
 from torsion.output.long_blocks import Texts, shortened
 from torsion.output.reported_values import operation_words
 from torsion.output.reports import REPORTS, Report
 from torsion.output.scene import checksum
+from torsion.output.stored_data import BY_NAME, NOT_KEPT
 
 DISCLAIMER = (
     "This report was computed from the figures in the input file, which is part of it; it is as good as they are. "
@@ -65,7 +66,7 @@ class Cover:
 class Numbered:
     """A block with its number ('' where it has none): '4', '4.2', 'Table 4.1', 'Figure 4.3'."""
 
-    block: Block
+    block: Annotated[Block, BY_NAME]
     number: str = ""
 
 

@@ -5,27 +5,33 @@ executed.
 """
 
 import json
+import re
 from collections.abc import Iterable
 from hashlib import sha256
-from pathlib import Path, PurePosixPath
-from typing import Any
+from pathlib import Path
+from typing import Any, get_args
 
 import torsion
 from torsion.errors import Fault, InputError, printable
+from torsion.output.blocks import Block
 from torsion.output.document import Document
-from torsion.output.frozen_data import Arrays, DamagedDataError, form
+from torsion.output.figures.figure import Picture
 from torsion.output.reports import FILES, KEY, REPORTS
+from torsion.output.stored_data import Arrays, plain, restored
 
 FORMAT = 1
 WRITES = "`torsion solve` writes results.json, from which it is drawn"
+HEAD = re.compile(r'\{"format":\d+,"program":"[^"]*","sha256":"([0-9a-f]{64})","content":')
 MARK, END = f',\n"{KEY}": ', "\n}\n"  # before and behind the report in its file
+NAMED_CLASSES = frozenset((*get_args(Block), *get_args(Picture)))  # of which a field may hold any
+CONTROL = re.compile(r"(?<!\\)(?:\\\\)*\\(?:u00|b|f)|[\x7f-\x84\x86-\x9f\ud800-\udfff]")  # in JSON text of no report
 NAMED = f',\n"{FILES}": '  # before the line with the files of the report
 
 
 def stored(document: Document, before: str = "") -> str:
     """The report as JSON text on one line; `before`: the SHA-256 of what stands before it in its file."""
     arrays = Arrays()
-    written = form(Document).write(document, arrays)
+    written = plain(document, arrays, NAMED_CLASSES)
     content = _text({"document": written, "arrays": arrays.kept})
     head = _text({"format": FORMAT, "program": torsion.__version__, "sha256": _checksum(before + content)})
     return f'{head[:-1]},"content":{content}}}'
@@ -60,20 +66,17 @@ def opened(path: Path) -> Document:
 
 
 def named(file: Path) -> set[str]:
-    """The files that a file of results names as those of its report; none where there is no such file."""
+    """Return the files that a file of results names; empty if it is a symbolic link or its checksum does not hold."""
     try:
-        with file.open("rb") as lines:
-            found = next((line for line in lines if line.startswith(NAMED[2:].encode())), b'"":[]')
-        names = json.loads(found.partition(b":")[2].strip().removesuffix(b","))
+        text = "" if file.is_symlink() else file.read_bytes().decode()
+        before, _, rest = text.rpartition(MARK)
+        head = HEAD.match(rest)
+        if not head or _checksum(_checksum(before) + rest[head.end() :].removesuffix("}" + END)) != head[1]:
+            return set()
+        names = json.loads(before.rpartition(NAMED)[2])
     except (OSError, ValueError, RecursionError):
         return set()
-    return {name for name in names if isinstance(name, str) and _lies_within(name)} if names else set()
-
-
-def _lies_within(name: str) -> bool:
-    """The name of a file in the folder of the report, or in that of a case there."""
-    path = PurePosixPath(name)
-    return str(path) == name and not path.is_absolute() and ".." not in path.parts and len(path.parts) in (1, 2)
+    return {name for name in names if isinstance(name, str)}
 
 
 def naming(text: str, names: Iterable[str]) -> str:
@@ -107,11 +110,14 @@ def _restored(file: Path, text: str, kept: object) -> Document:
         raise _refused(file, f"holds a report in format {kept['format']} of {by}; {here}", "install that version")
     content = kept.get("content")
     try:
-        found = _checksum(_before(text, kept) + _text(content))
+        content_text = _text(content)
+        found = _checksum(_before(text, kept) + content_text)
         if kept["format"] < 1 or not isinstance(content, dict) or found != kept.get("sha256"):
             again = "solve the scene again"
             raise _refused(file, "holds a report that is damaged or was changed after it was written", again)
-        made: Document = form(Document).read(content.get("document"), _arrays(content.get("arrays")))
+        if CONTROL.search(content_text):
+            raise ValueError("its texts have control characters")
+        made = restored(Document, content.get("document"), _arrays(content.get("arrays")))
         made.report  # noqa: B018  its name is one of REPORTS
     except (ValueError, TypeError, LookupError, RecursionError) as error:
         message = f"holds a report of {by} that is none to torsion {torsion.__version__}: {error}"
@@ -121,7 +127,7 @@ def _restored(file: Path, text: str, kept: object) -> Document:
 
 def _arrays(kept: object) -> Arrays:
     if not isinstance(kept, list):
-        raise DamagedDataError("it has no list of arrays")
+        raise ValueError("it has no list of arrays")
     return Arrays(kept)
 
 

@@ -1,19 +1,21 @@
 """Writes a report so that a failed or killed run leaves the earlier one whole."""
 
 import os
+import re
 import secrets
 import shutil
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from datetime import date
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS, Content, files
 from torsion.output.reports import REPORTS, Report
+from torsion.output.results_json import SERIES
 from torsion.output.scene import pressure_files, signal_files
 from torsion.output.stored_report import named, naming
 from torsion.primitives import SectionMesh
@@ -32,6 +34,7 @@ def write(
     others are written, where it is one on request.
     """
     made = document(findings, today or date.today(), REPORTS[report])
+    folder = os.path.realpath(folder)  # below it no symbolic link is followed to remove a file
     Path(folder).mkdir(parents=True, exist_ok=True)
     faults: list[Fault] = []
     contents, read, folders = files(made, findings, also, faults), inputs(findings.study), {Path(folder)}
@@ -42,11 +45,10 @@ def write(
             contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
             folders.add(Path(folder) / found.study.case.folder)
             read += inputs(found.study)
-    results = {_results(made.report, one) for one in folders}  # those of a case that was solved alone too
-    earlier = results.union(one.parent / name for one in results for name in named(one))
+    earlier = {path for one in folders for path in earlier_files(one, made.report)}  # of a case solved separately too
     placed = write_texts(contents, folder, read)
     for path in earlier.difference(placed):
-        if path.is_file() and not _is_one(path, read):
+        if not _is_one(path, read):
             path.unlink()
     if faults:
         raise InputError([replace(one, message=f"{one.message}; all other files are written") for one in faults])
@@ -55,6 +57,24 @@ def write(
 
 def _results(report: Report, folder: str | Path) -> Path:
     return Path(folder) / report.files.get("json", f"{report.stem}.json")
+
+
+def earlier_files(folder: Path, report: Report) -> set[Path]:
+    """Return the files of an earlier report in the folder, by its results: only names that a report can have.
+
+    Nothing is found behind a symbolic link, nor if the results were changed after they were written.
+    """
+    results = _results(report, folder)
+    names = {report.files.get(name, report.stem + output.suffix) for name, output in OUTPUTS.items() if output.suffix}
+    family = re.compile(rf"figure-[\w.-]+\.csv|motion(-[\w.-]+)?\.csv|{report.stem}-(table-[\w.]+\.csv|input\.yaml)")
+    paths = set()
+    for relative in map(PurePosixPath, named(results)):
+        *case, name = relative.parts or ("",)
+        is_ours = (name in names or name == SERIES or family.fullmatch(name)) and len(case) <= 1
+        path = folder / relative
+        if is_ours and ".." not in case and path.is_file() and not path.is_symlink() and not path.parent.is_symlink():
+            paths.add(path)
+    return paths
 
 
 def inputs(study: Study) -> list[Path]:

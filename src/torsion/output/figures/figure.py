@@ -1,11 +1,11 @@
 """A figure as data: axes, lines, limits, ranges, marks and words. Drawings and tables are made of it."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.output.stored_data import BY_NAME, StoredFlags, StoredFloats, StoredIntegers
 
 Role = Literal[
     "synthesis", "limit", "second limit", "rated", "natural", "zero", "plain", "pale", "first", "forward", "backward",
@@ -45,13 +45,13 @@ class Line:
     """Values over a coordinate; NaN breaks the line."""
 
     name: str  # in the key; '' where it belongs to another line
-    x: FloatArray  # (points,)
-    y: FloatArray  # (points,)
+    x: StoredFloats  # (points,)
+    y: StoredFloats  # (points,)
     pen: Pen = 0
     label: str = ""  # beside its largest value, its end, or where there is most room
     label_at: Literal["peak", "end", "anywhere"] = "peak"
     weight: float = 1.0  # times the usual width; the line that matters is heavier
-    base: FloatArray | None = None  # (points,) values down to which it is filled
+    base: StoredFloats | None = None  # (points,) values down to which it is filled
     symbol: Symbol | None = None  # at every point
 
 
@@ -84,8 +84,8 @@ class Marks:
     """Single points; `words` says of each what it is."""
 
     name: str
-    x: FloatArray  # (points,)
-    y: FloatArray  # (points,)
+    x: StoredFloats  # (points,)
+    y: StoredFloats  # (points,)
     symbol: Symbol = "disc"
     pen: Pen = "plain"
     words: tuple[str, ...] = ()
@@ -96,8 +96,8 @@ class Marks:
 class Stops:
     """Points that the cursor of a page goes to, and their names; not drawn."""
 
-    x: FloatArray  # (points,)
-    y: FloatArray  # (points,)
+    x: StoredFloats  # (points,)
+    y: StoredFloats  # (points,)
     names: tuple[str, ...]
 
 
@@ -105,9 +105,9 @@ class Stops:
 class Cells:
     """Values on a grid, as colours: below zero pale, above it dark, with a line where they are zero; or logarithms."""
 
-    x: FloatArray  # (columns,)
-    y: FloatArray  # (rows,)
-    values: FloatArray  # (rows, columns), NaN where there is none
+    x: StoredFloats  # (columns,)
+    y: StoredFloats  # (rows,)
+    values: StoredFloats  # (rows, columns), NaN where there is none
     quantity: str
     unit: str
     largest: float  # magnitude with the last colour
@@ -215,11 +215,11 @@ class Shares:
 class Moving:
     """A mode that a page moves over the sketch of the train; not drawn."""
 
-    x: FloatArray  # (stations,) as in the sketch
-    row: FloatArray  # (stations,)
-    angle: FloatArray  # (stations,) relative to the largest
-    ends: IntArray  # (spans, 2) stations
-    marked: BoolArray  # (stations,) with a dot
+    x: StoredFloats  # (stations,) as in the sketch
+    row: StoredFloats  # (stations,)
+    angle: StoredFloats  # (stations,) relative to the largest
+    ends: StoredIntegers  # (spans, 2) stations
+    marked: StoredFlags  # (stations,) with a dot
 
 
 @dataclass(frozen=True)
@@ -227,12 +227,15 @@ class Criticals:
     """Critical speeds of what a figure shows, on its axis or beyond: the cursor of a page names the nearest."""
 
     of: str  # critical speed, critical speed of bending of <shaft>
-    x: FloatArray  # (speeds,) rpm
-    frequency: FloatArray  # (speeds,) Hz
-    mode: IntArray  # (speeds,) counted from 1
-    order: IntArray  # (speeds,) its place among the orders
+    x: StoredFloats  # (speeds,) rpm
+    frequency: StoredFloats  # (speeds,) Hz
+    mode: StoredIntegers  # (speeds,) counted from 1
+    order: StoredIntegers  # (speeds,) its place among the orders
     orders: tuple[str, ...]  # as lines are named: one that is switched off has no critical speeds
     rated: float | None = None  # rpm
+
+
+Picture = Panel | Sketch | Shares
 
 
 @dataclass(frozen=True)
@@ -241,7 +244,7 @@ class Figure:
 
     name: str  # a stable identifier, the only one of its kind in a report
     caption: str
-    panels: tuple[Panel | Sketch | Shares, ...]
+    panels: tuple[Annotated[Picture, BY_NAME], ...]
     moving: Moving | None = None
     criticals: Criticals | None = None
 
