@@ -17,8 +17,9 @@ from torsion.analyses.undamped_modes import Modes, ModesSettings
 from torsion.errors import Fault
 from torsion.fields import Declared, given
 from torsion.findings import Results
-from torsion.rules.judgement import Continuous, in_rpm, within_reach
+from torsion.rules.judgement import Continuous
 from torsion.rules.over_tolerances import margin_words
+from torsion.rules.reached_speeds import distinct, in_rpm, with_reach
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, verdict_of
 from torsion.study import Study
 
@@ -109,7 +110,7 @@ class SeparationMargins(Rule):
             for one in _excited(evidence, settings, self.standard)
         )
         study, use = evidence.study, settings.continuous
-        return tuple(within_reach(line, study, use=use) for line in found if line is not None)
+        return distinct(row for line in found if line is not None for row in with_reach(line, study, use=use))
 
     def _of(self, one: Excited, modes: Modes, tolerated: list[str], *, is_whole: bool) -> Check | None:
         """Of one excitation; None where the train has no elastic mode. is_whole: there are no more modes than these."""
