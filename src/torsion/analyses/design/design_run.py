@@ -171,13 +171,8 @@ def _solved(trials: Trials, one: Trial) -> tuple[str, float, str]:
 
 def _verdict(found: Findings) -> str:
     """How many checks there are of each verdict, and what has no answer."""
-    lines = found.results["checks"].lines
-    counts = {
-        name: sum(one.verdict == name for one in lines) for name in ("pass", "fail", "not kept", "in part", "outside")
-    }
-    words = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no check"
     unknown = "".join(f"; no answer: {one.what}" for one in found.plan.unanswered)
-    return f"{words}{unknown}"
+    return f"{found.results['checks'].counts}{unknown}"
 
 
 def _result(
