@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.check_words import SIGNS
@@ -20,12 +21,20 @@ KINDS: Mapping[Verdict, Kind] = {
 
 
 def verdict(findings: Findings) -> Verdict:
-    """Return the worst verdict of the checks, of a comparison of models or fit that fails, and of missing answers."""
-    checks = findings.need(Checks).lines
-    if any(getattr(findings.results.get(name), "fails", False) for name in ("check", "fit")):
+    """Return the worst verdict of the checks, of a comparison, fit or sweep that fails, and of missing answers."""
+    checks, sweep = findings.need(Checks).lines, findings.get(Sweep)
+    if any(getattr(findings.results.get(name), "fails", False) for name in ("check", "fit", "sweep")):
         return "fail"
     worst = worst_verdict(checks)
-    return "not judged" if findings.plan.unanswered and WORDS[worst] != "FAIL" else worst
+    if findings.plan.unanswered and WORDS[worst] != "FAIL":
+        return "not judged"
+    return "restricted" if worst == "pass" and sweep is not None and sweep.is_partial else worst
+
+
+def failing_share(sweep: Sweep) -> str:
+    """How many variants of a sweep fail, where the file permits fewer or says nothing of them, as a clause."""
+    share = f"{100.0 * sweep.share_failing:.3g} % of the variants fail a check"
+    return share if sweep.fail_at_most is None else f"{share}, {100.0 * sweep.fail_at_most:.3g} % are permitted"
 
 
 def headline(findings: Findings) -> tuple[Head, Kind]:
@@ -38,6 +47,9 @@ def _clause(findings: Findings, word: Verdict) -> str:
     """Why the verdict is what it is."""
     checks = sorted(findings.need(Checks).lines, key=check_words.rank)
     first = next((check for check in checks if WORDS[check.verdict] == WORDS[word]), None)
+    sweep = findings.get(Sweep)
+    if first is None and sweep is not None and (sweep.fails or (word == "restricted" and sweep.is_partial)):
+        return failing_share(sweep)
     if first is None and word == "fail":
         return "the comparison of the models, or the fit to measurements"
     if word == "not judged" and findings.plan.unanswered:

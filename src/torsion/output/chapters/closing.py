@@ -5,11 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points
 from torsion.output.check_words import about
+from torsion.output.headline import failing_share
 from torsion.output.numbers import RPM, given_rpm, number, order, rpm, symbols
 from torsion.output.reported_values import (
     UNDAMPED,
@@ -121,6 +123,10 @@ def overall(findings: Findings) -> Paragraph:
     limited = sum(check.verdict == "restricted" for check in checks)
     restricted = f" with the restrictions below ({limited} of them)" if limited else ""
     passed = "The only check" if len(checks) == 1 else f"All {len(checks)} checks"
+    sweep = findings.get(Sweep)
+    if sweep is not None and (sweep.fails or sweep.is_partial):
+        text = f"{passed} of the file as it stands passed{restricted}, but {failing_share(sweep)}.{doubt}"
+        return Paragraph(text, "fail" if sweep.fails else "note")
     text = f"{passed} passed{restricted}: the train satisfies {requested}.{doubt}"
     return Paragraph(text, "note" if limited else "pass")
 
