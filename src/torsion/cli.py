@@ -54,10 +54,10 @@ def solve(
 ) -> None:
     """Solve a scene, print its tables and write its report.
 
-    Exit status: 0 solved and no check fails, 1 solved and a check fails, a limit is not kept or a rule is judged in
-    part alone, 2 the input is at fault, 3 no answer to the promised accuracy. Where only some analyses have no answer,
-    the report holds all others. Every case of the file is solved beside it; the exit status is that of the worst that
-    is judged.
+    Exit status: 0 solved, and the verdict is PASS, with or without restrictions, or no rule is named; 1 solved, and
+    the verdict is FAIL or NOT JUDGED; 2 the input is at fault; 3 no answer to the promised accuracy. Where only some
+    analyses have no answer, the report holds all others. Every case of the file is solved beside it; the exit status
+    is that of the worst that is judged.
     """
     from torsion import commands
 

@@ -35,7 +35,7 @@ def judged(study, evidence):
         half = {"line": share * tau_c(600, 100, 1.0, ratio) * 1e6 * W_P}
         requested = m68.M68Settings(**settings)
         found = m68.M68().check(evidence(study(line(), [("iacs-m68", requested)]), rpm, half=half), requested)
-        return {check.clause if check.verdict != "outside" else "outside": check for check in found}
+        return {"outside" if math.isnan(check.limit) else check.clause: check for check in found}
 
     return run
 
@@ -87,8 +87,9 @@ def test_stress_above_1_05_has_no_limit(judged) -> None:
     rpm = np.array([500.0, 1050.0 * (1 + 0.5e-9), 1050.0 * (1 + 3e-9), 1100.0])
     found = judged({1100: 0.5}, rpm=rpm)
     beyond = found["outside"]
-    assert (beyond.what, beyond.clause) == ("stress amplitude above 1.05 of the rated speed", "tau_C")
-    assert beyond.note == "outside the rule: it has no limit above 1.05 of the rated speed"
+    assert (beyond.what, beyond.clause) == ("Torsional stress amplitude above the last speed with a limit", "tau_C")
+    assert beyond.note == "no continuous operation above 1050 rpm, 1.05 of the rated speed: the rule has no limit there"
+    assert (beyond.verdict, beyond.restrictions) == ("restricted", (beyond.note,))
     assert (beyond.standing, math.isnan(beyond.limit), beyond.speed / RPM) == ("rule text", True, pytest.approx(1100))
     assert beyond.value == pytest.approx(0.5 * float(tau_c(600, 100, 1.0, 1.0)), rel=1e-12)
     assert "outside" not in judged({}, rpm=rpm[:2])
@@ -100,7 +101,7 @@ def test_stress_at_its_limits_passes(judged) -> None:
     at_limit = judged({900: 1.0})
     assert (at_limit["tau_C"].verdict, "tau_T" in at_limit) == ("pass", False)
     assert judged({900: 1 + 1e-9})["tau_C"].verdict == "fail"
-    for share, verdict in ((1.7 * (1 - 1e-12), "pass"), (1.7 * (1 + 1e-12), "fail")):
+    for share, verdict in ((1.7 * (1 - 1e-12), "restricted"), (1.7 * (1 + 1e-12), "fail")):
         passing = judged({500: share})["tau_T"]
         assert passing.verdict == verdict
         assert passing.limit == pytest.approx(float(tau_t(600, 100, 1.0, 0.5)), rel=1e-14)

@@ -7,8 +7,9 @@ import pytest
 import torsion
 from torsion.output import check_words
 from torsion.output.chapters import first_page
+from torsion.output.headline import headline
 from torsion.output.results_json import results
-from torsion.rules.judgement import within_reach
+from torsion.rules.reached_speeds import with_reach
 from torsion.rules.verdict_line import Check, Checks
 
 RPM = math.pi / 30.0
@@ -39,27 +40,27 @@ def solved(rule, first=400, last=1500, load="constant", more=""):
 @pytest.mark.parametrize(("rule", "scope"), OVER_SPEED.items())
 def test_a_rule_over_speeds_that_end_below_the_rated_one_does_not_pass(rule, scope) -> None:
     found = solved(rule, last=800)
-    lines = [one for one in found.need(Checks).lines if one.clause not in OF_NO_RANGE]
-    assert {one.verdict for one in lines} == {"in part"}
-    assert all(one.note.count("judged up to 800 rpm only") == 1 for one in lines)
+    lines = [one for one in found.need(Checks).lines if one.clause == "speeds"]
+    assert {one.verdict for one in lines} == {"not judged"}
+    assert len(lines) == len({one.where for one in lines})
     for one in lines:
+        assert one.what.endswith(" above the computed speeds")
+        assert one.note.count("judged up to 800 rpm only") == 1
         reach = one.reach.first / RPM, one.reach.last / RPM, one.reach.demanded / RPM
         assert reach == pytest.approx((400, 800, 1200 * scope), rel=1e-12)
-    assert first_page.headline(found) == (("~", "NOT WHOLLY JUDGED, passes up to 800 rpm only"), "note")
+    (sign, words), kind = headline(found)
+    assert (sign, words.startswith(f"NOT JUDGED: {lines[0].what}, "), kind) == ("?", True, "note")
     assert found.exit_status == 1
-    assert {one["verdict"] for one in results(found)["checks"]} <= {"in part", "pass"}
+    assert {one["verdict"] for one in results(found)["checks"]} == {"not judged", "pass"}
     words = dict(first_page.box(found).lines)
     until = f"{1200 * scope:.6g}"
     assert f"Not judged, though the rules demand it: 800 to {until} rpm" in words["Speeds"]
-    assert "passed up to 800 rpm only" in words["Conclusion"]
 
 
 @pytest.mark.parametrize(("rule", "scope"), OVER_SPEED.items())
 def test_a_rule_judged_at_the_rated_speed_passes_and_states_what_it_demands_above(rule, scope) -> None:
     found = solved(rule, last=1200)
-    assert {one.verdict for one in found.need(Checks).lines} == {"pass"}
-    reached = ", up to 1200 rpm only" if scope > 1 else ""
-    assert first_page.headline(found)[0] == ("✓", f"PASS{reached}")
+    assert {one.verdict for one in found.need(Checks).lines} == {"pass", "restricted"} if scope > 1 else {"pass"}
     assert found.exit_status == 0
     whole = solved(rule, last=round(1200 * scope))
     assert all(one.reach is None for one in whole.need(Checks).lines)
@@ -68,27 +69,28 @@ def test_a_rule_judged_at_the_rated_speed_passes_and_states_what_it_demands_abov
 
 def test_speeds_that_begin_above_the_rated_one_do_not_pass() -> None:
     found = solved("iacs-m68", first=1300, last=1500)
-    assert first_page.headline(found) == (("~", "NOT WHOLLY JUDGED, passes from 1300 rpm only"), "note")
+    word = "NOT JUDGED: Torsional stress amplitude below the computed speeds, line (iacs-m68)"
+    assert headline(found) == (("?", word), "note")
     assert found.exit_status == 1
 
 
 def test_a_rule_that_fails_below_the_rated_speed_fails() -> None:
     found = solved("gear-hammer: {limit: 1e-6}", last=800)
-    assert [one.verdict for one in found.need(Checks).lines] == ["fail", "in part"]
-    assert first_page.headline(found)[0] == ("✗", "FAIL")
+    assert [one.verdict for one in found.need(Checks).lines] == ["fail", "not judged", "pass"]
+    assert headline(found)[0][1].startswith("FAIL: ")
 
 
 def test_speeds_of_continuous_use_below_the_rated_one_are_stated_beside_the_pass() -> None:
     found = solved("engine-maker: {crank_stress: 90 MPa, continuous: {from: 500 rpm, to: 800 rpm}}")
     (line,) = found.need(Checks).lines
-    assert (line.verdict, line.reach.last / RPM) == ("pass", pytest.approx(800))
-    assert first_page.headline(found)[0] == ("✓", "PASS, up to 800 rpm only")
+    assert (line.verdict, line.reach.last / RPM) == ("restricted", pytest.approx(800))
+    assert headline(found)[0][1].startswith("PASS with restrictions: judged up to 800 rpm only")
 
 
 def test_a_case_of_fewer_speeds_passes_up_to_these_alone() -> None:
     cases = "cases: {slow: {speeds: {from: 400 rpm, to: 700 rpm}}}\n"
     found = solved("iacs-m68", more=cases)
-    assert first_page.headline(found.cases["slow"])[0] == ("✓", "PASS, up to 700 rpm only")
+    assert headline(found.cases["slow"])[0][1].startswith("PASS with restrictions: judged up to 700 rpm")
     assert found.exit_status == 0
     short = solved("iacs-m68", last=800, more=cases)
     assert short.exit_status == 1
@@ -96,17 +98,16 @@ def test_a_case_of_fewer_speeds_passes_up_to_these_alone() -> None:
 
 def test_margins_of_frequencies_over_part_of_the_speeds_are_no_pass() -> None:
     def verdicts(last):
-        return [one.verdict for one in solved("api-617", last=last).need(Checks).lines]
+        return [one.verdict for one in solved("api-617: {line_frequency: none}", last=last).need(Checks).lines]
 
-    assert "pass" not in verdicts(1100)
-    assert "in part" in verdicts(1100)
-    assert "in part" not in verdicts(1200)
+    assert "not judged" in verdicts(1100)
+    assert "not judged" not in verdicts(1200)
 
 
 def test_what_fails_stays_so() -> None:
     study = solved("iacs-m68", last=800).study
     one = Check("r", "c", "w", "x", 2.0, 1.0, "N m", "fail", "maker")
-    assert within_reach(one, study) == one
+    assert [check.verdict for check in with_reach(one, study)] == ["fail", "not judged"]
 
 
 @pytest.mark.parametrize("load", ["[[0 rpm, 1 N*m], [1500 rpm, 1 N*m]]", "[[0 rpm, 0 N*m], [1500 rpm, 0 N*m]]"])

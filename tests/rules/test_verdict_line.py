@@ -32,8 +32,8 @@ def test_a_line_says_no_more_than_it_was_given() -> None:
 
 @pytest.mark.parametrize(
     ("verdicts", "fails"),
-    [((), False), (("pass",), False), (("outside", "pass"), False), (("pass", "fail", "pass"), True),
-     (("pass", "not kept"), True), (("fail",), True)],
+    [((), False), (("pass",), False), (("restricted", "pass"), False), (("not judged",), False),
+     (("pass", "fail", "pass"), True), (("pass", "not kept"), True), (("fail",), True)],
 )  # fmt: skip
 def test_a_table_fails_with_any_of_its_lines(verdicts, fails) -> None:
     lines = tuple(line(verdict) for verdict in verdicts)

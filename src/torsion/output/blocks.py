@@ -56,7 +56,7 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     caption: str = ""
-    marks: tuple[str, ...] = ()  # "", "pass", "fail", "not kept", "outside", "in part", "note"
+    marks: tuple[str, ...] = ()  # "", "note" or a verdict
     short: str = ""  # its title on the terminal; '' where it does not stand there
 
     def __post_init__(self) -> None:
@@ -84,7 +84,7 @@ class Box:
 
     sign: str
     text: str
-    kind: Literal["pass", "fail", "not kept", "note"]
+    kind: Literal["pass", "fail", "note"]
     lines: tuple[tuple[str, str], ...]  # title, text
 
 

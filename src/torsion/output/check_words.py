@@ -1,7 +1,7 @@
 """A check in the words of the report: its rank, value, limit, utilisation, order and sign, and how much it uses."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 
@@ -10,13 +10,13 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.figures.figure import Grade, Use
-from torsion.output.numbers import given, given_rpm, number, order, symbols
+from torsion.output.numbers import NONE, given, given_rpm, number, order, symbols
 from torsion.output.reported_values import reference
 from torsion.results import listed
-from torsion.rules.judgement import BEGINS, reach_words
-from torsion.rules.verdict_line import Check, Checks
+from torsion.rules.reached_speeds import BEGINS, reach_words
+from torsion.rules.verdict_line import WORDS, Check, Checks, Verdict
 
-SIGNS = {"pass": "✓", "fail": "✗", "not kept": "!", "outside": "–", "in part": "~"}
+SIGNS: Mapping[Verdict, str] = {"pass": "✓", "restricted": "!", "not judged": "?", "fail": "✗", "not kept": "✗"}
 STRESS, TORQUE = "N/mm2", "N m"  # units of the checks of a stress and of a torque
 GRADES: tuple[tuple[float, Grade], ...] = ((0.5, "low"), (0.8, "middle"), (math.inf, "high"))  # of a pass, below
 NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none over it reads 100 %
@@ -24,20 +24,20 @@ NOT_JUDGED = Use("not judged", "", (3.0, 0.0))
 
 
 def rank(check: Check) -> tuple[float, ...]:
-    """Failing checks first, then those that keep no limit to be verified, then by falling utilisation.
+    """Failing checks first, then what is not judged, then by falling utilisation.
 
     A limit that is not kept and of which no share is known, as of 0, is infinitely exceeded: by falling excess.
     """
     used, excess = check.utilisation, abs(check.value - check.limit)
-    order = {"fail": 0.0, "not kept": 1.0, "in part": 1.5}.get(check.verdict, 2.0)
+    order = {"fail": 0.0, "not kept": 1.0, "not judged": 1.5}.get(check.verdict, 2.0)
     if used is None:
         used = math.inf if check.fails else -math.inf
     return order, -used, -excess if math.isinf(used) and not math.isnan(excess) else 0.0
 
 
 def is_judged(check: Check) -> bool:
-    """The rule has a limit for it."""
-    return check.verdict != "outside"
+    """It counts for the verdict."""
+    return check.has_limit
 
 
 def quoted(name: str) -> str:
@@ -52,6 +52,8 @@ def about(checks: Iterable[Check]) -> Iterable[str]:
 
 def value(check: Check) -> str:
     """The worst value, in words where there is none."""
+    if np.isnan(check.value):
+        return NONE
     nothing = "no answer" if check.clause == "stability" else "no finite value"
     return nothing if np.isinf(check.value) else number(check.value)
 
@@ -81,7 +83,7 @@ def unreached(findings: Findings) -> str:
     """What rules demand and was not judged, as a sentence; empty where nothing is."""
     point, demanded = findings.study.operation.rated, dict[str, list[str]]()
     for check in findings.need(Checks).lines:
-        if check.reach is not None and point is not None:
+        if check.reach is not None and point is not None and check.verdict == "not judged":
             first, last, end = map(given_rpm, (check.reach.first, check.reach.last, check.reach.demanded))
             begins = reach_words(check.reach, point.speed).startswith(BEGINS)
             ends = f"below {first}" if begins else f"{last} to {end}"
@@ -107,12 +109,10 @@ def use(check: Check) -> Use:
     """How much of its limit a check uses, as sign, verdict and share."""
     used = check.utilisation
     share = "" if used is None or math.isinf(used) else f" {percent(used)}"
-    words = f"{SIGNS[check.verdict]} {check.verdict.upper()}{share}"
-    if not is_judged(check):
+    words = f"{SIGNS[check.verdict]} {WORDS[check.verdict]}{share}"
+    if check.verdict == "not judged" or not is_judged(check):
         return Use("not judged", words, (3.0, 0.0))
-    if check.verdict == "not kept":
-        return Use("not kept", words, rank(check), SIGNS["not kept"])
-    if check.verdict == "fail":
+    if check.fails:
         return Use("over" if math.isfinite(check.value) else "no answer", words, rank(check), SIGNS["fail"])
     return Use(next(grade for most, grade in GRADES if (used or 0.0) < most), words, rank(check))
 

@@ -66,7 +66,7 @@ def _kept(table: Table) -> Iterator[int]:
 
 def _bad(table: Table) -> list[int]:
     """Positions of the rows of what does not pass."""
-    return [at for at, mark in enumerate(table.marks) if mark in ("fail", "not kept")]
+    return [at for at, mark in enumerate(table.marks) if mark in ("fail", "not kept", "not judged")]
 
 
 def _size(cell: str) -> float:

@@ -18,7 +18,7 @@ from torsion.output.html import environment
 from torsion.output.numbers import NONE, counted, number, rpm
 from torsion.output.reported_values import amplitude, harmonic_name
 from torsion.output.selection import NO_VALUE, elements, highest, largest, torques
-from torsion.rules.verdict_line import Checks
+from torsion.rules.verdict_line import WORDS, Checks, worst_verdict
 from torsion.study import Study
 
 MOST_MODES = 30  # in the table of their frequencies
@@ -44,8 +44,8 @@ def bundle(shown: Any) -> dict[str, str]:
 def _findings_line(findings: Findings) -> str:
     checks = findings.get(Checks)
     lines = () if checks is None else checks.lines
-    kept = f"{counted(len(lines), 'check')}, {sum(one.fails for one in lines)} not kept"
-    return f"{findings.study.name}; {kept}; results: {', '.join(findings.results)}"
+    judged = f"{WORDS[worst_verdict(lines)]}, {counted(len(lines), 'check')}" if lines else "no check"
+    return f"{findings.study.name}; {judged}; results: {', '.join(findings.results)}"
 
 
 def _frequencies(modes: Modes) -> str:

@@ -18,8 +18,8 @@ COLOURS = {
     "fail": "#b3261e",
     "pass": "#14693f",
     "not kept": "#b3261e",
-    "outside": "#8a6500",
-    "in part": "#8a6500",
+    "not judged": "#8a6500",
+    "restricted": "#8a6500",
     "note": "#8a6500",
 }
 WIDE = 8  # columns from which a table is set smaller

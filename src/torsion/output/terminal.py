@@ -25,8 +25,8 @@ COLOURS = {
     "pass": "green",
     "fail": "bold red",
     "not kept": "bold red",
-    "outside": "yellow",
-    "in part": "yellow",
+    "not judged": "yellow",
+    "restricted": "yellow",
     "note": "yellow",
 }
 MOST_ROWS = 12

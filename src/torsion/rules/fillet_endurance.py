@@ -40,10 +40,10 @@ class FilletEndurance(RuleOverSpeed):
         return self.continuous_faults(study, settings) + judgement.vibration_faults(self, study, settings)
 
     def check(self, evidence: Results, settings: FilletEnduranceSettings) -> tuple[Check, ...]:
-        """Also what an endurance is stated at and no K_t is known of, as outside the rule."""
+        """Also what an endurance is stated at and no K_t is known of, as a row NOT JUDGED."""
         nan = math.nan
         return *super().check(evidence, settings), *(
-            Check(self.name, "endurance", one.name, what, nan, nan, "N/mm2", "outside", "setting", note=UNKNOWN)
+            Check(self.name, "endurance", one.name, what, nan, nan, "N/mm2", "not judged", "setting", note=UNKNOWN)
             for one, what in unjudged(evidence.need(Response).system.train)
         )
 

@@ -14,6 +14,7 @@ from torsion.fields import Declared, Quantity, given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.reached_speeds import coverage
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
 from torsion.study import Study
 
@@ -70,7 +71,7 @@ class GearHammer(RuleOverSpeed):
         """
         response = evidence.need(Response)
         use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
-        reach = judgement.coverage(float(response.speed[-1]), judgement.rated_speed(evidence.study))
+        reach = coverage(float(response.speed[-1]), judgement.rated_speed(evidence.study))
         for mesh in meshes(evidence):
             share, origin, standing = _share(mesh.part, settings)
             if mesh.rated > 0:

@@ -19,7 +19,8 @@ from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Results
-from torsion.rules.judgement import RATED, in_rpm, spans_of
+from torsion.rules.judgement import RATED, spans_of
+from torsion.rules.reached_speeds import in_rpm
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
 from torsion.study import Study
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,13 +21,13 @@ from torsion.kernels.tree_response import Status
 from torsion.primitives import Torque
 from torsion.rules import needed as read_by_rules
 from torsion.rules import of_study
-from torsion.rules.verdict_line import Check, Reach, Rule, Standing, verdict_of
+from torsion.rules.reached_speeds import distinct, in_rpm, with_reach
+from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
 from torsion.study import Operation, Range, Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
 OBVIOUS = 100.0  # times its limit: a larger value needs no sharper place
 RATED = "rated: {speed: 1500 rpm, power: 100 kW}"  # what to write into the file
-BEGINS = "judged from"  # a speed above the rated one
 MOSTLY = "mostly"  # note that stands for the harmonic component of the greatest torque
 
 
@@ -85,10 +85,8 @@ class RuleOverSpeed(Rule):
         for clause in self.clauses(evidence, settings):
             line, speed = judge(self.name, clause, evidence), clause.curve.speed
             if line is not None:
-                found.append(
-                    within_reach(line, evidence.study, self.scope, speed, None if clause.within.all() else use)
-                )
-        return tuple(found)
+                found += with_reach(line, evidence.study, self.scope, speed, None if clause.within.all() else use)
+        return distinct(found)
 
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
         """rad/s: the rated speed and the ends of continuous use."""
@@ -108,41 +106,6 @@ class RuleOverSpeed(Rule):
         computed = f"computed: {in_rpm(speeds.first)} to {in_rpm(speeds.last)}"
         path = (*self.path(study, settings), self.name, "continuous")
         return [Fault(path, "the speeds of continuous use leave operation.speeds", computed)]
-
-
-def within_reach(
-    check: Check, study: Study, scope: float = 1.0, speed: FloatArray | None = None, use: "Continuous | None" = None
-) -> Check:
-    """The check with its reach where that ends below a share `scope` of the rated speed, or begins above that speed.
-
-    Where the speeds of the operation, and those (speeds,) rad/s that were looked at, do not hold the rated speed, a
-    pass is one in part, but of a case that has speeds of its own. use: what a setting of the rule says is all of it.
-    """
-    rated, speeds = study.operation.rated, study.operation.speeds
-    if rated is None or speeds is None or check.verdict not in ("pass", "outside"):
-        return check
-    ends = [speeds.first, speeds.last, *([] if speed is None else speed.tolist())]
-    has_rated = min(ends) <= rated.speed * (1 + SAME_SPEED) and not coverage(max(ends), rated.speed)
-    reach = Reach(min(ends), max(ends), scope * rated.speed)
-    if has_rated and use is not None and coverage(use.last, rated.speed):
-        reach = Reach(use.first, use.last, rated.speed)
-    if not reach_words(reach, rated.speed):
-        return check
-    found = replace(check, reach=reach)
-    if has_rated or (study.case is not None and study.case.has_own_speeds):
-        return found
-    words = reach_words(reach, rated.speed)
-    known = "judged up to" in check.note  # of a limit that ends elsewhere
-    return replace(found, verdict="in part", note=check.note if known else "; ".join(filter(None, (check.note, words))))
-
-
-def reach_words(reach: Reach | None, rated: float) -> str:
-    """Which speeds were judged, where the rule demands more; empty where it does not."""
-    if reach is None:
-        return ""
-    if reach.first > rated * (1 + SAME_SPEED):
-        return f"{BEGINS} {in_rpm(reach.first)} only, {reach.first / rated:.3g} of the rated speed"
-    return coverage(reach.last, rated, reach.demanded / rated)
 
 
 def curve_of(found: Response | Steady, value: FloatArray, limit: float | FloatArray) -> Curve:
@@ -386,15 +349,3 @@ def _acts(torque: Torque) -> bool:
     """A torque by order or at a frequency has an amplitude."""
     of_speed = any(row[1] for row in torque.table)
     return torque.cylinder is not None or of_speed or bool(torque.torque or torque.of_mean)
-
-
-def coverage(last: float, rated: float, needed: float = 1.0) -> str:
-    """That the speeds end below a share of the rated speed up to which is judged; empty where they do not; rad/s."""
-    if last >= needed * rated * (1 - SAME_SPEED):
-        return ""
-    return f"judged up to {in_rpm(last)} only, {last / rated:.3g} of the rated speed"
-
-
-def in_rpm(speed: float) -> str:
-    """A speed in words, per minute."""
-    return f"{speed * 30.0 / math.pi:.5g} rpm"

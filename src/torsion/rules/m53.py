@@ -4,6 +4,7 @@ The torsional stress is the half range of the synthesis; nominal bending stresse
 are the engine maker's. Q = fatigue strength / equivalent alternating stress is at least 1.15 (to be verified).
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -24,7 +25,7 @@ from torsion.rules import judgement, m53_factors
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.m53_factors import RANGES, Throw
 from torsion.rules.shaft_limits import MM, PA, with_role
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Verdict
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
 
 LEAST_Q = 1.15
@@ -131,15 +132,24 @@ class M53(RuleOverSpeed):
                 yield Clause(place, part.name, what, TO_BE_VERIFIED, curve, use, "N/mm2", notes, spans)
 
     def check(self, evidence: Results, settings: M53Settings) -> tuple[Check, ...]:
-        """With the acceptability factor of each; where an order that the rule wants lacks, a pass in part at most."""
+        """With the acceptability factor of each, and a row NOT JUDGED of the orders that the synthesis lacks."""
         lacking, found = _lacking(evidence.study, settings), list[Check]()
-        without = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite" if lacking else ""
         for one in super().check(evidence, settings):
-            factor = f"Q = {LEAST_Q * one.limit / one.value:.4g}" if one.value else ""
-            verdict: Verdict = "in part" if lacking and one.verdict == "pass" else one.verdict
-            note = "; ".join(filter(None, (factor, one.note, without)))
-            found.append(replace(one, verdict=verdict, note=note))
+            factor = f"Q = {LEAST_Q * one.limit / one.value:.4g}" if one.value and math.isfinite(one.limit) else ""
+            found.append(replace(one, note="; ".join(filter(None, (factor, one.note)))))
+        if lacking:
+            for _, part, _ in with_role(evidence.study.train, "crank"):
+                found.append(_orders(part.name, lacking))
         return tuple(found)
+
+
+def _orders(where: str, lacking: list[Fraction]) -> Check:
+    """Return the row about orders that the rule demands and nothing excites."""
+    note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
+    return Check(
+        M53.name, "orders", where, "Orders of the synthesis", math.nan, math.nan, "", "not judged", "rule text",
+        note=note,
+    )  # fmt: skip
 
 
 def _lacking(study: Study, settings: M53Settings) -> list[Fraction]:

@@ -19,6 +19,7 @@ from torsion.rules import judgement
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.m68_shafts import LEAST_STRENGTH
+from torsion.rules.reached_speeds import in_rpm
 from torsion.rules.shaft_limits import PA, nominal_stress, with_role
 from torsion.rules.verdict_line import TO_BE_VERIFIED
 from torsion.study import Study
@@ -77,7 +78,7 @@ class MilStd167(RuleOverSpeed):
             below = ~judgement.within(settings.continuous, response.speed) & (
                 response.speed < settings.continuous.first
             )
-            in_use = f"operating range from {judgement.in_rpm(settings.continuous.first)}"
+            in_use = f"operating range from {in_rpm(settings.continuous.first)}"
         for number, part, shaft in with_role(train, *ROLES):
             spans, stress = nominal_stress(evidence.system, number, evidence.need(Synthesis).half_range)
             given_strength = train.materials[shaft.material].tensile_strength

@@ -21,9 +21,10 @@ from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Results
-from torsion.rules.judgement import Continuous, in_rpm, within_reach
+from torsion.rules.judgement import Continuous
 from torsion.rules.over_tolerances import margin_words
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, verdict_of
+from torsion.rules.reached_speeds import distinct, in_rpm, with_reach
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, rank, verdict_of
 from torsion.study import Study
 from torsion.train import Train
 
@@ -149,13 +150,14 @@ class SeparationMargins(Rule):
         if not frequency.size:
             return ()
 
-        checks = [
-            self._judge(excitation, frequency, known_to, margin_words(evidence, excitation.lowest, excitation.highest))
-            for excitation in excitations
-        ]
+        worst = dict[str, Check]()  # of several frequencies of one source
+        for excitation in excitations:
+            words = margin_words(evidence, excitation.lowest, excitation.highest)
+            check = self._judge(excitation, frequency, known_to, words)
+            worst[check.what] = max(worst.get(check.what, check), check, key=rank)
         study, use = evidence.study, settings.continuous
-        judged = tuple(within_reach(check, study, use=use) for check in checks)
-        return (*judged, *self._missing_line(study.train, settings))
+        checks = [*worst.values(), *self._missing_line(study.train, settings)]
+        return distinct(row for check in checks for row in with_reach(check, study, use=use, subject="Separation"))
 
     def _judge(
         self, excitation: Excitation, frequency: np.ndarray, known_to: float, within_tolerances: list[str]
@@ -182,10 +184,10 @@ class SeparationMargins(Rule):
         if not is_known:
             words.append(f"modes are known up to {known_to:.5g} Hz and are needed up to {excitation.reach:.5g} Hz")
 
-        verdict = verdict_of(not near.size, TO_BE_VERIFIED)
+        verdict = verdict_of(not near.size, TO_BE_VERIFIED) if is_known or near.size else "not judged"
         return Check(
             self.name, CLAUSE, WHERE, f"Separation from {excitation.name}",
-            float(margin[worst]), excitation.margin, "1", "in part" if verdict == "pass" and not is_known else verdict,
+            float(margin[worst]), excitation.margin, "1", verdict,
             TO_BE_VERIFIED, speed, excitation.order, "; ".join(words), at_least=True,
         )  # fmt: skip
 
@@ -196,7 +198,7 @@ class SeparationMargins(Rule):
             note = f"the line frequency of {in_runs(machines)} is not stated: {STATE_LINE}"
             yield Check(
                 self.name, CLAUSE, WHERE, "Separation from 1 x line frequency", math.nan, self.standard.first, "1",
-                "in part", TO_BE_VERIFIED, note=note, at_least=True,
+                "not judged", TO_BE_VERIFIED, note=note, at_least=True,
             )  # fmt: skip
 
 

@@ -22,18 +22,26 @@ from torsion.rules.judgement import (
     Curve,
     RuleOverSpeed,
     curve_of,
-    in_rpm,
     judge,
     rated_speed,
-    within_reach,
     worst_of,
 )
 from torsion.rules.over_tolerances import over_tolerances
-from torsion.rules.shaft_limits import BARRED_BELOW, LimitedShaft, Mark, barred_range, may_be_barred, nominal_stress
-from torsion.rules.verdict_line import BarredRange, Check
+from torsion.rules.reached_speeds import coverage, distinct, in_rpm, with_reach
+from torsion.rules.shaft_limits import (
+    BARRED_BELOW,
+    ROUNDING,
+    LimitedShaft,
+    Mark,
+    barred_range,
+    may_be_barred,
+    nominal_stress,
+)
+from torsion.rules.verdict_line import BarredRange, Check, Verdict
 from torsion.study import Study
 
 STRESS = "synthesis stress amplitude"
+SUBJECT = "Torsional stress amplitude"  # of the rows about speeds that were not computed
 
 
 class Limits(NamedTuple):
@@ -90,7 +98,7 @@ class ShaftStress(RuleOverSpeed):
     def reach(self, study: Study, last: float, why: str) -> tuple[tuple[str, str], ...]:
         """That the speeds end below a speed ratio to which the rule reaches; why: in words, before that speed."""
         speeds, rated = study.operation.speeds, study.operation.rated
-        if speeds is None or rated is None or not judgement.coverage(speeds.last, rated.speed, last):
+        if speeds is None or rated is None or not coverage(speeds.last, rated.speed, last):
             return ()
         reason = f"`operation.speeds` ends there; {why} {in_rpm(last * rated.speed)}"
         return ((f"{self.name} above {in_rpm(speeds.last)}", reason),)
@@ -139,9 +147,9 @@ class ShaftStress(RuleOverSpeed):
         """Stress in continuous use, while barred ranges are passed, and above the last limit; of every shaft."""
         found = list[Check]()
         for one in self.stressed(evidence, settings):
-            lines = self.stresses(evidence, one, settings)
-            found += [within_reach(line, evidence.study, self.scope) for line in lines]
-        return (*found, *super().check(evidence, settings))
+            for line in self.stresses(evidence, one, settings):
+                found += with_reach(line, evidence.study, self.scope, subject=SUBJECT)
+        return distinct((*found, *super().check(evidence, settings)))
 
     def stresses(self, evidence: Results, one: Stressed, settings: Any) -> Iterator[Check]:
         """The clauses about the stress amplitude of one shaft.
@@ -161,7 +169,7 @@ class ShaftStress(RuleOverSpeed):
 
         rest = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
         last = shaft.curve.last
-        reach = judgement.coverage(float(one.curve.speed[-1]), rated_speed(evidence.study), last)
+        reach = coverage(float(one.curve.speed[-1]), rated_speed(evidence.study), last)
         notes = (MOSTLY, _refusal(one), rest, *shaft.notes, reach)
         for clause, within in one.ruled.items():
             line = judged(clause, STRESS, one.curve.limit, within & ~barred.passed, *notes)
@@ -170,12 +178,21 @@ class ShaftStress(RuleOverSpeed):
         line = self._passing(evidence, one, settings, judged)
         if line is not None:
             yield line
-        what, note = f"stress amplitude above {last:g} of the rated speed", "outside the rule: it has no limit above"
-        without = f"{note} {last:g} of the rated speed"
+        what = "Torsional stress amplitude above the last speed with a limit"
+        end = in_rpm(last * rated_speed(evidence.study))
+        without = f"no continuous operation above {end}, {last:g} of the rated speed: the rule has no limit there"
         clause = shaft.curve.pieces[-1].clause
         line = judged(clause, what, np.ones(len(one.curve.speed)), ~one.is_ruled, without)
         if line is not None:
-            yield replace(line, limit=math.nan, verdict="outside", standing=self.mark)
+            verdict = self._above(evidence.study, last)
+            restrictions = (without,) if verdict == "restricted" else ()
+            yield replace(line, limit=math.nan, verdict=verdict, restrictions=restrictions, standing=self.mark)
+
+    def _above(self, study: Study, last: float) -> Verdict:
+        """Verdict above the last limit: a restriction, or NOT JUDGED if a rule has continuous use there."""
+        ranges = (getattr(settings, "continuous", None) for _, settings in study.rules)
+        highest = max((use.last for use in ranges if use is not None), default=0.0)
+        return "not judged" if highest > last * rated_speed(study) * (1 + ROUNDING) else "restricted"
 
     def _passing(
         self, evidence: Results, one: Stressed, settings: Any, judged: Callable[..., Check | None]
@@ -197,7 +214,8 @@ class ShaftStress(RuleOverSpeed):
         rated = rated_speed(evidence.study)
         ordered = (_with_order(evidence, band, spans) for band in barred.permitted)
         ranges = tuple(over_tolerances(evidence, band, rated, meter) for band in ordered)
-        return replace(line, verdict="fail" if reasons else line.verdict, barred=ranges, times=times)
+        verdict = "fail" if reasons else "restricted" if line.verdict == "pass" else line.verdict
+        return replace(line, verdict=verdict, barred=ranges, times=times)
 
 
 def limits_of(evidence: Results, shaft: LimitedShaft) -> Limits:

@@ -23,6 +23,7 @@ from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.judgement import MOSTLY, Clause, curve_of, rated_speed
 from torsion.rules.m68 import M68
 from torsion.rules.m68_shafts import LAST_CONTINUOUS, M68Settings
+from torsion.rules.reached_speeds import coverage
 from torsion.rules.shaft_limits import MM, PA, LimitCurve, LimitedShaft, diameters, with_role
 from torsion.rules.society_limits import Duty, Society
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
@@ -112,7 +113,7 @@ class SocietyRule(M68):
         if self.society.mesh is None or judgement.rated_torque(evidence) is None:
             return
         response = evidence.need(Response)
-        reach = judgement.coverage(float(response.speed[-1]), rated_speed(evidence.study))
+        reach = coverage(float(response.speed[-1]), rated_speed(evidence.study))
         for mesh in meshes(evidence):
             if mesh.rated > 0:
                 curve = curve_of(response, mesh.vibratory, self.society.mesh * mesh.rated)

@@ -14,7 +14,8 @@ from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.rules.barred_time import barred_times, unstable_words
-from torsion.rules.judgement import within, within_reach
+from torsion.rules.judgement import within
+from torsion.rules.reached_speeds import distinct, with_reach
 from torsion.rules.verdict_line import BarredRange, Check, Rule
 from torsion.study import Operation
 
@@ -36,7 +37,7 @@ class StableMotion(Rule):
         line = stability_check(found, evidence.study.operation)
         times = barred_times(evidence, tuple(BarredRange(one.first, one.last, one.at, WHOLE) for one in found.ranges))
         note = "; ".join(word for word in (line.note, unstable_words(times)) if word)
-        return (within_reach(replace(line, note=note, times=times), evidence.study),)
+        return tuple(with_reach(replace(line, note=note, times=times), evidence.study))
 
 
 def stability_check(found: Stability, operation: Operation) -> Check:
@@ -116,7 +117,7 @@ class StableBending(Rule):
     def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
         """Of every shaft that bends."""
         found = bending_checks(evidence.need(Lateral), evidence.study.operation)
-        return tuple(within_reach(line, evidence.study) for line in found)
+        return distinct(row for line in found for row in with_reach(line, evidence.study))
 
 
 def bending_checks(found: Lateral, operation: Operation) -> tuple[Check, ...]:

@@ -1,7 +1,8 @@
 """A rule: what it needs, what it does not judge, and the lines of its verdict."""
 
 import math
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any, Literal
@@ -17,11 +18,15 @@ from torsion.study import Study
 
 Verdict = Literal[
     "pass",
+    "restricted",  # PASS with restrictions: kept if something stated is kept too
     "fail",
-    "not kept",  # a limit to be verified is exceeded
-    "outside",  # the rule has no limit there
-    "in part",  # kept where it was judged, and that is not all that the rule demands
+    "not kept",  # FAIL too: a limit whose edition is not confirmed is exceeded
+    "not judged",  # the rule demands it, and it could not be judged
 ]
+WORDS: Mapping[Verdict, str] = {  # what a reader sees, from the worst
+    "fail": "FAIL", "not kept": "FAIL", "not judged": "NOT JUDGED", "restricted": "PASS with restrictions",
+    "pass": "PASS",
+}  # fmt: skip
 Standing = Literal[
     "rule text",  # compared with the published text of the rule
     "to be verified",  # from memory or a handbook: against the edition in force
@@ -95,8 +100,9 @@ class Check:
     unit: str = result("", (), "of value and limit")
     verdict: Verdict = result(
         "", (),
-        "pass, fail, not kept (a limit to be verified is exceeded), outside (the rule has no limit), or in part (kept "
-        "where it was judged, which is not all that the rule demands: the exit status is then 1)",
+        "pass, restricted (PASS with restrictions: met if what the note states is met too), fail, not kept (FAIL too: "
+        "a limit whose edition is not confirmed is exceeded), or not judged (the rule demands it, and it could not be "
+        "judged); the exit status is 1 for the last three",
     )  # fmt: skip
     standing: Standing = result(
         "", (), "where the limit is from: rule text, to be verified, maker, setting or by definition"
@@ -116,14 +122,23 @@ class Check:
     )
     misfire: str = ""  # the cylinder without heat at its worst, where every one is tried in turn
     reach: Reach | None = result(
-        "", (), "speeds that were judged, where the rule demands more; null where they are all", default=None
+        "", (), "speeds that were computed, where the rule demands more; null where they are all", default=None
     )
+    restrictions: tuple[str, ...] = result(
+        "", (), "what must be met too for the check to be met, in words; barred ranges stand in their own list",
+        default=(),
+    )  # fmt: skip
     parts: tuple[int, ...] = ()  # positions of the components it is about, the worst first; none: that of the name
 
     @property
     def fails(self) -> bool:
         """The limit is exceeded, whatever its standing, or no value is known that keeps it."""
         return self.verdict in ("fail", "not kept")
+
+    @property
+    def has_limit(self) -> bool:
+        """It counts for the verdict; a row for information alone has no limit and demands none."""
+        return self.verdict != "restricted" or not math.isnan(self.limit)
 
     @derived("1", (), "value / limit, of a least value limit / value; null where the limit is 0, negative or unknown")
     def utilisation(self) -> float | None:
@@ -134,10 +149,17 @@ class Check:
         return used / whole if used >= 0 and whole > 0 and self.limit > 0 else None
 
 
-def rank(check: Check) -> tuple[bool, float]:
-    """The greater, the worse: whether it fails, and the share of its limit."""
+def worst_verdict(checks: "Iterable[Check]") -> Verdict:
+    """Return the worst verdict, from which headline and exit status follow; NOT JUDGED where there is no check."""
+    verdicts = {check.verdict for check in checks}
+    return next((verdict for verdict in WORDS if verdict in verdicts), "not judged")
+
+
+def rank(check: Check) -> tuple[int, float]:
+    """The greater, the worse: its verdict, and the share of its limit."""
     used = check.utilisation
-    return check.fails, -math.inf if used is None and not check.fails else math.inf if used is None else used
+    severity = ("pass", "restricted", "not judged", "not kept", "fail").index(check.verdict)
+    return severity, (math.inf if check.fails else -math.inf) if used is None else used
 
 
 def worst_checks(cases: Mapping[str, tuple[Check, ...]]) -> dict[tuple[str, ...], tuple[str, Check]]:
@@ -165,9 +187,16 @@ class Checks:
         return any(check.fails for check in self.lines)
 
     @property
+    def counts(self) -> str:
+        """How many checks have each word: "1 FAIL, 3 PASS", the worst first."""
+        count = Counter(WORDS[check.verdict] for check in self.lines)
+        words = dict.fromkeys(WORDS.values())
+        return ", ".join(f"{count[word]} {word}" for word in words if count[word]) or "no check"
+
+    @property
     def is_partial(self) -> bool:
-        """A rule was not judged over all that it demands."""
-        return any(check.verdict == "in part" for check in self.lines)
+        """Something that a rule demands could not be judged."""
+        return any(check.verdict == "not judged" for check in self.lines)
 
 
 class Rule:

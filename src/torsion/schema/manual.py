@@ -58,7 +58,7 @@ SETTINGS = {  # an example of every analysis and rule
     "ccs": "ccs: {tachometer: 2 %}",
     "nk": "nk: {strokes: 2, arrangement: in-line}",
     "rina": "rina: {drive: turbine}",
-    "api-610": "api-610: {continuous: {from: 1450 rpm, to: 1500 rpm}, line_frequency: 50 Hz}",
+    "api-610": "api-610: {continuous: {from: 1450 rpm, to: 1500 rpm}, line_frequency: {nominal: 50 Hz, tolerance: 2 %}}",
     "api-617": "api-617: {line_frequency: 60 Hz}",
     "api-618": "api-618: {continuous: {from: 980 rpm, to: 990 rpm}, line_frequency: 50 Hz}",
     "api-684": "api-684: {continuous: {from: 3000 rpm, to: 3600 rpm}}",

@@ -5,7 +5,8 @@ import pytest
 import torsion
 from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.errors import InputError
-from torsion.output.chapters import first_page
+from torsion.output.chapters import closing
+from torsion.output.headline import headline
 from torsion.rules.verdict_line import Checks
 
 # two discs of 1 kg m2 on 1000 N m/rad have 7.12 Hz; 4e4 N m/rad make 45 Hz, which is 2 x 1200 rpm and more
@@ -29,15 +30,27 @@ def test_a_sweep_none_of_whose_variants_fails_changes_nothing() -> None:
         findings = run("900, 1000, 1100, 1200", more)
         assert findings.need(Sweep).share_failing == 0.0
         assert findings.exit_status == 0
-        assert first_page.headline(findings)[0] == ("✓", "PASS")
+        assert headline(findings) == (("✓", "PASS: 2 limits met"), "pass")
 
 
-@pytest.mark.parametrize(("more", "status"), [("", 1), (", fail_at_most: 24 %", 1), (", fail_at_most: 25 %", 0)])
-def test_variants_that_fail_make_the_exit_status_one_unless_the_file_permits_them(more, status) -> None:
+@pytest.mark.parametrize(
+    ("more", "status", "words", "kind"),
+    [
+        ("", 1, "! PASS with restrictions: 25 % of the variants fail a check", "note"),
+        (", fail_at_most: 24 %", 1, "✗ FAIL: 25 % of the variants fail a check, 24 % are permitted", "fail"),
+        (", fail_at_most: 25 %", 0, "✓ PASS: 2 limits met", "pass"),
+    ],
+)
+def test_variants_that_fail_make_the_exit_status_one_unless_the_file_permits_them(more, status, words, kind) -> None:
     findings = run("900, 1000, 1100, 8000", more)
     assert {check.verdict for check in findings.need(Checks).lines} == {"pass"}
     assert findings.need(Sweep).share_failing == 0.25
     assert findings.exit_status == status
+    (sign, clause), stands_out = headline(findings)
+    assert (f"{sign} {clause}", stands_out) == (words, kind)
+    conclusion = closing.overall(findings)
+    assert conclusion.kind == kind
+    assert ("25 % of the variants fail" in conclusion.text) == (status == 1)
 
 
 def test_a_share_that_nothing_can_fail_is_refused() -> None:

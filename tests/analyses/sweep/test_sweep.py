@@ -238,6 +238,7 @@ def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_
         "what": "what",
         "verdict": "pass",
         "fails": False,
+        "has_limit": True,
         "standing": "maker",
     }
     half, unknown = (SimpleNamespace(utilisation=share, **words) for share in (0.5, None))
@@ -248,7 +249,7 @@ def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_
         assert answers.checks.popitem()[1][0] == [0.5]
 
 
-def test_a_variant_that_is_judged_in_part_is_not_known_to_pass() -> None:
+def test_a_variant_that_is_not_judged_is_not_known_to_pass() -> None:
     words = {
         "rule": "rule",
         "clause": "clause",
@@ -256,10 +257,11 @@ def test_a_variant_that_is_judged_in_part_is_not_known_to_pass() -> None:
         "what": "what",
         "standing": "",
         "fails": False,
+        "has_limit": True,
         "utilisation": 0.5,
     }
     answers = one_by_one.Answers(np.empty((0, 2)))
-    for place, verdict in enumerate(("pass", "in part")):
+    for place, verdict in enumerate(("pass", "not judged")):
         lines = (SimpleNamespace(verdict=verdict, **words),)
         answers.keep(place, SimpleNamespace(get=lambda kind: None, results={"checks": SimpleNamespace(lines=lines)}))
     assert answers.checks.popitem()[1][1].tolist() == [False, True]
@@ -283,7 +285,7 @@ def test_the_first_page_says_that_variants_fail_where_the_file_passes() -> None:
     found = torsion.run(drive((*BASE[:1], 0.9, *BASE[2:]), sweep=f"vary: {VARIED}, samples: 128"))
     whole, made = found.need(Sweep).any_fails, first_page.box(found)
     assert 0 < whole.failing < 128
-    assert (made.text, found.exit_status) == ("PASS", 0)
+    assert (made.sign, found.exit_status) == ("✓", 0)
     share, low, high = (number(100.0 * one, 3) for one in (whole.probability, whole.lower, whole.upper))
     says = f"{share} % of the variants fail a check ({low} to {high} %), although no check of the file as it stands"
     assert dict(made.lines)["Sweep"].startswith(says)

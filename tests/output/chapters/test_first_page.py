@@ -2,8 +2,8 @@
 
 import itertools
 import math
-import re
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
@@ -16,13 +16,13 @@ from torsion.analyses.critical import CriticalSpeeds
 from torsion.findings import Findings, Unanswered
 from torsion.output.blocks import Box, Figure, PageEnd
 from torsion.output.chapters import verdict
-from torsion.output.chapters.first_page import headline
 from torsion.output.check_words import NOT_JUDGED, percent, use, use_of_part
 from torsion.output.drawing.pens import GRADES
 from torsion.output.drawing.svg import svg
 from torsion.output.drawing.words import GROWTH, width
 from torsion.output.figures.figure import Disc, Link, Shares, Sketch, Use
 from torsion.output.figures.figure import Figure as Drawing
+from torsion.output.headline import headline
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 RPM = 30.0 / math.pi
@@ -65,42 +65,50 @@ def figure(findings: Findings, name: str) -> Drawing:
     return next(one for one in verdict.chapter(findings) if isinstance(one, Figure) and one.name == name)
 
 
+WORD = {"pass": "PASS", "restricted": "PASS with restrictions", "not judged": "NOT JUDGED", "fail": "FAIL",
+        "not kept": "FAIL"}  # fmt: skip
+LOOK = {
+    "PASS": ("pass", "✓"),
+    "PASS with restrictions": ("note", "!"),
+    "NOT JUDGED": ("note", "?"),
+    "FAIL": ("fail", "✗"),
+}
+
+
 @pytest.mark.parametrize("verdicts", [
-    found for size in range(5) for found in itertools.combinations(("pass", "fail", "not kept", "outside"), size)
+    found for size in range(5) for found in itertools.combinations(WORD, size)
 ])  # fmt: skip
 @pytest.mark.parametrize("is_answered", [True, False])
 def test_the_headline_of_every_combination_of_verdicts(found: Findings, verdicts, *, is_answered: bool) -> None:
-    """PASS alone is green, and stands only where something passed, nothing is exceeded and nothing is unanswered."""
-    made = judged(found, *map(check, verdicts), unanswered=() if is_answered else (LOST,))
+    """The worst word of all rows and one clause; PASS alone is green."""
+    lines = (check(one, restrictions=("kept below 90 rpm",) * (one == "restricted")) for one in verdicts)
+    made = judged(found, *lines, unanswered=() if is_answered else (LOST,))
     (sign, words), kind = headline(made)
-    first = re.split(r"[,:(]", words)[0].strip()
-    wanted = (
-        "FAIL" if "fail" in verdicts else "NOT KEPT" if "not kept" in verdicts
-        else "INCOMPLETE" if not is_answered else "PASS" if "pass" in verdicts else "NO VERDICT"
-    )  # fmt: skip
-    kinds = {"FAIL": ("fail", "✗"), "NOT KEPT": ("not kept", "!"), "PASS": ("pass", "✓"), "INCOMPLETE": ("note", "?")}
-    assert first == wanted
-    assert (kind, sign) == kinds.get(wanted, ("note", "–"))
-    assert ("an analysis without an answer" in words) == (not is_answered)
-    assert ("NOT KEPT (limit to be verified)" in words) == ("not kept" in verdicts)
-    assert ("outside" in words) == (wanted == "PASS" and "outside" in verdicts)
+    every = {WORD[one] for one in verdicts} | ({"NOT JUDGED"} if not is_answered or not verdicts else set())
+    wanted = next(word for word in ("FAIL", "NOT JUDGED", "PASS with restrictions", "PASS") if word in every)
+    word, _, clause = words.partition(": ")
+    assert (word, kind, sign) == (wanted, *LOOK[wanted])
+    assert clause
+    assert not any(other in clause for other in ("PASS", "FAIL", "NOT"))
     (box,) = (one for one in page(made) if isinstance(one, Box))
     assert (box.sign, box.text, box.kind) == (sign, words, kind)
     lines = dict(box.lines)
     assert ("No answer" in lines) == (not is_answered)
     if verdicts:
-        counts = dict(reversed(one.split(" ", 1)) for one in lines["Checks"].split(": ")[1].split(";")[0].split(", "))
-        names = {"passed": "pass", "failed": "fail", "not kept": "not kept", "outside the rules": "outside"}
-        assert {names[name]: int(number) for name, number in counts.items()} == {
-            one: verdicts.count(one) for one in names.values()
-        }
+        counts = [one.split(" ", 1) for one in lines["Checks"].split(": ")[1].split(";")[0].split(", ")]
+        assert {name: int(number) for number, name in counts} == Counter(WORD[one] for one in verdicts)
+
+
+def test_the_headline_of_a_file_that_names_no_rule(found: Findings) -> None:
+    bare = replace(judged(found), study=replace(found.study, rules=()))
+    assert headline(bare) == (("?", "NOT JUDGED: no rule is named"), "note")
 
 
 def test_models_that_do_not_agree_are_a_failure(found: Findings) -> None:
     class Differing:
         fails = True
 
-    assert headline(judged(found, check()).having(check=Differing()))[0][1] == "FAIL"
+    assert headline(judged(found, check()).having(check=Differing()))[0][1].startswith("FAIL: ")
 
 
 def test_the_worst_check_stands_in_the_box_with_value_limit_and_speed(found: Findings) -> None:
@@ -118,9 +126,9 @@ def test_the_worst_check_stands_in_the_box_with_value_limit_and_speed(found: Fin
         ([check(value=24.0)], "low", "✓ PASS 48.0 %"), ([check(value=49.99)], "high", "✓ PASS 99.980 %"),
         ([check("fail", value=50.01)], "over", "✗ FAIL 100.02 %"),
         ([check("fail", value=51.0), check("not kept", value=99.0)], "over", "✗ FAIL 102 %"),
-        ([check("not kept", value=60.0), check(value=45.0)], "not kept", "! NOT KEPT 120 %"),
+        ([check("not kept", value=60.0), check(value=45.0)], "over", "✗ FAIL 120 %"),
         ([check("fail", value=math.inf)], "no answer", "✗ FAIL"),
-        ([check("outside", limit=math.nan)], "not judged", ""),
+        ([check("restricted", limit=math.nan)], "not judged", ""),
         ([check("fail", value=5.0, limit=0.0)], "over", "✗ FAIL"),
         ([check(value=30.0, unit="N m"), check(value=20.0)], "middle", "✓ PASS 60.0 %"),
     ],
@@ -135,9 +143,9 @@ def test_a_part_has_the_grade_of_its_worst_stress_or_torque(checks: list[Check],
 def test_a_diameter_never_colours_and_is_stated_where_it_is_not_kept(unit: str) -> None:
     least = check("not kept", value=90.0, limit=99.0, unit=unit, at_least=True, clause="minimum diameter")
     assert use_of_part([least, check(value=5.0)]).grade == "low"
-    assert use_of_part([least, check(value=5.0)]).words == "✓ PASS 10.0 %\n! NOT KEPT 110 %:\nminimum diameter"
+    assert use_of_part([least, check(value=5.0)]).words == "✓ PASS 10.0 %\n✗ FAIL 110 %:\nminimum diameter"
     assert use_of_part([least]).grade == "not judged"
-    assert "NOT KEPT" in use_of_part([least]).words
+    assert "FAIL" in use_of_part([least]).words
     assert use_of_part([replace(least, verdict="pass", value=100.0)]) == NOT_JUDGED
 
 
@@ -209,11 +217,16 @@ def test_the_speeds_drawn_are_those_of_the_results(found: Findings) -> None:
 
 
 def test_shares_stand_in_their_order_with_their_words(found: Findings) -> None:
-    checks = check(value=20.0), check("not kept", value=60.0), check("fail", value=math.inf), check("outside")
+    checks = (
+        check(value=20.0),
+        check("not kept", value=60.0),
+        check("fail", value=math.inf),
+        check("restricted", limit=math.nan),
+    )
     (drawn,) = figure(judged(found, *checks), "shares").panels
     assert isinstance(drawn, Shares)
     assert [(one.share, one.use.words) for one in drawn.rows] == [
-        (math.inf, "✗ FAIL"), (1.2, "! NOT KEPT 120 %"), (0.4, "✓ PASS 40.0 %"),
+        (math.inf, "✗ FAIL"), (1.2, "✗ FAIL 120 %"), (0.4, "✓ PASS 40.0 %"),
     ]  # fmt: skip
     assert len(figure(judged(found, *[check()] * 40), "shares").panels[0].rows) == 20
 
@@ -287,7 +300,7 @@ def test_words_of_a_graded_sketch_overlap_neither_each_other_nor_the_edges(numbe
 
 
 def test_a_check_in_words() -> None:
-    assert use(check("outside")).grade == "not judged"
+    assert use(check("restricted", limit=math.nan)).grade == "not judged"
     assert use(check(value=0.0)).words == "✓ PASS 0 %"
 
 

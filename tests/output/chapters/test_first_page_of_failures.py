@@ -95,21 +95,20 @@ def test_every_part_that_does_not_keep_a_limit_has_a_mark_where_its_words_have_n
     findings = judged(many(20), *fine, *bad, fails)
     found = texts(svg(figure(findings, "utilisation")))
     alone = [text for text, _ in found]
-    assert alone.count("!") == 19 + 1  # one in the key
-    assert alone.count("✗") == 1 + 1
-    with_words = sum(text.startswith("! NOT KEPT") for text in alone)
+    assert alone.count("✗") == 20 + 1  # one in the key
+    with_words = sum(text.startswith("✗ FAIL") for text in alone)
     note = next(text for text in alone if "want of room" in text)
-    assert f"of these {19 - with_words} not kept" in note
+    assert f"of these {20 - with_words} fail" in note
     assert "low utilisation first" not in note
     assert "✗ FAIL 140 %:" in alone
     colours = {colour for text, colour in found if text.startswith("✓ PASS")}
     assert BAD not in colours
-    assert {colour for text, colour in found if text.startswith(("! NOT KEPT", "✗ FAIL"))} == {BAD}
+    assert {colour for text, colour in found if text.startswith("✗ FAIL")} == {BAD}
     outlines = [one for one in ET.fromstring(svg(figure(findings, "utilisation"))).iter(f"{SVG}path")
                 if one.get("stroke") == BAD and one.get("fill") == "none"]  # fmt: skip
     assert outlines
     passing = judged(many(20), *fine)
-    assert not {text for text, _ in texts(svg(figure(passing, "utilisation")))} & {"!", "✗"}
+    assert not {text for text, _ in texts(svg(figure(passing, "utilisation")))} & {"✗"}
 
 
 def sketch(findings: Findings) -> Sketch:
@@ -158,7 +157,7 @@ def test_what_fails_on_a_branch_that_is_not_drawn_is_said_in_the_sketch_and_its_
     assert words in figures.caption
     found = dict(texts(svg(figures)))
     assert found[words] == BAD
-    assert found["! NOT KEPT 120 %: bc 5, on a branch that is not drawn"] == BAD
+    assert found["✗ FAIL 120 %: bc 5, on a branch that is not drawn"] == BAD
     assert not any("bc 8" in text for text in found)
 
 

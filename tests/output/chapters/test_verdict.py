@@ -56,19 +56,20 @@ def items(blocks: Iterable[Block]) -> list[str]:
 def test_cells_of_the_verdict_table(bare: Findings) -> None:
     lines = (
         check(), check("fail", at_least=True, unit="rad/s2", order=None, limit=20.0, speed=None),
-        check("outside", limit=math.nan, value=math.inf), check("fail", value=math.inf, clause="stability", limit=0.0),
+        check("restricted", limit=math.nan, value=math.inf),
+        check("fail", value=math.inf, clause="stability", limit=0.0),
     )  # fmt: skip
     made, standing = (block for block in verdict.chapter(judged(bare, *lines)) if isinstance(block, Table))
     assert made.rows == (
         ("stability: what", "tail", "no answer / 0 N/mm²", "–", "286.48", "1.5", "✗ FAIL"),
         ("clause: what", "tail", "12.345 / ≥ 20 rad/s²", "162.0", "–", "–", "✗ FAIL"),
         ("clause: what", "tail", "12.345 / 50 N/mm²", "24.69", "286.48", "1.5", "✓ PASS"),
-        ("clause: what", "tail", "no finite value / none N/mm²", "–", "286.48", "1.5", "– OUTSIDE"),
+        ("clause: what", "tail", "no finite value / none N/mm²", "–", "286.48", "1.5", "! PASS with restrictions"),
     )
     assert standing.rows[:2] == (
         ("stability", "tail", "what", "rule", "setting"), ("clause", "tail", "what", "rule", "setting"),
     )  # fmt: skip
-    assert made.marks == ("fail", "fail", "pass", "outside")
+    assert made.marks == ("fail", "fail", "pass", "restricted")
 
 
 def test_checks_are_ranked_by_the_share_of_their_limit_and_those_that_fail_first(bare: Findings) -> None:
@@ -210,18 +211,18 @@ def test_barred_ranges_of_shafts_and_of_the_train(found: Findings, bare: Finding
     [
         ("", "No rule was requested, or none applies", "note"), ("P", "The only check passed: the train", "pass"),
         ("PP", "All 2 checks passed: the train satisfies the demand of stability; no rule was requested.", "pass"),
-        ("PPO", "No check failed: 2 passed, 1 outside the range for which the rule has a limit.", "note"),
-        ("OO", "No check failed: 2 outside the range for which the rule has a limit.", "note"),
+        ("PPO", "All 3 checks passed with the restrictions below (1 of them): the train satisfies", "note"),
+        ("PU", "No check failed, and 1 of 2 could not be judged: what, tail.", "note"),
         ("F", "The only check failed (tail). The train does not satisfy the demand of stability", "fail"),
-        ("N", "The limit of the only check is not kept (tail).", "fail"),
-        ("NP", "The limit of 1 of 2 checks is not kept (tail).", "fail"),
-        ("NNP", "The limits of 2 of 3 checks are not kept (tail).", "fail"),
+        ("N", "The only check failed (tail).", "fail"),
+        ("NP", "1 of 2 checks failed (tail).", "fail"),
+        ("NNP", "2 of 3 checks failed (tail).", "fail"),
         ("FPP", "1 of 3 checks failed (tail).", "fail"), ("FF", "2 of 2 checks failed (tail).", "fail"),
-        ("FFNPO", "2 of 5 checks failed, the limits of 1 more are not kept (tail).", "fail"),
+        ("FFNPO", "3 of 5 checks failed (tail).", "fail"),
     ],
 )  # fmt: skip
 def test_conclusion_in_a_sentence(bare: Findings, verdicts: str, said: str, kind: str) -> None:
-    word = {"P": "pass", "O": "outside", "F": "fail", "N": "not kept"}
+    word = {"P": "pass", "O": "restricted", "U": "not judged", "F": "fail", "N": "not kept"}
     overall = next(iter(closing.conclusion(judged(bare, *(check(word[one], rule="stability") for one in verdicts)))))
     assert isinstance(overall, Paragraph)
     assert overall.text.startswith(said)
@@ -234,11 +235,11 @@ def test_conclusion_in_a_sentence(bare: Findings, verdicts: str, said: str, kind
         ([check()], ""),
         ([check(standing="to be verified")], " 1 limit is to be verified against the edition in force."),
         ([check(standing="to be verified"), check("not kept", standing="to be verified", where="mid", clause="C1")] * 2,
-         " 4 limits are to be verified against the edition in force; of these not kept: mid (C1)."),
+         " 4 limits are to be verified against the edition in force; of these exceeded: mid (C1)."),
     ],
 )  # fmt: skip
 def test_limits_to_be_verified_are_counted(bare: Findings, lines: list[Check], said: str) -> None:
-    for more in ([], [check("outside")], [check("fail")]):
+    for more in ([], [check("restricted")], [check("fail")]):
         overall = next(iter(closing.conclusion(judged(bare, *lines, *more))))
         assert isinstance(overall, Paragraph)
         assert overall.text.partition(".")[2].endswith(said) if said else "verified" not in overall.text
@@ -261,10 +262,10 @@ def test_restrictions_of_speed(found: Findings, bare: Findings) -> None:
     fine = with_status(found, ())
     assert said(judged(fine, check())) == [NOTHING]
     assert said(judged(fine, check("fail"))) == said(judged(fine)) == said(judged(bare, check())) == []
-    barred = judged(fine, check(barred=RANGES))
+    barred = judged(fine, check("restricted", barred=RANGES))
     (one,) = said(barred)
     assert one == "Barred range: 190.9 to 334.3 rpm. Not for continuous operation; to be passed rapidly."
-    assert "with the restrictions of speed below." in texts(closing.conclusion(barred))[0]
+    assert "with the restrictions below (1 of them)" in texts(closing.conclusion(barred))[0]
     assert "with the restrictions" not in texts(closing.conclusion(judged(fine, check())))[0]
     speed = found.need(Response).speed
     (one,) = said(judged(with_status(found, [(0, 0)]), check()))

@@ -95,7 +95,11 @@ def _is_fast(trials: Trials) -> bool:
 
 
 def _modes(work: Work, settings: DesignSettings) -> int:
-    """How many modes are needed; raises InputError where the file computes fewer."""
+    """How many modes a trial has; raises InputError where the file computes fewer than are needed.
+
+    Lumped shafts are divided for the last mode, so that frequencies are those of the ordinary solution only where a
+    trial has as many modes.
+    """
     found, target = work.get(Modes), settings.target
     there = 0 if found is None else len(found.frequency)
     wanted = [(("analyses", "design", "aim"), target[0].mode)] if target is not None else []
@@ -103,7 +107,7 @@ def _modes(work: Work, settings: DesignSettings) -> int:
     for path, mode in wanted:
         if mode > there:
             raise InputError([without_mode(work.study, mode, there, path)])
-    return max((mode for _, mode in wanted), default=0)
+    return max((mode for _, mode in wanted), default=0) if target is None else there
 
 
 def _samples(work: Work, sweep: Variation) -> FloatArray:
@@ -167,13 +171,8 @@ def _solved(trials: Trials, one: Trial) -> tuple[str, float, str]:
 
 def _verdict(found: Findings) -> str:
     """How many checks there are of each verdict, and what has no answer."""
-    lines = found.results["checks"].lines
-    counts = {
-        name: sum(one.verdict == name for one in lines) for name in ("pass", "fail", "not kept", "in part", "outside")
-    }
-    words = ", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no check"
     unknown = "".join(f"; no answer: {one.what}" for one in found.plan.unanswered)
-    return f"{words}{unknown}"
+    return f"{found.results['checks'].counts}{unknown}"
 
 
 def _result(

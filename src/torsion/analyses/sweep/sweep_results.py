@@ -26,7 +26,7 @@ class SweptCheck:
     clause: str = result("", (), "its clause")
     where: str = result("", (), "component")
     what: str = result("", (), "what was compared")
-    failing: int = result("", (), "variants that do not keep the limit, keep it in part, or have no answer")
+    failing: int = result("", (), "variants that exceed the limit, are not judged, or have no answer")
     probability: float = result("1", (), "share of the variants that fail")
     lower: float | None = result("1", (), "lower end of its 95 % interval; null of a grid, which is no sample")
     upper: float | None = result("1", (), "upper end")

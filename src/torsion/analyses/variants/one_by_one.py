@@ -47,14 +47,14 @@ class Answers:
             here = own.frequency[: len(self.frequency)]
             self.frequency[: len(here), place] = here
         for check in getattr(found.results.get("checks"), "lines", ()):
-            if check.verdict == "outside":
+            if not check.has_limit:
                 continue
             key = check.rule, check.clause, check.where, check.what
             used, fails = self.check(key)
             used[place] = np.fmax(used[place], np.nan if check.utilisation is None else check.utilisation)
-            fails[place] |= check.fails or check.verdict == "in part"  # what is not judged is not known to be kept
+            fails[place] |= check.fails or check.verdict == "not judged"  # what is not judged is not known to be kept
             self.standing[key] = check.standing
-            if check.verdict == "in part":
+            if check.verdict == "not judged":
                 self.partly.add(place)
 
     def take(self, places: IntArray | slice, own: "Answers", at: IntArray | slice = slice(None)) -> None:

@@ -20,7 +20,7 @@ from torsion.output.numbers import NONE, RPM, exact, number, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
 from torsion.output.selection import elements, highest, torques
 from torsion.rules import RULES
-from torsion.rules.verdict_line import Check
+from torsion.rules.verdict_line import WORDS, Check
 from torsion.study import Change
 
 MOST_COLUMNS = 4  # cases beside each other in one table
@@ -122,7 +122,7 @@ def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
             for name in shown]  # fmt: skip
     most = row.each[row.worst].verdict
     return (f"{first.what} ({first.rule})", first.where, symbols(first.clause), limit, symbols(first.unit), *each,
-            f"{row.worst}: {most.upper()}")  # fmt: skip
+            f"{row.worst}: {WORDS[most]}")  # fmt: skip
 
 
 def _lacking(findings: Findings, check: Check) -> str:
@@ -136,7 +136,7 @@ def _cell(check: Check, *, with_limit: bool) -> str:
     text += f" / {check_words.limit(check)}" if with_limit else ""
     text += "" if check.speed is None else f" at {rpm(check.speed)} rpm"
     text += "" if check.order is None else f" ({exact(check.order)})"
-    return text if check.verdict == "pass" else f"{text} {check.verdict.upper()}"
+    return text if check.verdict == "pass" else f"{text} {WORDS[check.verdict]}"
 
 
 def _barred(cases: Cases) -> Iterator[Table]:

@@ -5,22 +5,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from torsion.findings import Findings
-from torsion.output import check_words
+from torsion.output import check_words, headline
 from torsion.output.blocks import Block, Box, Heading, Table, head, table
 from torsion.output.chapters import first_page
-from torsion.output.chapters.first_page import Head, Kind, sweep_line, worst, worst_line
+from torsion.output.chapters.first_page import sweep_line, worst, worst_line
 from torsion.output.check_words import SIGNS
 from torsion.output.numbers import NONE, counted, number, symbols
 from torsion.output.reported_values import band_words, barred_rpm
 from torsion.results import listed
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
+from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks, Verdict
 
 MOST_NAMED = 4  # cases in the headline
 HEADS = 8  # rows of the first page for the heads of the box, of the table and of the chapter
-WORST = "✗!?–~✓"  # signs of headlines, from the worst
-RANK = {"fail": 0, "not kept": 1, "in part": 2, "outside": 3, "pass": 4}  # from the worst
-BAD = "fail", "not kept"
-NO_ANSWER = "no answer"
+ALL = {1: "the only case judged", 2: "both cases"}
 Cases = Mapping[str, Findings]
 Key = tuple[str, str, str, str, int]  # rule, clause, component, what, which of several
 
@@ -52,34 +49,24 @@ def box(cases: Cases) -> Box:
         lines.append(("No answer", "; ".join(unknown)))
     if left := [name for name, one in cases.items() if not one.is_judged]:
         lines.append(("For information", f"{', '.join(left)}: no part of this verdict"))
-    (sign, words), kind = headline(cases)
+    (sign, words), kind = headline_of_cases(cases)
     return Box(sign, words, kind, tuple(lines))
 
 
-def headline(cases: Cases) -> tuple[Head, Kind]:
-    """The worst of the headlines of the cases that are judged, and of which they are; PASS is what all of them read."""
-    each = {
-        name: first_page.headline(one) if one.is_answered else (("?", "INCOMPLETE: no answer"), "note")
-        for name, one in judged(cases).items()
+def headline_of_cases(cases: Cases) -> tuple[headline.Head, headline.Kind]:
+    """The worst verdict of the cases that are judged, and of which they are; PASS only where all of them pass."""
+    named = {
+        name: one for name, one in judged(cases).items() if one.study.rules or lines_of(one) or not one.is_answered
     }
-    (sign, _), kind = min(each.values(), key=lambda one: WORST.index(one[0][0]))
-    of = {name: words.split(", ") for name, ((other, words), _) in each.items() if other == sign}
-    all_or_some = (
-        ("both cases" if len(of) == 2 else f"all {len(of)} cases")
-        if len(of) == len(each) > 1
-        else counted(len(each), "case")
-    )
-    some = "" if len(of) == len(each) else f"{len(of)} of "
-    which = f" ({listed(of, most=MOST_NAMED)})" if some else ""
-    first = next(iter(of.values()))[0].partition(":")[0]
-    parts = {part: [name for name in of if part in of[name][1:]] for one in of.values() for part in one[1:]}
-    more = [part + (f" ({listed(names, most=MOST_NAMED)})" if len(names) < len(of) else "")
-            for part, names in parts.items()]  # fmt: skip
-    said = of if sign == SIGNS["outside"] else {}  # without a verdict at all
-    more += [
-        f"{listed(rules)} NOT JUDGED in case {name}" for name, rules in left_out(cases).items() if name not in said
-    ]
-    return (sign, ", ".join([f"{first} in {some}{all_or_some} judged{which}", *more])), kind
+    each = {name: verdict(one) for name, one in (named or judged(cases)).items()}
+    worst = next(word for word in WORDS if word in each.values())
+    of = [name for name, word in each.items() if WORDS[word] == WORDS[worst]]
+    if len(of) < len(each):
+        which = f"{_named(of[:MOST_NAMED])} ({len(of)} of {len(each)})"
+    else:
+        which = ALL.get(len(of), f"all {len(of)} cases")
+    left = "".join(f", without {listed(rules)} in case {name}" for name, rules in left_out(cases).items())
+    return (SIGNS[worst], f"{WORDS[worst]}: {which}{left}"), headline.KINDS[worst]
 
 
 def judged(cases: Cases) -> Cases:
@@ -97,32 +84,24 @@ def lines_of(findings: Findings) -> tuple[Check, ...]:
     return findings.need(Checks).lines if findings.is_answered else ()
 
 
-def verdict(findings: Findings) -> str:
-    """The worst verdict of a case, of which a failure is worse than no answer; empty where nothing judged."""
-    worst = min((check.verdict for check in lines_of(findings)), key=RANK.__getitem__, default="")
-    lacks = not findings.is_answered or any(one.is_named for one in findings.plan.unanswered)
-    return NO_ANSWER if lacks and worst not in BAD else worst
+def verdict(findings: Findings) -> Verdict:
+    """Return the worst verdict of a case; what has no answer is not judged."""
+    return headline.verdict(findings) if findings.is_answered else "not judged"
 
 
 def _conclusion(cases: Cases) -> str:
     """The verdict over all cases that are judged, in a sentence."""
     each = {name: verdict(one) for name, one in cases.items() if one.is_judged}
     doubt, left = _to_be_verified(cases), "".join(f"; {words}" for words in _limits(cases))
-    bad = [name for name, one in each.items() if one in BAD]
-    none = [name for name, one in each.items() if one == NO_ANSWER]
+    bad = [name for name, word in each.items() if WORDS[word] == "FAIL"]
+    none = [name for name, word in each.items() if word == "not judged"]
     number_of = counted(len(each), "case")
     if bad or none:
         words = [f"the train does not satisfy what is judged in {_named(bad)}"] if bad else []
-        words += [f"there is no answer to {_named(none)}"] if none else []
+        words += [f"something is not judged in {_named(none)}"] if none else []
         return f"Of {number_of} judged, {' and '.join(words)}{left}.{doubt}"
-    if not any(each.values()):
-        return f"No rule judges any of {number_of}: the report gives results without a verdict."
-    if all(one == "pass" for one in each.values()):
-        restricted = ", with the restrictions of speed below" if any(map(_restricts, judged(cases).values())) else ""
-        return f"Every check of every case that is judged passed ({number_of}){restricted}{left}.{doubt}"
-    unjudged = ", ".join(name for name, one in each.items() if not one)
-    more = f"; nothing judges {unjudged}" if unjudged else ""
-    return f"No check of {number_of} judged failed, but not all are within the range of a rule{more}{left}.{doubt}"
+    restricted = ", with the restrictions of its report" if "restricted" in each.values() else ""
+    return f"Every check of every case that is judged passed ({number_of}){restricted}{left}.{doubt}"
 
 
 def _named(cases: Sequence[str]) -> str:
@@ -141,7 +120,7 @@ def left_out(cases: Cases) -> dict[str, tuple[str, ...]]:
 def _limits(cases: Cases) -> Iterator[str]:
     """What is not judged in which case: rules that it leaves out, and speeds."""
     for name, rules in left_out(cases).items():
-        yield f"{listed(rules)} not judged in case {name}"
+        yield f"case {name} without {listed(rules)}"
     for name, one in judged(cases).items():
         if one.is_answered and (reached := check_words.reached(one)):
             yield f"case {name} judged {reached}"
@@ -167,9 +146,7 @@ def _overview(cases: Cases) -> Table:
         used = [check for check in lines if check.utilisation is not None]
         most = max(used, key=lambda check: check.utilisation or 0.0, default=None)
         failing = sum(check.fails for check in lines)
-        text = word.upper() or "not judged"
-        if word == "outside" and any(check.verdict == "pass" for check in lines):
-            text = "PASS, in part OUTSIDE the rules"
+        text = WORDS[word] if found.is_answered else f"{WORDS[word]}: no answer"
         case = found.study.case
         file = f"{case.folder}/report.html" if case is not None and found.is_answered else NONE
         rows.append((
@@ -178,14 +155,14 @@ def _overview(cases: Cases) -> Table:
             NONE if most is None else f"{most.where}: {symbols(most.clause)}",
             (text + without.get(name, "")) if found.is_judged else f"{text} (information)",
         ))  # fmt: skip
-        marks.append(("fail" if word == NO_ANSWER else word) if found.is_judged else "")
+        marks.append(word if found.is_judged else "")
     columns = head(
         "< Case -> | < Report | Checks | Not passed -> not passed | Highest utilisation [%] -> highest use, % | "
         "< Of -> | < Verdict ->"
     )
     return table(
         tuple(replace(one, is_files=one.title == "Report") for one in columns), rows,
-        "The cases: checks, those whose limit is not kept, and the highest utilisation of a limit", marks=marks,
+        "The cases: checks, those that fail, and the highest utilisation of a limit", marks=marks,
         short="Cases",
     )  # fmt: skip
 

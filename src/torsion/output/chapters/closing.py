@@ -5,11 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points
 from torsion.output.check_words import about
+from torsion.output.headline import failing_share
 from torsion.output.numbers import RPM, given_rpm, number, order, rpm, symbols
 from torsion.output.reported_values import (
     UNDAMPED,
@@ -113,36 +115,30 @@ def overall(findings: Findings) -> Paragraph:
     if bad:
         where = listed(about(bad), most=4)
         return Paragraph(f"{_bad(checks)} ({where}). The train does not satisfy {requested}.{doubt}", "fail")
-    if any(check.verdict != "pass" for check in checks):
-        reached = check_words.reached(findings)
-        words = {
-            "pass": "passed",
-            "in part": " ".join(filter(None, ("passed", reached, "in part, not over all that the rules demand"))),
-            "outside": "outside the range for which the rule has a limit",
-        }  # fmt: skip
-        number_of = {text: sum(check.verdict == key for check in checks) for key, text in words.items()}
-        counts = ", ".join(f"{n} {text}" for text, n in number_of.items() if n)
-        return Paragraph(f"No check failed: {counts}.{doubt}", "note")
-    restricted = " with the restrictions of speed below" if barred_rpm(findings) else ""
-    restricted += f", {reached}" if (reached := check_words.reached(findings)) else ""
+    if missing := [check for check in checks if check.verdict == "not judged"]:
+        words = listed(dict.fromkeys(f"{check.what}, {check.where}" for check in missing), "; ", most=4)
+        return Paragraph(
+            f"No check failed, and {len(missing)} of {len(checks)} could not be judged: {words}.{doubt}", "note"
+        )
+    limited = sum(check.verdict == "restricted" for check in checks)
+    restricted = f" with the restrictions below ({limited} of them)" if limited else ""
     passed = "The only check" if len(checks) == 1 else f"All {len(checks)} checks"
-    return Paragraph(f"{passed} passed: the train satisfies {requested}{restricted}.{doubt}", "pass")
+    sweep = findings.get(Sweep)
+    if sweep is not None and (sweep.fails or sweep.is_partial):
+        text = f"{passed} of the file as it stands passed{restricted}, but {failing_share(sweep)}.{doubt}"
+        return Paragraph(text, "fail" if sweep.fails else "note")
+    text = f"{passed} passed{restricted}: the train satisfies {requested}.{doubt}"
+    return Paragraph(text, "note" if limited else "pass")
 
 
 def _bad(checks: tuple[Check, ...]) -> str:
-    """How many checks failed, and how many limits that are to be verified are not kept, in words."""
-    failed, not_kept = (sum(check.verdict == verdict for check in checks) for verdict in ("fail", "not kept"))
-    if len(checks) == 1:
-        return "The only check failed" if failed else "The limit of the only check is not kept"
-    if not failed:
-        limits, are = ("limit", "is") if not_kept == 1 else ("limits", "are")
-        return f"The {limits} of {not_kept} of {len(checks)} checks {are} not kept"
-    more = f", the limits of {not_kept} more are not kept" if not_kept else ""
-    return f"{failed} of {len(checks)} checks failed{more}"
+    """How many checks failed, in words."""
+    failed = sum(check.fails for check in checks)
+    return "The only check failed" if len(checks) == 1 else f"{failed} of {len(checks)} checks failed"
 
 
 def _to_be_verified(checks: tuple[Check, ...]) -> str:
-    """How many limits are, and which of those are not kept, as a sentence; empty where none is."""
+    """How many limits are, and which of those are exceeded, as a sentence; empty where none is."""
     number_of = sum(check.standing == TO_BE_VERIFIED for check in checks)
     if not number_of:
         return ""
@@ -155,7 +151,7 @@ def _to_be_verified(checks: tuple[Check, ...]) -> str:
         ),
         most=4,
     )
-    more = f"; of these not kept: {missed}" if missed else ""
+    more = f"; of these exceeded: {missed}" if missed else ""
     counted = "1 limit is" if number_of == 1 else f"{number_of} limits are"
     return f" {counted} to be verified against the edition in force{more}."
 
@@ -172,7 +168,8 @@ def _restrictions(findings: Findings) -> tuple[str, ...]:
 def other_restrictions(findings: Findings, *, is_barred: bool) -> tuple[str, ...]:
     """The same without the barred ranges; that nothing restricts the speed where these do not."""
     response, bad, stable = findings.get(Response), unreliable(findings), findings.results.get("stability")
-    found = list[str]()
+    conditions = (words for check in findings.need(Checks).lines for words in check.restrictions)
+    found = [f"{words[:1].upper()}{words[1:]}." for words in dict.fromkeys(conditions)]
     if stable is not None:
         from torsion.output.chapters.stability_ranges import restrictions
 

@@ -1,10 +1,9 @@
 """The first page of a report: the verdict in a box, the train by its utilisation, its speeds, and shares of limits."""
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Literal
 
 import numpy as np
 
@@ -16,10 +15,11 @@ from torsion.kernels.tree_response import Status
 from torsion.output import check_words
 from torsion.output.blocks import Block, Box, PageEnd
 from torsion.output.chapters import closing, plant
-from torsion.output.check_words import SIGNS, contributing, is_judged, use_of_joint, use_of_part
+from torsion.output.check_words import contributing, is_judged, use_of_joint, use_of_part
 from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use, runs
 from torsion.output.figures.ranges import unanswered
 from torsion.output.figures.speed_range import speed_range
+from torsion.output.headline import headline
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, counted, number, rpm, symbols
 from torsion.output.reported_values import (
@@ -47,8 +47,6 @@ LETTERS, USUAL_ROWS = 115, 8  # of a row of the box, and its rows beside which M
 LEAST_FOR_SPEEDS = -6  # shares for which there is room, below two boxes, where the speeds have room
 BRANCHES = 13  # shares for which another row of the sketch leaves no room
 HEIGHT = 190.0  # px from the lowest to the highest axis of the sketch, at most
-Head = tuple[str, str]  # sign, words
-Kind = Literal["pass", "fail", "not kept", "note"]
 
 
 def box(findings: Findings) -> Box:
@@ -79,33 +77,6 @@ def box(findings: Findings) -> Box:
 def case_name(findings: Findings) -> str:
     """The case that the findings are of; empty of a file without cases."""
     return next(iter(findings.each)) if findings.cases or findings.study.case is not None else ""
-
-
-def headline(findings: Findings) -> tuple[Head, Kind]:
-    """Sign and words of the verdict, and how it stands out; nothing but a whole answer reads PASS."""
-    every, unknown = findings.need(Checks).lines, bool(findings.plan.unanswered)
-    compared = any(getattr(findings.results.get(name), "fails", False) for name in ("check", "fit"))
-    found = Counter(check.verdict for check in every)
-    more = ["an analysis without an answer"] if unknown else []
-    if found["fail"] or compared:
-        also = ["also NOT KEPT (limit to be verified)"] if found["not kept"] else []
-        return (SIGNS["fail"], ", ".join(["FAIL", *also, *more])), "fail"
-    if found["not kept"]:
-        return (SIGNS["not kept"], ", ".join(["NOT KEPT (limit to be verified)", *more])), "not kept"
-    if unknown:
-        return ("?", "INCOMPLETE: an analysis without an answer"), "note"
-    limited = ["with barred ranges of speed"] if barred(findings) else []
-    reached = check_words.reached(findings)
-    if found["in part"]:
-        bare = (one.rule for one in every if one.verdict == "in part" and one.reach is None)
-        lacking = dict.fromkeys(f"data lacking for {rule}" for rule in bare)
-        passes = [f"passes {reached}"] if reached else []
-        return (SIGNS["in part"], ", ".join(["NOT WHOLLY JUDGED", *passes, *lacking, *limited])), "note"
-    if not found["pass"]:
-        why = "the rules have no limit here" if every else "no rule judges this train"
-        return ("–", f"NO VERDICT: {why}"), "note"
-    beyond = ["in part outside the rules"] if found["outside"] else []
-    return (SIGNS["pass"], ", ".join(["PASS", *limited, *beyond, *([reached] if reached else [])])), "pass"
 
 
 def worst(findings: Findings) -> Check | None:
@@ -198,14 +169,10 @@ def _more(count: int) -> str:
 
 def _counts(findings: Findings, checks: tuple[Check, ...]) -> str:
     """How many checks there are of each verdict."""
-    found = Counter(check.verdict for check in checks)
     doubt = sum(check.standing == TO_BE_VERIFIED for check in checks)
-    words = [f"{found['pass']} passed", f"{found['fail']} failed", f"{found['not kept']} not kept",
-             *([f"{found['in part']} in part"] if found["in part"] else []),
-             f"{found['outside']} outside the rules"]  # fmt: skip
     unknown = len(findings.plan.unanswered)
     return (
-        f"{len(checks)}: {', '.join(words)}; {doubt} with a limit to be verified; "
+        f"{len(checks)}: {findings.need(Checks).counts}; {doubt} with a limit to be verified; "
         f"{unknown or 'no'} {'analysis' if unknown == 1 else 'analyses'} without an answer"
     )
 
@@ -239,7 +206,7 @@ def blocks(findings: Findings, notes: Iterable[Block], taken: int = 0) -> Iterat
     yield Figure(
         "utilisation",
         "The train: shafts, couplings and gears in colour and pattern of their largest utilisation (value / limit) of "
-        "stress or torque, and joints that fail. Outlined with a sign: a limit of any kind is not kept. Not to scale"
+        "stress or torque, and joints that fail. Outlined with a sign: a limit of any kind is exceeded. Not to scale"
         + "; ".join([joining, *train.beside]),
         (train,),
     )

@@ -25,7 +25,7 @@ METHODS = {
 WHAT = (
     "Probabilities are those of the laws stated here. A tolerance of a maker is an interval and no law: where one is "
     "varied uniformly, that is an assumption. A variant without an answer, or "
-    "judged in part alone, counts as failing."
+    "with a check that is not judged, counts as failing."
 )
 
 

@@ -12,7 +12,7 @@ from torsion.output.check_words import STRESS, contributing, quoted
 from torsion.output.numbers import NONE, counted, number, rpm, symbols
 from torsion.output.reported_values import band_words, barred, barred_rpm, mode_near, rated
 from torsion.results import listed
-from torsion.rules.verdict_line import BarredRange, Check, Checks
+from torsion.rules.verdict_line import WORDS, BarredRange, Check, Checks
 
 MOST_NAMED = 12  # components without a source that are named on the first page
 
@@ -168,5 +168,5 @@ def _row(findings: Findings, check: Check) -> tuple[str, ...]:
     against = f"{check_words.value(check)} / {check_words.limit(check)} {check_words.unit(check)}".rstrip()
     return (
         f"{symbols(check.clause)}: {check.what}", check.where, against, used, rpm(check.speed),
-        contributing(findings, check.order), f"{check_words.SIGNS[check.verdict]} {check.verdict.upper()}",
+        contributing(findings, check.order), f"{check_words.SIGNS[check.verdict]} {WORDS[check.verdict]}",
     )  # fmt: skip

@@ -70,12 +70,11 @@ GRADES: dict[Grade, Pattern] = {  # from light to dark in gray too
     "middle": Pattern("#b3d0e8", "50 to 80 %"),
     "high": Pattern("#dd9430", "80 to 100 %"),
     "over": Pattern(BAD, "FAIL", "#ffffff", 4.0, (1,)),
-    "not kept": Pattern("#f4cdc7", "NOT KEPT, limit to be verified", BAD, 4.0, (-1,)),
     "no answer": Pattern("#ffffff", "no answer", BAD, 4.0, (1, -1)),
-    "not judged": Pattern("#ffffff", "no rule judges stress or torque", "#888888", 3.0, (1,), "1 2.5"),
+    "not judged": Pattern("#ffffff", "stress or torque not judged", "#888888", 3.0, (1,), "1 2.5"),
 }
 MARKED = Stroke(BAD, 2.2)  # outline of what does not keep a limit, of whatever kind
-MARKS = {"✗": "a limit of any kind fails", "!": "a limit to be verified is not kept"}
+MARKS = {"✗": "a limit of any kind fails"}
 SYMBOLS = {  # path around (0, 0) in tenths of px, filled or not; about 6 px wide
     "disc": ("m-30 0a30 30 0 1 0 60 0a30 30 0 1 0-60 0z", True),
     "ring": ("m-65 0a65 65 0 1 0 130 0a65 65 0 1 0-130 0z", False),

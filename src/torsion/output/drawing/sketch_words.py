@@ -1,6 +1,5 @@
 """Words of the sketch of the train: in even steps of a long one, or those that matter first where links are graded."""
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
@@ -19,8 +18,7 @@ LETTERS = 0.95  # units from the axis to the words
 MOST_ROWS = 8  # of words above or below an axis
 FEWER_ROWS = (2, 3)  # of names of points above an axis and of words of links below it, where these are graded
 SOFT = "#33506b"
-COLOURS = {"✓": SOFT, "✗": BAD, "!": BAD}  # of a row of words, by the sign of its verdict
-NOT_KEPT = {"✗": "fail", "!": "not kept"}
+COLOURS = {"✓": SOFT, "!": SOFT, "?": SOFT, "✗": BAD}  # of a row of words, by the sign of its verdict
 APART = 13.0  # px between two signs
 WIDER = 1.08  # bold letters than plain ones
 LINE = "#999999"
@@ -45,7 +43,7 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
     if sketch.worst is not None:
         texts += _pointer(sheet, room, *sketch.worst)
     ranked = sorted((link for link in sketch.links if link.label and link.use), key=_rank)
-    left_out, bad = 0, Counter[str]()
+    left_out, bad = 0, 0
     for link in ranked:
         x, row = _middle(link)
         word = next(filter(None, (_placed(sheet, room, (x, row, said), -1) for said in _said(link))), None)
@@ -54,7 +52,7 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
             lines.append(_leader(sheet, (x, row), word, -1))
             texts += _rows(word)
         elif link.use is not None and link.use.is_bad:
-            bad[link.use.mark] += 1
+            bad += 1
     names = [(one.x, one.row, one.label) for one in sketch.discs if one.label]
     for name in sorted(names, key=lambda name: -_from_the_middle(name, names)):
         side, word = next(((side, word) for side in (1, -1) if (word := _placed(sheet, room, name, side))), (1, None))
@@ -65,9 +63,8 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
     high, low = _spread(sheet, sketch, room.taken[bodies:])
     if left_out:
         low += 1.3 * SIZE
-        which = " and ".join(f"{bad[sign]} {what}" for sign, what in NOT_KEPT.items() if bad[sign])
         said = f"Not labelled for want of room: {counted(left_out, 'component')}"
-        said += f" (of these {which})." if which else "."
+        said += f" (of these {bad} fail)." if bad else "."
         texts.append(words(4.0, low - 3.0, said, f' fill="{SOFT}"'))
     for said in sketch.beside:
         low += 1.3 * SIZE

@@ -17,7 +17,7 @@ Symbol = Literal[
     "open diamond",
 ]  # fmt: skip
 Place = tuple[float, float]
-Grade = Literal["low", "middle", "high", "over", "not kept", "no answer", "not judged"]
+Grade = Literal["low", "middle", "high", "over", "no answer", "not judged"]
 
 
 @dataclass(frozen=True)
