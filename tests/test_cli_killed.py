@@ -66,3 +66,22 @@ def test_motions_over_time_that_are_killed_leave_the_earlier_files_whole(
     assert left == set(earlier)
     assert all((out / name).read_text(encoding="utf-8") == "earlier" for name in earlier)
     assert how == signal.SIGKILL or not list(out.glob(".report-*"))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closes streams as a shell does")
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(("limit", "status"), [("1 kN*m", 0), ("1 N*m", 1)], ids=["passes", "fails"])
+def test_a_closed_stream_changes_neither_the_report_nor_the_exit_status(
+    closed: str, limit: str, status: int, tmp_path: Path
+) -> None:
+    coupling = f"coupling: {{stiffness: 1e4, psi: 1, rated_torque: {limit}}}"
+    text = f"""name: x
+operation: {{speeds: {{from: 300 rpm, to: 900 rpm, steps: 3}}, rated: {{speed: 900 rpm, power: 10 kW}}}}
+train: [motor: {{inertia: 1}}, {coupling}, propeller: {{inertia: 2}}]
+rules: [coupling-maker]
+"""
+    (tmp_path / "scene.yaml").write_text(text, encoding="utf-8")
+    words = f'exec "{sys.executable}" -m torsion solve scene.yaml -o out {closed}'
+    assert subprocess.run(["sh", "-c", words], cwd=tmp_path, check=False).returncode == status
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["report.html", "results.json"]
+    assert (tmp_path / "out" / "results.json").read_bytes().startswith(b'{\n"format"')

@@ -9,7 +9,10 @@ import sys
 import tarfile
 from pathlib import Path
 
+from typer.testing import CliRunner
+
 import torsion
+from torsion.cli import app
 
 ROOT = Path(__file__).parent.parent
 BUILD = "import setuptools.build_meta as backend; print(backend.build_sdist('.'))"
@@ -49,4 +52,5 @@ def test_the_version_is_said_once_in_every_file_of_the_project() -> None:
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert re.search(r'^version = "(.+)"$', project, re.M)[1] == torsion.__version__
     assert re.search(r"^version: (.+)$", citation, re.M)[1] == torsion.__version__
+    assert CliRunner().invoke(app, ["--version"]).output == f"torsion {torsion.__version__}\n"
     assert (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").startswith("# Changelog")

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+import torsion
 from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError
-from torsion.lasting_output import lasting
+from torsion.lasting_output import lasting, replace_closed_streams
 
 if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
@@ -28,8 +29,18 @@ JSON_HELP = "Print the results as JSON; no file is written, and no option that w
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
 
+def _say_version(is_requested: bool) -> None:
+    if is_requested:
+        typer.echo(f"torsion {torsion.__version__}")
+        raise typer.Exit
+
+
 @app.callback()
-def about() -> None:
+def about(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Print the version and end.")
+    ] = False,
+) -> None:
     """Torsional vibration of shaft trains: frequencies, response, universal joints, class rules, report."""
 
 
@@ -376,12 +387,13 @@ def main() -> None:
     A reader that leaves (`| head`) changes nothing of the exit status; output that cannot be written for another reason
     makes it that of a fault of the input.
     """
+    replace_closed_streams()
     gc.set_threshold(100_000, 20, 50)  # looking for cycles took 12 % of the time of a large train
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))  # as on Ctrl-C: files stay whole
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")
-    if os.name != "posix" or sys.stdout is not sys.__stdout__ or None in (sys.stdout, sys.stderr):
+    if os.name != "posix" or sys.stdout is not sys.__stdout__:
         app()
     sys.stderr, _ = lasting(sys.stderr, 2)
     sys.stdout, output = lasting(sys.stdout, 1)

@@ -1,5 +1,9 @@
 """The JSON Schema takes what the reader takes and refuses what is wrong in structure."""
 
+import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -171,3 +175,10 @@ def test_every_default_of_a_declaration_is_that_of_the_schema_unless_it_needs_a_
             needs_unit = "#/$defs/" in written.get("$ref", "") and written["type"] == "string"
             assert needs_unit or written["default"] == field.default, (kind, name)
     assert found > 30
+
+
+def test_the_schema_is_printed_without_docstrings_too() -> None:
+    """Python leaves docstrings out with PYTHONOPTIMIZE=2; the keys are the same."""
+    command = [sys.executable, "-m", "torsion", "schema"]
+    printed = subprocess.run(command, env={**os.environ, "PYTHONOPTIMIZE": "2"}, capture_output=True, check=True).stdout
+    assert json.loads(printed)["properties"].keys() == json_schema()["properties"].keys()

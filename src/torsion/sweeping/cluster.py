@@ -54,7 +54,7 @@ def checked(given: Scheduler) -> Scheduler:
     if given.workers > 1 and (given.address or given.file is not None):
         raise _refused("--workers are of this machine, and a scheduler has its own", "give one of them")
     if given.is_needed and (find_spec("dask") is None or find_spec("distributed") is None):
-        raise _refused("workers need dask", "pip install 'torsion[sweep]'")
+        raise _refused("workers need dask", "pip install '.[sweep]'")
     for option, file in {**tls, "--scheduler-file": given.file}.items():
         if file is not None and not file.is_file():
             raise _refused(f"{option} {file}: no such file", "give its path")
