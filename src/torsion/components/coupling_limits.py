@@ -81,7 +81,7 @@ Rows = tuple[tuple[float, float], ...]
 class VibratoryTorque(Declared):
     """Permissible vibratory torque."""
 
-    torque: fields.Torque | None = given("half range; with `at` up to that frequency")
+    torque: fields.Rating | None = given("half range; with `at` up to that frequency")
     at: fields.Frequency | None = given("frequency above which it falls")
     above: Literal["sqrt"] | None = given("how it falls above `at`: sqrt, with the root of at/f, a constant heat")
     table: Annotated[Rows, _rows(Quantity("N*m", above=0), TORQUE_ROW)] | None = given(

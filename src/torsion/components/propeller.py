@@ -14,7 +14,7 @@ from torsion.primitives import Damper, Torque
 
 SEA_WATER = 1025.0  # kg/m3
 USUAL_FACTOR = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}
-Ratio = Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))]
+Ratio = Annotated[float, Quantity("1", above=0, usual="ratio of a propeller")]
 
 
 class BladeTorque(Declared):
@@ -61,9 +61,9 @@ class Propeller(Component, keyword="propeller", sort="point"):
     )
     tolerance: fields.Tolerance | None = given("tolerance of the inertia and of the entrained water, for example 10 %")
     blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades")
-    diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
+    diameter: Annotated[float, Quantity("m", above=0, usual="diameter of a propeller")] | None = given("diameter")
     pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
-    hub_ratio: Annotated[float, Quantity("1", above=0, below=1, slip=("%",))] | None = given(
+    hub_ratio: Annotated[float, Quantity("1", above=0, below=1, usual="ratio of a propeller")] | None = given(
         "diameter of the hub / diameter; for the ice torque of a class"
     )
     ducted: bool = given("it turns in a duct; for the ice torque of a class", False)
@@ -80,6 +80,12 @@ class Propeller(Component, keyword="propeller", sort="point"):
         missing = [key for key in needed if getattr(self, key) is None]
         if self.damping is not None and self.damping.model == "schwanecke" and missing:
             raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
+        if self.entrained and self.inertia:
+            (unit, amount), whole = self.entrained, 1.0
+            words, hint = "the entrained water has {} times the inertia of the propeller", ""
+            if unit != "1":
+                whole, hint = self.inertia, f"{amount:g} %?"
+            self.refuse_unusual("entrained water over inertia", amount / whole, words, hint, "entrained")
 
     def lower(self, build: Lowering) -> None:
         model, factor = ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)

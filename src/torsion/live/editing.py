@@ -10,10 +10,10 @@ import shutil
 import tempfile
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 from torsion.errors import InputError
+from torsion.user_files import LARGEST_SCENE, read_file
 
 Answer = dict[str, Any]  # with `refused`, in words, where nothing was written
 CHANGED = "the file has changed on the disk meanwhile: nothing was written"
@@ -75,7 +75,7 @@ def put(file: str, positions: Mapping[str, float], of: str, case: str | None) ->
 
 def _content(file: str) -> tuple[bytes, str]:
     """Raises OSError, or ValueError of what is no text."""
-    content = Path(file).read_bytes()
+    content = read_file(file, LARGEST_SCENE)
     return content, content.decode()
 
 

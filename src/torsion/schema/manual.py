@@ -380,8 +380,7 @@ def _limits(field: FieldInfo) -> Iterator[str]:
     for item in items_of(field):
         if isinstance(item, Quantity):
             yield from (f"{words} {limit:.5g}" for words, limit, _ in item.limits)
-            if usual := item.usual_words():
-                yield f"usually {usual}"
+            yield f"usually {item.usual_words()}"
         if item is Amount:
             yield f"usually {SHARE_OF_MEAN.usual_words()} of the mean"
         for words, name in (("at least", "ge"), ("at most", "le")):
