@@ -36,5 +36,7 @@ def check_file(file: str | Path, largest: int) -> None:
 
 
 def _too_large(file: str | Path, size: int, largest: int) -> OSError:
-    words = f"it has {size / 1e6:,.6g} MB, and at most {largest / 1e6:,.6g} MB are read"
-    return OSError(errno.EFBIG, words, str(file))
+    unit, name = (1e6, "MB") if largest >= 1e6 else (1e3, "kB")
+    return OSError(
+        errno.EFBIG, f"it has {size / unit:,.0f} {name}, at most {largest / unit:,.0f} {name} are read", str(file)
+    )

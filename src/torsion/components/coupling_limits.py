@@ -98,8 +98,6 @@ class VibratoryTorque(Declared):
         if (self.at is None) != (self.above is None):
             lacks = "above" if self.above is None else "at"
             raise refuse(f"`{lacks}` is missing", "{torque: 15 kN*m, at: 10 Hz, above: sqrt}")
-        if self.at is not None and not self.torque:
-            raise refuse("a torque of 0 does not fall", "more than 0", "torque")
 
     def lowered(self) -> tuple[float | None, OverFrequency | None]:
         """The torque, or what it is over frequency."""

@@ -18,6 +18,8 @@ def read_logo(file: Path) -> str:
     """The data URI; raises InputError where the file is missing, too large, damaged, or of another form."""
     try:
         content = read_file(file, MOST)
+    except FileNotFoundError:
+        raise _refused(f"{file} is not there", "a PNG, JPEG or SVG file") from None
     except (OSError, ValueError) as error:
         hint = "a PNG, JPEG or SVG file: it stands in every page that is made"
         raise _refused(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}", hint) from None
