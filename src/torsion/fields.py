@@ -26,6 +26,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from torsion import units
 from torsion.errors import printable
+from torsion.usual_ranges import LARGEST, SMALLEST, USUAL, UsualRange
 
 
 class Declared(BaseModel):
@@ -69,6 +70,17 @@ class Sized(Declared):
 
     unusual: bool = given("true: quantities outside their usual range are meant", False)
 
+    def refuse_unusual(self, row: str, number: float, words: str, hint: str, key: str) -> None:
+        """Refuse a number that several keys make together, outside its row of usual ranges.
+
+        words: of what it is, with `{}` in the place of the number.
+        """
+        usual = USUAL[row]
+        if not (self.unusual or usual.holds(number)):
+            lifts = f"usual: {usual.words()}; if it is meant, `unusual: true` says so"
+            message = f"{words.format(f'{number:.5g}')}, outside the usual range"
+            raise refuse(message, f"{hint} {lifts}".strip(), key)
+
     @model_validator(mode="wrap")
     @classmethod
     def _with_its_ranges(cls, data: Any, read: ModelWrapValidatorHandler[Self]) -> Self:
@@ -85,8 +97,7 @@ class Sized(Declared):
 class Quantity:
     """Reads a number in SI or text with a unit into a float in `unit`, within the limits.
 
-    A value outside `usual` is refused as a slip, but where the component says `unusual: true`; 0 is never unusual. The
-    units of `slip` are those that a writer may have had in mind.
+    A value outside its usual range is refused as a slip, but where the component says `unusual: true`.
     """
 
     unit: str
@@ -94,9 +105,7 @@ class Quantity:
     at_least: float | None = None
     below: float | None = None
     at_most: float | None = None
-    usual: tuple[float | None, float | None] = (None, None)
-    slip: tuple[str, ...] = ()
-    mistaken: str = ""  # another quantity that such a value may have been meant for
+    usual: str = ""  # row of the table of usual ranges; empty: that of the unit
 
     def read(self, value: object) -> float:
         """The value in `unit`; raises the located fault that the user sees."""
@@ -124,12 +133,20 @@ class Quantity:
                 must = f"must be {words} {_with_unit(limit / size, unit)}"
                 raise refuse(f"{_with_unit(number / size, unit)} is out of range", must)
         what, meant = _READING.get()
-        if not (meant or number == 0 or self._is_usual(number)):
+        if not (meant or self.range.holds(number)):
             lifts = f"; if it is meant, `unusual: true` on the {what} says so" if what else ""
-            guess = self._slip(number / size)
+            guess = self._slip(number, size)
             hint = f"{guess}{' ' if guess else ''}usual: {self.usual_words(unit, size)}{lifts}"
             raise refuse(f"{_with_unit(number / size, unit)} is outside the usual range", hint)
+        if number and not SMALLEST <= abs(number) <= LARGEST:
+            hint = f"in SI from {SMALLEST:g} to {LARGEST:g}, or 0"
+            raise refuse(f"{_with_unit(number / size, unit)} is beyond all that can be computed with", hint)
         return number
+
+    @property
+    def range(self) -> UsualRange:
+        """Its row of the table of usual ranges."""
+        return USUAL[self.usual or self.unit]
 
     @property
     def limits(self) -> list[tuple[str, float, Callable[[float, float], bool]]]:
@@ -140,29 +157,17 @@ class Quantity:
         )  # fmt: skip
         return [(words, limit, holds) for words, limit, holds in known if limit is not None]
 
-    def _is_usual(self, number: float) -> bool:
-        low, high = self.usual
-        return (low is None or number >= low) and (high is None or number <= high)
-
-    def _slip(self, number: float) -> str:
-        """The number with the first unit that makes it usual, as a question; else what it may be mistaken for."""
-        for unit in self.slip:
-            if self._is_usual(number * units.to_si(f"1 {unit}", self.unit)):
-                return f"{_with_unit(number, unit)}?"
-        return f"{self.mistaken}?" if self.mistaken else ""
+    def _slip(self, number: float, size: float) -> str:
+        """The number as it is written with the first unit that makes it usual, as a question; else what it may be."""
+        if unit := self.range.likely(number / size, self.unit):
+            return f"{_with_unit(number / size, unit)}?"
+        other = self.range.other_quantity(number)
+        return f"{other}?" if other else ""
 
     def usual_words(self, unit: str = "", size: float = 1.0) -> str:
-        """The usual range in words, in a unit of that size; empty where every value is usual."""
-        low, high = (None if end is None else f"{end / size:.5g}" for end in self.usual)
-        match low, high:
-            case None, None:
-                return ""
-            case None, _:
-                return _with_unit(f"at most {high}", unit)
-            case _, None:
-                return _with_unit(f"at least {low}", unit)
-            case _:
-                return _with_unit(f"{low} to {high}", unit) + (", or 0" if self.at_least == 0 else "")
+        """The usual range in words, in a unit of that size."""
+        words = _with_unit(self.range.words(size), unit)
+        return words + (", or 0" if self.at_least == 0 and self.range.low > 0.0 else "")
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -170,11 +175,10 @@ class Quantity:
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        usual = self.usual_words()
-        meaning = f"a number with a unit; in SI: {self.unit}" + (f"; usually {usual}" if usual else "")
+        meaning = f"a number with a unit; in SI: {self.unit}; usually {self.usual_words()}"
         text = {"type": "string", "description": meaning, "x-unit": [self.unit]}
         plain = text if units.needs_unit(self.unit) else {"anyOf": [{"type": "number"}, text]}
-        return plain | {"x-usual": list(self.usual)} if usual else plain
+        return plain | {"x-usual": self.range.ends}
 
 
 def _with_unit(amount: float | str, unit: str) -> str:
@@ -230,7 +234,7 @@ class Amount:
     of_mean: float = 0.0  # 1
 
 
-SHARE_OF_MEAN = Quantity("1", at_least=0, usual=(None, 5.0), slip=("%",))
+SHARE_OF_MEAN = Quantity("1", at_least=0, usual="share of the mean torque")
 
 
 def read_amount(value: object) -> Amount:
@@ -252,24 +256,24 @@ def _read_by(read: Callable[[Any], Any]) -> GetPydanticSchema:
 
 
 OneOrMany = BeforeValidator(lambda value: value if isinstance(value, list | tuple) else (value,))  # one: a list of it
-WIDEST = 3.0  # m; the shafts of the largest water turbines
 
 Inertia = Annotated[float, Quantity("kg*m**2", at_least=0)]
-Stiffness = Annotated[float, Quantity("N*m/rad", above=0, usual=(1e-3, None), mistaken="a flexibility")]
+Stiffness = Annotated[float, Quantity("N*m/rad", above=0)]
 GroundStiffness = Annotated[float, Quantity("N*m/rad", at_least=0)]
-Flexibility = Annotated[float, Quantity("rad/(N*m)", at_least=0, usual=(None, 1e3), mistaken="a stiffness")]
+Flexibility = Annotated[float, Quantity("rad/(N*m)", at_least=0)]
 Damping = Annotated[float, Quantity("N*m*s/rad", at_least=0)]
-Across = Annotated[float, Quantity("m", above=0, usual=(None, WIDEST), slip=("mm",))]
-Bore = Annotated[float, Quantity("m", at_least=0, usual=(None, WIDEST), slip=("mm",))]
+Across = Annotated[float, Quantity("m", above=0, usual="diameter of a shaft")]
+Bore = Annotated[float, Quantity("m", at_least=0, usual="diameter of a shaft")]
 Angle = Annotated[float, Quantity("rad")]
 JointAngle = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
 Speed = Annotated[float, Quantity("rad/s", above=0)]
 Frequency = Annotated[float, Quantity("Hz", above=0)]
 Torque = Annotated[float, Quantity("N*m", at_least=0)]
-Power = Annotated[float, Quantity("W", above=0, usual=(None, 5e9), slip=("kW", "W"))]
-Modulus = Annotated[float, Quantity("Pa", above=0, usual=(1e9, 1e12), slip=("GPa", "MPa", "kPa", "Pa"))]
-Tolerance = Annotated[float, Quantity("1", at_least=0, usual=(None, 1.0), slip=("%",))]
-LossFactor = Annotated[float, Quantity("1", at_least=0, usual=(None, 2.0), slip=("%",))]
+Rating = Annotated[float, Quantity("N*m", above=0)]
+Power = Annotated[float, Quantity("W", above=0)]
+Modulus = Annotated[float, Quantity("Pa", above=0, usual="modulus")]
+Tolerance = Annotated[float, Quantity("1", at_least=0, usual="tolerance")]
+LossFactor = Annotated[float, Quantity("1", at_least=0, usual="loss factor")]
 Number = Annotated[float, Quantity("1", above=0)]
 _exact = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": "^[0-9./]+$"}]}
 _of_mean = {
@@ -279,7 +283,7 @@ _of_mean = {
         "of_mean": {
             "description": "share of the mean torque, %",
             "anyOf": [{"type": "number"}, {"type": "string", "x-unit": ["1"]}],
-            "x-usual": list(SHARE_OF_MEAN.usual),
+            "x-usual": SHARE_OF_MEAN.range.ends,
         }
     },
 }

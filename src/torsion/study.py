@@ -17,7 +17,7 @@ from torsion.errors import Fault, InputError
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
 from torsion.train import Train
 
-ModalRatio = Annotated[float, Quantity("1", at_least=0, below=1, usual=(None, 0.2), slip=("%",))]
+ModalRatio = Annotated[float, Quantity("1", at_least=0, below=1, usual="damping ratio")]
 MEMORY = 2e9  # bytes that a response may need where nothing else is said
 
 

@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from torsion import units
+from torsion.user_files import LARGEST_SIGNAL, LARGEST_TABLE, read_file
 
 MOST_ROWS = 100_000
 _UNIT = re.compile(r".*[\[(](.+)[\])]\s*|(.*)")  # time [ms], torque (kN*m), or the unit alone
@@ -29,6 +30,11 @@ class Columns:
     most: int = MOST_ROWS
 
     @property
+    def largest(self) -> int:
+        """Bytes of a file."""
+        return LARGEST_TABLE if self.most <= MOST_ROWS else LARGEST_SIGNAL
+
+    @property
     def both(self) -> str:
         """Their names."""
         return " and ".join(self.names)
@@ -40,7 +46,7 @@ def pairs(file: Path, columns: Columns) -> tuple[tuple[float, ...], ...]:
     Raises ValueError with two arguments, what is wrong and what would be right, where it is no such file.
     """
     try:
-        text = file.read_text(encoding="utf-8-sig")
+        text = read_file(file, columns.largest).decode("utf-8-sig")
     except (OSError, ValueError) as error:
         raise ValueError(f"'{file}' cannot be read: {getattr(error, 'strerror', error)}", "give a text file") from None
     return _pairs(file, text, columns)
@@ -66,9 +72,10 @@ def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, ...], 
 def named(file: Path, choices: Sequence[Columns]) -> Columns:
     """The one whose units the first line of a file names; where none is, the first: its faults then say so."""
     try:
-        header = next((line for line in file.read_text(encoding="utf-8-sig").splitlines() if line.strip()), "")
+        text = read_file(file, choices[0].largest).decode("utf-8-sig")
     except (OSError, ValueError):
         return choices[0]
+    header = next((line for line in text.splitlines() if line.strip()), "")
     for columns in choices:
         try:
             _factors(file, header, columns)

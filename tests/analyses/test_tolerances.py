@@ -247,3 +247,14 @@ def test_a_coupling_that_closes_a_loop_is_taken_out_and_made_rigid() -> None:
     root = np.sqrt([1.2 + 0.95, 0.35, 0.6])
     hertz = np.sqrt(np.linalg.eigvalsh(k / np.outer(root, root))[1:]) / (2.0 * np.pi)
     assert chord.stiffest[:2] == pytest.approx(hertz, rel=1e-13)
+
+
+def test_sensitivities_to_all_inertias_beside_a_spring_to_ground_add_up_to_minus_a_half() -> None:
+    """All inertias times c make every frequency c**-0.5 as high, on a spring to ground as without one (Euler)."""
+    discs = (
+        "  - disc: {inertia: 2, stiffness: 8 kN*m/rad, tolerance: 5 %}\n",
+        "  - disc: {inertia: 3, tolerance: 5 %}\n",
+    )
+    result = found(f"name: a\ntrain:\n{discs[0]}  - coupling: {{stiffness: 1e4}}\n{discs[1]}")
+    assert {figure.figure for figure in result.figures} == {"disc-1.inertia", "disc-2.inertia"}
+    assert sum(figure.sensitivity for figure in result.figures) == pytest.approx(-0.5, rel=1e-12)

@@ -94,7 +94,7 @@ def test_a_gear_does_not_speak_for_the_components_of_its_branches():
     ("lowest", "highest", "build"),
     [
         (None, 3.0, lambda value, **meant: Shaft(length=1.0, diameter=value, **meant)),
-        (None, 20e3, lambda value, **meant: Shaft(length=value, diameter=0.1, **meant)),
+        (1e-6, 20e3, lambda value, **meant: Shaft(length=value, diameter=1.0 if value > 1.0 else 1e-3, **meant)),
         (None, 4.0 * math.pi, lambda value, **meant: Coupling(stiffness=1e4, psi=value, **meant)),
         (None, 2.0, lambda value, **meant: Coupling(stiffness=1e4, loss_factor=value, **meant)),
         (None, 2.0, lambda value, **meant: Shaft(length=1.0, diameter=0.1, loss_factor=value, **meant)),
@@ -128,12 +128,12 @@ def test_a_refused_component_leaves_nothing_to_the_next():
 
 def test_schema_and_manual_tell_the_ranges_and_the_key_that_lifts_them():
     definitions = json_schema()["$defs"]
-    assert definitions["Shaft"]["properties"]["length"]["x-usual"] == [None, 20e3]
+    assert definitions["Shaft"]["properties"]["length"]["x-usual"] == [1e-6, 20e3]
     assert definitions["Material"]["properties"]["density"]["x-usual"] == [500.0, 25e3]
     torque = definitions["Ripple"]["properties"]["torque"]["anyOf"]
     assert [None, 5.0] in [way.get("properties", {}).get("of_mean", {}).get("x-usual") for way in torque]
-    assert "usually at most 3" in str(definitions["Shaft"]["properties"]["diameter"])
+    assert "usually 1e-05 to 3" in str(definitions["Shaft"]["properties"]["diameter"])
     for name in ("Material", "Operation", "Excitation", *(component(kind).__name__ for kind in KINDS)):
         assert definitions[name]["properties"]["unusual"]["type"] == "boolean"
     rows = [line for line in manual().splitlines() if line.startswith("| `diameter` | `m`, or a list")]
-    assert [row.split(" | ")[2] for row in rows] == ["more than 0, usually at most 3"]
+    assert [row.split(" | ")[2] for row in rows] == ["more than 0, usually 1e-05 to 3"]

@@ -23,7 +23,7 @@ from torsion.assembly import of_train
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import with_springs
 from torsion.errors import InputError
-from torsion.fields import Declared, given
+from torsion.fields import Declared, given, required
 from torsion.findings import Work
 from torsion.results import reported, result
 from torsion.study import Study
@@ -36,8 +36,8 @@ Factors = tuple[tuple[int, float], ...]  # span, its stiffness over that of the 
 class Aim(Declared):
     """A mode where it should be."""
 
-    mode: Annotated[int, Field(ge=1, le=MOST_MODES)] = given("which elastic mode, counted from 1")
-    frequency: Annotated[fields.Frequency, Field(gt=0)] = given("where it should be")
+    mode: Annotated[int, Field(ge=1, le=MOST_MODES)] = required("which elastic mode, counted from 1")
+    frequency: fields.Frequency = required("where it should be")
 
 
 class TolerancesSettings(Declared):
@@ -179,7 +179,7 @@ def ranked(found: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
     parts = system.train.parts
     moved = np.zeros((len(parts), found.frequency.size))
     for one in system.train.inertias:
-        if parts[one.part].inertia_tolerance:
+        if parts[one.part].inertia_tolerance and math.isfinite(one.inertia):  # but for the ground of a disc on a spring
             moved[one.part] -= 0.5 * one.inertia * np.square(found.shape[one.station])
     for number, part in enumerate(parts):
         if part.inertia_tolerance:

@@ -29,7 +29,7 @@ from torsion.primitives import Spring, tabled_spring
 Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_length=2)]
 
 
-Angle = Annotated[float, Quantity("rad", above=0)]
+Angle = Annotated[float, Quantity("rad", above=0, usual="clearance")]
 Torque = Annotated[float, Quantity("N*m", above=0)]
 BESIDE_NO_CAPACITY = (
     "clearance", "hysteresis_torque", "stages", "viscous", "loss_factor", "psi", "magnifier"
@@ -92,18 +92,18 @@ class Coupling(Component, keyword="coupling", sort="link"):
     loss_factor: fields.LossFactor | None = given("loss factor eta: k (1 + i eta)")
     psi: Psi | None = given(PSI)
     magnifier: Magnifier | None = given(MAGNIFIER)
-    rated_torque: fields.Torque | None = given("T_KN of the maker")
+    rated_torque: fields.Rating | None = given("T_KN of the maker")
     vibratory_torque: VibratoryLimit | None = given(
         "T_KW of the maker: permissible vibratory torque, half range; over frequency {torque, at, above}, or rows "
         "[frequency, torque]"
     )
-    max_torque: fields.Torque | None = given(
+    max_torque: fields.Rating | None = given(
         "T_Kmax of the maker; where it gives two, T_Kmax1: of normal operation, as starts, resonances, clutching, ice"
     )
-    max_torque_rare: fields.Torque | None = given(
+    max_torque_rare: fields.Rating | None = given(
         "T_Kmax2 of the maker, of rare events: short circuit, emergency, misoperation (default: `max_torque`)"
     )
-    max_torque_range: fields.Torque | None = given(
+    max_torque_range: fields.Rating | None = given(
         "dT_max of the maker: range of the torque, from peak to peak, in a motion of normal operation"
     )
     heat_limit: PowerLimit | None = given(

@@ -81,7 +81,7 @@ Rows = tuple[tuple[float, float], ...]
 class VibratoryTorque(Declared):
     """Permissible vibratory torque."""
 
-    torque: fields.Torque | None = given("half range; with `at` up to that frequency")
+    torque: fields.Rating | None = given("half range; with `at` up to that frequency")
     at: fields.Frequency | None = given("frequency above which it falls")
     above: Literal["sqrt"] | None = given("how it falls above `at`: sqrt, with the root of at/f, a constant heat")
     table: Annotated[Rows, _rows(Quantity("N*m", above=0), TORQUE_ROW)] | None = given(
@@ -98,8 +98,6 @@ class VibratoryTorque(Declared):
         if (self.at is None) != (self.above is None):
             lacks = "above" if self.above is None else "at"
             raise refuse(f"`{lacks}` is missing", "{torque: 15 kN*m, at: 10 Hz, above: sqrt}")
-        if self.at is not None and not self.torque:
-            raise refuse("a torque of 0 does not fall", "more than 0", "torque")
 
     def lowered(self) -> tuple[float | None, OverFrequency | None]:
         """The torque, or what it is over frequency."""

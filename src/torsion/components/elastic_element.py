@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from torsion.kernels.warming import Warming
 
 DAMPINGS = ("viscous", "loss_factor", "psi", "magnifier")
-Psi = Annotated[float, Quantity("1", at_least=0, usual=(None, 4.0 * math.pi), slip=("%",))]
-Magnifier = Annotated[float, Quantity("1", above=0, usual=(0.5, None), mistaken="a loss factor")]
+Psi = Annotated[float, Quantity("1", at_least=0, usual="psi")]
+Magnifier = Annotated[float, Quantity("1", above=0, usual="magnifier")]
 PSI = "relative damping: energy lost in a cycle / peak elastic energy; eta = psi/(2 pi)"
 MAGNIFIER = "dynamic magnifier M; eta = 1/M"
 
@@ -92,7 +92,7 @@ class CouplingTable(Declared):
         return StiffnessTable(self.over, points, stiffness, eta, viscous, self.beyond == "hold")
 
 
-Relaxation = Annotated[float, Quantity("s", above=0, usual=(None, 1e5))]
+Relaxation = Annotated[float, Quantity("s", above=0)]
 TERM = "terms are [stiffness, relaxation time]: [[6 kN*m/rad, 0.05 s], [9 kN*m/rad, 5 ms]]"
 
 
@@ -134,9 +134,9 @@ class FractionalSpring(Declared):
         return fractional(self.stiffness / scale, self.k1 / scale, self.tau, self.exponent)
 
 
-Temperature = Annotated[float, Quantity("degC", usual=(-60.0, 250.0))]
-Rise = Annotated[float, Quantity("K", above=0, usual=(None, 200.0), mistaken="a temperature")]
-Factor = Annotated[float, Quantity("1", above=0, usual=(0.05, 3.0), slip=("%",))]
+Temperature = Annotated[float, Quantity("degC")]
+Rise = Annotated[float, Quantity("K", above=0, usual="rise of temperature")]
+Factor = Annotated[float, Quantity("1", above=0, usual="factor of a stiffness")]
 ROW = "rows are [temperature, value], the temperatures rising: [[30 degC, 1], [100 degC, 0.6]]"
 
 

@@ -20,7 +20,7 @@ from torsion.primitives import Constraint, Spring, Toothing
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
 Pressure = Annotated[float, Quantity("rad", above=0, below=math.pi / 2)]
-Module = Annotated[float, Quantity("m", above=0, usual=(None, 0.2), slip=("mm",))]
+Module = Annotated[float, Quantity("m", above=0, usual="module")]
 PRESSURE_ANGLE = math.radians(20.0)  # of the basic rack, ISO 53
 BESIDE_NO_PLANETARY = frozenset((
     "ratio", "teeth", "inertia", "mesh_stiffness", "sense", "branches", "module", "pitch_diameter", "helix_angle",
@@ -59,10 +59,10 @@ class Gear(Component, keyword="gear", sort="link"):
     )
     branches: tuple[GearBranch, ...] = given("further wheels on the same driving gear", ())
     differential: Differential | None = given("two equal halves behind the driven wheel, which turns as their mean")
-    application_factor: Annotated[float, Quantity("1", at_least=1, usual=(None, 10.0), slip=("%",))] | None = given(
+    application_factor: Annotated[float, Quantity("1", at_least=1, usual="application factor")] | None = given(
         "K_A of the gear rating"
     )
-    max_torque: fields.Torque | None = given("greatest torque of its rating, at the driving gear, in motion over time")
+    max_torque: fields.Rating | None = given("greatest torque of its rating, at the driving gear, in motion over time")
     module: Module | None = given("normal module m_n; with `teeth` it makes the pitch diameters m_n z/cos(beta)")
     pitch_diameter: Annotated[tuple[fields.Across, ...], Field(min_length=2, max_length=2)] | None = given(
         "pitch (reference) diameters d of the [driving, driven] wheels, for the forces on the teeth"

@@ -13,7 +13,7 @@ from torsion.primitives import Torque
 Table = tuple[tuple[float | str, float | str], ...]  # [[speed, torque], ...] as written in the file
 
 AMOUNTS = ("torque", "transmission_error")  # of an excitation; one of them
-ALONG = Quantity("m", above=0, usual=(None, 2e-3), slip=("um",))
+ALONG = Quantity("m", above=0, usual="error of a gear")
 
 
 def _read_error(value: Any) -> Any:
@@ -74,7 +74,7 @@ class Excitation(Harmonic, Sized):
         "at a gear, in place of `torque`: amplitude e (half range) along the line of action in the transverse plane, "
         "or as an angle of the driving gear; of a planetary stage of the mesh of its sun (fixed sun: of its ring)"
     )
-    base_radius: Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm",))] | None = given(
+    base_radius: Annotated[float, Quantity("m", above=0, usual="size of a gear")] | None = given(
         "of the driving gear (of a planetary stage: of its sun or ring), for an error along the line of action "
         "(default: from `module` or `pitch_diameter` of the gear)"
     )

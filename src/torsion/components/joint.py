@@ -34,7 +34,7 @@ class Joint(Component, keyword="joint", sort="link"):
     )
     inertia: Pair | None = given("[driving, driven] yokes")
     radius: fields.Across | None = given("of a tripod: from the driving shaft's axis to its three bearings' lines")
-    arm: Annotated[float, Quantity("m", above=0, usual=(None, 100.0), slip=("mm",))] | None = given(
+    arm: Annotated[float, Quantity("m", above=0, usual="distance of bearings")] | None = given(
         "of a tripod: from the joint to the point about which its driven shaft pivots"
     )
     bearing: Literal["single", "twin"] | None = given(

@@ -16,8 +16,8 @@ EXPONENTS: dict[str, float] = {
     "quadratic": 2.0, "propeller": 2.0, "linear": 1.0, "constant": 0.0, "constant-power": -1.0,
 }  # fmt: skip
 POSSIBLE = "propeller or quadratic, linear, constant, constant-power, {exponent: 1.8}, a table [[speed, torque], ...]"
-Exponent = Annotated[float, Quantity("1", usual=(-1.0, 4.0))]
-AtRest = Annotated[float, Quantity("1", at_least=0, at_most=1, slip=("%",))]
+Exponent = Annotated[float, Quantity("1", usual="exponent of a load")]
+AtRest = Annotated[float, Quantity("1", at_least=0, at_most=1, usual="tolerance")]
 
 
 class PowerLaw(Declared):

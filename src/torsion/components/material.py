@@ -5,8 +5,7 @@ from typing import Annotated
 from torsion import fields
 from torsion.fields import Quantity, Sized, given, refuse, required
 
-_DENSITIES = ("g/cm**3", "kg/mm**3", "t/mm**3", "g/m**3")
-Strength = Annotated[float, Quantity("Pa", above=0, usual=(1e6, 1e10), slip=("MPa", "GPa", "kPa", "Pa"))]
+Strength = Annotated[float, Quantity("Pa", above=0, usual="strength")]
 
 
 class Material(Sized):
@@ -14,7 +13,7 @@ class Material(Sized):
 
     shear_modulus: fields.Modulus = required("G")
     youngs_modulus: fields.Modulus | None = given("E; needed for bending only")
-    density: Annotated[float, Quantity("kg/m**3", at_least=0, usual=(500.0, 25e3), slip=_DENSITIES)] = required(
+    density: Annotated[float, Quantity("kg/m**3", at_least=0, usual="density")] = required(
         "rho; 0 makes a massless shaft"
     )
     tensile_strength: Strength | None = given("sigma_B, needed by the class rules")

@@ -20,7 +20,7 @@ from torsion.primitives import tabled_spring
 
 REACH = (1e-3, 1e6)  # rad/s of its shaft between which its stiffness follows the speed
 Mass = Annotated[float, Quantity("kg", above=0)]
-Length = Annotated[float, Quantity("m", above=0, usual=(None, fields.WIDEST), slip=("mm",))]
+Length = Annotated[float, Quantity("m", above=0, usual="length of a pendulum")]
 
 
 class Pendulum(Component, keyword="pendulum", sort="point"):

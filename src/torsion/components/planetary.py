@@ -1,5 +1,6 @@
 """A planetary stage with one member fixed: its exact ratio, what its planets weigh, and how its meshes yield."""
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -12,7 +13,7 @@ from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, require
 
 Member = Literal["sun", "ring", "carrier"]
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
-Radius = Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm",))]
+Radius = Annotated[float, Quantity("m", above=0, usual="size of a gear")]
 PROFILE_SHIFT = 2, 0.1  # teeth, and share of the teeth that fit, by which profile shift may change those of a planet
 Mass = Annotated[float, Quantity("kg", at_least=0)]
 ROUNDING = 2.0**-50  # relative, of the difference of two flexibilities of a few roundings each
@@ -74,6 +75,7 @@ class Planetary(Declared):
             raise refuse(f"a planet of {self.planet[0]} teeth does not fit between sun and ring", hint, "planet")
         if self.planet and self.planet[-1] >= self.ring:
             raise refuse(f"a planet of {self.planet[-1]} teeth does not turn in a ring of {self.ring}", key="planet")
+        self._refuse_overlap()
         if self.planet_mass and self.radius is None:
             raise refuse("`planet_mass` moves on a circle whose `radius` is missing", "give `radius`", "planet_mass")
         self._refuse_soft_fixed_mesh()
@@ -99,6 +101,18 @@ class Planetary(Declared):
             hint,
             f"{fixed}_mesh",
         )
+
+    def _refuse_overlap(self) -> None:
+        """Refuse planets side by side on their circle whose pitch circles overlap, with the sun or with the ring.
+
+        With z teeth of a planet, Z of the sun and N planets, in modules: (Z + z) sin(pi/N) > z; of the ring Z - z.
+        """
+        with_sun, with_ring = (float(teeth) for teeth in self.teeth)
+        share = max(with_sun / (self.sun + with_sun), with_ring / max(self.ring - with_ring, 1.0))
+        room = int(math.pi / math.asin(share)) if share < 1.0 else 1
+        if self.planets > room:
+            message = f"{self.planets} planets of these teeth overlap"
+            raise refuse(message, f"at most {room} on their circle", "planets")
 
     @property
     def driven(self) -> Member:

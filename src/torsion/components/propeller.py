@@ -11,7 +11,7 @@ from torsion.components.machine import Machine
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Torque
 
-Ratio = Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))]
+Ratio = Annotated[float, Quantity("1", above=0, usual="ratio of a propeller")]
 
 
 class BladeTorque(Declared):
@@ -42,6 +42,12 @@ class BladedMachine(Machine, usual_load="quadratic"):
         if self.held and (self.entrained is not None or self.excitation):
             key = "excitation" if self.excitation else "entrained"
             raise refuse(f"a fixed {self.keyword} has no `{key}`", "give its `inertia` in place of `held`", key)
+        if self.entrained and self.inertia:
+            (unit, amount), whole = self.entrained, 1.0
+            words, hint = f"the entrained water has {{}} times the inertia of the {self.keyword}", ""
+            if unit != "1":
+                whole, hint = self.inertia, f"{amount:g} %?"
+            self.refuse_unusual("entrained water over inertia", amount / whole, words, hint, "entrained")
         super().refuse_clashes()
 
     @property
@@ -79,9 +85,9 @@ class Propeller(BladedMachine, keyword="propeller"):
 
     inertia: fields.Inertia | None = given("dry polar mass moment of inertia")
     tolerance: fields.Tolerance | None = given("tolerance of the inertia and of the entrained water, for example 10 %")
-    diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
+    diameter: Annotated[float, Quantity("m", above=0, usual="diameter of a propeller")] | None = given("diameter")
     pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
-    hub_ratio: Annotated[float, Quantity("1", above=0, below=1, slip=("%",))] | None = given(
+    hub_ratio: Annotated[float, Quantity("1", above=0, below=1, usual="ratio of a propeller")] | None = given(
         "diameter of the hub / diameter; for the ice torque of a class"
     )
     ducted: bool = given("it turns in a duct; for the ice torque of a class", False)

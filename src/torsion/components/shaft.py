@@ -10,8 +10,9 @@ from torsion.components.component import Component
 from torsion.components.lowering import Lowering, Role, ShaftRecord, Support
 from torsion.components.material import Material, Strength
 from torsion.components.shaft_details import SOFTEST, STIFFEST, Hub, Notch, Step, faults_of
-from torsion.fields import WIDEST, Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Bar, SectionMesh
+from torsion.usual_ranges import WIDEST
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}  # m, in which a mesh may be drawn
 
@@ -51,7 +52,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
 
     model_config = ConfigDict(json_schema_extra=_length_or_sections)
 
-    length: Annotated[float, Quantity("m", above=0, usual=(None, 20e3), slip=("m", "mm"))] = required("length")
+    length: Annotated[float, Quantity("m", above=0, usual="length of a shaft")] = required("length")
     diameter: Annotated[tuple[fields.Across, ...], OneOrMany] = given("outer diameter, or [from, to] of a cone", ())
     bore: Annotated[tuple[fields.Bore, ...], OneOrMany] = given("bore, or [from, to] of a conical bore", (0.0,))
     section: MeshedSection | None = given(
@@ -91,13 +92,6 @@ class Shaft(Component, keyword="shaft", sort="link"):
             raise refuse("a shaft with a `section` has no `diameter`", "the mesh says the dimensions; remove one")
         return section
 
-    @field_validator("support", "notches", "hub")
-    @classmethod
-    def _is_there(cls, listed: tuple[Any, ...], known: ValidationInfo) -> tuple[Any, ...]:
-        if not listed:
-            raise refuse(f"`{known.field_name}` is an empty list", "list one, or leave the key out")
-        return listed
-
     def refuse_clashes(self) -> None:
         if self.section is not None:
             if "bore" in self.model_fields_set:
@@ -113,6 +107,8 @@ class Shaft(Component, keyword="shaft", sort="link"):
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
         if self.notches or self.hub:
             faults_of(self)
+        words, hint = "the length is {} times the diameter", f"{self.length:g} mm?" * (self.length > 1.0)
+        self.refuse_unusual("length over diameter", self.length / min(self.diameter), words, hint, "length")
 
     def lower(self, build: Lowering) -> None:
         build.record(

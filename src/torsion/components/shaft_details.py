@@ -10,8 +10,8 @@ from torsion.fields import Across, Declared, Quantity, given, refuse, required
 
 STEP = ", step"  # behind the name of the shaft before it, the name of its spring
 StepForm = Literal["none", "sharp", "handbook"]
-Small = Annotated[float, Quantity("m", above=0, usual=(None, 1.0), slip=("mm",))]
-Long = Annotated[float, Quantity("m", above=0, usual=(None, 20.0), slip=("m", "mm"))]
+Small = Annotated[float, Quantity("m", above=0, usual="detail of a shaft")]
+Long = Annotated[float, Quantity("m", above=0, usual="length of a detail")]
 LARGEST_HOLE = 0.2  # of the diameter, up to which its factor was measured (IACS UR M53)
 THINNEST = 0.05  # wall between a groove and the bore / radius
 SOFTEST = 0.1  # shear modulus of a hub / that of its shaft, from which on the elements take its face as fixed
@@ -157,10 +157,10 @@ class Hub(Declared):
     torque: Literal["rim", "face"] = given(
         "where the torque of a shrink fit leaves the hub: over its outer surface, or its face at the shaft's end", "rim"
     )
-    pressure: Annotated[float, Quantity("Pa", above=0, usual=(1e6, 1e9), slip=("MPa", "kPa"))] | None = given(
+    pressure: Annotated[float, Quantity("Pa", above=0, usual="pressure of a fit")] | None = given(
         "smallest mean pressure in a shrink fit, for the rule `shrink-fits`; the finite elements do not know it"
     )
-    friction: Annotated[float, Quantity("1", above=0, below=1, usual=(0.05, 0.4), slip=("%",))] | None = given(
+    friction: Annotated[float, Quantity("1", above=0, below=1, usual="friction")] | None = given(
         "coefficient of friction in a shrink fit; with `pressure`"
     )
     end: Literal["first", "last"] = given("end of the shaft on which it sits", "last")

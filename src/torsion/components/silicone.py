@@ -10,9 +10,9 @@ KELVIN = 273.0  # K of 0 degC as the law was fitted, not 273.15
 REACH = (1e-3, 1e6)  # Hz between which the law is taken; far beyond what was measured
 PRINTED = (10.0, 20.0, 50.0, 100.0, 200.0, 400.0)  # Hz
 STATED = (55.0, 115.0)  # degC between which the source of the known coefficients prints figures
-Viscosity = Annotated[float, Quantity("m**2/s", above=0, usual=(1e-4, 10.0), slip=("cSt", "St"))]
+Viscosity = Annotated[float, Quantity("m**2/s", above=0)]
 Shape = Annotated[float, Quantity("m**3", above=0)]
-SiliconeTemperature = Annotated[float, Quantity("degC", at_least=-60.0, usual=(0.0, 150.0))]
+SiliconeTemperature = Annotated[float, Quantity("degC", at_least=-60.0, usual="temperature of silicone")]
 Number = Annotated[float, Quantity("1")]
 
 

@@ -18,6 +18,7 @@ from torsion.output.document import Document
 from torsion.output.figures.figure import Picture
 from torsion.output.reports import FILES, KEY, REPORTS
 from torsion.output.stored_data import Arrays, plain, restored
+from torsion.user_files import LARGEST_RESULTS, read_file
 
 FORMAT = 1
 WRITES = "`torsion solve` writes results.json, from which it is drawn"
@@ -54,7 +55,7 @@ def opened(path: Path) -> Document:
     """The report that a file of results, or the results.json of a folder, holds; raises InputError."""
     file = file_at(path)
     try:
-        text = file.read_bytes().decode()
+        text = read_file(file, LARGEST_RESULTS).decode()
     except (OSError, UnicodeDecodeError) as error:
         raise _refused(file, f"cannot be read: {getattr(error, 'strerror', None) or 'it is not UTF-8 text'}") from None
     try:

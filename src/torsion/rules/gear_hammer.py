@@ -38,7 +38,7 @@ class Mesh:
 class GearHammerSettings(Declared):
     """Settings of `gear-hammer`."""
 
-    limit: Annotated[float, Quantity("1", above=0, usual=(None, 5.0), slip=("%",))] | None = given(
+    limit: Annotated[float, Quantity("1", above=0, usual="limit of tooth separation")] | None = given(
         "vibratory torque / rated torque (default: application_factor - 1 of the gear, else 0.35)"
     )
     continuous: Continuous | None = given(

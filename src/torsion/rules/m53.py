@@ -39,7 +39,7 @@ EXAMPLE = (
     "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm, web_thickness: 70 mm, "
     "web_width: 260 mm, radius: 140 mm, bending: 40 MPa, shear: 5 MPa, strokes: 4}"
 )
-Stress = Annotated[float, Quantity("Pa", at_least=0, usual=(None, 1e9), slip=("MPa", "kPa"))]
+Stress = Annotated[float, Quantity("Pa", at_least=0, usual="stress")]
 
 
 class M53Settings(Declared):

@@ -59,7 +59,7 @@ class LineFrequency(Declared):
     """The frequency of a grid, as a band."""
 
     nominal: fields.Frequency = required("nominal frequency")
-    tolerance: Annotated[float, Quantity("1", at_least=0, below=1, slip=("%",))] = given(
+    tolerance: Annotated[float, Quantity("1", at_least=0, below=1, usual="tolerance")] = given(
         "how far the grid departs from it, for example 2 %", 0.0
     )
 

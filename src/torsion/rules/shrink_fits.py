@@ -24,7 +24,7 @@ USUAL_SAFETY = 2.0  # against slip, of shrunk couplings in class rules (from mem
 class ShrinkFitSettings(Declared):
     """Settings of `shrink-fits`."""
 
-    safety: Annotated[float, Quantity("1", at_least=1, usual=(None, 5.0))] | None = given(
+    safety: Annotated[float, Quantity("1", at_least=1, usual="safety")] | None = given(
         "slip torque / greatest torque that is demanded (default: 2, to be verified)"
     )
 

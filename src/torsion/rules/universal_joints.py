@@ -106,7 +106,7 @@ def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
 class JointRuleSettings(Declared):
     """Settings of `universal-joints`."""
 
-    unevenness: Annotated[float, Quantity("1", above=0, usual=(None, 2.0), mistaken="degrees")] = given(
+    unevenness: Annotated[float, Quantity("1", above=0, usual="fluctuation")] = given(
         "greatest tan b sin b of the resulting angle b of a line (Elbe: 3 degrees)", ELBE
     )
     torsional: Acceleration = given("greatest acceleration behind all joints of a line (Spicer)", SPICER_TORSIONAL)

@@ -26,7 +26,7 @@ STIFFNESSES = (  # of a coupling
 )  # fmt: skip
 LISTED = ((("stages",), ("stiffness",)), (("table", "stiffness"), ()), (("prony", "terms"), (0,)))  # lists, and where
 Read = Callable[[Source], Study]
-Factor = Annotated[float, Quantity("1", above=0, usual=(0.01, 50.0), slip=("%",))]
+Factor = Annotated[float, Quantity("1", above=0, usual="factor of a case")]
 
 
 class CaseKeys(Declared):

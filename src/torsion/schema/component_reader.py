@@ -1,5 +1,6 @@
 """Components of a train as their declarations, each fault at its place."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -7,7 +8,7 @@ from torsion.components import KINDS, component
 from torsion.components.component import Component
 from torsion.errors import Fault, Path
 from torsion.fields import shown
-from torsion.schema.declaration_reader import declared, unknown
+from torsion.schema.declaration_reader import declared, entries_of, unknown
 from torsion.schema.missing_marks import without_mark
 from torsion.schema.other_words import KIND_FOR
 
@@ -23,6 +24,17 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
         return ()
     read = (_entry(entry, (*path, position), faults) for position, entry in enumerate(entries))
     return tuple(found for found in read if found is not None)
+
+
+def empty_lists(value: object, path: Path = ()) -> Iterator[Fault]:
+    """The faults of components in a value with an empty list at a key, and of trains within others without any.
+
+    A case may empty a list that it takes components from; a file that states one has forgotten what stands in it.
+    """
+    for step, item in entries_of(value):
+        if item == [] and ((step == "train" and path) or (path[-1:] and path[-1] in KINDS)):
+            yield Fault((*path, step), f"`{step}` is an empty list", "list one, or leave the key out")
+        yield from empty_lists(item, (*path, step))
 
 
 def one_component(kind: str, body: object, path: Path, faults: list[Fault]) -> Component | None:

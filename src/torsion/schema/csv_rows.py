@@ -56,6 +56,8 @@ class Reading:
     tables: dict[str, Source]
     faults: list[Fault]
     is_ended: bool = False  # a table whose rows cannot be read was met
+    opened: tuple[str, ...] = ()  # tables whose rows are being read, each named by a row of the one before it
+    inner_rows: int = 0  # of all tables that a row of a table names
 
 
 class Rows:

@@ -22,7 +22,7 @@ from torsion.schema.csv_columns import (
 )
 from torsion.schema.csv_harmonics import list_node
 from torsion.schema.csv_rows import ROW, Reading, Rows
-from torsion.schema.csv_text import first_comment, table_text
+from torsion.schema.csv_text import MOST_ROWS, first_comment, table_text
 from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.shaft_sections import SECTIONS, has_sections, sections
 
@@ -30,6 +30,7 @@ BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("gas", "table"): HARMONICS, ("gas", "motored"): HARMONICS, ("tables", "rows"): HARMONICS,
     ("gas", "tables"): BY_LOAD, ("measured", TORSIOGRAM): TORSIOGRAM,
 }  # fmt: skip
+DEEPEST = 10  # tables within each other
 INNER = ("tables", "measured")  # lists whose mappings name files
 
 
@@ -101,10 +102,22 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     """The rows of the table that a node names, as entries of the list at `key`."""
     where = node if isinstance(node.value, str) else node.parts["table"]
+    if where.value in reading.opened or len(reading.opened) >= DEEPEST:
+        beyond = f"more than {DEEPEST} tables stand within each other"
+        what = f"the table {shown(where.value)} stands within itself" if where.value in reading.opened else beyond
+        _end(where, what, "write its rows out", reading)
+        return []
     table = _opened(where.value, where, reading)
     if table is None:
         return []
-    return [_spliced(entry, "", reading) for entry in Rows(table, key).nodes(reading)]
+    entries = Rows(table, key).nodes(reading)
+    reading.inner_rows += len(entries) * bool(reading.opened)
+    if reading.inner_rows > MOST_ROWS:
+        _end(where, f"tables within tables have more than {MOST_ROWS} rows", "", reading)
+    before, reading.opened = reading.opened, (*reading.opened, where.value)
+    nodes = [_spliced(entry, "", reading) for entry in entries if not reading.is_ended]
+    reading.opened = before
+    return nodes
 
 
 def _opened(name: str, where: Node, reading: Reading) -> Source | None:

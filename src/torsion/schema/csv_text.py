@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 
 from torsion.errors import Fault, printable
 from torsion.schema.fault_text import Source, end_of
+from torsion.user_files import LARGEST_TABLE, read_file
 
 MOST_ROWS = 100_000
 _NO_VALUE = r"#(?:[A-Z]+[!?]|DIV/0!|N/A|NV)"  # what a spreadsheet writes for a formula without one
@@ -33,7 +34,7 @@ class Cell:
 
 def table_text(file: FilePath) -> tuple[str, Fault | None]:
     """The text of a file without a byte order mark, and what is wrong with its encoding; raises OSError."""
-    content = file.read_bytes()
+    content = read_file(file, LARGEST_TABLE)
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return "", Fault((), "the file is UTF-16 text", "save it as `CSV UTF-8`", line=1, column=1)
     try:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from torsion.errors import Fault, InputError
 from torsion.study import Study
+from torsion.user_files import read_file
 
 MOST = 300_000  # bytes: it stands in the page and in results.json
 PLACE = ("document", "logo")
@@ -16,14 +17,12 @@ PNG = b"\x89PNG\r\n\x1a\n"
 def read_logo(file: Path) -> str:
     """The data URI; raises InputError where the file is missing, too large, damaged, or of another form."""
     try:
-        if not file.is_file():
-            raise _refused(f"{file} is {'a folder' if file.is_dir() else 'not there'}", "a PNG, JPEG or SVG file")
-        if file.stat().st_size > MOST:
-            size = f"{file} has {file.stat().st_size / 1e3:.0f} kB"
-            raise _refused(size, f"at most {MOST / 1e3:.0f} kB: it stands in every page that is made")
-        content = file.read_bytes()
+        content = read_file(file, MOST)
+    except FileNotFoundError:
+        raise _refused(f"{file} is not there", "a PNG, JPEG or SVG file") from None
     except (OSError, ValueError) as error:
-        raise _refused(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}", "") from None
+        hint = "a PNG, JPEG or SVG file: it stands in every page that is made"
+        raise _refused(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}", hint) from None
     for kind, begins, is_whole in FORMS:
         if content.startswith(begins):
             if is_whole(content):

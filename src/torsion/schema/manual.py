@@ -58,7 +58,7 @@ SETTINGS = {  # an example of every analysis and rule
     "ccs": "ccs: {tachometer: 2 %}",
     "nk": "nk: {strokes: 2, arrangement: in-line}",
     "rina": "rina: {drive: turbine}",
-    "api-610": "api-610: {continuous: {from: 1450 rpm, to: 1500 rpm}, line_frequency: {nominal: 50 Hz, tolerance: 2 %}}",
+    "api-610": "api-610: {continuous: {from: 980 rpm, to: 990 rpm}, line_frequency: {nominal: 50 Hz, tolerance: 2 %}}",
     "api-617": "api-617: {line_frequency: 60 Hz}",
     "api-618": "api-618: {continuous: {from: 980 rpm, to: 990 rpm}, line_frequency: 50 Hz}",
     "api-684": "api-684: {continuous: {from: 3000 rpm, to: 3600 rpm}}",
@@ -221,8 +221,7 @@ def _limits(field: FieldInfo) -> Iterator[str]:
     for item in items_of(field):
         if isinstance(item, Quantity):
             yield from (f"{words} {limit:.5g}" for words, limit, _ in item.limits)
-            if usual := item.usual_words():
-                yield f"usually {usual}"
+            yield f"usually {item.usual_words()}"
         if item is Amount:
             yield f"usually {SHARE_OF_MEAN.usual_words()} of the mean"
         for words, name in (("at least", "ge"), ("at most", "le")):

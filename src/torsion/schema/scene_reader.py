@@ -19,7 +19,7 @@ from torsion.primitives import SectionMesh
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema.component_names import kinds_by_name, repeated_names
-from torsion.schema.component_reader import components, one_component
+from torsion.schema.component_reader import components, empty_lists, one_component
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
 from torsion.schema.other_words import of_its_number
@@ -96,6 +96,7 @@ def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source
 def _whole(source: Source) -> Study:
     """The study of a file with its tables, and of its cases where it states any."""
     source = _with_tables(source)
+    source = replace(source, faults=(*source.faults, *empty_lists(source.data)))
     if not isinstance(source.data, dict) or source.data.get("cases") is None:
         return _study(source)
     from torsion.schema.cases import with_cases

@@ -16,6 +16,7 @@ import yaml
 from torsion.errors import Fault, InputError, printable
 from torsion.schema.fault_text import Node, Source, end_of, input_error, line_starts
 from torsion.schema.missing_marks import missing_mark
+from torsion.user_files import LARGEST_SCENE, read_file
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
 _LARGEST = 100_000  # values after aliases are written out; bounds what a few lines can blow up to
@@ -59,7 +60,7 @@ def read_source(path: str | FilePath) -> Source:
     """The file as data with places; raises InputError."""
     name = str(path)
     try:
-        content = FilePath(path).read_bytes()
+        content = read_file(path, LARGEST_SCENE)
     except (OSError, ValueError) as error:
         message = f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
         if isinstance(error, FileNotFoundError | IsADirectoryError):

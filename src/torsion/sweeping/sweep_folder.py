@@ -18,6 +18,7 @@ from torsion.findings import Work, version
 from torsion.output.write import inputs
 from torsion.study import Study, Variation
 from torsion.sweeping.parts import SUFFIXES, columns, has_parquet, part_of, read_part, write_part
+from torsion.user_files import LARGEST_SIGNAL, read_file
 
 OF = "sweep.json"  # what the parts are of
 MOST_SAID = 4  # differences from another sweep
@@ -128,9 +129,9 @@ def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
     for path in inputs(study):
         if shipped:
             name = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()
-            found[name] = digest(known[path].encode() if path in known else path.read_bytes())
+            found[name] = digest(known[path].encode() if path in known else read_file(path, LARGEST_SIGNAL))
         elif path not in known:
-            found[str(path)] = digest(path.read_bytes())
+            found[str(path)] = digest(read_file(path, LARGEST_SIGNAL))
     return found
 
 

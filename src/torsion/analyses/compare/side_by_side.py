@@ -35,7 +35,7 @@ class CheckSettings(Declared):
     """Settings of `check`."""
 
     models: tuple[Model, ...] | None = given("the models compared with the exact one (default: all)")
-    tolerance: Annotated[float, Quantity("1", above=0, usual=(None, 1.0), slip=("%",))] = given(
+    tolerance: Annotated[float, Quantity("1", above=0, usual="tolerance")] = given(
         "largest relative error of frequencies, shapes (1 - MAC) and torques; default: what the lumped model promises",
         SHARE_OF_ERROR,
     )

@@ -19,7 +19,7 @@ SORTS = {  # of a measurement, by the key that only it has: its other keys, and 
     "torsiogram": (("at", "order", "quantity"), ("at", "order", "quantity")),
     "signal": (("at", "orders", "pulses", "revolutions"), ("at", "orders")),
 }
-Within = Annotated[float, fields.Quantity("1", above=0, below=1, usual=(None, 0.5), slip=("%",))]
+Within = Annotated[float, fields.Quantity("1", above=0, below=1, usual="deviation of a measurement")]
 Phase = Annotated[float, fields.Quantity("rad")]
 
 
@@ -71,6 +71,8 @@ class Measured(Declared):
             raise refuse(f"`{wrong}` does not go with `{sorts[0]}`", f"with it go {', '.join(own)}, within", wrong)
         if lacking := next((key for key in needed if key not in there), None):
             raise refuse(f"`{lacking}` is missing", type(self).model_fields[lacking].description or "")
+        if self.signal is not None and not self.orders:
+            raise refuse("`orders` is an empty list", "the orders that are fitted, such as [1, 2]", "orders")
         if len(set(self.orders)) < len(self.orders):
             raise refuse("an order is named twice", "each order once", "orders")
         self._refuse_rows()

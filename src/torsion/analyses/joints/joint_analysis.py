@@ -38,7 +38,7 @@ class JointsSettings(Declared):
         "torque in the driving shaft of every joint (default: the mean torque, if known)"
     )
     carrier: Literal["driving", "driven"] = given("the shaft of a joint whose torque is constant", "driving")
-    bearings: Mapping[str, Annotated[float, Quantity("m", above=0, usual=(None, 100.0), slip=("mm",))]] = given(
+    bearings: Mapping[str, Annotated[float, Quantity("m", above=0, usual="distance of bearings")]] = given(
         "distance of the bearings that carry a joint's couple, by joint", {}
     )
 

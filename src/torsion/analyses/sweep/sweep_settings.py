@@ -42,7 +42,7 @@ class SweepSettings(Declared):
         "with the share of the spread of every frequency and limit that each figure has (Sobol's indices), which takes "
         "as many variants again for every figure and twice more", False
     )  # fmt: skip
-    fail_at_most: Annotated[float, Quantity("1", at_least=0, at_most=1, slip=("%",))] | None = given(
+    fail_at_most: Annotated[float, Quantity("1", at_least=0, at_most=1, usual="tolerance")] | None = given(
         "share of the variants that may fail a check, for example 1 %; more is FAIL (default: any variant that fails "
         "restricts the verdict and makes the exit status 1)"
     )

@@ -11,8 +11,8 @@ from torsion.fields import Declared, Quantity
 from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.torque_history import Piece
 
-Time = Annotated[float, Quantity("s", at_least=0, usual=(None, 1e5))]
-Length = Annotated[float, Quantity("s", above=0, usual=(None, 1e5))]
+Time = Annotated[float, Quantity("s", at_least=0)]
+Length = Annotated[float, Quantity("s", above=0)]
 
 
 @dataclass(frozen=True)

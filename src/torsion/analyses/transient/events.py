@@ -19,7 +19,7 @@ from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.torque_history import Piece
 
 Share = Annotated[float, Quantity("1", above=0, at_most=1)]
-Coefficient = Annotated[float, Quantity("1")]
+Coefficient = Annotated[float, Quantity("1", usual="coefficient of a short circuit")]
 SignedTorque = Annotated[float, Quantity("N*m")]
 
 

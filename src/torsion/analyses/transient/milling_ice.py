@@ -94,7 +94,7 @@ def greatest_ice_torque(factor: float, thickness: float, record: PropellerRecord
 Contact = Annotated[float, Quantity("rad", above=0, at_most=2.0 * math.pi)]
 RampAngle = Annotated[float, Quantity("rad", at_least=0)]
 Revolutions = Annotated[float, Quantity("1", at_least=1, at_most=1000)]
-Thickness = Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm", "cm"))]
+Thickness = Annotated[float, Quantity("m", above=0, usual="thickness of ice")]
 
 
 class Ice(Kind):

@@ -21,12 +21,12 @@ def _without_sign(value: Any) -> Any:
 
 Width = Annotated[
     float,
-    fields.Quantity("1", above=0, below=1, usual=(None, 0.6), slip=("%",)),
+    fields.Quantity("1", above=0, below=1, usual="deviation of a law"),
     BeforeValidator(_without_sign),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, +-15 % or 15 %"}]}),
 ]
 Share = Annotated[
-    float, fields.Quantity("1", above=0, usual=(0.005, 50.0), slip=("%",)), BeforeValidator(_without_sign),
+    float, fields.Quantity("1", above=0, usual="share of a value"), BeforeValidator(_without_sign),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, 70 %"}]}),
 ]  # fmt: skip
 
@@ -59,6 +59,9 @@ class Choice(Declared):
             raise refuse(found, f"one of {', '.join(self._known_ways())}", key=ways[-1] if ways else "")
         if self.values is not None and len(self.values) < 2:
             raise refuse("a list of values needs two at least", "give alternatives", "values")
+        for place, value in enumerate(self.values or ()):
+            if value in (self.values or ())[:place]:
+                raise refuse(f"the value {shown(value)} is listed twice", "each value once", ("values", place))
         if ways[0] != "from":
             extra = next((key for key in ("steps", "step") if getattr(self, key) is not None), None)
             if extra is not None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.spanning_forest import connected
+from torsion.user_files import check_file
 
 LARGEST_FILE = 20_000_000  # bytes; a mesh of MOST triangles has a tenth of it
 MOST = 10_000  # triangles; they are divided into four at least once
@@ -88,12 +89,11 @@ def with_middles(points: FloatArray, corners: IntArray) -> Triangles:
 def _read(file: Path) -> Any:
     """The mesh as meshio has it."""
     try:
-        if not file.is_file():
-            raise SectionFault("the mesh is a folder" if file.is_dir() else "the mesh file does not exist", str(file))
-        if file.stat().st_size > LARGEST_FILE:
-            raise SectionFault(f"the mesh file has more than {LARGEST_FILE // 1_000_000} MB")
+        check_file(file, LARGEST_FILE)
         with file.open("rb"):
             pass
+    except FileNotFoundError:
+        raise SectionFault("the mesh file does not exist", str(file)) from None
     except (OSError, ValueError) as error:
         words = getattr(error, "strerror", None) or error
         raise SectionFault(f"the mesh cannot be read: {words}", str(file)) from None

@@ -38,7 +38,7 @@ def _pressures(value: Any) -> Any:
             if value.strip():
                 return value
             raise refuse("the name of the file is empty", "head_end: stage_1.csv") from None
-    return Quantity("Pa", above=0, usual=(5e3, 5e8), slip=("bar", "MPa")).read(value)
+    return Quantity("Pa", above=0, usual="pressure of a gas").read(value)
 
 
 EndPressures = Annotated[Any, BeforeValidator(_pressures, json_schema_input_type=float | str)]
@@ -51,10 +51,10 @@ class CompressorThrow(Declared):
                                    "the volume of that is smallest; the direction of its cylinder is contained in "
                                    "it: 0 deg for both throws of an opposed pair")  # fmt: skip
     bore: Length = required("diameter of the cylinder")
-    piston_rod: Annotated[float, Quantity("m", at_least=0, usual=(None, 1.0), slip=("mm",))] = given(
+    piston_rod: Annotated[float, Quantity("m", at_least=0, usual="piston rod")] = given(
         "diameter of the piston rod, which takes area from the crank end", 0.0
     )
-    tail_rod: Annotated[float, Quantity("m", at_least=0, usual=(None, 1.0), slip=("mm",))] = given(
+    tail_rod: Annotated[float, Quantity("m", at_least=0, usual="piston rod")] = given(
         "diameter of a tail rod, which takes area from the head end", 0.0
     )
     reciprocating: Mass = given("piston, rods, crosshead and the connecting rod's share", 0.0)
@@ -79,7 +79,7 @@ class Compressor(Component, keyword="compressor", sort="line"):
     absolute: bool | None = given("true: pressures are absolute; false: above that of the surroundings")
     surroundings: Crankcase = given("absolute pressure outside of the cylinders", 101325.0)
     tdc: fields.Angle | None = given("angle in files over the crank angle at which the head end is at its dead centre")
-    mechanical_efficiency: Annotated[float, Quantity("1", above=0, at_most=1, usual=(0.5, 1.0), slip=("%",))] = given(
+    mechanical_efficiency: Annotated[float, Quantity("1", above=0, at_most=1, usual="efficiency")] = given(
         "torque of the gas / that at the shaft", 1.0
     )
     reverse: bool = given("true: the train meets its last throw first", False)

@@ -14,12 +14,13 @@ from torsion.components.lowering import Mass
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required, shown
 from torsion.kernels.round_sections import section_modulus
 
-Length = Annotated[float, Quantity("m", above=0, usual=(None, 10.0), slip=("mm",))]
-Pressure = Annotated[float, Quantity("Pa", above=0, usual=(5e3, 5e8), slip=("bar", "MPa"))]
+Length = Annotated[float, Quantity("m", above=0, usual="size of an engine")]
+Pressure = Annotated[float, Quantity("Pa", above=0, usual="pressure of a gas")]
 Pressures = Annotated[tuple[Pressure, ...], OneOrMany]  # one value, or one a load
-Crankcase = Annotated[float, Quantity("Pa", at_least=0, usual=(5e3, 5e8), slip=("bar", "MPa"))]
-Turned = Annotated[float, Quantity("rad", above=0)]
-Share = Annotated[float, Quantity("1", at_least=0, usual=(0.5, 1.5), slip=("%",))]
+Crankcase = Annotated[float, Quantity("Pa", at_least=0, usual="pressure of a gas")]
+Turned = Annotated[float, Quantity("rad", above=0, usual="crank angle of an event")]
+Ratio = Annotated[float, Quantity("1", above=1, usual="compression ratio")]
+Share = Annotated[float, Quantity("1", at_least=0, usual="share of a cylinder")]
 ROW = "[order, amplitude, phase], for example [1.5, 420 N*m, -80 deg], or {order: 1.5, a: 70 N*m, b: 410 N*m}"
 MOST_ORDER = 48  # of the crankshaft
 Found = TypeVar("Found")
@@ -60,7 +61,7 @@ class Geometry(Declared):
     bore: Length = required("diameter of the cylinder")
     stroke: Length = required("way of the piston")
     rod_length: Length = required("connecting rod, between the centres of its eyes")
-    offset: Annotated[float, Quantity("m", usual=(-1.0, 1.0), slip=("mm",))] = given(
+    offset: Annotated[float, Quantity("m", usual="offset of a crank")] = given(
         "offset of the cylinder's axis, positive to the side to which the pin moves first", 0.0
     )
 
@@ -259,14 +260,16 @@ class Gas(Declared):
     tdc: fields.Angle | None = given("angle in the file at which the cylinder is at firing top dead centre")
     absolute: bool | None = given("true: pressures of the file are absolute; false: above that of the surroundings")
     cycle: Literal["wiebe"] | None = given("closed cycle computed from the figures below, heat by a Wiebe function")
-    compression_ratio: Annotated[float, Quantity("1", above=1, usual=(3.0, 40.0))] | None = given("of the `cycle`")
+    compression_ratio: Annotated[float, Quantity("1", above=1, usual="compression ratio")] | None = given(
+        "of the `cycle`"
+    )
     charge: Pressures = given("absolute pressure when compression begins, and of the intake; one value, or by load", ())
     exhaust: Pressures = given("absolute pressure of the exhaust stroke (four strokes); one value, or by load", ())
     imep: Pressures = given("indicated mean effective pressure of the `cycle`, one or a rising list of loads; beside a "
                             "`diagram`, to compare", ())  # fmt: skip
     p_max: Pressures = given("peak pressure, absolute; one value, or by load", ())
-    gamma: Annotated[float, Quantity("1", above=1, usual=(1.2, 1.67))] = given("ratio of heats", 1.35)
-    shape: Annotated[float, Quantity("1", at_least=0, usual=(0.1, 5.0))] = given(
+    gamma: Annotated[float, Quantity("1", above=1, usual="ratio of heats")] = given("ratio of heats", 1.35)
+    shape: Annotated[float, Quantity("1", at_least=0, usual="shape of a heat release")] = given(
         "m of the Wiebe function: 0.5 to 1.2 of diesel engines, 2 to 3 of spark ignition (to be verified)", 1.0
     )
     duration: Turned | None = given("of the heat release: 50 to 80 deg of diesel engines (to be verified)")

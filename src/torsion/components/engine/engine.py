@@ -56,7 +56,7 @@ class Engine(Component, keyword="engine", sort="line"):
     throws: Throws = given("cylinders on each throw from the first end: [[1, 2], [3, 4]] (default: one each)", ())
     reverse: bool = given("true: the train meets its last throw first", False)
     power: fields.Power | None = given("rated power; shares the load where several drive one train")
-    mechanical_efficiency: Annotated[float, Quantity("1", above=0, at_most=1, usual=(0.5, 1.0), slip=("%",))] = given(
+    mechanical_efficiency: Annotated[float, Quantity("1", above=0, at_most=1, usual="efficiency")] = given(
         "mean torque / that of the gas", 1.0
     )
     inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(

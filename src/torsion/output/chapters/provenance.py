@@ -11,6 +11,7 @@ from torsion.output.numbers import number
 from torsion.output.scene import checksum, pressure_files, signal_files
 from torsion.primitives import SectionMesh
 from torsion.study import Study
+from torsion.user_files import LARGEST_SIGNAL, read_file
 
 
 def steps(findings: Findings) -> Iterator[Block]:
@@ -69,4 +70,4 @@ def _files(study: Study) -> dict[str, list[str]]:
 
 
 def _sha256(file: str) -> str:
-    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    return hashlib.sha256(read_file(file, LARGEST_SIGNAL)).hexdigest()

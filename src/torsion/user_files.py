@@ -1,0 +1,42 @@
+"""How files of a user are read: a regular file of a stated size at most, as bytes; nothing else opens one."""
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+LARGEST_SCENE = 10_000_000  # bytes; a train of 20,000 stations has about 3 MB
+LARGEST_TABLE = 20_000_000  # bytes; 200 a row of the longest table
+LARGEST_SIGNAL = 100_000_000  # bytes; 50 a row of the longest signal
+LARGEST_RESULTS = 500_000_000  # bytes
+
+
+def read_file(file: str | Path, largest: int) -> bytes:
+    """The content of a file of at most so many bytes; raises OSError, whose `strerror` says why it is not read.
+
+    A device or a pipe is refused before it is opened: it may have no end, or wait for a writer.
+    """
+    check_file(file, largest)
+    with open(file, "rb") as stream:
+        content = stream.read(largest + 1)
+    if len(content) > largest:  # it has grown since, or states no size
+        raise _too_large(file, len(content), largest)
+    return content
+
+
+def check_file(file: str | Path, largest: int) -> None:
+    """Raise OSError for what is no regular file, or larger than that (bytes); for a reader that opens it itself."""
+    found = os.stat(file)
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, "it is a folder", str(file))
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(errno.EINVAL, "it is a device or a pipe, not a file", str(file))
+    if found.st_size > largest:
+        raise _too_large(file, found.st_size, largest)
+
+
+def _too_large(file: str | Path, size: int, largest: int) -> OSError:
+    unit, name = (1e6, "MB") if largest >= 1e6 else (1e3, "kB")
+    return OSError(
+        errno.EFBIG, f"it has {size / unit:,.0f} {name}, at most {largest / unit:,.0f} {name} are read", str(file)
+    )
