@@ -136,7 +136,7 @@ def test_a_steady_train_without_an_event_stays_as_it_is() -> None:
 name: x
 operation: {speeds: {from: 500 rpm, to: 1500 rpm}, rated: {speed: 1200 rpm, power: 20 kW}}
 train:
-- motor: {inertia: 1, ripple: [{order: 2, torque: 5 %}]}
+- motor: {inertia: 1, ripple: [{frequency: 40 Hz, torque: 5 %}]}
 - coupling: {stiffness: 2e4, viscous: 10}
 - gear: {teeth: [20, 41], inertia: [0.1, 0.3]}
 - coupling: {stiffness: 4e4, loss_factor: 0.02}

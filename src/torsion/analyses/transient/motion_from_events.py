@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.steady import steady
+from torsion.analyses.transient.acting_torques import acting_torques, without_excluded_torques
 from torsion.analyses.transient.compared_methods import compared
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
@@ -18,12 +19,13 @@ from torsion.analyses.transient.following_events import SpeedProgram
 from torsion.analyses.transient.following_torques import (
     Following,
     carrier_of,
+    changes_speed,
     following,
     refuse_beyond_tables,
     replaced_dampers,
-    turns,
+    torques_follow,
     without_dampers,
-)  # fmt: skip
+)
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
 from torsion.analyses.transient.milling_ice import Ice, IceTorque
@@ -66,10 +68,13 @@ def transient(
     every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
     too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
     """
+    torques = acting_torques(study, settings)
+    study, system = without_excluded_torques(study, system, settings)
     solve = partial(_of_phases, study, system, place, modes, damping_ratio, progress)
     limits = [part.ratings.max_torque if part.ratings is not None else None for part in study.train.parts]
     limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
-    return _read(study, system, settings, _merged(over_phases(settings, solve, limit)))
+    found = _read(study, system, settings, _merged(over_phases(settings, solve, limit)))
+    return replace(found, acting=torques.acting, not_acting=torques.not_acting)
 
 
 def _merged(found: list[tuple[Phases, TransientMotion]]) -> TransientMotion:
@@ -142,16 +147,18 @@ def _solved(
     damping_ratio: float | None, progress: Progress, modes: Modes, *, is_band: bool,
 ) -> TransientMotion:  # fmt: skip
     """The motion of some modes."""
-    events, is_driven, cuts = settings.events, turns(study, system, settings.events), joint_cuts(system, before.mean)
-    points = points_of_events(study, system, events, before, place, turns=is_driven)
+    events, cuts = settings.events, joint_cuts(system, before.mean)
+    is_driven, has_laws = changes_speed(system, events), torques_follow(study, system, events)
+    points = points_of_events(study, system, events, before, place, turns=has_laws)
     replaced = replaced_dampers(study, system, settings, place)
     parts = without_dampers(parts_of(system, cuts) if cuts else system, replaced)
     shape = shapes(parts, modes)
     train = modal_train(study, parts, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
-    follows = following(study, system, events, points, before, cuts, shape) if is_driven else None
-    loads, acting = known_loads(study, parts, events, points, follows)
+    follows = following(study, system, events, points, before, cuts, shape) if has_laws else None
+    vibrates = follows is None and bool(before.frequency.size)
+    loads, acting = known_loads(study, parts, events, points, follows, before, vibrates=vibrates)
     direct, added, noise = direct_torques(parts, modes, acting, is_band=is_band), dict[str, Any](), 0.0
     begin = start(parts, modes, before, shape)
     if follows is None:
@@ -182,7 +189,7 @@ def _solved(
         added["passages"] = passages(system, follows, straight, time, turning)
     lacking = missed(modes, moved, time, finer) + curves.unseen(looked.left)
     peak = np.maximum(np.abs(top[0]), np.abs(bottom[0]))
-    requested = orders_requested(study, system, settings, place, peak=peak, turning=turning, follows=is_driven)
+    requested = orders_requested(study, system, settings, place, peak=peak, turning=turning, follows=has_laws)
     if requested is not None:
         added["orders"] = order_tracking(curves, requested, time, max(shape.shape[1], len(torque)))
     return TransientMotion(
@@ -280,7 +287,7 @@ def _slowed(study: Study, system: System, settings: TransientSettings, found: Tr
     None without ice, where torques follow the speed, and where a program prescribes it.
     """
     bodies, time, changes = [event.body for event in settings.events], found.time, list[float]()
-    if any(body.drives or isinstance(body, SpeedProgram) for body in bodies):
+    if found.steps or any(isinstance(body, SpeedProgram) for body in bodies):
         return None
     for name in dict.fromkeys(event.at for event in settings.events if isinstance(event.body, Ice)):
         station = study.train.part(name).stations[0]

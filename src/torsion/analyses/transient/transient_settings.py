@@ -39,6 +39,17 @@ def _read_initial(value: Any) -> Any:
     raise refuse("this is no initial state", "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}")
 
 
+def _read_torques(value: Any) -> Any:
+    """The names of components whose periodic torques act; none of them for `none`."""
+    if value == "none" or value is None:
+        return () if value else None
+    if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
+        raise refuse("`torques` is `none` or a list of names", "torques: none, or torques: [engine]")
+    if not value:
+        raise refuse("`torques` names nothing", "`torques: none`, or leave it out: then all periodic torques act")
+    return tuple(dict.fromkeys(value))
+
+
 Initial = Annotated[Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])]
 
 
@@ -79,6 +90,13 @@ class TransientSettings(Declared):
     )
     events: tuple[Event, ...] = given(
         "what happens, each at a point: [{at: motor-1, step: {torque: 100 N*m}}, ...]", ()
+    )
+    torques: Annotated[
+        tuple[str, ...] | None,
+        BeforeValidator(_read_torques, json_schema_input_type=Literal["none"] | tuple[str, ...]),
+    ] = given(
+        "[names] of the components whose periodic torques (ripple, excitations, orders of engines, propellers and "
+        "compressors) act, by the angle of their shaft; none: no periodic torque (default: all of the file)"
     )
     samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
         "samples of the curves; peaks are found between them, and nothing else depends on them "
@@ -144,7 +162,10 @@ def cases(study: Study) -> list[tuple[TransientSettings, Path]]:
 
 def transient_faults(study: Study) -> list[Fault]:
     """Motions without a name, events at what is no point or after the end, files, and nothing that moves the train."""
-    found, seen, every = mesh_faults(study, "motion over time"), set[str](), cases(study)
+    found, seen, every = list[Fault](), set[str](), cases(study)
+    meshes = {torque.mesh[0] for torque in study.train.torques if torque.mesh}
+    if any(settings.torques is None or meshes.intersection(settings.torques) for settings, _ in every):
+        found += mesh_faults(study, "motion over time")
     if not every:
         found.append(Fault(PATH, "the list of motions is empty", "`- {name: start, duration: 2 s, events: [...]}`"))
     if every and study.model == "exact" and study.train.has_shafts:
@@ -165,8 +186,8 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
     apart = each if isinstance(each, dict) else {}
     twists = settings.initial.get("torque", {}) if isinstance(settings.initial, dict) else {}
     if not (settings.events or apart or any(twists.values()) or _is_shaken(study, settings)):
-        hint = "give `events`, `initial: {torque: {coupling-1: 100 N*m}}`, or excitations and `initial: steady`"
-        message = "nothing moves the train: no event, no excitation of a steady state, no twist that is released"
+        hint = "give `events`, `initial: {torque: {coupling-1: 100 N*m}}`, or `excitations`"
+        message = "nothing moves the train: no event, no periodic torque, no twist that is released"
         yield Fault(path, message, hint)
     known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
     named = [name_fault(name, (*path, "initial", "speed", name), known) for name in apart]
@@ -174,6 +195,10 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
     if apart and not study.train.has_nonlinear_couplings:
         message = "speeds of several points need a clutch or a clearance between them"
         yield Fault((*path, "initial"), message, "initial: {speed: 1500 rpm}")
+    for name in settings.torques or ():
+        if name not in study.train.periodic_torques:
+            hint = ", ".join(study.train.periodic_torques) or "leave `torques` out"
+            yield Fault((*path, "torques"), f"no periodic torque acts at '{name}'", hint)
     here = Point(folder=FilePath(study.file).parent)
     for number, event in enumerate(settings.events):
         place = (*path, "events", number)
@@ -202,9 +227,11 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
 
 
 def _is_shaken(study: Study, settings: TransientSettings) -> bool:
-    """Without events: periodic torques and errors of gears and joints go on, or joints turn unevenly at a speed."""
+    """Without events: periodic torques act, or joints turn unevenly at a speed."""
+    if study.train.periodic_torques if settings.torques is None else settings.torques:
+        return True
     if settings.initial in (None, "steady"):
-        return bool(study.operation.speed) and (study.excites or study.has_joints)
+        return bool(study.operation.speed) and study.has_joints
     return study.has_joints and isinstance(settings.initial, dict) and bool(settings.initial.get("speed"))
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from torsion.analyses.transient.acting_torques import ActingTorques
 from torsion.analyses.transient.compared_methods import ComparedMethod
 from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.milling_ice import Ice
@@ -58,6 +59,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     rows = [(one, int(k[found.greatest[k].argmax()]), int(k[found.least[k].argmin()])) for one, k in spans]
     unit = scale("N m", [value for _, high, low in rows for value in (found.greatest[high], found.least[low])])
     yield Paragraph(_introduction(found, settings))
+    yield Paragraph(ActingTorques(found.acting, found.not_acting).words, brief=True)
     yield from _steady_begin(findings, found, settings)
     if found.status != "ok":
         yield Paragraph(f"Not to be relied upon: {found.status}.", "fail", brief=True)
@@ -85,8 +87,8 @@ def _steady_begin(findings: Findings, found: TransientMotion, settings: Transien
     """How a motion begins that is steady before its events; briefly, where the file says neither that nor a speed."""
     if not found.speed_before or settings.initial not in (None, "steady"):
         return
-    if findings.study.excites:
-        text = "Periodic torques and the errors of joints go on as before the events, at the speed before them."
+    if findings.study.excites and settings.torques != ():
+        text = "The motion begins with the steady vibration that periodic torques and joints make at this speed."
         begun = (
             "Beside play, friction, stages and clutches periodic torques begin at time 0, upon the mean torques alone; "
             "the first revolutions are a transient of their own."
