@@ -11,7 +11,8 @@ import torsion
 from torsion.cli import app
 from torsion.components import KINDS
 from torsion.rules.m68_shafts import DETAILS
-from torsion.schema.manual import EXAMPLES, manual
+from torsion.schema.kind_texts import EXAMPLES
+from torsion.schema.manual import manual
 from torsion.schema.scene_reader import Scene
 
 ROOT = Path(__file__).parents[1]

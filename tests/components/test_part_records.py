@@ -33,6 +33,8 @@ train:
   - propeller:
       {inertia: 4, entrained: 25 %, blades: 3, diameter: 1500 mm, damping: {model: frahm, factor: 3}}
   - branch: {train: [{coupling: {stiffness: 1e3, viscous: 7}}, {disc: {inertia: 1}}, {propeller: {inertia: 1}}]}
+  - branch: {train: [{turbine: {inertia: 1}}, {generator: {inertia: 1}}, {machine: {inertia: 1}}]}
+  - branch: {train: [{pump: {inertia: 1}}, {fan: {inertia: 1}}]}
   - engine: {cylinders: 1, strokes: 2, inertia: 1, power: 9 kW, gas: {table: [[1, 5 N*m, 0 deg]]}}
   - compressor: {stroke: 0.1, rod_length: 0.3, inertia: 1, throws: [{angle: 0 deg, bore: 0.1, reciprocating: 1}]}
 operation: {speeds: {from: 100 rpm, to: 200 rpm}}
@@ -48,7 +50,7 @@ def train() -> Train:
 def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
     part = train.part
     motor = part("m")
-    assert (motor.kind, motor.is_point, motor.is_named, motor.power) == ("motor", True, True, 30e3)
+    assert (motor.kind, motor.is_point, motor.is_named, motor.machine.power) == ("motor", True, True, 30e3)
     assert (motor.source, motor.note) == ("maker", "as built")
     assert (part("damper-1").is_named, part("damper-1").damping) == (False, ("damping", 3.0))
     assert part("coupling-1").ratings == CouplingRatings(1000.0, 300.0, 2500.0, 120.0, 0.15)
@@ -56,8 +58,9 @@ def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
     assert part("coupling-1").damping == ("psi", 0.8)
     assert part("coupling-3").damping == ("viscous", 7.0)
     assert (part("gear-1").application_factor, part("gear-1").is_point) == (1.3, False)
-    assert part("propeller-1").propeller == PropellerRecord(4.0, 1.0, 3, 1.5, None, None, "frahm", 3.0)
-    assert part("propeller-2").propeller == PropellerRecord(1.0, *[None] * 5, "viscous", None)
+    assert part("propeller-1").propeller == PropellerRecord(4.0, 1.0, 3, 1.5, None, None)
+    assert (part("propeller-1").machine.damping_model, part("propeller-1").machine.damping_factor) == ("frahm", 3.0)
+    assert part("propeller-2").propeller == PropellerRecord(1.0, *[None] * 5)
 
 
 def test_a_joint_has_its_yoke_counted_along_its_shaft_line(train: Train) -> None:

@@ -600,7 +600,7 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Nominal shear stress of the crankshaft", "At speed"): key(f"engines[].misfires[].{RPM}"),
 }
 # the figures of the file, checked by their chapters
-INPUT = ("Motors", "Couplings: ratings", "Gears", "Propellers and", "Harmonic torques", "Internal damping",
+INPUT = ("Machines", "Couplings: ratings", "Gears", "Propellers, pumps", "Harmonic torques", "Internal damping",
          "Damping to ground", "Dimensions of the shafts", "What the cases change", "Changes of the input")  # fmt: skip
 RECOMPUTED = ("Inertias as given", "Elastic elements", "Holzer table", "Constants of the shafts")
 OF_OTHERS = {  # columns of figures that follow from declared ones by a formula of their chapter, checked there

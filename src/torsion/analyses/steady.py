@@ -113,8 +113,8 @@ def flow(train: Train, operation: Operation) -> tuple[Shares, str]:
     share; where one does not, that of the loads falls with it. Raises InputError where both ends are taken, only some
     of the motors have a power, or propellers stand beside compressors.
     """
-    motors = [part for part in train.parts if part.kind == "motor" or part.engine is not None]
-    propellers = [part for _, part in train.of_kind("propeller")]
+    motors = [part for part in train.parts if part.machine is not None and part.machine.is_driver]
+    propellers = [part for part in train.parts if part.machine is not None and not part.machine.is_driver]
     main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
     first, last = 0, main[-1].stations[-1]
     compressors = [part for part in train.parts if part.compressor is not None]
@@ -127,7 +127,7 @@ def flow(train: Train, operation: Operation) -> tuple[Shares, str]:
     if not motors:
         drives, driving = _at_an_end((first, last), loads, ("motor", "propeller"), train, operation)
     elif len(motors) > 1:
-        driving += " in equal parts" if motors[0].power is None else " in proportion to their power"
+        driving += " in equal parts" if _power(motors[0]) is None else " in proportion to their power"
     if not loads:
         loads, loading = _at_an_end((last, first), drives, ("propeller", "motor"), train, operation)
     elif len(propellers) > 1:
@@ -166,7 +166,7 @@ def _within(part: Part, share: Fraction) -> Shared:
 
 def _driving(motors: list[Part]) -> list[tuple[Part, Fraction]]:
     """The motors with their shares; raises InputError where only some of them have a power."""
-    power = [motor.power for motor in motors]
+    power = [_power(motor) for motor in motors]
     given = [Fraction(value) for value in power if value is not None]
     if len(motors) == 1 or not given:
         return [(part, Fraction(1, len(motors))) for part in motors]
@@ -177,9 +177,13 @@ def _driving(motors: list[Part]) -> list[tuple[Part, Fraction]]:
     return [(part, value / sum(given)) for part, value in zip(motors, given, strict=True)]
 
 
+def _power(part: Part) -> float | None:
+    return None if part.machine is None else part.machine.power
+
+
 def _shares_alone(motors: list[Part], operation: Operation) -> str:
     """What the powers of motors are not, where together they are not the rated power."""
-    given = [motor.power for motor in motors if motor.power is not None]
+    given = [power for power in map(_power, motors) if power is not None]
     rated = None if operation.rated is None else operation.rated.power
     if not given or rated is None or abs(sum(given) - rated) <= SAME_POWER * rated:
         return ""

@@ -7,6 +7,11 @@ from torsion.components.component import Component
 KINDS = {
     "disc": "torsion.components.disc:Disc",
     "motor": "torsion.components.motor:Motor",
+    "turbine": "torsion.components.motor:Turbine",
+    "generator": "torsion.components.motor:Generator",
+    "pump": "torsion.components.propeller:Pump",
+    "fan": "torsion.components.propeller:Fan",
+    "machine": "torsion.components.machine:GeneralMachine",
     "propeller": "torsion.components.propeller:Propeller",
     "damper": "torsion.components.damper:RingDamper",
     "pendulum": "torsion.components.pendulum:Pendulum",

@@ -141,10 +141,11 @@ def _doubled_bar(bar: Bar) -> Bar | str:
 def _oppose(build: Lowering, begin: tuple[int, int, int], gear: str) -> None:
     """Name what was lowered since then, and take away what does not act on halves that move against each other."""
     parts, stations, first = begin
-    nothing: dict[str, Any] = {"ratings": None, "max_torque": None, "propeller": None, "application_factor": None}
+    nothing: dict[str, Any] = {"ratings": None, "max_torque": None, "application_factor": None}
+    nothing |= {"machine": None, "impeller": None, "propeller": None}
     for k in range(parts, len(build.parts)):
         own = build.parts[k]
-        kind = "disc" if own.kind == "propeller" else own.kind
+        kind = "disc" if own.machine is not None else own.kind
         name = own.name + OPPOSED
         build.parts[k] = replace(own, name=name, kind=kind, remark=AGAINST.format(gear), is_opposed=True, **nothing)
     for k in range(stations, len(build.stations)):

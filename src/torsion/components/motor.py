@@ -1,30 +1,27 @@
-"""A motor: an inertia that drives the train, with an optional torque ripple."""
+"""Electrical machines and turbines: what drives or absorbs with a torque ripple."""
 
-from torsion import fields
-from torsion.components.disc import Rotor
-from torsion.components.harmonic_torques import Ripple
-from torsion.components.lowering import Lowering
-from torsion.fields import given, refuse
+from torsion.components.harmonic_torques import Harmonic, Ripple
+from torsion.components.machine import Machine
+from torsion.fields import given
 
 
-class Motor(Rotor, keyword="motor"):
-    """An electric motor, turbine or other driver."""
+class RippleMachine(Machine):
+    """A machine whose torque has a ripple by order or frequency."""
 
-    power: fields.Power | None = given(
-        "rated power; shares the load where several motors drive one train, and says nothing where one does"
-    )
     ripple: tuple[Ripple, ...] = given("torque ripple: list of {order or frequency, torque, phase}", ())
 
-    def refuse_clashes(self) -> None:
-        super().refuse_clashes()
-        if self.held and self.ripple:
-            raise refuse(
-                "a fixed motor cannot be moved by its ripple", "give its `inertia` in place of `held`", "ripple"
-            )
+    @property
+    def periodic_torques(self) -> tuple[tuple[str, Harmonic], ...]:
+        return tuple(("ripple", harmonic) for harmonic in self.ripple)
 
-    def lower(self, build: Lowering) -> None:
-        build.record(power=self.power)
-        here = self.place(build)
-        path = (*build.parts[-1].path, "ripple")
-        for place, line in enumerate(self.ripple):
-            build.add(line.primitive(build.name, here, (*path, place), self.source))
+
+class Motor(RippleMachine, keyword="motor", drives_train=True):
+    """An electric motor, or another machine that drives."""
+
+
+class Turbine(RippleMachine, keyword="turbine", drives_train=True):
+    """A turbine; it drives."""
+
+
+class Generator(RippleMachine, keyword="generator", usual_load="constant"):
+    """A generator, alternator or exciter; it absorbs power, by default at a constant torque."""

@@ -10,11 +10,11 @@ from torsion.components import KINDS, component
 from torsion.fields import Amount, Quantity
 from torsion.schema.declaration_reader import items_of, keys_of
 
-MAPPINGS = {  # lists of mappings: key, what declares an entry
-    "excitations": "torsion.components.harmonic_torques:Excitation",
-    "ripple": "torsion.components.harmonic_torques:Ripple",
-    "excitation": "torsion.components.propeller:BladeTorque",
-    "sections": "torsion.components.shaft:Shaft",
+MAPPINGS = {  # lists of mappings: key, what may declare an entry
+    "excitations": ("torsion.components.harmonic_torques:Excitation",),
+    "ripple": ("torsion.components.harmonic_torques:Ripple",),
+    "excitation": ("torsion.components.propeller:BladeTorque", "torsion.components.harmonic_torques:Ripple"),
+    "sections": ("torsion.components.shaft:Shaft",),
 }
 PAIRS = ("load", "torque")  # lists of [speed, torque]
 SPEED_AND_TORQUE = {"speed": ("rad/s",), "torque": ("N*m", "1")}
@@ -55,7 +55,8 @@ def columns_of(key: str) -> dict[tuple[str, str], Stated]:
         found = {("", name): one for name, one in own.items() if name not in ("from", "size")}
         return found | {("", name): Stated(units, False) for name, units in SAID.items()}
     if key in MAPPINGS:
-        return {("", name): found for name, found in _declared(resolve_name(MAPPINGS[key])).items()}
+        entries = [_declared(resolve_name(entry)) for entry in MAPPINGS[key]]
+        return {("", name): found for entry in entries for name, found in entry.items()}
     return {(kind, name): found for kind in KINDS for name, found in _declared(component(kind)).items()}
 
 

@@ -13,7 +13,8 @@ from torsion.fields import OneOrMany
 from torsion.rules import RULES
 from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.csv_columns import MAPPINGS, PAIRS
-from torsion.schema.manual import EXAMPLES, SETTINGS, declarations
+from torsion.schema.kind_texts import EXAMPLES
+from torsion.schema.manual import SETTINGS, declarations
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source

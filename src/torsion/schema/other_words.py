@@ -2,10 +2,10 @@
 
 import re
 
-ABSORBS = "`propeller` for what absorbs the power, `motor` for what drives"
 KIND_FOR = {
-    "generator": ABSORBS, "alternator": ABSORBS, "pump": ABSORBS, "fan": ABSORBS, "impeller": ABSORBS,
-    "turbine": ABSORBS, "flywheel": "`disc: {inertia: ...}`",
+    "alternator": "`generator: {inertia: ...}`", "exciter": "`generator: {inertia: ...}`",
+    "impeller": "`pump: {inertia: ...}` or `fan: {inertia: ...}`", "blower": "`fan: {inertia: ...}`",
+    "flywheel": "`disc: {inertia: ...}`", "load": "`machine: {inertia: ..., power: ...}`",
     "spring": "`coupling: {stiffness: ...}`", "clutch": "`coupling: {stiffness: ..., capacity: ...}`",
     "table": "`- table: line.csv` names a file alone",
     "gearbox": "`gear: {ratio: ...}`", "cardan": "`joint: {angle: ...}`",

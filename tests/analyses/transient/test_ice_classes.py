@@ -19,7 +19,7 @@ from torsion.output.chapters.motion_over_time import chapter
 from torsion.output.results_json import results
 from torsion.rules.verdict_line import Checks
 
-SCREW = PropellerRecord(1.0, None, 4, 4.0, 0.8, None, "viscous", None, 0.25)
+SCREW = PropellerRecord(1.0, None, 4, 4.0, 0.8, None, 0.25)
 TWICE = 4.0 * math.pi  # rad/s: 2 revolutions a second
 SCENE = """name: x
 operation: {{rated: {{speed: 480 rpm, power: 60 kW}}}}

@@ -43,8 +43,8 @@ def sheets(findings: Findings) -> dict[str, Table]:
 def test_data_sheets_say_what_the_file_says_and_the_torque_at_the_rated_point(found: Findings) -> None:
     mean = 60e3 / (900 * math.pi / 30)  # N m
     made = sheets(found)
-    assert list(made) == ["Motors", "Couplings", "Gears", "Propellers and other absorbers"]
-    assert made["Motors"].rows == (("m", "1.25", "60", "900", number(mean), "2", "maker"),)
+    assert list(made) == ["Machines", "Couplings", "Gears", "Propellers, pumps and fans"]
+    assert made["Machines"].rows == (("m", "1.25", "60", "900", number(mean), "2", "maker"),)
     assert made["Couplings"].rows == (
         ("soft", "1000", "300", "3000", "400", "20000", "15", "0.80000", "–", "catalogue"),
     )
@@ -52,7 +52,7 @@ def test_data_sheets_say_what_the_file_says_and_the_torque_at_the_rated_point(fo
         ("g", "21", "63", "3", "1.4", number(mean), "5000000", "not stated"),
         ("g wheel 2", "21", "42", "2", "1.4", "0", "rigid", "not stated"),
     )
-    assert made["Propellers and other absorbers"].rows == (
+    assert made["Propellers, pumps and fans"].rows == (
         ("screw", "4", "1.2", "0.9", "0.6", "4", "1", "5", "frahm", "3", "not stated"),
     )
     assert list(chapter(found))[-1] == Paragraph(NO_FORCE.format("g, g wheel 2"))
@@ -138,5 +138,5 @@ def test_a_train_of_discs_has_no_data_sheets() -> None:
 def test_without_a_rated_point_there_is_no_torque() -> None:
     text = "name: x\ntrain: [motor: {inertia: 1}, gear: {ratio: 5/2}, disc: {inertia: 2}]\n"
     made = sheets(torsion.run(torsion.parse(text)))
-    assert made["Motors"].rows == (("motor-1", "1", "–", "–", "–", "0", "not stated"),)
+    assert made["Machines"].rows == (("motor-1", "1", "–", "–", "–", "0", "not stated"),)
     assert made["Gears"].rows == (("gear-1", "–", "–", "5/2", "–", "–", "rigid", "not stated"),)

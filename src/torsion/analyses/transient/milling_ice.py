@@ -80,7 +80,7 @@ def greatest_ice_torque(factor: float, thickness: float, record: PropellerRecord
 
     Beyond it 1.9 k (1 - d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1: lower by 0.5 % where the two meet.
 
-    >>> screw = PropellerRecord(1.0, None, 4, 4.0, 0.8, None, "viscous", None, 0.25)
+    >>> screw = PropellerRecord(1.0, None, 4, 4.0, 0.8, None, 0.25)
     >>> round(greatest_ice_torque(10.9, 1.0, screw, 4.0 * math.pi) / 1e3, 3)
     297.286
     """

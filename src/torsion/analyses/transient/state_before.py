@@ -143,12 +143,13 @@ def point(study: Study, system: System, speed: float, name: str, mean: Steady | 
     part = study.train.part(name)
     station, rated = part.stations[0], study.operation.rated
     ratio = abs(float(system.speed_ratio[station]))
-    power = part.power if part.power is not None else None if rated is None else rated.power
-    torque = 0.0 if rated is None or power is None else power / (rated.speed * ratio)
+    own_speed = 0.0 if rated is None else rated.speed * ratio
+    torque = None if part.machine is None else part.machine.rated_torque(own_speed)
+    if torque is None:
+        torque = 0.0 if rated is None or rated.power is None else rated.power / own_speed
     driving = 0.0 if mean is None else float(mean.applied[station, 0])
     blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
-    rated_speed = 0.0 if rated is None else rated.speed * ratio
     return Point(
-        name, speed * ratio, driving, torque, blades, FilePath(study.file).parent, rated_speed,
+        name, speed * ratio, driving, torque, blades, FilePath(study.file).parent, own_speed,
         is_clutch=part.is_clutch, propeller=part.propeller,
     )  # fmt: skip

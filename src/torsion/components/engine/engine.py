@@ -31,7 +31,7 @@ from torsion.components.engine.declarations import (
 )
 from torsion.components.engine.gas_laws import Frame, GasFault, Law, law_of
 from torsion.components.engine.record import CylinderRecord, EngineRecord
-from torsion.components.lowering import Lowering, ShaftRecord
+from torsion.components.lowering import Lowering, MachineRecord, ShaftRecord
 from torsion.components.material import STEEL
 from torsion.fields import OneOrMany, Quantity, given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider, Rod
@@ -217,7 +217,7 @@ class Engine(Component, keyword="engine", sort="line"):
         slider = self._slider()
         stations, cranks = self._throws_and_spans(build, slider)
         record = self._record(owner, (stations, cranks), slider, law)
-        build.parts[owner] = replace(build.parts[owner], engine=record, power=self.power)
+        build.parts[owner] = replace(build.parts[owner], engine=record, machine=MachineRecord(True, self.power))
         if law is not None or record.inertia.any():
             self._torques(build, owner, record)
 

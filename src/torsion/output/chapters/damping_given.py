@@ -85,8 +85,8 @@ def _grounds(findings: Findings) -> Table:
     for damper in system.dampers:
         station = system.stations[damper.station]
         part = findings.study.train.parts[station.part]
-        screw = part.propeller
-        model, factor = ("viscous", None) if screw is None else (screw.damping_model, screw.damping_factor)
+        machine = part.machine
+        model, factor = ("viscous", None) if machine is None else (machine.damping_model, machine.damping_factor)
         value = _value(findings, damper.station, speed)
         rows.append((station.name, model, given(factor), value, part.source or NOT_STATED))
     at = f" at {given_rpm(speed)} rpm" if speed is not None else ""

@@ -1,4 +1,4 @@
-"""Chapter: data sheets of motors, couplings, gears and propellers, as the file gives them."""
+"""Chapter: data sheets of machines, couplings and gears, as the file gives them."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -19,7 +19,7 @@ OVER_FREQUENCY = "over frequency"  # in place of a limit that has no one value
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Nothing of a kind that the train does not have."""
-    sheets = _motors, _couplings, _gears, _tooth_forces, _propellers
+    sheets = _machines, _couplings, _gears, _tooth_forces, _impellers
     made = [one for sheet in sheets if (one := sheet(findings)) is not None]
     if not made:
         return
@@ -46,26 +46,31 @@ def _sheet(titles: str, rows: Iterable[Iterable[Any]], caption: str) -> Table | 
     return table(titles, listed, caption) if listed else None
 
 
-def _motors(findings: Findings) -> Table | None:
-    """Power and speed at the rated point, with the mean torque that the train takes from each."""
+def _machines(findings: Findings) -> Table | None:
+    """Power and speed at the rated point, with the mean torque of each there; bladed machines have their own table."""
     speed, applied = rated(findings), mean_torque_at_rated(findings)
+    machines = [
+        (k, part, part.machine)
+        for k, part in enumerate(findings.study.train.parts)
+        if part.machine is not None and part.is_point and part.impeller is None and part.propeller is None
+    ]
     torques = dict[int, float]()
     if applied is not None:
-        torques = {k: float(applied[0][part.stations[0]]) for k, part in _parts(findings, "motor")}
+        torques = {k: float(applied[0][part.stations[0]]) for k, part, _ in machines}
     unit = scale("N m", torques.values())
     lumps = {lump.part: lump for lump in findings.study.train.inertias}
     ripples = [torque.path[:-2] for torque in findings.study.train.torques]
     rows = (
         (
             part.name, _figure(lumps[k].given) if k in lumps and np.isfinite(lumps[k].given) else NONE,
-            _figure(part.power, 1e-3), NONE if speed is None else given_rpm(speed * float(part.ratio)),
+            _figure(machine.power, 1e-3), NONE if speed is None else given_rpm(speed * float(part.ratio)),
             unit.text(torques.get(k)), ripples.count(part.path),
             source(findings, k),
         )
-        for k, part in _parts(findings, "motor")
+        for k, part, machine in machines
     )  # fmt: skip
-    titles = "< Motor | J [kg m²] | Rated power [kW] | Speed at the rated point [rpm] | "
-    return _sheet(titles + f"Mean torque there [{unit.unit}] | Components of its ripple | < Source", rows, "Motors")
+    titles = "< Machine | J [kg m²] | Rated power [kW] | Speed at the rated point [rpm] | "
+    return _sheet(titles + f"Mean torque there [{unit.unit}] | Components of its ripple | < Source", rows, "Machines")
 
 
 def _couplings(findings: Findings) -> Table | None:
@@ -152,21 +157,22 @@ def _tooth_forces(findings: Findings) -> Table | None:
     )
 
 
-def _propellers(findings: Findings) -> Table | None:
+def _impellers(findings: Findings) -> Table | None:
     """Blades, size, dry and wet inertia and the model of the damping."""
     rows = []
-    for k, part in _parts(findings, "propeller"):
-        screw = part.propeller
-        if screw is not None:
-            wet = None if screw.water is None else screw.inertia + screw.water
+    for k, part in enumerate(findings.study.train.parts):
+        impeller, screw, machine = part.impeller, part.propeller, part.machine
+        if impeller is not None and machine is not None:
+            wet = None if impeller.water is None else impeller.inertia + impeller.water
+            size = (None,) * 3 if screw is None else (screw.diameter, screw.pitch_ratio, screw.area_ratio)
             rows.append((
-                part.name, screw.blades, _figure(screw.diameter), _figure(screw.pitch_ratio), _figure(screw.area_ratio),
-                _figure(screw.inertia), _figure(screw.water), _figure(wet), screw.damping_model,
-                _figure(screw.damping_factor), source(findings, k),
+                part.name, impeller.blades, *(_figure(value) for value in size),
+                _figure(impeller.inertia), _figure(impeller.water), _figure(wet), machine.damping_model,
+                _figure(machine.damping_factor), source(findings, k),
             ))  # fmt: skip
     return _sheet(
-        "< Propeller | Blades | D [m] | P/D | A_{E}/A_{0} | J dry [kg m²] | Entrained water [kg m²] | J wet [kg m²] | "
+        "< Machine | Blades | D [m] | P/D | A_{E}/A_{0} | J dry [kg m²] | Entrained water [kg m²] | J wet [kg m²] | "
         "< Damping model | Its factor | < Source",
         rows,
-        "Propellers and other absorbers",
+        "Propellers, pumps and fans",
     )

@@ -127,10 +127,12 @@ def _given_by_station(findings: Findings) -> dict[int, list[Inertia]]:
 
 
 def _water(findings: Findings) -> Iterator[str]:
-    """What entrained water adds to the propellers, in a sentence each."""
+    """What entrained water adds to propellers, and to pumps and fans that have it, in a sentence each."""
     parts = findings.study.train.parts
     for name, dry, water in (
-        (p.name, p.propeller.inertia, p.propeller.water) for p in parts if p.propeller is not None
+        (p.name, p.impeller.inertia, p.impeller.water)
+        for p in parts
+        if p.impeller is not None and (p.propeller is not None or p.impeller.water is not None)
     ):
         said = "dry, no entrained water is given"
         if water is not None:

@@ -18,7 +18,8 @@ WEB, PIN = 0.42, 0.3  # units: height of a crank's pin above the axis, and half 
 JOINT = 0.24  # units: half width of the area behind a joint
 GRADED, BED = 0.18, 0.27  # units: half thickness of a shaft, and of the area behind a coupling, that has a grade
 FILLS = {
-    "motor": "#bcd5e8", "propeller": "#bfe3d5", "damper": "#ead2e0", "pendulum": "#ead2e0", "throw": "#e3ddc6",
+    "motor": "#bcd5e8", "turbine": "#bcd5e8", "generator": "#cfe0b8", "pump": "#bfe3d5", "fan": "#bfe3d5",
+    "machine": "#cfe0b8", "propeller": "#bfe3d5", "damper": "#ead2e0", "pendulum": "#ead2e0", "throw": "#e3ddc6",
     "disc": "#dcdcdc",
 }  # fmt: skip
 DOTTED = "1.6 2"

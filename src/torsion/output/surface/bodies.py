@@ -10,7 +10,8 @@ from torsion.assembly.system import System
 from torsion.kernels.round_sections import polar_area_moment, section_modulus
 from torsion.primitives import Bar, Section
 
-LENGTHS = {"coupling": 1.2, "joint": 1.0, "gear": 0.5, "motor": 1.3}  # of what has no length, in `Sizes.length`
+LONG = ("motor", "turbine", "generator")  # kinds drawn long and with a thin rim
+LENGTHS = {"coupling": 1.2, "joint": 1.0, "gear": 0.5, **dict.fromkeys(LONG, 1.3)}  # of `Sizes.length`
 THIN = 0.5  # of any other point
 SHARE_OF_SHAFTS = 0.35  # everything without a length is drawn about this long, of the length of all shafts
 FEWEST_RINGS, MOST_RINGS = 16, 200  # along a shaft
@@ -152,7 +153,7 @@ def point(system: System, part: int, spans: list[int], start: float, size: Sizes
     length = length_of(kind, size)
     given = None if placed.propeller is None else placed.propeller.diameter
     radius = given / 2 if given else size.diameter * (0.9 + 1.1 * _grown(float(system.inertia[station]), size))
-    rim = 0.12 if kind == "motor" else 0.25
+    rim = 0.12 if kind in LONG else 0.25
     profile = _disc(min(0.6 * size.diameter, 0.8 * radius), radius, rim)
     disc = _turned(part, start, length, profile, (station, station), to_scale=bool(given))
     hanging = [int(system.driven[k]) for k in spans if kind in CARRYING and system.driving[k] == station]
