@@ -58,6 +58,17 @@ class Train:
         """Every component of a kind with its position in `parts`."""
         return ((number, part) for number, part in enumerate(self.parts) if part.kind == kind)
 
+    @cached_property
+    def periodic_torques(self) -> Mapping[str, tuple[Torque, ...]]:
+        """Torques by order or of a fixed frequency, by the name of the component at which they act."""
+        torques: dict[str, tuple[Torque, ...]] = {}
+        for torque in self.torques:
+            if torque.order is not None or torque.frequency is not None:
+                part = self.stations[torque.station].part if torque.cylinder is None else torque.cylinder.engine
+                name = torque.mesh[0] if torque.mesh else self.parts[part].name
+                torques[name] = (*torques.get(name, ()), torque)
+        return torques
+
     @property
     def has_shafts(self) -> bool:
         """A shaft has an inertia of its own, so that the models of shafts differ."""

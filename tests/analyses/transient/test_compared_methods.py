@@ -26,12 +26,13 @@ train:
 - coupling: {{name: rubber, stiffness: 1e4, viscous: 20{more}}}
 - disc: {{name: middle, inertia: 0.5}}
 - shaft: {{name: line, length: 1 m, diameter: 50 mm, segments: 1, loss_factor: 0.02}}
-- propeller: {{name: screw, inertia: 2, blades: 3, excitation: [{{blade_order: 1, torque: 50 N*m}}]}}
+- propeller: {{name: screw, inertia: 2, blades: 3}}
+excitations: [{{at: screw, frequency: 30 Hz, torque: 50 N*m}}]
 analyses:
   model: {model}
   transient: {{duration: 0.5 s, {body}}}
 """
-RELEASED = "initial: {torque: {rubber: 100, line: 50}}"
+RELEASED = "torques: none, initial: {torque: {rubber: 100, line: 50}}"
 STEPPED = "events: [{at: drive, time: 0.125 s, step: {torque: 100}}, {at: screw, step: {torque: -70, until: 0.25 s}}]"
 PULSED = "events: [{at: drive, time: 0.125 s, pulse: {torque: 100, length: 125 ms, shape: triangle}}]"
 FOURTH = ("runge-kutta-4",)
@@ -114,7 +115,7 @@ def test_a_method_beside_a_motion_that_is_not_linear_is_refused_at_its_place(mor
     found = torsion.run(torsion.parse(SCENE.format(body=body, model="lumped", more=more)))
     (one,) = found.plan.unanswered
     assert "compared on linear motions" in one.why
-    assert (one.line, one.is_input) == (11, True)
+    assert (one.line, one.is_input) == (12, True)
 
 
 def test_the_study_times_every_method_on_the_motions_of_a_file() -> None:

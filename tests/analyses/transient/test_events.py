@@ -61,7 +61,7 @@ def test_a_short_circuit_that_is_cleared_and_closed_again() -> None:
         slow, fast = np.exp(-t / 0.2), np.exp(-t / 0.03)
         return np.where((t >= 0) & (t < 0.3), 8 * slow * np.sin(w * t) - 4 * fast * np.sin(2 * w * t) + 0.3 * fast, 0.0)
 
-    exact = 1000.0 * (fault(TIME) + fault(TIME - 0.7))
+    exact = -1000.0 * (fault(TIME) + fault(TIME - 0.7))
     inside = (np.abs(TIME - 0.3) > 1e-9) & (np.abs(TIME - 1.0) > 1e-9)  # the ends themselves
     assert torque("short-circuit", body, Point(rated=1000.0))[inside] == pytest.approx(exact[inside], abs=1e-8)
 
@@ -249,7 +249,10 @@ JOINT = "- joint: {angle: 10 deg, inertia: [0.1, 0.1]}\n- coupling: {stiffness: 
 
 
 def test_without_events_a_steady_vibration_goes_on_as_it_is() -> None:
-    found = torsion.run(torsion.parse(SHAKEN.format(joint="", initial="")))
+    blades = "excitation: [{blade_order: 1, torque: 50 N*m, phase: 20 deg}]"
+    fixed = "excitations: [{at: screw, frequency: 30 Hz, torque: 50 N*m, phase: 20 deg}]\nanalyses"
+    text = SHAKEN.format(joint="", initial="").replace(f",\n    {blades}", "").replace("analyses", fixed)
+    found = torsion.run(torsion.parse(text))
     (one,) = found.need(Transients).each
     steady = response(found.study, found.system, speeds=np.array([20.0 * np.pi]), refine=False)
     w = 60.0 * np.pi
@@ -260,10 +263,12 @@ def test_without_events_a_steady_vibration_goes_on_as_it_is() -> None:
 @pytest.mark.parametrize(
     ("joint", "initial", "moves"),
     [
-        ("", ", initial: {speed: 600 rpm}", False),
-        ("", ", initial: rest", False),
-        (JOINT, ", initial: {speed: 600 rpm}", True),
-        (JOINT, ", initial: rest", False),
+        ("", ", initial: {speed: 600 rpm}", True),
+        ("", ", initial: rest", True),
+        ("", ", initial: {speed: 600 rpm}, torques: none", False),
+        ("", ", initial: rest, torques: none", False),
+        (JOINT, ", initial: {speed: 600 rpm}, torques: none", True),
+        (JOINT, ", initial: rest, torques: none", False),
     ],
 )
 def test_without_events_a_train_that_nothing_moves_is_refused(joint: str, initial: str, moves: bool) -> None:

@@ -16,7 +16,7 @@ from torsion.errors import InputError, SolveError
 from torsion.kernels.transient import event_driven_motion
 from torsion.output.chapters.motion_over_time import chapter
 
-RIPPLE = ", ripple: [{order: 2, torque: 150 %}]"
+RIPPLE = ", ripple: [{frequency: 40 Hz, torque: 150 %}]"
 DRIVE = """name: x
 operation: {{speeds: {{from: 500 rpm, to: 1500 rpm}}, rated: {{speed: 1200 rpm, power: 20 kW}}}}
 train:

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from torsion.analyses.transient.acting_torques import acting_torques, without_excluded_torques
 from torsion.analyses.transient.direct_torques import direct_torques
-from torsion.analyses.transient.following_torques import carrier_of, turns
+from torsion.analyses.transient.following_torques import carrier_of, torques_follow
 from torsion.analyses.transient.known_loads import known_loads
 from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
 from torsion.analyses.transient.state_before import points_of_events, state_before
@@ -51,14 +52,19 @@ def linear_curves(study: Study, system: System, settings: TransientSettings, pla
 
     Raises InputError, at the `method`, where torques follow the motion or a coupling is nonlinear.
     """
+    study, system = without_excluded_torques(study, system, settings)
     events = settings.events
-    if study.train.has_nonlinear_couplings or turns(study, system, events):
+    if study.train.has_nonlinear_couplings or torques_follow(study, system, events):
         message = "methods are compared on linear motions, without play, friction, starts, loads, joints or sweeps"
-        raise InputError([Fault((*place, "method"), message, "method: exact")])
+        orders = [words for words in acting_torques(study, settings).acting if words.endswith("by its angle)")]
+        if orders:
+            message = f"methods are compared on linear motions, and not beside {', '.join(orders)}"
+        raise InputError([Fault((*place, "method"), message, "method: exact" + "; or `torques: none`" * bool(orders))])
     before, modes = state_before(study, system, settings, place), kept_modes(system, settings.modes, place)[0]
     points, shape = points_of_events(study, system, events, before, place, turns=False), shapes(system, modes)
     train = modal_train(study, system, modes, shape, before)
-    loads, acting = known_loads(study, system, events, points, None)
+    vibrates = bool(before.frequency.size)
+    loads, acting = known_loads(study, system, events, points, None, before, vibrates=vibrates)
     exact = motion(train, shape.T @ acting, loads, *start(system, modes, before, shape))
     direct = direct_torques(system, modes, acting, is_band=system.bars is not None or settings.modes != "all")
     slowed, carrier = slowed_torques(study, system, modes, shape, before), carrier_of(study, system, events, before)

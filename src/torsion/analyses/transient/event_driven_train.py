@@ -9,16 +9,18 @@ from functools import partial
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import amplitude, excitations
+from torsion.analyses.transient.acting_torques import without_excluded_torques
 from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.event_kind import Point
 from torsion.analyses.transient.following_signals import FollowingSignals, quickest
 from torsion.analyses.transient.following_torques import (
     carrier_of,
+    changes_speed,
     following,
     refuse_beyond_tables,
     replaced_dampers,
-    turns,
+    torques_follow,
     without_dampers,
 )
 from torsion.analyses.transient.joint_cuts import JointCut, joint_cuts, parts_of
@@ -166,7 +168,10 @@ def build(
     halved: with half the band of modes that would be kept. speed: of a steady state (rad/s of the reference station),
     in place of the operation's.
     """
-    found, events, is_driven = couplings(study.train, system), settings.events, turns(study, system, settings.events)
+    study, system = without_excluded_torques(study, system, settings)
+    found, events = couplings(study.train, system), settings.events
+    is_driven = changes_speed(system, events)
+    has_laws = speed is None and torques_follow(study, system, events)
     if is_driven and speed is not None:
         raise SolveError("the joints of the train turn unevenly, and a settled vibration beside them is not built")
     before = state_before(study, system, settings, place, vibrates=False, speed=speed)
@@ -182,11 +187,13 @@ def build(
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
     turning = _speeds(study, bare, before, shape)
-    points = points_of_events(study, system, events, before, place, turns=is_driven)
+    points = points_of_events(study, system, events, before, place, turns=has_laws)
     follows: FollowingSignals | None = None
-    if is_driven:
+    if has_laws:
         follows = FollowingSignals(following(study, system, events, points, before, cuts, shape), system, settings)
-    acting = _signals(study, system, settings, before, points, follows, place).with_capacities(settings, found)
+    is_settled = speed is not None
+    acting = _signals(study, system, settings, before, points, follows, is_settled=is_settled)
+    acting = acting.with_capacities(settings, found)
     ends = twists(bare, modes, shape, np.array([one.span for one in found]))
     torque = before.torque + before.twist
     carried, all_standing = torque.copy(), list[Standing]()
@@ -273,10 +280,14 @@ def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
 
 def _signals(
     study: Study, system: System, settings: TransientSettings, before: State, points: list[Point],
-    follows: FollowingSignals | None, place: Path,
+    follows: FollowingSignals | None, *, is_settled: bool,
 ) -> Acting:  # fmt: skip
-    """The torques of events, mean torques and periodic ones, without those that follow the motion."""
-    loads, acting = known_loads(study, system, settings.events, points, None if follows is None else follows.follows)
+    """The torques of events, mean torques and periodic ones, without those that follow the motion.
+
+    is_settled: the train vibrates steadily at one speed, and orders have the frequencies of that.
+    """
+    laws = None if follows is None else follows.follows
+    loads, acting = known_loads(study, system, settings.events, points, laws, before, vibrates=is_settled)
     number = len(loads) - (0 if follows is None else len(follows.signal))
     pieces, columns = [tuple(one) for one in loads[:number]], list(acting.T[:number].astype(complex))
     direct = np.zeros(len(system.spans))
@@ -285,7 +296,7 @@ def _signals(
         of_joints, direct = (np.zeros(len(acting)), direct) if follows is None else follows.means
         columns.append(before.mean.applied[:, 0] + of_joints + 0j)
     behind = len(pieces)
-    if follows is None and settings.initial in (None, "steady") and before.speed:
+    if is_settled:
         at = np.array([before.speed])
         for excitation in excitations(system):
             column = np.zeros(len(acting), dtype=complex)

@@ -1,7 +1,6 @@
-"""Torques that follow the motion: starts, loads, orders and ice by the angle of their point, and joints.
+"""Torques that follow the motion: starts and loads by the speed of a point, orders and ice by its angle, and joints.
 
-They are there where an event changes the speed by itself, or a joint does. Then the periodic torques of the file follow
-the angle of their station too.
+They are there where an event changes the speed by itself, a joint does, or a periodic torque has an order.
 """
 
 import math
@@ -84,13 +83,17 @@ class Following:
         return Scheme(duration, settings.tolerance, FIRST * duration, LONGEST * duration, weight, cuts)
 
 
-def turns(study: Study, system: System, events: Sequence[Event]) -> bool:
-    """Torques follow the motion: an event changes the speed by itself, a joint does, or a program sweeps orders."""
-    if joint_spans(system).size or any(event.body.drives for event in events):
+def changes_speed(system: System, events: Sequence[Event]) -> bool:
+    """An event or a joint changes the speed by itself: dampers to ground then count from the motion as one."""
+    return bool(joint_spans(system).size) or any(event.body.drives for event in events)
+
+
+def torques_follow(study: Study, system: System, events: Sequence[Event]) -> bool:
+    """Torques follow the motion: periodic ones by order, what changes the speed, or events by angle in a program."""
+    if changes_speed(system, events) or any(torque.order is not None for torque in study.train.torques):
         return True
-    swept = any(torque.order is not None for torque in study.train.torques)
-    swept = swept or any(event.body.by_angle for event in events)
-    return swept and any(isinstance(event.body, SpeedProgram) for event in events)
+    is_swept = any(isinstance(event.body, SpeedProgram) for event in events)
+    return is_swept and any(event.body.by_angle for event in events)
 
 
 def following(
@@ -118,7 +121,7 @@ def following(
         words.append(f"cylinders at {system.stations[throw].name}")
     for torque in system.train.torques:
         if torque.order is not None and torque.cylinder is None:
-            size = _size(study, system, torque)
+            size = _size(study, system, torque, before.speed)
             found.append(laws.Wave(len(station), size, float(torque.order), torque.phase))
             station.append(torque.station)
             words.append(f"order {torque.order} at {torque.name}")
@@ -191,8 +194,7 @@ def refuse_beyond_tables(follows: Following, events: Sequence[Event], how: March
     """Raises SolveError where a point outruns the table of its load while that acts."""
     for time, law, regime in sorted((*how.begun, *how.changes)):
         number = follows.events[law] if law < len(follows.events) else -1
-        event = events[number]
-        if number < 0 or not isinstance(event.body, Load):
+        if number < 0 or not isinstance((event := events[number]).body, Load):
             continue
         if event.body.is_beyond(follows.laws[law], regime, time - event.time):
             ends = f"{event.body.law[-1][0] * 30.0 / math.pi:.6g} rpm"
@@ -237,14 +239,21 @@ def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tup
     return tuple(found)
 
 
-def _size(study: Study, system: System, torque: Torque) -> laws.Parts:
-    """Amplitude of a periodic torque over the speed of its own shaft."""
+def _size(study: Study, system: System, torque: Torque, begins: float) -> laws.Parts:
+    """Amplitude of a periodic torque over the speed of its own shaft; begins: rad/s of the reference.
+
+    Raises InputError where the mean torque of which it is a share is not known at the speed at which the motion begins.
+    """
     operation, ratio = study.operation, abs(float(system.speed_ratio[torque.station]))
+    if begins:  # known there, or refused
+        at_begin = np.array([begins])
+        amplitude(system, torque, at_begin, steady_if_known(study, system, at_begin) if torque.of_mean else None)
     if torque.table:
         return laws.table(torque.table)
     if not torque.of_mean:
         return laws.constant(torque.torque)
-    speed = np.array([operation.speed or 1.0])
+    rows = None if isinstance(operation.load, str) else np.array(operation.load, dtype=float)
+    speed = np.array([operation.speed or 1.0]) if rows is None else rows[[rows[:, 1].argmax()], 0]
     share = replace(torque, torque=0.0, phase=0.0)
     size = float(amplitude(system, share, speed, steady_if_known(study, system, speed))[0].real)
     if operation.load == "propeller":
@@ -252,6 +261,5 @@ def _size(study: Study, system: System, torque: Torque) -> laws.Parts:
         return laws.Parts(np.empty(0), np.array([[0.0, 0.0, square]]), float(speed[0]) * ratio)
     if operation.load == "constant":
         return laws.constant(size)
-    rows = np.array(operation.load, dtype=float)
-    there = float(np.interp(speed[0], rows[:, 0], rows[:, 1]))
-    return laws.table([(at * ratio, size * torque_there / there) for at, torque_there in rows.tolist()])
+    assert rows is not None
+    return laws.table([(at * ratio, size * mean / float(rows[:, 1].max())) for at, mean in rows.tolist()])

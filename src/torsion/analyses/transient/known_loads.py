@@ -21,12 +21,14 @@ Loads = list[tuple[Piece, ...]]
 
 
 def known_loads(
-    study: Study, system: System, events: Sequence[Event], points: Sequence[Point], follows: Following | None
-) -> tuple[Loads, FloatArray]:
+    study: Study, system: System, events: Sequence[Event], points: Sequence[Point], follows: Following | None,
+    before: State, *, vibrates: bool = False,
+) -> tuple[Loads, FloatArray]:  # fmt: skip
     """The torque of every event, and where each acts, (stations, loads) per N m.
 
     Behind them stand the mean torques that starts and loads replace, the inertia of a train whose speed is prescribed,
-    torques of a fixed frequency, and one load of nothing for every interface of what follows the motion.
+    torques of a fixed frequency, and one load of nothing for every interface of what follows the motion. vibrates: a
+    steady vibration stands for the torques of a fixed frequency.
     """
     loads, columns, here = list[tuple[Piece, ...]](), list[FloatArray](), np.eye(len(system.stations))
     replaced = dict[str, tuple[float, float]]()
@@ -43,14 +45,15 @@ def known_loads(
     if rates := rates_of(study, system, events):
         loads.append(tuple(Piece(begin, end, -rate) for begin, end, rate in rates))
         columns.append(np.where(system.held, 0.0, system.lumped_inertia) * np.abs(system.speed_ratio))
-    if follows is not None:
-        speed = np.array([study.operation.speed or 0.0])
+    if not vibrates:
+        speed = np.array([before.speed or study.operation.speed or 0.0])
         for torque in system.train.torques:
             if torque.frequency is not None:
                 mean = steady_if_known(study, system, speed) if torque.of_mean else None
                 size = complex(amplitude(system, torque, speed, mean)[0])
                 loads.append((Piece(0.0, math.inf, size, rate=2j * math.pi * torque.frequency),))
                 columns.append(here[torque.station])
+    if follows is not None:
         loads += [()] * len(follows.station)
         columns += list(here[follows.station])
     return loads, np.array(columns).reshape(-1, len(system.stations)).T

@@ -1,7 +1,7 @@
 """Motion over time of a train from its events, by the path that its couplings and torques need."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.steady import steady
+from torsion.analyses.transient.acting_torques import acting_torques, without_excluded_torques
 from torsion.analyses.transient.compared_methods import compared
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
@@ -18,12 +19,13 @@ from torsion.analyses.transient.following_events import SpeedProgram
 from torsion.analyses.transient.following_torques import (
     Following,
     carrier_of,
+    changes_speed,
     following,
     refuse_beyond_tables,
     replaced_dampers,
-    turns,
+    torques_follow,
     without_dampers,
-)  # fmt: skip
+)
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
 from torsion.analyses.transient.milling_ice import Ice, IceTorque
@@ -42,7 +44,8 @@ from torsion.analyses.transient.transient_settings import (
     TransientSettings,
     cases,
 )
-from torsion.analyses.transient.worst_phase import Phases, over_phases
+from torsion.analyses.transient.worst_fault import fault_variants, scans_reclosing
+from torsion.analyses.transient.worst_phase import Phases, over_phases, share_of_limits
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.solved_sections import stress_modulus
@@ -66,33 +69,71 @@ def transient(
     every mode, in place of the damping of the train. Raises InputError for an event that the train cannot have and for
     too few samples, SolveError where a mode is not certified or the train is of a kind that is not built.
     """
+    torques = acting_torques(study, settings)
+    study, system = without_excluded_torques(study, system, settings)
+    if modes is None and scans_reclosing(settings):
+        modes = kept_modes(system, "all" if study.train.has_nonlinear_couplings else settings.modes, place)
     solve = partial(_of_phases, study, system, place, modes, damping_ratio, progress)
     limits = [part.ratings.max_torque if part.ratings is not None else None for part in study.train.parts]
     limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
-    return _read(study, system, settings, _merged(over_phases(settings, solve, limit)))
+    period = math.inf if modes is None or not modes[0].frequency.size else 1.0 / float(modes[0].frequency[0])
+    faults = fault_variants(settings, period, place)
+    found = _read(study, system, settings, _worst_fault(faults, solve, limit))
+    return replace(found, acting=torques.acting, not_acting=torques.not_acting)
 
 
-def _merged(found: list[tuple[Phases, TransientMotion]]) -> TransientMotion:
+def _worst_fault(
+    faults: Iterable[tuple[str, TransientSettings]], solve: Callable[[TransientSettings], TransientMotion],
+    limit: FloatArray,
+) -> TransientMotion:  # fmt: skip
+    """The motion of the worst fault, with the greatest of every span's torques of all faults.
+
+    limit: (spans,) N m, nan where there is none.
+    """
+    (words, first), *others = faults
+    shown = replace(_merged(over_phases(first, solve, limit)), worst_fault=words if others else "")
+    share = share_of_limits(limit, shown.peak)
+    for number, (words, settings) in enumerate(others, 2):
+        motion = replace(_merged(over_phases(settings, solve, limit)), worst_fault=words)
+        is_worse = (motion.peak * share).max(initial=0.0) > (shown.peak * share).max(initial=0.0)
+        shown = _greatest((motion, shown) if is_worse else (shown, motion))
+        shown = replace(shown, faults_computed=number)
+    return shown
+
+
+def _merged(motions: list[tuple[Phases, TransientMotion]]) -> TransientMotion:
     """The motion of the worst phases, the first, with the greatest of every span's torques of all."""
-    phases, shown = found[0]
-    every, spans = [one for _, one in found], np.arange(len(shown.greatest))
-    if len(every) == 1:
-        return shown
-    high = np.argmax([one.greatest for one in every], axis=0)
-    low, most = np.argmin([one.least for one in every], axis=0), np.argmax([one.peak for one in every], axis=0)
+    if len(motions) == 1:
+        return motions[0][1]
+    phases = tuple(phase for _, phase in motions[0][0])
+    greatest = _greatest([motion for _, motion in motions])
+    return replace(greatest, slip_phase=phases, phases_computed=len(motions))
+
+
+def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
+    """The first of the motions, with the greatest of every span's torques of all."""
+    shown, spans = motions[0], np.arange(len(motions[0].greatest))
+    high = np.argmax([motion.greatest for motion in motions], axis=0)
+    low = np.argmin([motion.least for motion in motions], axis=0)
+    most = np.argmax([motion.peak for motion in motions], axis=0)
 
     def of(name: str, chosen: IntArray) -> FloatArray:
-        return np.asarray(np.array([getattr(one, name) for one in every])[chosen, spans])
+        return np.asarray(np.array([getattr(motion, name) for motion in motions])[chosen, spans])
 
     return replace(
-        shown, greatest=of("greatest", high), greatest_at=of("greatest_at", high), least=of("least", low),
-        least_at=of("least_at", low), unresolved=np.max([one.unresolved for one in every], axis=0),
-        reversals=np.max([one.reversals for one in every], axis=0), residual=max(one.residual for one in every),
-        change=None if shown.change is None else max(one.change or 0.0 for one in every), phases_computed=len(every),
-        slip_phase=tuple(phase for _, phase in phases), left_in_series=max(one.left_in_series for one in every),
-        switching=_least_certain([one.switching for one in every if one.switching is not None]),
-        turns=tuple(every[one].turns[span] for span, one in enumerate(most.tolist()) if every[one].turns),
-    )  # fmt: skip
+        shown,
+        greatest=of("greatest", high),
+        greatest_at=of("greatest_at", high),
+        least=of("least", low),
+        least_at=of("least_at", low),
+        unresolved=np.max([motion.unresolved for motion in motions], axis=0),
+        reversals=np.max([motion.reversals for motion in motions], axis=0),
+        residual=max(motion.residual for motion in motions),
+        change=None if shown.change is None else max(motion.change or 0.0 for motion in motions),
+        left_in_series=max(motion.left_in_series for motion in motions),
+        switching=_least_certain([motion.switching for motion in motions if motion.switching is not None]),
+        turns=tuple(motions[place].turns[span] for span, place in enumerate(most.tolist()) if motions[place].turns),
+    )
 
 
 def _least_certain(every: list[Switching]) -> Switching | None:
@@ -142,16 +183,18 @@ def _solved(
     damping_ratio: float | None, progress: Progress, modes: Modes, *, is_band: bool,
 ) -> TransientMotion:  # fmt: skip
     """The motion of some modes."""
-    events, is_driven, cuts = settings.events, turns(study, system, settings.events), joint_cuts(system, before.mean)
-    points = points_of_events(study, system, events, before, place, turns=is_driven)
+    events, cuts = settings.events, joint_cuts(system, before.mean)
+    is_driven, has_laws = changes_speed(system, events), torques_follow(study, system, events)
+    points = points_of_events(study, system, events, before, place, turns=has_laws)
     replaced = replaced_dampers(study, system, settings, place)
     parts = without_dampers(parts_of(system, cuts) if cuts else system, replaced)
     shape = shapes(parts, modes)
     train = modal_train(study, parts, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
         train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
-    follows = following(study, system, events, points, before, cuts, shape) if is_driven else None
-    loads, acting = known_loads(study, parts, events, points, follows)
+    follows = following(study, system, events, points, before, cuts, shape) if has_laws else None
+    vibrates = follows is None and bool(before.frequency.size)
+    loads, acting = known_loads(study, parts, events, points, follows, before, vibrates=vibrates)
     direct, added, noise = direct_torques(parts, modes, acting, is_band=is_band), dict[str, Any](), 0.0
     begin = start(parts, modes, before, shape)
     if follows is None:
@@ -182,7 +225,7 @@ def _solved(
         added["passages"] = passages(system, follows, straight, time, turning)
     lacking = missed(modes, moved, time, finer) + curves.unseen(looked.left)
     peak = np.maximum(np.abs(top[0]), np.abs(bottom[0]))
-    requested = orders_requested(study, system, settings, place, peak=peak, turning=turning, follows=is_driven)
+    requested = orders_requested(study, system, settings, place, peak=peak, turning=turning, follows=has_laws)
     if requested is not None:
         added["orders"] = order_tracking(curves, requested, time, max(shape.shape[1], len(torque)))
     return TransientMotion(
@@ -280,7 +323,7 @@ def _slowed(study: Study, system: System, settings: TransientSettings, found: Tr
     None without ice, where torques follow the speed, and where a program prescribes it.
     """
     bodies, time, changes = [event.body for event in settings.events], found.time, list[float]()
-    if any(body.drives or isinstance(body, SpeedProgram) for body in bodies):
+    if found.steps or any(isinstance(body, SpeedProgram) for body in bodies):
         return None
     for name in dict.fromkeys(event.at for event in settings.events if isinstance(event.body, Ice)):
         station = study.train.part(name).stations[0]

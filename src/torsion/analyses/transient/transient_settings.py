@@ -10,9 +10,10 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Length, Point
-from torsion.analyses.transient.events import Event, ShortCircuit, Stop
+from torsion.analyses.transient.events import Event, Stop
 from torsion.analyses.transient.following_events import SpeedProgram, Start
 from torsion.analyses.transient.order_tracking import OrderSettings
+from torsion.analyses.transient.short_circuit import ELECTRICAL, ShortCircuit
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.study import Several, Study, mesh_faults
@@ -37,6 +38,17 @@ def _read_initial(value: Any) -> Any:
     if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
         return {"torque": {str(name): Quantity("N*m").read(torque) for name, torque in value["torque"].items()}}
     raise refuse("this is no initial state", "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}")
+
+
+def _read_torques(value: Any) -> Any:
+    """The names of components whose periodic torques act; none of them for `none`."""
+    if value == "none" or value is None:
+        return () if value else None
+    if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
+        raise refuse("`torques` is `none` or a list of names", "torques: none, or torques: [engine]")
+    if not value:
+        raise refuse("`torques` names nothing", "`torques: none`, or leave it out: then all periodic torques act")
+    return tuple(dict.fromkeys(value))
 
 
 Initial = Annotated[Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])]
@@ -79,6 +91,13 @@ class TransientSettings(Declared):
     )
     events: tuple[Event, ...] = given(
         "what happens, each at a point: [{at: motor-1, step: {torque: 100 N*m}}, ...]", ()
+    )
+    torques: Annotated[
+        tuple[str, ...] | None,
+        BeforeValidator(_read_torques, json_schema_input_type=Literal["none"] | tuple[str, ...]),
+    ] = given(
+        "[names] of the components whose periodic torques (ripple, excitations, orders of engines, propellers and "
+        "compressors) act, by the angle of their shaft; none: no periodic torque (default: all of the file)"
     )
     samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
         "samples of the curves; peaks are found between them, and nothing else depends on them "
@@ -144,7 +163,10 @@ def cases(study: Study) -> list[tuple[TransientSettings, Path]]:
 
 def transient_faults(study: Study) -> list[Fault]:
     """Motions without a name, events at what is no point or after the end, files, and nothing that moves the train."""
-    found, seen, every = mesh_faults(study, "motion over time"), set[str](), cases(study)
+    found, seen, every = list[Fault](), set[str](), cases(study)
+    meshes = {torque.mesh[0] for torque in study.train.torques if torque.mesh}
+    if any(settings.torques is None or meshes.intersection(settings.torques) for settings, _ in every):
+        found += mesh_faults(study, "motion over time")
     if not every:
         found.append(Fault(PATH, "the list of motions is empty", "`- {name: start, duration: 2 s, events: [...]}`"))
     if every and study.model == "exact" and study.train.has_shafts:
@@ -165,8 +187,8 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
     apart = each if isinstance(each, dict) else {}
     twists = settings.initial.get("torque", {}) if isinstance(settings.initial, dict) else {}
     if not (settings.events or apart or any(twists.values()) or _is_shaken(study, settings)):
-        hint = "give `events`, `initial: {torque: {coupling-1: 100 N*m}}`, or excitations and `initial: steady`"
-        message = "nothing moves the train: no event, no excitation of a steady state, no twist that is released"
+        hint = "give `events`, `initial: {torque: {coupling-1: 100 N*m}}`, or `excitations`"
+        message = "nothing moves the train: no event, no periodic torque, no twist that is released"
         yield Fault(path, message, hint)
     known = {part.name: (part.kind, part.is_point) for part in study.train.parts}
     named = [name_fault(name, (*path, "initial", "speed", name), known) for name in apart]
@@ -174,6 +196,10 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
     if apart and not study.train.has_nonlinear_couplings:
         message = "speeds of several points need a clutch or a clearance between them"
         yield Fault((*path, "initial"), message, "initial: {speed: 1500 rpm}")
+    for name in settings.torques or ():
+        if name not in study.train.periodic_torques:
+            hint = ", ".join(study.train.periodic_torques) or "leave `torques` out"
+            yield Fault((*path, "torques"), f"no periodic torque acts at '{name}'", hint)
     here = Point(folder=FilePath(study.file).parent)
     for number, event in enumerate(settings.events):
         place = (*path, "events", number)
@@ -182,6 +208,9 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
             yield fault
         elif is_clutch and not study.train.part(event.at).is_clutch:
             yield Fault((*place, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
+        elif isinstance(event.body, ShortCircuit) and known[event.at][0] not in ELECTRICAL:
+            hint = f"make '{event.at}' a `generator`; its load then leaves there"
+            yield Fault((*place, "at"), "a short circuit acts in an electrical machine", hint)
         if event.time >= settings.duration:
             hint = f"within {settings.duration:g} s, or a longer `duration`"
             yield Fault((*place, "time"), "the event begins after the end of the motion", hint)
@@ -202,9 +231,11 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
 
 
 def _is_shaken(study: Study, settings: TransientSettings) -> bool:
-    """Without events: periodic torques and errors of gears and joints go on, or joints turn unevenly at a speed."""
+    """Without events: periodic torques act, or joints turn unevenly at a speed."""
+    if study.train.periodic_torques if settings.torques is None else settings.torques:
+        return True
     if settings.initial in (None, "steady"):
-        return bool(study.operation.speed) and (study.excites or study.has_joints)
+        return bool(study.operation.speed) and study.has_joints
     return study.has_joints and isinstance(settings.initial, dict) and bool(settings.initial.get("speed"))
 
 
@@ -231,7 +262,7 @@ def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
     for number, event, body in stops:
         there = [(one.time, other) for _, one, other in stops if one.at == event.at]
         full = event.time + body.ramp
-        ends = [full + near, *([] if body.until is None else [full + body.until - near])]
+        ends = [full + near, *([] if math.isinf(body.lasts) else [full + body.lasts - near])]
         share = max(sum(other.taken(at - time) for time, other in there) for at in ends)
         if share > 1.0 + ROUNDING:
             message = f"the stops at '{event.at}' together end {100.0 * share:.4g} % of its mean torque"

@@ -5,9 +5,11 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from torsion.analyses.transient.acting_torques import ActingTorques
 from torsion.analyses.transient.compared_methods import ComparedMethod
 from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.milling_ice import Ice
+from torsion.analyses.transient.short_circuit import ShortCircuit
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
@@ -58,6 +60,8 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     rows = [(one, int(k[found.greatest[k].argmax()]), int(k[found.least[k].argmin()])) for one, k in spans]
     unit = scale("N m", [value for _, high, low in rows for value in (found.greatest[high], found.least[low])])
     yield Paragraph(_introduction(found, settings))
+    yield Paragraph(ActingTorques(found.acting, found.not_acting).words, brief=True)
+    yield from _faults(found, settings)
     yield from _steady_begin(findings, found, settings)
     if found.status != "ok":
         yield Paragraph(f"Not to be relied upon: {found.status}.", "fail", brief=True)
@@ -81,12 +85,28 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     yield from orders(found.orders, found.name)
 
 
+def _faults(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+    """Which short circuits were computed, which is the worst, and what becomes of the mean torque meanwhile."""
+    loads = {event.body.load for event in settings.events if isinstance(event.body, ShortCircuit)}
+    if not loads:
+        return
+    is_both = loads == {"stays", "falls"}
+    load = "stays or falls as the file states" if is_both else "acts on" if "stays" in loads else "is gone"
+    text = f"The mean torque of the machine {load} during a short circuit (`load`)."
+    if found.faults_computed:
+        text = (
+            f"{found.faults_computed} faults were computed; the worst: {found.worst_fault}. Its curves are shown; "
+            f"greatest and least torques are those of all. {text}"
+        )
+    yield Paragraph(text, "note", brief=True)
+
+
 def _steady_begin(findings: Findings, found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
     """How a motion begins that is steady before its events; briefly, where the file says neither that nor a speed."""
     if not found.speed_before or settings.initial not in (None, "steady"):
         return
-    if findings.study.excites:
-        text = "Periodic torques and the errors of joints go on as before the events, at the speed before them."
+    if findings.study.excites and settings.torques != ():
+        text = "The motion begins with the steady vibration that periodic torques and joints make at this speed."
         begun = (
             "Beside play, friction, stages and clutches periodic torques begin at time 0, upon the mean torques alone; "
             "the first revolutions are a transient of their own."

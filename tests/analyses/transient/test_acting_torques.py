@@ -1,0 +1,170 @@
+"""Periodic torques act in every motion over time, by the angle of their station, and the motion says which acted."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion import commands
+from torsion.analyses.transient.acting_torques import acting_torques
+from torsion.analyses.transient.transient_motion import TransientMotion, Transients
+from torsion.analyses.transient.transient_settings import TransientSettings
+from torsion.errors import InputError
+from torsion.output.blocks import Paragraph
+from torsion.output.chapters.motion_over_time import chapter
+from torsion.output.results_json import results
+from torsion.rules.verdict_line import Checks
+
+ORACLES = json.loads((Path(__file__).parent / "drives_oracles.json").read_text())["acting_torques"]
+SCENES = Path(__file__).parents[3] / "shafting_specs"
+RIPPLE = ", ripple: [{order: 1, torque: 50 N*m}]"
+SCENE = """name: x
+train:
+- motor: {name: m, inertia: 3RIPPLE}
+- coupling: {name: coupling, stiffness: 3000, viscous: 6, max_torque: 50 N*m}
+- disc: {name: load, inertia: 1}
+analyses: {transient: {duration: 2 s, tolerance: 1e-10, BODY}}
+"""
+AT_SPEED = "initial: {speed: 600 rpm}"
+STEP = ", events: [{at: m, step: {torque: 1 N*m}}]"
+
+
+def scene(body: str, ripple: str = RIPPLE) -> str:
+    return SCENE.replace("RIPPLE", ripple).replace("BODY", body)
+
+
+def moved(text: str) -> TransientMotion:
+    (motion,) = torsion.run(torsion.parse(text)).need(Transients).each
+    return motion
+
+
+@pytest.mark.parametrize(
+    ("body", "ripple", "expected"),
+    [
+        (AT_SPEED + STEP, RIPPLE, ORACLES["step_and_order"]),
+        (AT_SPEED, RIPPLE, ORACLES["order_only"]),
+        (AT_SPEED + STEP, "", ORACLES["step_only"]),
+        (AT_SPEED + STEP + ", torques: none", RIPPLE, ORACLES["step_only"]),
+        ("initial: rest" + STEP.replace("1 N", "200 N"), RIPPLE, ORACLES["rest_step_200_and_order"]),
+        ("initial: rest" + STEP.replace("1 N", "200 N"), "", ORACLES["rest_step_200_only"]),
+    ],
+)
+def test_a_ripple_by_the_angle_of_its_motor_has_the_torques_of_an_independent_integration(
+    body: str, ripple: str, expected: dict[str, float]
+) -> None:
+    motion = moved(scene(body, ripple))
+    first = motion.greatest[0] > -motion.least[0]
+    assert motion.peak[0] == pytest.approx(expected["greatest"], rel=2e-9)
+    assert (motion.greatest_at if first else motion.least_at)[0] == pytest.approx(expected["at"], abs=3e-6)
+    assert motion.speed[0, -1] * 30.0 / math.pi == pytest.approx(expected["end_speed_motor_rpm"], rel=1e-10)
+    assert motion.torque[0, -1] == pytest.approx(expected["torque_end"], rel=2e-8)
+
+
+def test_the_limit_of_a_coupling_fails_by_a_ripple_in_a_motion_that_begins_at_a_speed() -> None:
+    (check,) = torsion.run(torsion.parse(scene(AT_SPEED + STEP))).need(Checks).lines
+    assert (check.verdict, check.value) == ("fail", pytest.approx(ORACLES["step_and_order"]["greatest"], rel=1e-8))
+
+
+def test_a_steady_vibration_by_the_angle_leaves_that_of_the_speed_before_with_the_square_of_its_amplitude() -> None:
+    """A cos(k angle) is A cos(kwt) but for terms of second order: by the angle of the vibration, and by its drift."""
+    rated = "operation: {rated: {speed: 600 rpm, power: 60 kW}}\ntrain:"
+    deviations = []
+    for size in (4.0, 2.0):
+        ripple = f", ripple: [{{LAW, torque: {size} N*m}}]"
+        text = scene("initial: steady", ripple).replace("train:", rated).replace("duration: 2 s", "duration: 0.4 s")
+        by_angle, fixed = (moved(text.replace("LAW", law)) for law in ("order: 2", "frequency: 20 Hz"))
+        deviations.append(np.abs(by_angle.torque - fixed.torque).max())
+    assert deviations[0] < 0.01 * np.ptp(fixed.torque)
+    assert deviations[0] / deviations[1] == pytest.approx(4.0, rel=1e-3)
+
+
+def test_a_torque_of_a_fixed_frequency_acts_from_rest_as_the_closed_form_has_it() -> None:
+    """Two discs under A cos(wt) without damping: the twist beats between the natural and the forced frequency."""
+    text = scene("initial: rest", ", ripple: [{frequency: 10 Hz, torque: 50 N*m}]").replace(", viscous: 6", "")
+    motion = moved(text)
+    natural, forced = math.sqrt(3000.0 * (1.0 / 3.0 + 1.0)), 20.0 * math.pi
+    shape = np.cos(forced * motion.time) - np.cos(natural * motion.time)
+    exact = 3000.0 * (50.0 / 3.0) * shape / (natural**2 - forced**2)
+    assert motion.torque[0] == pytest.approx(exact, abs=1e-9 * np.abs(exact).max())
+    assert motion.steps == 0  # linear in time: no collocation
+
+
+def test_a_share_of_the_mean_torque_is_that_of_the_speed_at_which_the_motion_begins() -> None:
+    """At half of the rated speed a load of the second power has a quarter of the rated torque."""
+    rated = "operation: {rated: {speed: 1200 rpm, power: 25.1327412287183 kW}}\ntrain:"  # 200 N m at 1200 rpm
+    share = scene(AT_SPEED, ", ripple: [{frequency: 10 Hz, torque: {of_mean: 100 %}}]").replace("train:", rated)
+    share = share.replace("disc: {name: load", "propeller: {name: load")
+    amount = share.replace("{of_mean: 100 %}", "50 N*m")
+    assert moved(share).greatest[0] == pytest.approx(moved(amount).greatest[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["order: 1", "frequency: 10 Hz"])
+def test_a_share_of_a_mean_torque_that_is_not_known_is_refused_by_its_name(kind: str) -> None:
+    text = scene(AT_SPEED + STEP, f", ripple: [{{{kind}, torque: {{of_mean: 10 %}}}}]")
+    (fault,) = torsion.run(torsion.parse(text)).plan.unanswered
+    assert "the torque at 'm' is a share of the mean torque, which is not known" in fault.why
+    assert fault.is_input
+
+
+TWO = RIPPLE + "}\n- coupling: {stiffness: 1e4, viscous: 1}\n- disc: {name: middle, inertia: 1"
+TWO_EXCITE = scene("BODY", TWO).replace("analyses", "excitations: [{at: load, order: 2, torque: 30 N*m}]\nanalyses")
+
+
+def test_torques_are_left_out_by_name() -> None:
+    some = moved(TWO_EXCITE.replace("BODY", AT_SPEED + ", torques: [m]"))
+    one = moved(scene(AT_SPEED, TWO))
+    assert np.array_equal(some.torque, one.torque)
+    assert some.not_acting[0] == "order 2 at load (left out by `torques`)"
+
+
+@pytest.mark.parametrize(
+    ("scene", "engine"), [("v12_generator_set", "engine"), ("reciprocating_compressor", "compressor")]
+)
+def test_the_orders_of_all_cylinders_act_under_the_name_of_their_machine(scene: str, engine: str) -> None:
+    study = torsion.read(SCENES / f"{scene}.yaml")
+    settings = TransientSettings(duration=1.0, initial="rest")
+    (orders, *_) = acting_torques(study, settings).acting
+    assert orders.endswith(f" orders at {engine} (by its angle)")
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        ("[motor]", "no periodic torque acts at 'motor'"),
+        ("[coupling]", "no periodic torque acts at 'coupling'"),
+        ("[]", "`torques` names nothing"),
+        ("5", "`none` or a list of names"),
+    ],
+)
+def test_names_without_a_periodic_torque_are_refused(names: str, words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        torsion.parse(scene(AT_SPEED + f", torques: {names}"))
+    assert words in str(refused.value)
+    assert refused.value.faults[0].line == 6
+
+
+def test_a_method_is_not_compared_on_a_motion_with_orders() -> None:
+    text = scene(AT_SPEED + STEP + ", method: newmark, step: 1 ms")
+    (fault,) = torsion.run(torsion.parse(text)).plan.unanswered
+    assert fault.why == "methods are compared on linear motions, and not beside order 1 at m (50 N m, by its angle)"
+    assert fault.remedy.endswith("`torques: none`")
+    assert moved(text.replace(STEP, STEP + ", torques: none")).compared is not None
+
+
+def test_plan_page_and_results_say_which_torques_act(tmp_path: Path) -> None:
+    text = scene(AT_SPEED + STEP)
+    line = (
+        "Acting: order 1 at m (50 N m, by its angle); step 1 N m at m from 0 s. "
+        "Not acting: mean torques (the initial speed is given)."
+    )
+    findings = torsion.run(torsion.parse(text))
+    (entry,) = results(findings)["transient"]
+    assert entry["acting"] == ["order 1 at m (50 N m, by its angle)", "step 1 N m at m from 0 s"]
+    assert entry["not_acting"] == ["mean torques (the initial speed is given)"]
+    said = [block for block in chapter(findings) if isinstance(block, Paragraph) and block.text == line]
+    assert [block.brief for block in said] == [True]  # so it is printed on the terminal
+    (tmp_path / "scene.yaml").write_text(text)
+    assert line in {what: size for what, size, _ in commands.plan(tmp_path / "scene.yaml").steps}["motion over time"]
