@@ -9,7 +9,8 @@ from torsion import fields
 from torsion.components.disc import Rotor
 from torsion.components.harmonic_torques import Harmonic, Ripple
 from torsion.components.load_law import EXPONENTS, Load, LoadLaw
-from torsion.components.lowering import Lowering, MachineRecord
+from torsion.components.lowering import Lowering
+from torsion.components.machine_records import MachineRecord
 from torsion.fields import Declared, given, refuse, required
 from torsion.primitives import Damper
 
