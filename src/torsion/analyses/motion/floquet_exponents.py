@@ -1,5 +1,6 @@
 """Floquet exponents of a train about its periodic motion at one speed, by the monodromy matrix or by Hill's matrix."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from torsion.analyses.motion.equations_of_motion import damper_matrices, entries, mean_angle, state, torque_rates
 from torsion.analyses.motion.mechanism import Layout, gathered
+from torsion.analyses.motion.mean_speed import SLOW, agrees, drift_slope
 from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
 from torsion.analyses.motion.straight_modes import Basis, basis, reduced, viscous
@@ -15,9 +17,10 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
 from torsion.kernels.periodic.hill import couplings_of, harmonics_of, hill_exponents
-from torsion.kernels.periodic.monodromy import exponents, monodromy, steps_for
+from torsion.kernels.periodic.monodromy import exponents, monodromy, rigid_share, steps_for
 from torsion.study import Study
 
+REAL = 1e-9  # of w0: an imaginary part that is rounding
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
 REST = 1e-9  # relative: what a basis of modes may miss of a motion that repeats itself
 APART = 1e-10  # relative: of a motion that others combine to, less is left
@@ -25,6 +28,8 @@ BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the stati
 HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
 FEWEST_MODES, MOST_MODES = 1, 12  # elastic ones
 UNSTABLE = 1e-7  # growth over one common period: less is rounding
+MOSTLY = 0.5  # share of the whole train turning evenly beyond which a motion is one of its mean speed
+CANDIDATES = 2  # fastest growing real exponents of which one may be that of the mean speed
 Method = Literal["hill", "monodromy"]
 MOST_HILL = 2500  # rows of the eigenvalue problem
 
@@ -38,6 +43,7 @@ class Variation:
     stiffness: FloatArray
     period: float  # s
     repeated: FloatArray  # (motions, 2 size, times) motions (y, y') that repeat themselves exactly
+    is_free: bool = False  # nothing holds the train: the first of these is its own motion
 
     @property
     def size(self) -> int:
@@ -60,7 +66,12 @@ class Variation:
         parts = [part for motion in self.repeated for part in np.split(motion, 2)]
         repeated = [np.concatenate([reduced.share(part), (missed.T * reduced.inertia) @ part]) for part in parts]
         form = len(self.repeated), 2 * shape.shape[1], len(self.mass)
-        return Variation(mass, damping, stiffness, self.period, np.reshape(repeated, form))
+        return Variation(mass, damping, stiffness, self.period, np.reshape(repeated, form), self.is_free)
+
+    @property
+    def turning(self) -> FloatArray:
+        """(size,) deviation of a train whose mean motion goes on further; only of a free one."""
+        return np.asarray(self.repeated[0, : self.size].mean(axis=1))
 
 
 def _beyond(reduced: Basis, motions: FloatArray) -> FloatArray:
@@ -92,7 +103,8 @@ def variation(at: Scene, orbit: Orbit) -> Variation:
     if at.layout.dampers.size.size:
         damper_damping, damper_stiffness = damper_matrices(at.layout, now)
         damping, stiffness = damping + damper_damping, stiffness + damper_stiffness
-    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading.speed, motion))
+    repeated = _repeated(at.layout, loading.speed, motion)
+    return Variation(mass, damping, stiffness, loading.period, repeated, bool(at.layout.floating))
 
 
 def _repeated(layout: Layout, mean: float, motion: Motion) -> FloatArray:
@@ -118,6 +130,20 @@ class Multipliers:
     vector: ComplexArray  # (coordinates or modes, exponents) deviation at reference angle zero; NaN where not computed
     speed: ComplexArray  # (coordinates or modes, exponents) its rate of change
     period: float  # s
+    rigid: int | None = None  # the real exponent whose motion is mostly a turning of the whole train, if there is one
+    drift: float = np.nan  # 1/s: that exponent, where it was told apart as the drift of the mean speed
+    is_doubtful: bool = (
+        False  # a growing exponent of that kind was not told apart, as the torque lost speaks against it
+    )
+
+    def told_apart(self, correction: float) -> "Multipliers":
+        """The torsional exponents alone; the drift of the mean speed beside them, with a correction in 1/s."""
+        rest = np.arange(len(self.exponent)) != self.rigid
+        drift = float(self.exponent[self.rigid].real) + correction
+        return replace(
+            self, exponent=self.exponent[rest], vector=self.vector[:, rest], speed=self.speed[:, rest], rigid=None,
+            drift=drift,
+        )  # fmt: skip
 
     @property
     def fastest(self) -> tuple[float, float]:
@@ -139,8 +165,9 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     """Exponents by the monodromy matrix, in steps that resolve a highest frequency (rad/s)."""
     size = around.size
     scale = np.concatenate([np.ones(size), np.full(size, around.w0)])
-    whole = monodromy(around.mass, around.damping, around.stiffness, around.period, steps_for(around.period, highest))
-    whole = whole / scale[:, None] * scale
+    visited, steps = list[FloatArray](), steps_for(around.period, highest)
+    full = monodromy(around.mass, around.damping, around.stiffness, around.period, steps, visited=visited)
+    whole = full / scale[:, None] * scale
     back = np.eye(2 * size)
     for one in around.repeated:
         start = whole @ (back.T @ (one[:, 0] / scale))  # once around: what has no inertia follows
@@ -153,7 +180,26 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     value, vector = np.linalg.eig(whole)
     order = np.argsort(-np.abs(value), kind="stable")
     shape = (back @ vector[:, order]) * scale[:, None]
-    return Multipliers(exponents(value[order], around.period), shape[:size], shape[size:], around.period)
+    exponent = exponents(value[order], around.period)
+
+    def share(place: int) -> float:
+        multiplier = float(value[order[place]].real)
+        mass = around.mass.mean(axis=0)
+        return rigid_share(full, np.array(visited), multiplier, mass, around.turning, around.w0)
+
+    rigid = _mostly_rigid(exponent, around.w0, share) if around.is_free else None
+    return Multipliers(exponent, shape[:size], shape[size:], around.period, rigid)
+
+
+def _mostly_rigid(exponent: ComplexArray, w0: float, share: Callable[[int], float]) -> int | None:
+    """The place of the real exponent whose motion is mostly an even turning of the whole train; None if there is none.
+
+    share: of that turning in the motion of an exponent at a place.
+    """
+    is_real = np.abs(exponent.imag) <= REAL * w0
+    shares = {place: share(place) for place in np.flatnonzero(is_real)[:CANDIDATES].tolist()}
+    best = max(shares, key=lambda place: shares[place], default=None)
+    return best if best is not None and shares[best] > MOSTLY else None
 
 
 def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HILL) -> Multipliers:
@@ -172,7 +218,16 @@ def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HIL
     start = found.vector[order]
     rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
     within = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
-    return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
+
+    def share(place: int) -> float:
+        """Of harmonic 0 along the turning in the mean square of the whole motion."""
+        mass, mean = around.mass.mean(axis=0), start[place, :, count]
+        mean_square = float(np.einsum("ik,ij,jk->", start[place].conj(), mass, start[place]).real)
+        along = abs(around.turning @ mass @ mean) ** 2
+        return float(along / (around.turning @ mass @ around.turning * mean_square))
+
+    rigid = _mostly_rigid(within, around.w0, share) if around.is_free else None
+    return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period, rigid)
 
 
 @dataclass
@@ -200,8 +255,25 @@ class Search:
         if self.reduced is not None:
             around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
         if method == "hill":
-            return by_hill(around, highest, orbit.found.count, most)
-        return by_monodromy(around, highest)
+            return self._told_apart(orbit, by_hill(around, highest, orbit.found.count, most))
+        return self._told_apart(orbit, by_monodromy(around, highest))
+
+    def _told_apart(self, orbit: Orbit, found: Multipliers) -> Multipliers:
+        """The exponents with the drift of the mean speed beside them, where both tests say that there is one.
+
+        A fast growing one has to have the sign that the torque lost by the vibration gives it.
+        """
+        if found.rigid is None or not self.loses:
+            return replace(found, rigid=None)
+        growth, inertia = float(found.exponent[found.rigid].real), float(self.at.layout.inertia.sum())
+        if growth > SLOW and not agrees(growth, drift_slope(self.at, orbit), inertia):
+            return replace(found, rigid=None, is_doubtful=True)
+        return found.told_apart(0.0)
+
+    def drift(self, speed: float) -> float:
+        """1/s of the mean speed; NaN where it was not told apart."""
+        found = self(speed)
+        return np.nan if found is None else found[1].drift
 
     def growth(self, speed: float) -> float:
         """1/s; NaN where there is no periodic motion."""

@@ -4,7 +4,7 @@ A train that nothing holds needs its drive's mean torque as an unknown: joints l
 one mean torque keeps the mean speed. With it goes one condition, the mean angle at the reference station.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 import numpy as np
@@ -34,6 +34,7 @@ class Scene:
     torques: tuple[tuple[Fraction, Torque], ...]  # vibratory torques with their orders of the reference station
     mean: float = 1.0  # factor on the mean torque
     damping: float = 1.0  # factor on the damping to ground; that of the springs stands in the layout
+    slopes: FloatArray = field(default_factory=lambda: np.zeros(1))  # (stations,) N m s/rad at the reference, added
 
 
 def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
@@ -51,7 +52,7 @@ def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
     if any(torque.mesh for _, torque in found):
         raise SolveError("a mesh that excites is not built in the exact motion", "leave it out of this file")
     order = common_order([*(order for order, _ in found), *whole.orders]) or Fraction(1)
-    return Scene(study, system, whole, order, tuple(found))
+    return Scene(study, system, whole, order, tuple(found), slopes=np.zeros(len(system.stations)))
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ def operating(at: Scene, speed: float) -> Operating:
     speeds = np.array([speed])
     known = steady_if_known(at.study, system, speeds)
     ratio = system.speed_ratio
-    damping = at.damping * ground_damping(system, speeds, known)[:, 0] * ratio**2
+    damping = at.damping * ground_damping(system, speeds, known)[:, 0] * ratio**2 + at.slopes
     applied, twist = np.zeros(len(ratio)), np.zeros(whole.bodies)
     if known is not None:
         applied = at.mean * known.applied[:, 0] * ratio

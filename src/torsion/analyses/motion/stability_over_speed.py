@@ -4,6 +4,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from torsion.analyses.motion.floquet_exponents import Method, Search, growth_search, modes_that_matter
+from torsion.analyses.motion.mean_speed import PEAK, SLOW, MeanSpeedDrift, drift_ends, driver, missing_slope
 from torsion.analyses.motion.periodic_orbits import harmonics_at_least
 from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
 from torsion.arrays import FloatArray
@@ -47,6 +48,14 @@ class Stability:
     kept: int | None = result(
         "", (), "elastic modes that the train is reduced to; null for all", key="modes_kept", default=None
     )
+    drift: FloatArray | None = result(
+        "1/s", ("speed",), "growth of a deviation of the mean speed; null where it was not told apart", default=None
+    )
+    drifts: tuple[MeanSpeedDrift, ...] = result("", (), "where the mean speed drifts, at most one", default=())
+    doubtful: FloatArray | None = result(
+        "rad/s", ("doubtful",), "speeds at which a drift of the mean speed and an instability were not told apart",
+        default=None,
+    )  # fmt: skip
     left_out: float = result(
         "1/s", (), "largest change of the growth rate with twice as many, where that was tried",
         key="reduction_error_per_s", default=0.0,
@@ -87,6 +96,7 @@ def stability(
         search(speed)
     _look_between(search, requested, progress)
     ranges = unstable_ranges(search, progress)
+    drifts = _drifts(search)
     speed = np.array(sorted(search.known))
     solved = [search.known[one] for one in speed.tolist()]
     growth, frequency = np.array([(np.nan, np.nan) if one is None else one[1].fastest for one in solved]).T
@@ -95,7 +105,8 @@ def stability(
     left_out = 0.0 if modes is None else _left_out(study, system, speed, growth, min(MORE * modes, len(elastic)))
     return Stability(
         speed, np.isin(speed, requested), growth, frequency, factor, ranges, elastic, method, _check(search, requested),
-        speed[np.isnan(growth)], search.loses, modes, left_out,
+        speed[np.isnan(growth)], search.loses, modes, drift=np.array([search.drift(one) for one in speed.tolist()]),
+        drifts=drifts, doubtful=speed[[one is not None and one[1].is_doubtful for one in solved]], left_out=left_out,
     )  # fmt: skip
 
 
@@ -120,6 +131,36 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
         minimize_scalar(
             height, bounds=(low, high), method="bounded", options={"xatol": around * seed * 1e-2, "maxiter": 10}
         )
+
+
+def _drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
+    """Return where the mean speed drifts faster than SLOW, with the slope that the machine that drives lacks."""
+    known = np.array(sorted(search.known))
+    if not any(search.drift(speed) > SLOW for speed in known.tolist()):
+        return ()
+
+    # The greatest drift lies beside the fastest speed that is known.
+    rates = np.nan_to_num([search.drift(speed) for speed in known.tolist()], nan=-np.inf)
+    row = int(rates.argmax())
+    reach = float(known[max(row - 1, 0)]), float(known[min(row + 1, len(known) - 1)])
+
+    def height(speed: float) -> float:
+        return -float(np.nan_to_num(search.drift(float(speed)), nan=-np.inf))
+
+    if reach[0] < reach[1]:
+        options = {"xatol": PEAK * (reach[1] - reach[0])}
+        minimize_scalar(height, bounds=reach, method="bounded", options=options)
+    worst = min(search.known, key=height)
+    speeds = np.array(sorted(search.known))
+    values = np.array([search.drift(speed) for speed in speeds.tolist()])
+    first, last = drift_ends(search.drift, speeds, values)
+
+    station, name = driver(search.at, worst)
+    start = search(worst)
+    assert start is not None
+    slope = missing_slope(search.at, start[0], (float(known[0]), float(known[-1])), station)
+    own = slope / float(search.at.system.speed_ratio[station]) ** 2
+    return (MeanSpeedDrift(first, last, search.drift(worst), worst, own, name),)
 
 
 def _check(search: Search, requested: FloatArray) -> float:
