@@ -165,6 +165,12 @@ class MachineRecord:
     damping_model: str = "viscous"
     damping_factor: float | None = None
 
+    @property
+    def is_stated(self) -> bool:
+        """The file states what it drives or absorbs: its power, its torque or a table of its load."""
+        has_table = self.load is not None and bool(self.load.table)
+        return has_table or self.power is not None or self.torque is not None
+
     def rated_torque(self, rated_speed: float) -> float | None:
         """Return the torque (N m) that the file states, None where it states none.
 
