@@ -14,6 +14,7 @@ from torsion.primitives import Inertia, Primitive, Spring, Station
 if TYPE_CHECKING:
     from torsion.components.compressor.record import CompressorRecord
     from torsion.components.coupling_limits import HeatInMisfire, OverFrequency
+    from torsion.components.drive_law import DriveLaw
     from torsion.components.engine.record import EngineRecord
     from torsion.components.load_law import LoadLaw
     from torsion.components.shaft_details import Hub, Notch, Step
@@ -162,6 +163,7 @@ class MachineRecord:
     load: "LoadLaw | None" = None  # None: the file gives none
     usual_load: "LoadLaw | None" = None  # of its kind; None: that of the operation
     is_held: bool = False
+    drive: "DriveLaw | None" = None  # of a machine that drives; None: the file gives none
     damping_model: str = "viscous"
     damping_factor: float | None = None
 

@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 
 from torsion.analyses.motion.equations_of_motion import damper_matrices, entries, mean_angle, state, torque_rates
-from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mean_speed import SLOW, agrees, drift_slope
+from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
 from torsion.analyses.motion.straight_modes import Basis, basis, reduced, viscous
@@ -132,9 +132,7 @@ class Multipliers:
     period: float  # s
     rigid: int | None = None  # the real exponent whose motion is mostly a turning of the whole train, if there is one
     drift: float = np.nan  # 1/s: that exponent, where it was told apart as the drift of the mean speed
-    is_doubtful: bool = (
-        False  # a growing exponent of that kind was not told apart, as the torque lost speaks against it
-    )
+    is_doubtful: bool = False
 
     def told_apart(self, correction: float) -> "Multipliers":
         """The torsional exponents alone; the drift of the mean speed beside them, with a correction in 1/s."""
@@ -263,12 +261,13 @@ class Search:
 
         A fast growing one has to have the sign that the torque lost by the vibration gives it.
         """
-        if found.rigid is None or not self.loses:
+        if found.rigid is None or not (self.loses or orbit.now.loading.damping.any()):
             return replace(found, rigid=None)
-        growth, inertia = float(found.exponent[found.rigid].real), float(self.at.layout.inertia.sum())
+        inertia = float(self.at.layout.inertia.sum())
+        growth = float(found.exponent[found.rigid].real) - orbit.now.beside / inertia
         if growth > SLOW and not agrees(growth, drift_slope(self.at, orbit), inertia):
             return replace(found, rigid=None, is_doubtful=True)
-        return found.told_apart(0.0)
+        return found.told_apart(-orbit.now.beside / inertia)
 
     def drift(self, speed: float) -> float:
         """1/s of the mean speed; NaN where it was not told apart."""
@@ -288,7 +287,9 @@ class Search:
     @property
     def loses(self) -> bool:
         """Something damps."""
-        return self.at.system.damps and self.at.damping > 0
+        if self.at.system.damps and self.at.damping > 0:
+            return True
+        return any(found is not None and bool(found[0].now.loading.damping.any()) for found in self.known.values())
 
 
 def growth_search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:

@@ -1,7 +1,7 @@
 """The mean speed of a free train: the torque that the vibration of its joints costs, and where the speed drifts.
 
-Averaged over the common period J dΩ/dt = T_drive - T_loads - P/Ω, with the power P lost by the vibration. A deviation of
-the mean speed grows as exp(σt) with σ ≈ -D/J, D = d(P/Ω)/dΩ + slopes of drive and load; σ and D are zero together.
+Averaged over the common period J dΩ/dt = T_drive - T_loads - P/Ω, with the power P lost by the vibration. A deviation
+of the mean speed grows as exp(σt) with σ ≈ -D/J, D = d(P/Ω)/dΩ + slopes of drive and load; both are zero together.
 """
 
 from collections.abc import Callable
@@ -50,7 +50,7 @@ def drift_slope(at: Scene, there: Orbit) -> float:
     except SolveError:
         return np.nan
     change = (lost_torque(faster) - lost_torque(slower)) / (2.0 * STEP * speed)
-    return float(change + there.now.loading.damping.sum())
+    return float(change + there.now.loading.damping.sum() + there.now.beside)
 
 
 def agrees(growth: float, slope: float, inertia: float) -> bool:
@@ -61,7 +61,7 @@ def agrees(growth: float, slope: float, inertia: float) -> bool:
 def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station: int) -> float:
     """Return the slope (N m s/rad at the reference) that the station lacks so that the speed does not drift.
 
-    start: the motion that drifts fastest; limits: lowest and highest speed (rad/s) of all. NaN where no slope was found.
+    start: the motion that drifts fastest; limits: lowest and highest speed (rad/s) of all. NaN where none was found.
     The slope damps the vibration too, so that less is needed than -D without it.
     """
     before, worst = start, start.now.loading.speed
@@ -77,8 +77,8 @@ def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station:
             before = orbit(there, float(speed), before)
             return drift_slope(there, before)
 
-        options = {"xatol": PEAK * (reach[1] - reach[0])}
-        return -float(minimize_scalar(drift, bounds=reach, method="bounded", options=options).fun)
+        near = PEAK * (reach[1] - reach[0])
+        return -float(minimize_scalar(drift, bounds=reach, method="bounded", options={"xatol": near}).fun)
 
     try:
         without = lacking(0.0)

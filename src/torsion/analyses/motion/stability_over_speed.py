@@ -148,8 +148,8 @@ def _drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
         return -float(np.nan_to_num(search.drift(float(speed)), nan=-np.inf))
 
     if reach[0] < reach[1]:
-        options = {"xatol": PEAK * (reach[1] - reach[0])}
-        minimize_scalar(height, bounds=reach, method="bounded", options=options)
+        near = PEAK * (reach[1] - reach[0])
+        minimize_scalar(height, bounds=reach, method="bounded", options={"xatol": near})
     worst = min(search.known, key=height)
     speeds = np.array(sorted(search.known))
     values = np.array([search.drift(speed) for speed in speeds.tolist()])
