@@ -5,7 +5,8 @@ A slope is -dT/dω of a drive and +dT/dω of a load, at own speed; a positive on
 
 import numpy as np
 
-from torsion.analyses.power_balance import Balance, power_balance
+from torsion.analyses.loads_and_drivers import Balance
+from torsion.analyses.power_balance import power_balance
 from torsion.analyses.speed_tables import interpolated, uncovered
 from torsion.arrays import FloatArray
 from torsion.components.drive_law import DriveLaw

@@ -1,109 +1,27 @@
-"""Who drives and who absorbs: the balance of power at every speed, in which exactly one side is free.
-
-Shares are exact fractions of a load's torque, referred to the reference speed.
-"""
+"""Who drives and who absorbs: the balance of power at every speed, in which exactly one side is free."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 
 import numpy as np
 
-from torsion.analyses.speed_tables import interpolated, uncovered
-from torsion.arrays import FloatArray
+from torsion.analyses.loads_and_drivers import OF_OPERATION, Balance, Driver, Load, Shared
+from torsion.analyses.power_balance_words import (
+    SAME_POWER,
+    in_kw,
+    lacking_in_words,
+    loads_in_words,
+    names_of,
+    ratings_in_words,
+    sharing_in_words,
+    size_of,
+)
 from torsion.components.load_law import LoadLaw
-from torsion.components.lowering import MachineRecord, Part
-from torsion.errors import Fault, InputError, Path
-from torsion.study import Operation
+from torsion.components.lowering import Part
+from torsion.components.machine_records import MachineRecord
+from torsion.errors import Fault, InputError
+from torsion.study import Operation, Study
 from torsion.train import Train
-
-Shares = list[Fraction]
-Shared = list[tuple[int, Fraction]]  # stations with their shares of a torque
-SAME_POWER = 0.01  # relative: the sum of rounded ratings that is still the rated power
-SAME_SHARE = 1e-9  # relative: the shares of cylinders whose heat only rounding takes from the whole
-OF_OPERATION = ("operation", "load")
-
-
-@dataclass(frozen=True)
-class Load:
-    """The torque that a load, or several loads alike in equal parts, take from the train."""
-
-    parts: tuple[Part, ...]  # empty: a station of the train absorbs
-    stations: Shared
-    law: LoadLaw  # a table is in speeds and torques of the reference
-    torque: float = 0.0  # N m at the reference, at `speed`; of a table nothing
-    speed: float = 1.0  # rad/s of the reference
-    path: Path = OF_OPERATION
-    is_free: bool = False  # it takes what is left
-
-    def torque_at(self, speed: FloatArray) -> FloatArray:
-        """Return the torque (speeds,) N m at the reference; raises InputError where a table ends before."""
-        if self.law.table:
-            return interpolated(self.law.table, speed, self._table).copy()
-        return self.law.torque(speed, self.speed, self.torque)
-
-    def faults(self, speed: FloatArray) -> list[Fault]:
-        """A table of load that does not cover the speeds (rad/s)."""
-        return uncovered(self.law.table, speed, self._table) if self.law.table else []
-
-    @property
-    def _table(self) -> Fault:
-        whose = f" of '{self.parts[0].name}'" if self.path != OF_OPERATION else ""
-        return Fault(self.path, f"the table of the load{whose}")
-
-
-@dataclass(frozen=True)
-class Driver:
-    """A machine, or a station of the train, at which power enters."""
-
-    part: Part | None
-    stations: Shared  # with their shares of the torque of all loads when all cylinders fire
-    is_free: bool
-
-
-@dataclass(frozen=True)
-class Balance:
-    """All loads, and how those that drive share them."""
-
-    loads: tuple[Load, ...]
-    drivers: tuple[Driver, ...]
-    stations: int
-    sentence: str  # who drives and who absorbs
-
-    @cached_property
-    def delivered(self) -> Fraction:
-        """Share of the loads that enters; cylinders that do not fire lack, and every load falls with them."""
-        return sum((share for driver in self.drivers for _, share in driver.stations), Fraction(0))
-
-    def shares(self, load: Load) -> Shares:
-        """(stations,) shares of the torque of one load: positive where it enters, negative where it leaves."""
-        shares = [Fraction(0)] * self.stations
-        for driver in self.drivers:
-            for station, share in driver.stations:
-                shares[station] += share
-        for station, share in load.stations:
-            shares[station] -= share * self.delivered
-        return shares
-
-    def applied(self, station: int, speed: FloatArray) -> FloatArray:
-        """Return the mean torque (speeds,) N m that enters at a station, referred to the reference speed."""
-        first, *others = (load.torque_at(speed) * float(self.shares(load)[station]) for load in self.loads)
-        return np.asarray(sum(others, start=first))
-
-    def full_torque(self, speed: FloatArray) -> FloatArray:
-        """Return the torque (speeds,) N m of all loads at the reference, when every cylinder fires."""
-        return np.asarray(sum(load.torque_at(speed) for load in self.loads))
-
-    @property
-    def corners(self) -> list[float]:
-        """Speeds (rad/s of the reference) at which a table of load bends."""
-        return [speed for load in self.loads for speed, _ in load.law.table]
-
-    @property
-    def is_polynomial(self) -> bool:
-        """Every torque is a polynomial of at most second order of the speed, between the corners of tables."""
-        return all(load.law.table or load.law.exponent in (0.0, 1.0, 2.0) for load in self.loads)
 
 
 def power_balance(train: Train, operation: Operation) -> Balance:
@@ -111,8 +29,8 @@ def power_balance(train: Train, operation: Operation) -> Balance:
     drivers = [part for part in train.parts if part.machine is not None and part.machine.is_driver]
     absorbers = [part for part in train.parts if part.machine is not None and not part.machine.is_driver]
     compressors = [part for part in train.parts if part.compressor is not None]
-    stated = [_stated_load(part, operation) for part in absorbers if is_stated(part)]
-    rest = tuple(part for part in absorbers if not is_stated(part))
+    stated = [_stated_load(part, operation) for part in absorbers if _is_stated(part)]
+    rest = tuple(part for part in absorbers if not _is_stated(part))
     if absorbers:
         stated += [_pressures(part) for part in compressors if _has_pressures(part)]
         rest += tuple(part for part in compressors if not _has_pressures(part))
@@ -122,24 +40,36 @@ def power_balance(train: Train, operation: Operation) -> Balance:
         raise InputError([Fault(stated[0].parts[0].path, "every machine absorbs; nothing drives", hint)])
 
     first, last = _ends(train)
-    entering, leaving = _names(drivers), _words_of(loads, absorbers or compressors, has_sizes=bool(stated))
+    entering, leaving = names_of(drivers), loads_in_words(loads, absorbers or compressors, has_sizes=bool(stated))
     driving = _drivers(drivers, loads, operation)
     if not drivers:
         taken = [station for load in loads for station, _ in load.stations]
         station, entering = _at_an_end((first, last), taken, ("motor", "propeller"), train, operation)
         driving = [Driver(None, [(station, Fraction(1))], is_free=False)]
     elif len(drivers) > 1:
-        entering += _sharing(drivers)
+        entering += sharing_in_words(drivers)
     if not loads[0].stations:
         taken = [station for driver in driving for station, _ in driver.stations]
         station, leaving = _at_an_end((last, first), taken, ("propeller", "motor"), train, operation)
         loads = [Load((), [(station, Fraction(1))], loads[0].law, loads[0].torque, loads[0].speed)]
     sentence = f"The mean torque enters at {entering} and leaves at {leaving}."
-    balance = Balance(tuple(loads), tuple(driving), len(train.stations), sentence + _ratings(drivers, operation))
-    return Balance(balance.loads, balance.drivers, balance.stations, balance.sentence + _lacking(balance, operation))
+    balance = Balance(
+        tuple(loads), tuple(driving), len(train.stations), sentence + ratings_in_words(drivers, operation)
+    )
+    return Balance(
+        balance.loads, balance.drivers, balance.stations, balance.sentence + lacking_in_words(balance, operation)
+    )
 
 
-def is_stated(part: Part) -> bool:
+def rated_power(study: Study) -> float | None:
+    """Return the rated power (W), else that of all loads at the rated speed; None where neither is known."""
+    rated = study.operation.rated
+    if rated is None or rated.power is not None or study.operation.load.table or not study.has_mean_torque:
+        return None if rated is None else rated.power
+    return float(power_balance(study.train, study.operation).full_torque(np.array([rated.speed]))[0]) * rated.speed
+
+
+def _is_stated(part: Part) -> bool:
     """The file states what this machine absorbs or delivers."""
     return part.machine is not None and part.machine.is_stated
 
@@ -169,7 +99,7 @@ def _loads(
         torque = (power - taken) / rated.speed
         return [*stated, Load(rest, _equally(rest), law_of(rest[0], operation), torque, rated.speed, is_free=True)]
     if rest or abs(taken - power) > SAME_POWER * power:
-        message = f"the loads take {_in_kw(taken)}, `rated` says {_in_kw(power)}"
+        message = f"the loads take {in_kw(taken)}, `rated` says {in_kw(power)}"
         hint = "leave out the power of the one that takes the rest, or correct one"
         hint += "; make a machine that drives a `motor`" if rest else ""
         raise InputError([Fault(("operation", "rated", "power"), message, hint)])
@@ -267,8 +197,8 @@ def _refuse_unlike(train: Train, operation: Operation, parts: Sequence[Part]) ->
     if len(features) == 1:
         return
     rated = operation.rated
-    enters = "the power enters" if rated is None or rated.power is None else f"{_in_kw(rated.power)} enter"
-    message = f"{enters}, and the file does not say how they divide between {_names(parts, quote=True)}"
+    enters = "the power enters" if rated is None or rated.power is None else f"{in_kw(rated.power)} enter"
+    message = f"{enters}, and the file does not say how they divide between {names_of(parts, quote=True)}"
     both = "both" if len(parts) == 2 else "all"
     hint = f"give `power` to {both}, or to all but one and that takes the rest"
     if len(parts) == 2:
@@ -278,10 +208,10 @@ def _refuse_unlike(train: Train, operation: Operation, parts: Sequence[Part]) ->
 
 def _drivers(drivers: list[Part], loads: list[Load], operation: Operation) -> list[Driver]:
     """Machines that drive with their shares: in proportion to their power, or all but one by it."""
-    if len(drivers) < 2 or not any(map(is_stated, drivers)):
+    if len(drivers) < 2 or not any(map(_is_stated, drivers)):
         is_free = not any(load.is_free for load in loads)
         return [Driver(part, _within(part, Fraction(1, len(drivers))), is_free) for part in drivers]
-    free = [part for part in drivers if not is_stated(part)]
+    free = [part for part in drivers if not _is_stated(part)]
     if not free:
         powers = [part.machine.power for part in drivers if part.machine is not None and part.machine.speed is None]
         weights = [Fraction(power) for power in powers if power is not None]
@@ -292,9 +222,9 @@ def _drivers(drivers: list[Part], loads: list[Load], operation: Operation) -> li
             for part, weight in zip(drivers, weights, strict=True)
         ]
     if len(free) > 1:
-        stated = next(part for part in drivers if is_stated(part))
-        message = f"{_names(free, quote=True)} drive, {'both' if len(free) == 2 else 'all'} without power, beside "
-        message += f"'{stated.name}' with {_size(stated)}"
+        stated = next(part for part in drivers if _is_stated(part))
+        message = f"{names_of(free, quote=True)} drive, {'both' if len(free) == 2 else 'all'} without power, beside "
+        message += f"'{stated.name}' with {size_of(stated)}"
         raise InputError([Fault(free[0].path, message, "one machine alone can be the free one")])
     shares = {part.name: _stated_share(part, loads, operation) for part in drivers if part is not free[0]}
     left = 1 - sum(shares.values(), Fraction(0))
@@ -348,74 +278,3 @@ def _at_an_end(
         raise InputError([Fault(where, message, hint)])
     why = f"there is no {kinds[0]}" + ("" if free[0] == ends[0] else f", and the other end is a {kinds[1]}")
     return free[0], f"{train.stations[free[0]].name} ({why})"
-
-
-def _words_of(loads: Sequence[Load], absorbers: Sequence[Part], *, has_sizes: bool) -> str:
-    """The loads by name, where they state their power with that."""
-    if not has_sizes:
-        equal = " in equal parts" if len(absorbers) > 1 and absorbers[0].machine is not None else ""
-        return _names(absorbers) + equal
-    words = []
-    for load in loads:
-        size = "table" if load.law.table else f"{_in_kw(load.torque * load.speed)}, {load.law.words}"
-        if load.parts[0].compressor is not None:
-            size = "by its pressures"
-        rest = "the rest" + (" in equal parts, " if len(load.parts) > 1 else ", ") if load.is_free else ""
-        words.append(f"{_names(load.parts)} ({rest}{size})")
-    return _joined(words)
-
-
-def _sharing(drivers: Sequence[Part]) -> str:
-    """How several machines that drive share the loads, in words."""
-    stated = [part for part in drivers if is_stated(part)]
-    if not stated:
-        return " in equal parts"
-    if len(stated) == len(drivers):
-        return " in proportion to their power"
-    sizes = _joined([f"{part.name} {_size(part)}" for part in stated])
-    return f" ({sizes}, and in this share at every speed)"
-
-
-def _ratings(drivers: Sequence[Part], operation: Operation) -> str:
-    """What the powers of drivers are not, where together they are not the rated power."""
-    given = [part.machine.power for part in drivers if part.machine is not None and part.machine.power is not None]
-    rated = None if operation.rated is None else operation.rated.power
-    if len(given) < len(drivers) or not given or rated is None or abs(sum(given) - rated) <= SAME_POWER * rated:
-        return ""
-    together = "The power of the motor" if len(given) == 1 else "The powers of the motors, together"
-    used = "is not used" if len(given) == 1 else "say their shares alone"
-    return f" {together} ({sum(given) / 1e3:.6g} kW) {used}: the torque follows from the rated {rated / 1e3:.6g} kW."
-
-
-def _lacking(balance: Balance, operation: Operation) -> str:
-    """What cylinders that do not fire take from the loads, in kW at the rated point."""
-    share, rated = float(balance.delivered), operation.rated
-    if rated is None or abs(share - 1.0) <= SAME_SHARE:
-        return ""
-    speed = np.array([rated.speed])
-    if any(load.faults(speed) for load in balance.loads):
-        return ""
-    full = float(balance.full_torque(speed)[0]) * rated.speed
-    return (
-        f" Cylinders do not fire: {_in_kw(share * full)} of {_in_kw(full)} enter at the rated speed, and all loads "
-        "fall alike (`keep_power: true` of the engine keeps them)."
-    )
-
-
-def _size(part: Part) -> str:
-    machine = part.machine
-    if machine is None or (machine.power is None and machine.torque is None):
-        return "its table"
-    return _in_kw(machine.power) if machine.power is not None else f"{machine.torque:.6g} N m"
-
-
-def _names(parts: Sequence[Part], *, quote: bool = False) -> str:
-    return _joined([f"'{part.name}'" if quote else part.name for part in parts])
-
-
-def _joined(words: list[str]) -> str:
-    return ", ".join(words[:-1]) + " and " + words[-1] if len(words) > 1 else "".join(words)
-
-
-def _in_kw(power: float) -> str:
-    return f"{power / 1e3:.6g} kW"

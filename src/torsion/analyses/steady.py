@@ -11,7 +11,8 @@ from functools import reduce
 import numpy as np
 
 from torsion.analyses.law_slopes import drive_slopes, load_slopes, slopes_without_vibration
-from torsion.analyses.power_balance import Balance, Load, Shared, Shares, power_balance
+from torsion.analyses.loads_and_drivers import Balance, Load, Shared, Shares
+from torsion.analyses.power_balance import power_balance
 from torsion.analyses.speed_tables import uncovered
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System

@@ -10,7 +10,8 @@ from torsion.components.disc import Rotor
 from torsion.components.drive_law import DriveLaw
 from torsion.components.harmonic_torques import Harmonic, Ripple
 from torsion.components.load_law import EXPONENTS, Load, LoadLaw
-from torsion.components.lowering import Lowering, MachineRecord
+from torsion.components.lowering import Lowering
+from torsion.components.machine_records import MachineRecord
 from torsion.fields import Declared, given, refuse, required
 from torsion.primitives import Damper, Spring
 

@@ -6,8 +6,9 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
-from torsion.components.lowering import ImpellerRecord, Lowering, PropellerRecord
+from torsion.components.lowering import Lowering
 from torsion.components.machine import Machine
+from torsion.components.machine_records import ImpellerRecord, PropellerRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Torque
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from torsion import fields
-from torsion.analyses.power_balance import power_balance
+from torsion.analyses.power_balance import power_balance, rated_power
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.grid import apart, missed_peaks
 from torsion.analyses.response.harmonic_components import Line
@@ -281,9 +281,9 @@ def _vibration_rules(study: Study) -> Iterator[tuple[Rule, Declared]]:
 
 def _corners(study: Study) -> list[float]:
     """rad/s of the reference station at the rows of every table of torque, between which it is straight."""
-    train = study.train
-    own = [row[0] / float(train.stations[torque.station].ratio) for torque in train.torques for row in torque.table]
-    return [*own, *power_balance(train, study.operation).corners] if study.has_mean_torque else own
+    stations, torques = study.train.stations, study.train.torques
+    own = [row[0] / float(stations[torque.station].ratio) for torque in torques for row in torque.table]
+    return [*own, *power_balance(study.train, study.operation).corners] if study.has_mean_torque else own
 
 
 class Continuous(Range):
@@ -311,19 +311,13 @@ def spans_of(system: System, part: int) -> IntArray:
 
 
 def rated_torque(evidence: Results) -> FloatArray | None:
-    """(spans,) N m: magnitude of the mean torque at the rated speed; None where it is not known.
-
-    The analysis computes the rated speed. Between other speeds the torque is taken straight in the power of the speed
-    that `operation.load` says, which is exact where all loads follow it.
-    """
-    known, study = evidence.get(Steady), evidence.study
-    rated = study.operation.rated
+    """(spans,) N m: magnitude of the mean torque at the rated speed, which is computed; None where it is not known."""
+    known, rated, law = evidence.get(Steady), evidence.study.operation.rated, evidence.study.operation.load
     if known is None or rated is None:
         return None
     first, last = known.speed[0], known.speed[-1]
     if not first * (1 - SAME_SPEED) <= rated.speed <= last * (1 + SAME_SPEED):
         return None
-    law = study.operation.load
     power = law.exponent if law.exponent > 0 and not law.table else 1.0
     rows = [np.interp(rated.speed**power, known.speed**power, torque) for torque in known.torque]
     return np.asarray(np.abs(np.array(rows)))
@@ -332,19 +326,12 @@ def rated_torque(evidence: Results) -> FloatArray | None:
 def full_torque(evidence: Results) -> FloatArray | None:
     """(spans,) N m at the rated speed, of the full power at least: what the train carries with less is scaled up.
 
-    The full power is `rated.power`, or that of all loads when every cylinder fires.
-
-    A table of the load may give less, and an engine with a cylinder that does not fire. Where nothing is carried there,
-    every span has the whole rated power.
+    That is `rated.power`, or what all loads take when every cylinder fires. A table of the load may give less, and an
+    engine with a cylinder that does not fire. Where nothing is carried there, every span has the whole rated power.
     """
-    every, known, study = rated_torque(evidence), evidence.get(Steady), evidence.study
-    rated = study.operation.rated
-    if every is None or known is None or rated is None:
-        return every
-    power = rated.power
-    if power is None and not study.operation.load.table:
-        power = float(power_balance(study.train, study.operation).full_torque(np.array([rated.speed]))[0]) * rated.speed
-    if power is None:
+    every, known, rated = rated_torque(evidence), evidence.get(Steady), evidence.study.operation.rated
+    power = rated_power(evidence.study)
+    if every is None or known is None or rated is None or power is None:
         return every
     at = int(np.argmin(np.abs(known.speed - rated.speed)))
     ratios = np.array([abs(float(station.ratio)) for station in evidence.system.stations])[: len(known.applied)]

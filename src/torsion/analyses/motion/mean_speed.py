@@ -12,7 +12,9 @@ from scipy.optimize import brentq, minimize_scalar
 
 from torsion.analyses.motion.mechanism_loads import Scene, operating
 from torsion.analyses.motion.periodic_orbits import Orbit, orbit
+from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
+from torsion.components.drive_law import DriveLaw
 from torsion.errors import SolveError
 from torsion.results import reported, result
 
@@ -35,6 +37,8 @@ class MeanSpeedDrift:
     at: float = result("rad/s", (), "where")
     slope: float = result("N*m*s/rad", (), "slope missing at the machine, at its own speed; null where none was found")
     machine: str = result("", (), "the machine that drives, at which the slope is missing")
+    given: float = result("N*m*s/rad", (), "slopes and damping of the file that act on the mean speed, at that machine")
+    slip: float = result("N*m*s/rad", (), "slope that 1 % of slip has at that machine; null where no speed is rated")
 
 
 def lost_torque(there: Orbit) -> float:
@@ -50,7 +54,22 @@ def drift_slope(at: Scene, there: Orbit) -> float:
     except SolveError:
         return np.nan
     change = (lost_torque(faster) - lost_torque(slower)) / (2.0 * STEP * speed)
-    return float(change + there.now.loading.damping.sum() + there.now.beside)
+    return float(change + mean_speed_damping(there))
+
+
+def mean_speed_damping(there: Orbit) -> float:
+    """Return the sum of slopes and dampings to ground (N m s/rad at the reference) that act on the mean speed."""
+    return float(there.now.loading.damping.sum() + there.now.beside)
+
+
+def slip_slope(at: Scene, station: int) -> float:
+    """Return the slope (N m s/rad) that a slip of 1 % has at a station that drives; NaN where no speed is rated."""
+    rated = at.study.operation.rated
+    known = None if rated is None else steady_if_known(at.study, at.system, np.array([rated.speed]))
+    if rated is None or known is None:
+        return np.nan
+    law = DriveLaw(slip=0.01)
+    return law.slope_at_rated(float(known.applied[station, 0]), rated.speed * float(at.system.speed_ratio[station]))
 
 
 def agrees(growth: float, slope: float, inertia: float) -> bool:

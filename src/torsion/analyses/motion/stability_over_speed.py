@@ -4,7 +4,16 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from torsion.analyses.motion.floquet_exponents import Method, Search, growth_search, modes_that_matter
-from torsion.analyses.motion.mean_speed import PEAK, SLOW, MeanSpeedDrift, drift_ends, driver, missing_slope
+from torsion.analyses.motion.mean_speed import (
+    PEAK,
+    SLOW,
+    MeanSpeedDrift,
+    drift_ends,
+    driver,
+    mean_speed_damping,
+    missing_slope,
+    slip_slope,
+)  # fmt: skip
 from torsion.analyses.motion.periodic_orbits import harmonics_at_least
 from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
 from torsion.arrays import FloatArray
@@ -17,6 +26,7 @@ from torsion.study import Study
 MOST_SEEDS = 60  # combination resonances that are looked at between the speeds requested
 LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
+MOST_PEAKS = 3  # of the drift of the mean speed, that are refined
 CHECKED = 3  # speeds at which the other method checks the growth rate
 WHOLE = 20  # coordinates up to which no mode is left out, unless its highest mode
 TURNED = 300.0  # rad: turns through more in a common period at the lowest speed, which makes the steps in time many
@@ -135,32 +145,32 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
 
 def _drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     """Return where the mean speed drifts faster than SLOW, with the slope that the machine that drives lacks."""
-    known = np.array(sorted(search.known))
-    if not any(search.drift(speed) > SLOW for speed in known.tolist()):
+    if not any(np.isfinite(search.drift(speed)) for speed in list(search.known)):
         return ()
-
-    # The greatest drift lies beside the fastest speed that is known.
-    rates = np.nan_to_num([search.drift(speed) for speed in known.tolist()], nan=-np.inf)
-    row = int(rates.argmax())
-    reach = float(known[max(row - 1, 0)]), float(known[min(row + 1, len(known) - 1)])
 
     def height(speed: float) -> float:
         return -float(np.nan_to_num(search.drift(float(speed)), nan=-np.inf))
 
-    if reach[0] < reach[1]:
-        near = PEAK * (reach[1] - reach[0])
-        minimize_scalar(height, bounds=reach, method="bounded", options={"xatol": near})
-    worst = min(search.known, key=height)
-    speeds = np.array(sorted(search.known))
-    values = np.array([search.drift(speed) for speed in speeds.tolist()])
-    first, last = drift_ends(search.drift, speeds, values)
+    # A narrow drift lies between the speeds: each high local maximum is refined.
+    known = np.array(sorted(search.known))
+    rates = np.array([-height(speed) for speed in known.tolist()])
+    inner = np.flatnonzero((rates[1:-1] >= rates[:-2]) & (rates[1:-1] >= rates[2:]) & np.isfinite(rates[1:-1])) + 1
+    for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
+        low, high = float(known[row - 1]), float(known[row + 1])
+        minimize_scalar(height, bounds=(low, high), method="bounded", options={"xatol": PEAK * (high - low)})
 
-    station, name = driver(search.at, worst)
+    worst = min(search.known, key=height)
     start = search(worst)
-    assert start is not None
-    slope = missing_slope(search.at, start[0], (float(known[0]), float(known[-1])), station)
-    own = slope / float(search.at.system.speed_ratio[station]) ** 2
-    return (MeanSpeedDrift(first, last, search.drift(worst), worst, own, name),)
+    if start is None or search.drift(worst) <= SLOW:
+        return ()
+    speeds = np.array(sorted(search.known))
+    first, last = drift_ends(search.drift, speeds, np.array([search.drift(speed) for speed in speeds.tolist()]))
+    station, name = driver(search.at, worst)
+    ratio2 = float(search.at.system.speed_ratio[station]) ** 2
+    slope = missing_slope(search.at, start[0], (float(known[0]), float(known[-1])), station) / ratio2
+    given = mean_speed_damping(start[0]) / ratio2
+    slip = slip_slope(search.at, station)
+    return (MeanSpeedDrift(first, last, search.drift(worst), worst, slope, name, given, slip),)
 
 
 def _check(search: Search, requested: FloatArray) -> float:

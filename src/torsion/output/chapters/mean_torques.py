@@ -33,12 +33,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
         rows.append((element.name, rpm(own), unit.text(signed), number(signed * own / 1e3), unit.text(largest)))
     yield Heading("Mean torque")
     yield Paragraph(steady.sharing)
-    yield from _balance(findings)
     yield table(
         f"< Element | Own speed [rpm] | Mean torque [{unit.unit}] | Power [kW] | Largest over the range [{unit.unit}]",
         rows,
         f"Mean torque at {rpm(float(steady.speed[at]))} rpm, each at its own speed",
     )
+    yield from _balance(findings)
     if len(steady.speed) > 1:
         together = _together([(element.name, steady.torque[element.spans[0]] * unit.factor) for element, _ in found])
         ranked = sorted(range(len(together)), key=lambda k: -float(np.abs(together[k][1]).max()))[:MOST_LINES]
