@@ -1,6 +1,5 @@
 """Floquet exponents of a train about its periodic motion at one speed, by the monodromy matrix or by Hill's matrix."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -16,11 +15,10 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
-from torsion.kernels.periodic.hill import couplings_of, harmonics_of, hill_exponents
-from torsion.kernels.periodic.monodromy import exponents, monodromy, rigid_share, steps_for
+from torsion.kernels.periodic.hill import DOUBLE, couplings_of, harmonics_of, hill_exponents
+from torsion.kernels.periodic.monodromy import exponents, monodromy, mostly_rigid, real_motions, rigid_motion, steps_for
 from torsion.study import Study
 
-REAL = 1e-9  # of w0: an imaginary part that is rounding
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
 REST = 1e-9  # relative: what a basis of modes may miss of a motion that repeats itself
 APART = 1e-10  # relative: of a motion that others combine to, less is left
@@ -28,8 +26,6 @@ BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the stati
 HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
 FEWEST_MODES, MOST_MODES = 1, 12  # elastic ones
 UNSTABLE = 1e-7  # growth over one common period: less is rounding
-MOSTLY = 0.5  # share of the whole train turning evenly beyond which a motion is one of its mean speed
-CANDIDATES = 2  # fastest growing real exponents of which one may be that of the mean speed
 Method = Literal["hill", "monodromy"]
 MOST_HILL = 2500  # rows of the eigenvalue problem
 
@@ -180,24 +176,11 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     shape = (back @ vector[:, order]) * scale[:, None]
     exponent = exponents(value[order], around.period)
 
-    def share(place: int) -> float:
-        multiplier = float(value[order[place]].real)
+    rigid = None
+    if around.is_free:
         mass = around.mass.mean(axis=0)
-        return rigid_share(full, np.array(visited), multiplier, mass, around.turning, around.w0)
-
-    rigid = _mostly_rigid(exponent, around.w0, share) if around.is_free else None
+        rigid = rigid_motion(full, np.array(visited), value[order], mass, around.turning, around.w0)
     return Multipliers(exponent, shape[:size], shape[size:], around.period, rigid)
-
-
-def _mostly_rigid(exponent: ComplexArray, w0: float, share: Callable[[int], float]) -> int | None:
-    """The place of the real exponent whose motion is mostly an even turning of the whole train; None if there is none.
-
-    share: of that turning in the motion of an exponent at a place.
-    """
-    is_real = np.abs(exponent.imag) <= REAL * w0
-    shares = {place: share(place) for place in np.flatnonzero(is_real)[:CANDIDATES].tolist()}
-    best = max(shares, key=lambda place: shares[place], default=None)
-    return best if best is not None and shares[best] > MOSTLY else None
 
 
 def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HILL) -> Multipliers:
@@ -217,14 +200,15 @@ def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HIL
     rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
     within = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
 
-    def share(place: int) -> float:
-        """Of harmonic 0 along the turning in the mean square of the whole motion."""
-        mass, mean = around.mass.mean(axis=0), start[place, :, count]
-        mean_square = float(np.einsum("ik,ij,jk->", start[place].conj(), mass, start[place]).real)
-        along = abs(around.turning @ mass @ mean) ** 2
-        return float(along / (around.turning @ mass @ around.turning * mean_square))
-
-    rigid = _mostly_rigid(within, around.w0, share) if around.is_free else None
+    rigid = None
+    if around.is_free:
+        mass, turning = around.mass.mean(axis=0), around.turning
+        places = real_motions(within.imag / around.w0)
+        mean_square = np.einsum("nik,ij,njk->n", start[places].conj(), mass, start[places]).real
+        along = np.abs(start[places][:, :, count] @ mass @ turning) ** 2
+        share = along / (turning @ mass @ turning * mean_square)
+        # The second of a double exponent 0 is that of the mean speed; its vector lacks the free turning.
+        rigid = mostly_rigid(places, np.where(np.abs(within[places]) < DOUBLE * around.w0, 1.0, share))
     return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period, rigid)
 
 

@@ -9,12 +9,15 @@ from functools import cache
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 
 STAGES = 7  # order 13
 ANGLE_PER_STEP = 1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
 FEWEST_STEPS = 16
 MOST_STEPS = 4096
+REAL = 1e-9  # of w0: an imaginary part of an exponent that is rounding
+MOSTLY = 0.5  # share of the whole train turning evenly beyond which a motion is one of its mean speed
+CANDIDATES = 2  # fastest growing real exponents of which one may be that of the mean speed
 MOST_NUMBERS = 4_000_000  # in memory at a time in the stage equations
 
 
@@ -129,6 +132,30 @@ def step_matrices(
     out[..., :size, :] += h**2 * np.einsum("j,...jab->...ab", twice[-1], found)
     out[..., size:, :] += h * np.einsum("j,...jab->...ab", once[-1], found)
     return out
+
+
+def real_motions(turns: FloatArray) -> IntArray:
+    """Return the places of the first CANDIDATES that are real, from imaginary parts / w0 of exponents."""
+    return np.flatnonzero(np.abs(turns) <= REAL)[:CANDIDATES]
+
+
+def mostly_rigid(places: IntArray, shares: FloatArray) -> int | None:
+    """Return the place with the largest share of an even turning of the whole train, where that is most of it."""
+    return int(places[np.argmax(shares)]) if shares.size and shares.max() > MOSTLY else None
+
+
+def rigid_motion(
+    monodromy: FloatArray, visited: FloatArray, multipliers: ComplexArray, mass: FloatArray, turning: FloatArray,
+    w0: float,
+) -> int | None:  # fmt: skip
+    """Return the place of the multiplier (descending) whose motion is mostly an even turning of the whole train.
+
+    None where there is none; the arguments are those of `rigid_share`.
+    """
+    places = real_motions(np.angle(multipliers) / (2.0 * np.pi))
+    values = multipliers[places].real
+    shares = [rigid_share(monodromy, visited, float(value), mass, turning, w0) for value in values]
+    return mostly_rigid(places, np.array(shares))
 
 
 def rigid_share(
