@@ -138,13 +138,20 @@ class Constraint:
 class Damper:
     """A damping to ground of the deviation from the mean motion.
 
-    damping = constant + torque_factor * mean torque / speed + speed_factor * speed, all at the station's own speed.
+    damping = constant + torque_factor * mean torque / speed + speed_factor * speed + load_factor * slope of the law of
+    load, all at the station's own speed.
     """
 
     station: int
     constant: float = 0.0  # N m s/rad
     torque_factor: float = 0.0  # 1
     speed_factor: float = 0.0  # N m s2/rad2
+    load_factor: float = 0.0  # 1
+
+    @property
+    def needs_torque(self) -> bool:
+        """It follows from the mean torque there."""
+        return bool(self.torque_factor or self.load_factor)
 
 
 @dataclass(frozen=True, slots=True)

@@ -110,7 +110,7 @@ def run(work: Work) -> None:
     if settings is None:
         return
     speed = study.operation.speed
-    needs_torque = any(damper.torque_factor for damper in system.dampers)
+    needs_torque = any(damper.needs_torque for damper in system.dampers)
     needs_speed = needs_torque or any(damper.speed_factor for damper in system.dampers)
     why = ""
     if settings.damped is False or not system.damps:

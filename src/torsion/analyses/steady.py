@@ -10,6 +10,7 @@ from functools import reduce
 
 import numpy as np
 
+from torsion.analyses.law_slopes import drive_slopes, load_slopes, slopes_without_vibration
 from torsion.analyses.loads_and_drivers import Balance, Load, Shared, Shares
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.speed_tables import uncovered
@@ -109,6 +110,8 @@ class Steady:
     applied: FloatArray = result("N*m", ("station", "speed"), "drive positive, load negative")
     twist: FloatArray  # (stations, speeds) rad at own speed, elastic, against the reference station
     sharing: str = result("", (), "how the load was shared, in words")
+    load_slope: FloatArray | None = None  # (stations, speeds) N m s/rad at own speed: dT/dω of the laws of load
+    drive_slope: FloatArray | None = None  # the same, -dT/dω of the laws of drive without a lag
 
 
 @reported
@@ -150,7 +153,11 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
         acting.append(np.outer(applied, mean))
         twists.append(np.outer(twist * system.speed_ratio, mean))
     torque_of_all, applied_of_all, twist_of_all = (reduce(np.add, each) for each in (torques, acting, twists))
-    return Steady(speed, torque_of_all, applied_of_all, twist_of_all, balance.sentence)
+    ratio = system.speed_ratio
+    return Steady(
+        speed, torque_of_all, applied_of_all, twist_of_all, balance.sentence, load_slopes(balance, ratio, speed),
+        drive_slopes(train, operation, balance, ratio, speed),
+    )  # fmt: skip
 
 
 def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
@@ -190,6 +197,11 @@ def run(work: Work) -> None:
         work.put(mean=mean, machines=PowerBalance(tuple(machines)))
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
+    for name, slope in slopes_without_vibration(study):
+        why = (
+            f"its {slope:.6g} N m s/rad act on the mean speed and in the stability; `lag` of a drive or `damping: law`"
+        )
+        work.log.without(f"slope of '{name}' in vibration", f"{why} of a load lets it damp vibration too")
 
 
 def balance_of(balance: Balance, system: System, mean: Steady, speed: float) -> Iterator[MachinePower]:

@@ -219,14 +219,21 @@ class System:
         own = np.array([of(span) for span in self.own_spans], dtype=np.int64)
         return np.concatenate([own, *map(over, self.rows)])
 
-    def ground_damping(self, speed: FloatArray, mean_torque: FloatArray) -> FloatArray:
-        """(stations, speeds) N m s/rad, at reference speeds (rad/s) and mean torques (stations, speeds) N m applied."""
+    def ground_damping(
+        self, speed: FloatArray, mean_torque: FloatArray, load_slope: FloatArray | None = None
+    ) -> FloatArray:
+        """(stations, speeds) N m s/rad, at reference speeds (rad/s) and mean torques (stations, speeds) N m applied.
+
+        load_slope: (stations, speeds) N m s/rad of the laws of load, where a damping follows them.
+        """
         damping = np.zeros((len(self.stations), len(speed)))
         for damper in self.dampers:
             own = speed * self.speed_ratio[damper.station]
             row = damper.constant + damper.speed_factor * own
             if damper.torque_factor:
                 row = row + damper.torque_factor * np.abs(mean_torque[damper.station]) / own
+            if damper.load_factor and load_slope is not None:
+                row = row + damper.load_factor * load_slope[damper.station]
             damping[damper.station] += row
         return damping
 

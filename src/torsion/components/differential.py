@@ -114,7 +114,7 @@ def _doubled(one: Primitive) -> Primitive | str:
             return "joint" if one.error else "gear with `module` or `pitch_diameter`"
         case Constraint():
             return replace(one, flexibility=one.flexibility / 2.0)
-        case Damper():  # torque_factor goes with the mean torque there, which is that of both
+        case Damper():  # torque_factor and load_factor go with the mean torque there, which is that of both
             return replace(one, constant=2.0 * one.constant, speed_factor=2.0 * one.speed_factor)
         case Torque():
             table = tuple((speed, 2.0 * torque) for speed, torque in one.table)

@@ -16,6 +16,7 @@ EXPONENTS: dict[str, float] = {
     "quadratic": 2.0, "propeller": 2.0, "linear": 1.0, "constant": 0.0, "constant-power": -1.0,
 }  # fmt: skip
 POSSIBLE = "propeller or quadratic, linear, constant, constant-power, {exponent: 1.8}, a table [[speed, torque], ...]"
+SAME_SPEED = 1e-9  # relative: a speed that is a knot of a table but for the rounding of its unit
 Exponent = Annotated[float, Quantity("1", usual="exponent of a load")]
 AtRest = Annotated[float, Quantity("1", at_least=0, at_most=1, usual="tolerance")]
 
@@ -48,6 +49,17 @@ class LoadLaw:
         share = self.at_rest + (1.0 - self.at_rest) * (speed / rated_speed) ** self.exponent
         return np.asarray(rated_torque * share)
 
+    def slope(self, speed: FloatArray, rated_speed: float, rated_torque: float) -> FloatArray:
+        """Return dT/dω (speeds,) N m s/rad; of a table that of the segment, at its knots the smaller one.
+
+        >>> LoadLaw(2.0).slope(np.array([50.0]), 100.0, 400.0).tolist()
+        [4.0]
+        """
+        if self.table:
+            return segment_slopes(self.table, speed)
+        rise = self.exponent * (1.0 - self.at_rest) * (speed / rated_speed) ** (self.exponent - 1.0)
+        return np.asarray(rated_torque / rated_speed * rise)
+
     @property
     def words(self) -> str:
         """The law in words, for tables."""
@@ -56,6 +68,15 @@ class LoadLaw:
         names = {exponent: word for word, exponent in EXPONENTS.items() if word != "propeller"}
         word = names.get(self.exponent, f"T ~ n^{self.exponent:g}").replace("-", " ")
         return f"{word}, {100 * self.at_rest:g} % at rest" if self.at_rest else word
+
+
+def segment_slopes(table: tuple[tuple[float, float], ...], speed: FloatArray) -> FloatArray:
+    """Return dT/dω (speeds,) N m s/rad of a table [[rad/s, N m], ...]; the smaller one at a knot, the last beyond."""
+    rows = np.array(table)
+    slopes = np.diff(rows[:, 1]) / np.diff(rows[:, 0])
+    at = np.asarray(speed, dtype=float)
+    below, above = (np.searchsorted(rows[1:-1, 0], at * (1.0 + part)) for part in (-SAME_SPEED, SAME_SPEED))
+    return np.asarray(np.minimum(slopes[below], slopes[above]))
 
 
 def read_load(value: Any) -> LoadLaw:

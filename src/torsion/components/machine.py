@@ -7,12 +7,13 @@ from pydantic import BeforeValidator
 
 from torsion import fields
 from torsion.components.disc import Rotor
+from torsion.components.drive_law import DriveLaw
 from torsion.components.harmonic_torques import Harmonic, Ripple
 from torsion.components.load_law import EXPONENTS, Load, LoadLaw
 from torsion.components.lowering import Lowering
 from torsion.components.machine_records import MachineRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
-from torsion.primitives import Damper
+from torsion.primitives import Damper, Spring
 
 SEA_WATER = 1025.0  # kg/m3
 USUAL_FACTOR = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}
@@ -21,13 +22,18 @@ USUAL_FACTOR = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of
 class MachineDamping(Declared):
     """A damping to ground of a machine; the report prints which model was used."""
 
-    model: Literal["viscous", "archer", "schwanecke", "frahm", "quasi-steady"] = required("the model")
+    model: Literal["viscous", "archer", "schwanecke", "frahm", "quasi-steady", "law"] = required(
+        "the model; `law`: the slope of its law of load acts in vibration"
+    )
     value: fields.Damping | None = given("of `viscous`: the damping itself")
     factor: fields.Number | None = given("of archer (20..40 with n in rpm), frahm (2..4), quasi-steady: the factor")
 
     def refuse_clashes(self) -> None:
         if self.model in USUAL_FACTOR and self.factor is None:
             raise refuse(f"`factor` is missing for {self.model}", f"usual: {USUAL_FACTOR[self.model]}")
+        if self.model == "law" and (self.value is not None or self.factor is not None):
+            key = "factor" if self.value is None else "value"
+            raise refuse(f"`damping: law` beside a `{key}`", "the law of load gives the damping; keep one of them", key)
         if self.model == "viscous" and self.value is None:
             raise refuse("`value` is missing", "damping in N*m*s/rad")
         if self.model == "schwanecke" and self.factor is not None:
@@ -37,6 +43,8 @@ class MachineDamping(Declared):
 
 
 def _plain_value(value: Any) -> Any:
+    if value == "law":
+        return {"model": "law"}
     return value if isinstance(value, dict | MachineDamping) else {"model": "viscous", "value": value}
 
 
@@ -47,7 +55,7 @@ class Machine(Rotor):
     usual_load: ClassVar[str] = ""  # law of load of its kind; empty: as `operation.load` says
 
     damping: Annotated[MachineDamping, BeforeValidator(_plain_value, float | str | MachineDamping)] | None = given(
-        "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}"
+        "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}, or `law`: slope of its law of load"
     )
     power: fields.Power | None = given("power that it absorbs or delivers at `speed`")
     torque: Annotated[float, Quantity("N*m", above=0)] | None = given("the torque there, in place of `power`")
@@ -55,6 +63,11 @@ class Machine(Rotor):
     load: Load | None = given(
         "law of load over its own speed: constant, linear, quadratic (or propeller), constant-power, "
         "{exponent, at_rest}, or [[speed, torque], ...]"
+    )
+
+    drive: DriveLaw | None = given(
+        "law of a machine that drives: {slip: 1 %}, {droop: 4 %}, {law: speed | torque} or {torque: [[speed, torque], "
+        "...]}; `lag` lets its slope act in vibration (default: it delivers what the loads take, at a constant torque)"
     )
 
     @property
@@ -76,6 +89,10 @@ class Machine(Rotor):
             self._refuse_schwanecke()
         if self.is_driver and self.load is not None:
             raise refuse("`load` of a machine that drives", "give `drive`", "load")
+        if self.drive is not None:
+            self._refuse_drive(self.drive)
+        if self.is_driver and self.damping is not None and self.damping.model == "law":
+            raise refuse("`damping: law` is that of a load", "give `drive` with a `lag`", "damping")
         has_size = self.power is not None or self.torque is not None
         if self.load is not None and self.load.table and has_size:
             key = "power" if self.torque is None else "torque"
@@ -83,6 +100,13 @@ class Machine(Rotor):
         if self.speed is not None and not has_size:
             raise refuse("`speed` is that of a `power` or `torque`", "give one of them too", "speed")
         super().refuse_clashes()
+
+    def _refuse_drive(self, drive: DriveLaw) -> None:
+        if not self.is_driver:
+            raise refuse("`drive` on a machine that absorbs", "give `load`", "drive")
+        if drive.lag is not None and (self.speed is None or (self.power is None and self.torque is None)):
+            message = "`lag` needs the `power` or `torque` of the machine and its `speed`, from which its slope follows"
+            raise refuse(message, "for example `power: 200 kW, speed: 1500 rpm`", "drive")
 
     def _refuse_held(self) -> None:
         for key in ("power", "torque"):
@@ -102,12 +126,22 @@ class Machine(Rotor):
         model, factor = ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
         build.record(machine=MachineRecord(
             self.is_driver, self.power, self.torque, self.speed, self.load,
-            LoadLaw(EXPONENTS[self.usual_load]) if self.usual_load else None, self.held, model, factor,
+            LoadLaw(EXPONENTS[self.usual_load]) if self.usual_load else None, self.held, self.drive, model, factor,
         ))  # fmt: skip
         station = super().place(build, what)
+        if self.drive is not None and self.drive.lag is not None:
+            self._add_lagged(self.drive, self.drive.lag, station, build)
         if self.damping is not None and (self.damping.model != "viscous" or self.damping.value):
             build.add(self._damper(self.damping, station, build))
         return station
+
+    def _add_lagged(self, drive: DriveLaw, lag: float, station: int, build: Lowering) -> None:
+        """A slope s with a time constant is a damper s in series with a spring s/lag: s iω/(1 + iω lag)."""
+        assert self.speed is not None
+        torque = self.torque if self.torque is not None else (self.power or 0.0) / self.speed
+        slope = build.own(drive.slope_at_rated(torque, self.speed))
+        field = build.station(f"{build.name} drive")
+        build.add(Spring(f"{build.name} drive", build.part, station, field, lag / slope), Damper(field, slope))
 
     def lower(self, build: Lowering) -> None:
         station, places = self.place(build), dict[str, int]()
@@ -121,6 +155,8 @@ class Machine(Rotor):
 
         Schwanecke: 0.0231 rho D^5 (P/D)^2 EAR/pi per speed, N m s2/rad2 (to be verified against its source).
         """
+        if damping.model == "law":
+            return Damper(station, load_factor=1.0)
         if damping.model == "viscous":
             return Damper(station, constant=build.own(damping.value or 0.0))
         if damping.model == "schwanecke":

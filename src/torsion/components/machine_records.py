@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from torsion.components.drive_law import DriveLaw
 from torsion.components.load_law import LoadLaw
 
 
@@ -16,6 +17,7 @@ class MachineRecord:
     load: LoadLaw | None = None  # None: the file gives none
     usual_load: LoadLaw | None = None  # of its kind; None: that of the operation
     is_held: bool = False
+    drive: DriveLaw | None = None  # of a machine that drives; None: the file gives none
     damping_model: str = "viscous"
     damping_factor: float | None = None
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from torsion.analyses.steady import SAME_SPEED
+from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.arrays import FloatArray
 from torsion.rules.verdict_line import Check, Reach
 from torsion.study import Range, Study

@@ -10,14 +10,16 @@ import numpy as np
 
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.analyses.lateral.tilt_stability import Tilting
+from torsion.analyses.motion.mean_speed import SLOW
 from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
+from torsion.components.drive_law import DriveLaw
 from torsion.findings import Results
 from torsion.rules.barred_time import barred_times, unstable_words
 from torsion.rules.judgement import within
 from torsion.rules.reached_speeds import distinct, with_reach
 from torsion.rules.verdict_line import BarredRange, Check, Rule
-from torsion.study import Operation
+from torsion.study import Operation, Study
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
 WHOLE = "whole train"
@@ -25,6 +27,7 @@ MOST = 4  # ranges without an answer that are stated one by one
 _RPM = 30.0 / np.pi
 SpeedRange = tuple[float, float]  # rad/s
 ROUNDING = 1e-9  # of a logarithmic decrement, and of speeds relative to themselves
+NO_SLOPE = 1e-9  # N m s/rad: less is none
 PART = "only a part of the operation's speeds was looked at"
 
 
@@ -36,8 +39,59 @@ class StableMotion(Rule):
         found = evidence.need(Stability)
         line = stability_check(found, evidence.study.operation)
         times = barred_times(evidence, tuple(BarredRange(one.first, one.last, one.at, WHOLE) for one in found.ranges))
-        note = "; ".join(word for word in (line.note, unstable_words(times)) if word)
-        return tuple(with_reach(replace(line, note=note, times=times), evidence.study))
+        stated, laws = mean_speed_words(found, evidence.study), drive_laws(evidence.study)
+        note = "; ".join(word for word in (line.note, unstable_words(times), stated) if word)
+        lines = [replace(line, note=note, times=times)]
+        if laws and not any(law.is_controlled for law in laws):
+            lines.append(mean_speed_check(found, evidence.study))
+        return distinct(row for check in lines for row in with_reach(check, evidence.study))
+
+
+def drive_laws(study: Study) -> list[DriveLaw]:
+    """Return the laws of drive that the file states."""
+    machines = [part.machine for part in study.train.parts if part.machine is not None]
+    return [machine.drive for machine in machines if machine.drive is not None]
+
+
+def mean_speed_check(found: Stability, study: Study) -> Check:
+    """The largest drift of the mean speed against 0, where the law of the drive is stated."""
+    # Where a steep slope leaves no slow exponent of the mean speed, the fastest of all stands for it.
+    drifts = found.growth if found.drift is None else np.where(np.isfinite(found.drift), found.drift, found.growth)
+    rates = np.where(within(study.operation.speeds, found.speed) & np.isfinite(drifts), drifts, -np.inf)
+    first, last, is_whole = _operated(found.speed, study.operation)
+    drifting = [drift for drift in found.drifts if drift.first <= last and drift.last >= first]
+    growth, speed, notes = float(rates.max()), float(found.speed[rates.argmax()]), list[str]()
+    for drift in drifting:
+        growth, speed = max(growth, drift.growth), min(max(drift.at, first), last)
+        notes.append(f"a further slope of {drift.slope:.3g} N m s/rad at '{drift.machine}' stops it")
+    if not is_whole:
+        notes.append(PART)
+    # A drift slower than that is within the error of the growth rates.
+    kept = is_whole and not drifting and -np.inf < growth <= SLOW
+    return _check("mean speed", WHOLE, "growth of the mean speed", growth, "1/s", speed, notes, kept=kept)
+
+
+def mean_speed_words(found: Stability, study: Study) -> str:
+    """What is said of a drift of the mean speed; empty where there is none."""
+    if not found.drifts:
+        return ""
+    drift, laws = found.drifts[0], drive_laws(study)
+    rpm = [f"{speed * _RPM:.4g}" for speed in (drift.at, drift.first, drift.last)]
+    doubles = f"doubles in {np.log(2.0) / drift.growth:.2g} s"
+    stated = f"Mean speed drifts: {drift.growth:.3g} 1/s at {rpm[0]} rpm ({doubles})"
+    if any(law.is_controlled for law in laws):
+        return f"{stated} without its controller, which holds it: held by the controller"
+    why = f"the slopes of drive and load, together {drift.given:.3g} N m s/rad at '{drift.machine}', are too small"
+    if abs(drift.given) <= NO_SLOPE:
+        why = "the torques of drive and load do not depend on speed"
+    reach = f"faster than {SLOW:g} 1/s from {rpm[1]} to {rpm[2]} rpm, slower or not at all elsewhere"
+    words = f"{stated}, as {why}; {reach}"
+    if not np.isfinite(drift.slope):
+        return f"{words}. No slope was found that removes it. State `drive`."
+    further = "further slope" if abs(drift.given) > NO_SLOPE else "slope"
+    slip = f" (its slip of 1 % has {drift.slip:.3g})" if np.isfinite(drift.slip) and not laws else ""
+    state = "" if laws else " State `drive`."
+    return f"{words}. A {further} of {drift.slope:.3g} N m s/rad at '{drift.machine}' removes it{slip}.{state}"
 
 
 def stability_check(found: Stability, operation: Operation) -> Check:
@@ -66,6 +120,8 @@ def stability_check(found: Stability, operation: Operation) -> Check:
         *([] if found.loses else [NOTHING_DAMPS]),
         *_nearest(found, first, last),
     ]
+    if found.doubtful is not None and found.doubtful.size:
+        notes.append("a drift of the mean speed and an instability were not told apart")
     kept = is_whole and not (unstable or bare)
     return _check("stability", WHOLE, "growth rate of small deviations", growth, "1/s", speed, notes, kept=kept)
 

@@ -99,7 +99,7 @@ def _mean_torque_faults(study: Study) -> Iterator[Fault]:
     """The first value that needs the mean torque, where it is not known."""
     needs = [torque.path for torque in study.train.torques if torque.of_mean]
     parts, stations = study.train.parts, study.train.stations
-    needs += [(*parts[stations[d.station].part].path, "damping") for d in study.train.dampers if d.torque_factor]
+    needs += [(*parts[stations[d.station].part].path, "damping") for d in study.train.dampers if d.needs_torque]
     if needs:
         yield Fault(needs[0], "this needs the mean torque, and the rated power is not given", _RATED)
 
@@ -121,6 +121,9 @@ def _of_analysis(
 
 _order_faults = _of_analysis("response.over_speed:order_faults", lambda study: "response" in study.analyses)
 _power_faults = _of_analysis("steady:power_faults", lambda study: study.has_mean_torque)
+_drive_faults = _of_analysis(
+    "law_slopes:drive_faults", lambda study: any(part.machine and part.machine.drive for part in study.train.parts)
+)
 _check_faults = _of_analysis(
     "compare.candidates:loop_faults",
     lambda study: "check" in study.analyses,
@@ -156,6 +159,7 @@ _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that
     (_response_faults, ("train", "operation", "analyses", "rules")),
     (_order_faults, ("train", "excitations", "analyses")),
     (_power_faults, ("train", "operation")),
+    (_drive_faults, ("train", "operation", "analyses")),
     (_joint_faults, ("train", "analyses")),
     (_motion_faults, ("train", "links", "operation", "analyses")),
     (_table_faults, ("train", "links", "operation", "analyses", "damping")),

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from torsion.analyses.motion.equations_of_motion import damper_matrices, entries, mean_angle, state, torque_rates
+from torsion.analyses.motion.mean_speed import SLOW, agrees, drift_slope
 from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, scene
 from torsion.analyses.motion.periodic_orbits import Orbit, continued, nearest
@@ -14,8 +15,8 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
-from torsion.kernels.periodic.hill import couplings_of, harmonics_of, hill_exponents
-from torsion.kernels.periodic.monodromy import exponents, monodromy, steps_for
+from torsion.kernels.periodic.hill import DOUBLE, couplings_of, harmonics_of, hill_exponents
+from torsion.kernels.periodic.monodromy import exponents, monodromy, mostly_rigid, real_motions, rigid_motion, steps_for
 from torsion.study import Study
 
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
@@ -38,6 +39,7 @@ class Variation:
     stiffness: FloatArray
     period: float  # s
     repeated: FloatArray  # (motions, 2 size, times) motions (y, y') that repeat themselves exactly
+    is_free: bool = False  # nothing holds the train: the first of these is its own motion
 
     @property
     def size(self) -> int:
@@ -60,7 +62,12 @@ class Variation:
         parts = [part for motion in self.repeated for part in np.split(motion, 2)]
         repeated = [np.concatenate([reduced.share(part), (missed.T * reduced.inertia) @ part]) for part in parts]
         form = len(self.repeated), 2 * shape.shape[1], len(self.mass)
-        return Variation(mass, damping, stiffness, self.period, np.reshape(repeated, form))
+        return Variation(mass, damping, stiffness, self.period, np.reshape(repeated, form), self.is_free)
+
+    @property
+    def turning(self) -> FloatArray:
+        """(size,) deviation of a train whose mean motion goes on further; only of a free one."""
+        return np.asarray(self.repeated[0, : self.size].mean(axis=1))
 
 
 def _beyond(reduced: Basis, motions: FloatArray) -> FloatArray:
@@ -92,7 +99,8 @@ def variation(at: Scene, orbit: Orbit) -> Variation:
     if at.layout.dampers.size.size:
         damper_damping, damper_stiffness = damper_matrices(at.layout, now)
         damping, stiffness = damping + damper_damping, stiffness + damper_stiffness
-    return Variation(mass, damping, stiffness, loading.period, _repeated(at.layout, loading.speed, motion))
+    repeated = _repeated(at.layout, loading.speed, motion)
+    return Variation(mass, damping, stiffness, loading.period, repeated, bool(at.layout.floating))
 
 
 def _repeated(layout: Layout, mean: float, motion: Motion) -> FloatArray:
@@ -118,6 +126,18 @@ class Multipliers:
     vector: ComplexArray  # (coordinates or modes, exponents) deviation at reference angle zero; NaN where not computed
     speed: ComplexArray  # (coordinates or modes, exponents) its rate of change
     period: float  # s
+    rigid: int | None = None  # the real exponent whose motion is mostly a turning of the whole train, if there is one
+    drift: float = np.nan  # 1/s: that exponent, where it was told apart as the drift of the mean speed
+    is_doubtful: bool = False
+
+    def told_apart(self, correction: float) -> "Multipliers":
+        """The torsional exponents alone; the drift of the mean speed beside them, with a correction in 1/s."""
+        rest = np.arange(len(self.exponent)) != self.rigid
+        drift = float(self.exponent[self.rigid].real) + correction
+        return replace(
+            self, exponent=self.exponent[rest], vector=self.vector[:, rest], speed=self.speed[:, rest], rigid=None,
+            drift=drift,
+        )  # fmt: skip
 
     @property
     def fastest(self) -> tuple[float, float]:
@@ -139,8 +159,9 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     """Exponents by the monodromy matrix, in steps that resolve a highest frequency (rad/s)."""
     size = around.size
     scale = np.concatenate([np.ones(size), np.full(size, around.w0)])
-    whole = monodromy(around.mass, around.damping, around.stiffness, around.period, steps_for(around.period, highest))
-    whole = whole / scale[:, None] * scale
+    visited, steps = list[FloatArray](), steps_for(around.period, highest)
+    full = monodromy(around.mass, around.damping, around.stiffness, around.period, steps, visited=visited)
+    whole = full / scale[:, None] * scale
     back = np.eye(2 * size)
     for one in around.repeated:
         start = whole @ (back.T @ (one[:, 0] / scale))  # once around: what has no inertia follows
@@ -153,7 +174,13 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     value, vector = np.linalg.eig(whole)
     order = np.argsort(-np.abs(value), kind="stable")
     shape = (back @ vector[:, order]) * scale[:, None]
-    return Multipliers(exponents(value[order], around.period), shape[:size], shape[size:], around.period)
+    exponent = exponents(value[order], around.period)
+
+    rigid = None
+    if around.is_free:
+        mass = around.mass.mean(axis=0)
+        rigid = rigid_motion(full, np.array(visited), value[order], mass, around.turning, around.w0)
+    return Multipliers(exponent, shape[:size], shape[size:], around.period, rigid)
 
 
 def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HILL) -> Multipliers:
@@ -172,7 +199,17 @@ def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HIL
     start = found.vector[order]
     rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
     within = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
-    return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period)
+
+    rigid = None
+    if around.is_free:
+        mass, turning = around.mass.mean(axis=0), around.turning
+        places = real_motions(within.imag / around.w0)
+        mean_square = np.einsum("nik,ij,njk->n", start[places].conj(), mass, start[places]).real
+        along = np.abs(start[places][:, :, count] @ mass @ turning) ** 2
+        share = along / (turning @ mass @ turning * mean_square)
+        # The second of a double exponent 0 is that of the mean speed; its vector lacks the free turning.
+        rigid = mostly_rigid(places, np.where(np.abs(within[places]) < DOUBLE * around.w0, 1.0, share))
+    return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period, rigid)
 
 
 @dataclass
@@ -200,8 +237,26 @@ class Search:
         if self.reduced is not None:
             around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
         if method == "hill":
-            return by_hill(around, highest, orbit.found.count, most)
-        return by_monodromy(around, highest)
+            return self._told_apart(orbit, by_hill(around, highest, orbit.found.count, most))
+        return self._told_apart(orbit, by_monodromy(around, highest))
+
+    def _told_apart(self, orbit: Orbit, found: Multipliers) -> Multipliers:
+        """The exponents with the drift of the mean speed beside them, where both tests say that there is one.
+
+        A fast growing one has to have the sign that the torque lost by the vibration gives it.
+        """
+        if found.rigid is None or not (self.loses or orbit.now.loading.damping.any()):
+            return replace(found, rigid=None)
+        inertia = float(self.at.layout.inertia.sum())
+        growth = float(found.exponent[found.rigid].real) - orbit.now.beside / inertia
+        if growth > SLOW and not agrees(growth, drift_slope(self.at, orbit), inertia):
+            return replace(found, rigid=None, is_doubtful=True)
+        return found.told_apart(-orbit.now.beside / inertia)
+
+    def drift(self, speed: float) -> float:
+        """1/s of the mean speed; NaN where it was not told apart."""
+        found = self(speed)
+        return np.nan if found is None else found[1].drift
 
     def growth(self, speed: float) -> float:
         """1/s; NaN where there is no periodic motion."""
@@ -216,7 +271,9 @@ class Search:
     @property
     def loses(self) -> bool:
         """Something damps."""
-        return self.at.system.damps and self.at.damping > 0
+        if self.at.system.damps and self.at.damping > 0:
+            return True
+        return any(found is not None and bool(found[0].now.loading.damping.any()) for found in self.known.values())
 
 
 def growth_search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:

@@ -4,7 +4,7 @@ A train that nothing holds needs its drive's mean torque as an unknown: joints l
 one mean torque keeps the mean speed. With it goes one condition, the mean angle at the reference station.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 import numpy as np
@@ -14,7 +14,7 @@ from torsion.analyses.motion.mechanism import Layout, Turning, at_rest, beyond, 
 from torsion.analyses.response.harmonic_components import amplitude, excitations
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import reference_station, steady_if_known
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.primitives import Torque
@@ -34,12 +34,14 @@ class Scene:
     torques: tuple[tuple[Fraction, Torque], ...]  # vibratory torques with their orders of the reference station
     mean: float = 1.0  # factor on the mean torque
     damping: float = 1.0  # factor on the damping to ground; that of the springs stands in the layout
+    slopes: FloatArray = field(default_factory=lambda: np.zeros(1))  # (stations,) N m s/rad at the reference, added
+    has_slopes: bool = False  # the slopes of the laws of drive and load act too
 
 
 def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
     """The mechanism with the torques that have an order; those at fixed frequencies share no period and are left out.
 
-    vibratory: False leaves out all of them, so that the joints alone excite.
+    vibratory: False leaves out all of them, so that the joints alone excite, and lets slopes of drive and load act.
     """
     whole = layout(system)
     found = [
@@ -51,7 +53,8 @@ def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
     if any(torque.mesh for _, torque in found):
         raise SolveError("a mesh that excites is not built in the exact motion", "leave it out of this file")
     order = common_order([*(order for order, _ in found), *whole.orders]) or Fraction(1)
-    return Scene(study, system, whole, order, tuple(found))
+    still = np.zeros(len(system.stations))
+    return Scene(study, system, whole, order, tuple(found), slopes=still, has_slopes=not vibratory)
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,7 @@ class Operating:
     stations: Loading  # the same on the stations, at one speed too
     load: FloatArray  # (unknown loads,) N m at the reference speed
     twist: FloatArray  # (bodies,) rad, against the reference station
+    beside: float = 0.0  # N m s/rad at the reference: what the mean speed sees beside the damping of the loading
 
 
 def operating(at: Scene, speed: float) -> Operating:
@@ -70,7 +74,13 @@ def operating(at: Scene, speed: float) -> Operating:
     speeds = np.array([speed])
     known = steady_if_known(at.study, system, speeds)
     ratio = system.speed_ratio
-    damping = at.damping * ground_damping(system, speeds, known)[:, 0] * ratio**2
+    ground, beside = at.damping * ground_damping(system, speeds, known)[:, 0] * ratio**2, 0.0
+    damping = ground + at.slopes
+    if at.has_slopes and known is not None and known.load_slope is not None and known.drive_slope is not None:
+        # A damping of the file acts in vibration in place of the slope; on the mean speed a machine acts by its law.
+        load = known.load_slope[:, 0] * ratio**2
+        damping += np.where(ground > 0, 0.0, load) + known.drive_slope[:, 0] * ratio**2
+        beside = float((load - ground)[(ground > 0) & _absorbing(at)].sum())
     applied, twist = np.zeros(len(ratio)), np.zeros(whole.bodies)
     if known is not None:
         applied = at.mean * known.applied[:, 0] * ratio
@@ -87,7 +97,13 @@ def operating(at: Scene, speed: float) -> Operating:
         stations, damping=_on_bodies(whole, damping), torque=_on_bodies(whole, constant),
         vibratory=_on_bodies(whole, vibratory), drive=_on_bodies(whole, drive.T).T,
     )  # fmt: skip
-    return Operating(bodies, stations, load, twist)
+    return Operating(bodies, stations, load, twist, beside)
+
+
+def _absorbing(at: Scene) -> BoolArray:
+    """(stations,) where a machine absorbs power by its law of load."""
+    parts = (part for part in at.system.train.parts if part.machine is not None and not part.machine.is_driver)
+    return np.isin(np.arange(len(at.system.stations)), [part.stations[0] for part in parts])
 
 
 def _on_bodies(whole: Layout, of_stations: np.ndarray) -> np.ndarray:

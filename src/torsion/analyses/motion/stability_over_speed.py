@@ -4,6 +4,16 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from torsion.analyses.motion.floquet_exponents import Method, Search, growth_search, modes_that_matter
+from torsion.analyses.motion.mean_speed import (
+    PEAK,
+    SLOW,
+    MeanSpeedDrift,
+    drift_ends,
+    driver,
+    mean_speed_damping,
+    missing_slope,
+    slip_slope,
+)  # fmt: skip
 from torsion.analyses.motion.periodic_orbits import harmonics_at_least
 from torsion.analyses.motion.unstable_ranges import UnstableRange, candidates, indicator, unstable_ranges
 from torsion.arrays import FloatArray
@@ -16,6 +26,7 @@ from torsion.study import Study
 MOST_SEEDS = 60  # combination resonances that are looked at between the speeds requested
 LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
+MOST_PEAKS = 3  # of the drift of the mean speed, that are refined
 CHECKED = 3  # speeds at which the other method checks the growth rate
 WHOLE = 20  # coordinates up to which no mode is left out, unless its highest mode
 TURNED = 300.0  # rad: turns through more in a common period at the lowest speed, which makes the steps in time many
@@ -47,6 +58,14 @@ class Stability:
     kept: int | None = result(
         "", (), "elastic modes that the train is reduced to; null for all", key="modes_kept", default=None
     )
+    drift: FloatArray | None = result(
+        "1/s", ("speed",), "growth of a deviation of the mean speed; null where it was not told apart", default=None
+    )
+    drifts: tuple[MeanSpeedDrift, ...] = result("", (), "where the mean speed drifts, at most one", default=())
+    doubtful: FloatArray | None = result(
+        "rad/s", ("doubtful",), "speeds at which a drift of the mean speed and an instability were not told apart",
+        default=None,
+    )  # fmt: skip
     left_out: float = result(
         "1/s", (), "largest change of the growth rate with twice as many, where that was tried",
         key="reduction_error_per_s", default=0.0,
@@ -87,6 +106,7 @@ def stability(
         search(speed)
     _look_between(search, requested, progress)
     ranges = unstable_ranges(search, progress)
+    drifts = _drifts(search)
     speed = np.array(sorted(search.known))
     solved = [search.known[one] for one in speed.tolist()]
     growth, frequency = np.array([(np.nan, np.nan) if one is None else one[1].fastest for one in solved]).T
@@ -95,7 +115,8 @@ def stability(
     left_out = 0.0 if modes is None else _left_out(study, system, speed, growth, min(MORE * modes, len(elastic)))
     return Stability(
         speed, np.isin(speed, requested), growth, frequency, factor, ranges, elastic, method, _check(search, requested),
-        speed[np.isnan(growth)], search.loses, modes, left_out,
+        speed[np.isnan(growth)], search.loses, modes, drift=np.array([search.drift(one) for one in speed.tolist()]),
+        drifts=drifts, doubtful=speed[[one is not None and one[1].is_doubtful for one in solved]], left_out=left_out,
     )  # fmt: skip
 
 
@@ -120,6 +141,36 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
         minimize_scalar(
             height, bounds=(low, high), method="bounded", options={"xatol": around * seed * 1e-2, "maxiter": 10}
         )
+
+
+def _drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
+    """Return where the mean speed drifts faster than SLOW, with the slope that the machine that drives lacks."""
+    if not any(np.isfinite(search.drift(speed)) for speed in list(search.known)):
+        return ()
+
+    def height(speed: float) -> float:
+        return -float(np.nan_to_num(search.drift(float(speed)), nan=-np.inf))
+
+    # A narrow drift lies between the speeds: each high local maximum is refined.
+    known = np.array(sorted(search.known))
+    rates = np.array([-height(speed) for speed in known.tolist()])
+    inner = np.flatnonzero((rates[1:-1] >= rates[:-2]) & (rates[1:-1] >= rates[2:]) & np.isfinite(rates[1:-1])) + 1
+    for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
+        low, high = float(known[row - 1]), float(known[row + 1])
+        minimize_scalar(height, bounds=(low, high), method="bounded", options={"xatol": PEAK * (high - low)})
+
+    worst = min(search.known, key=height)
+    start = search(worst)
+    if start is None or search.drift(worst) <= SLOW:
+        return ()
+    speeds = np.array(sorted(search.known))
+    first, last = drift_ends(search.drift, speeds, np.array([search.drift(speed) for speed in speeds.tolist()]))
+    station, name = driver(search.at, worst)
+    ratio2 = float(search.at.system.speed_ratio[station]) ** 2
+    slope = missing_slope(search.at, start[0], (float(known[0]), float(known[-1])), station) / ratio2
+    given = mean_speed_damping(start[0]) / ratio2
+    slip = slip_slope(search.at, station)
+    return (MeanSpeedDrift(first, last, search.drift(worst), worst, slope, name, given, slip),)
 
 
 def _check(search: Search, requested: FloatArray) -> float:

@@ -23,7 +23,7 @@ from torsion.analyses.motion.straight_modes import Basis
 from torsion.arrays import FloatArray
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of
 from torsion.kernels.periodic.hill import from_real_parts, harmonics_of, real_blocks, real_parts, toeplitz
-from torsion.kernels.periodic.monodromy import at_times, radau, steps_for, through_steps
+from torsion.kernels.periodic.monodromy import at_times, radau, rigid_motion, steps_for, through_steps
 
 SMALL = 1e-5  # relative step of Newton's method after which the next would be rounding
 FOUND = 1e-3  # relative step at the end that is still a solution
@@ -215,7 +215,7 @@ def _step(stack: Stack, factors: Factors, residual: FloatArray) -> tuple[FloatAr
 
 
 def growths(stack: Stack, solution: Solution) -> FloatArray:
-    """(variants,) 1/s of the fastest growing motion; NaN where no periodic motion was found."""
+    """(variants,) 1/s of the fastest growing motion beside a drift of the mean speed; NaN without a periodic motion."""
     loading, modes = solution.loading, len(stack.reduced.frequency)
     period, rule = loading.period, radau(STAGES)
     steps = steps_for(period, BEYOND * stack.reduced.highest)
@@ -227,13 +227,25 @@ def growths(stack: Stack, solution: Solution) -> FloatArray:
         for part in around
     )
     scale = np.concatenate([np.ones(modes), np.full(modes, loading.w0)])
-    whole = through_steps(mass, damping, stiffness, period / steps, rule) / scale[:, None] * scale
+    visited = list[FloatArray]()
+    full = through_steps(mass, damping, stiffness, period / steps, rule, visited=visited)
+    whole = full / scale[:, None] * scale
     known = _repeated(stack, solution) / scale
     if known.shape[1]:
         whole = _without(whole, np.einsum("pij,pkj->pki", whole, known))
-    value = np.abs(np.linalg.eigvals(np.where(np.isfinite(whole), whole, 0.0))).max(axis=1)
+    multipliers = np.linalg.eigvals(np.where(np.isfinite(whole), whole, 0.0))
+    value = np.abs(multipliers)
+    if stack.at.layout.floating:
+        turns = np.isin(np.arange(stack.at.layout.free), stack.at.layout.floating[0])
+        turning, inertia = stack.reduced.share(turns.astype(float)), mass.mean(axis=(1, 2))
+        seen = np.array([np.broadcast_to(part, full.shape) for part in visited])
+        for k in np.flatnonzero(solution.is_found).tolist():
+            order = np.argsort(-value[k], kind="stable")
+            rigid = rigid_motion(full[k], seen[:, k], multipliers[k, order], inertia[k], turning, loading.w0)
+            if rigid is not None:
+                value[k, order[rigid]] = 0.0
     with np.errstate(divide="ignore"):
-        return np.where(solution.is_found, np.log(value) / period, np.nan)
+        return np.where(solution.is_found, np.log(value.max(axis=1)) / period, np.nan)
 
 
 def _repeated(stack: Stack, solution: Solution) -> FloatArray:

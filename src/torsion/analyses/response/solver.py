@@ -195,13 +195,13 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
 
     Raises InputError where a damping follows from the mean torque and that is not known.
     """
-    following = [damper for damper in system.dampers if damper.torque_factor]
+    following = [damper for damper in system.dampers if damper.needs_torque]
     if following and steady is None:
         name = system.stations[following[0].station].name
         message = f"the damping of '{name}' follows from the mean torque, which is not known"
         raise InputError([Fault(("operation", "rated", "power"), message, "give the rated speed and power")])
     applied = np.zeros((len(system.stations), len(speed))) if steady is None else steady.applied
-    return system.ground_damping(speed, applied)
+    return system.ground_damping(speed, applied, None if steady is None else steady.load_slope)
 
 
 def _chords(system: System, chords: IntArray, w: FloatArray, sources: Sources) -> "Chords":

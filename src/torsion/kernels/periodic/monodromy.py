@@ -9,12 +9,15 @@ from functools import cache
 
 import numpy as np
 
-from torsion.arrays import ComplexArray, FloatArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 
 STAGES = 7  # order 13
 ANGLE_PER_STEP = 1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
 FEWEST_STEPS = 16
 MOST_STEPS = 4096
+REAL = 1e-9  # of w0: an imaginary part of an exponent that is rounding
+MOSTLY = 0.5  # share of the whole train turning evenly beyond which a motion is one of its mean speed
+CANDIDATES = 2  # fastest growing real exponents of which one may be that of the mean speed
 MOST_NUMBERS = 4_000_000  # in memory at a time in the stage equations
 
 
@@ -49,8 +52,9 @@ def radau(stages: int = STAGES) -> Collocation:
 
 
 def steps_for(period: float, highest: float) -> int:
-    """Steps that resolve a highest frequency (rad/s) over the period (s)."""
-    return int(min(max(np.ceil(highest * period / ANGLE_PER_STEP), FEWEST_STEPS), MOST_STEPS))
+    """Steps that resolve a highest frequency (rad/s) over the period (s), a multiple of FEWEST_STEPS."""
+    needed = int(np.ceil(min(highest * period / ANGLE_PER_STEP, MOST_STEPS) / FEWEST_STEPS))
+    return max(needed, 1) * FEWEST_STEPS
 
 
 def at_times(samples: FloatArray, share: FloatArray) -> FloatArray:
@@ -68,22 +72,28 @@ def at_times(samples: FloatArray, share: FloatArray) -> FloatArray:
 
 
 def monodromy(
-    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, period: float, steps: int, stages: int = STAGES
-) -> FloatArray:
-    """(2 size, 2 size): what a period makes of (y, y'); M, C, K (times, size, size) at even times of the period (s)."""
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, period: float, steps: int, stages: int = STAGES,
+    *, visited: list[FloatArray] | None = None,
+) -> FloatArray:  # fmt: skip
+    """(2 size, 2 size): what a period makes of (y, y'); M, C, K (times, size, size) at even times of the period (s).
+
+    visited: as of `through_steps`.
+    """
     rule, size = radau(stages), mass.shape[1]
     share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
     samples = np.stack([mass, damping, stiffness], axis=1)
     nodes = at_times(samples, share).reshape(steps, stages, 3, size, size)
-    return through_steps(nodes[:, :, 0], nodes[:, :, 1], nodes[:, :, 2], period / steps, rule)
+    return through_steps(nodes[:, :, 0], nodes[:, :, 1], nodes[:, :, 2], period / steps, rule, visited=visited)
 
 
 def through_steps(
-    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, h: float, rule: Collocation
-) -> FloatArray:
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, h: float, rule: Collocation,
+    *, visited: list[FloatArray] | None = None,
+) -> FloatArray:  # fmt: skip
     """(..., 2 size, 2 size): what steps h (s) in a row make of (y, y'); M, C, K at the nodes of every step.
 
-    Each is (..., steps, stages, size, size).
+    Each is (..., steps, stages, size, size). visited: collects the same matrix at the beginning of each of FEWEST_STEPS
+    equal parts of the steps, which must be a multiple of them.
     """
     steps, unknowns = mass.shape[-4], int(np.prod(mass.shape[:-4])) * (mass.shape[-3] * mass.shape[-1]) ** 2
     whole, chunk = np.eye(2 * mass.shape[-1]), max(1, MOST_NUMBERS // unknowns)
@@ -91,6 +101,8 @@ def through_steps(
         some = np.s_[..., first : first + chunk, :, :, :]
         each = step_matrices(mass[some], damping[some], stiffness[some], h, rule)
         for k in range(each.shape[-3]):
+            if visited is not None and (first + k) % (steps // FEWEST_STEPS) == 0:
+                visited.append(whole)
             whole = each[..., k, :, :] @ whole
     return whole
 
@@ -120,6 +132,49 @@ def step_matrices(
     out[..., :size, :] += h**2 * np.einsum("j,...jab->...ab", twice[-1], found)
     out[..., size:, :] += h * np.einsum("j,...jab->...ab", once[-1], found)
     return out
+
+
+def real_motions(turns: FloatArray) -> IntArray:
+    """Return the places of the first CANDIDATES that are real, from imaginary parts / w0 of exponents."""
+    return np.flatnonzero(np.abs(turns) <= REAL)[:CANDIDATES]
+
+
+def mostly_rigid(places: IntArray, shares: FloatArray) -> int | None:
+    """Return the place with the largest share of an even turning of the whole train, where that is most of it."""
+    return int(places[np.argmax(shares)]) if shares.size and shares.max() > MOSTLY else None
+
+
+def rigid_motion(
+    monodromy: FloatArray, visited: FloatArray, multipliers: ComplexArray, mass: FloatArray, turning: FloatArray,
+    w0: float,
+) -> int | None:  # fmt: skip
+    """Return the place of the multiplier (descending) whose motion is mostly an even turning of the whole train.
+
+    None where there is none; the arguments are those of `rigid_share`.
+    """
+    places = real_motions(np.angle(multipliers) / (2.0 * np.pi))
+    values = multipliers[places].real
+    shares = [rigid_share(monodromy, visited, float(value), mass, turning, w0) for value in values]
+    return mostly_rigid(places, np.array(shares))
+
+
+def rigid_share(
+    monodromy: FloatArray, visited: FloatArray, multiplier: float, mass: FloatArray, turning: FloatArray, w0: float
+) -> float:
+    """Return the share of an even turning of the whole train in the motion of a positive multiplier, 0 to 1.
+
+    The motion is exp(growth t) p(t); the share is that of the mean of p along `turning` (size,) in the mean square of
+    p, both weighted with the mass (size, size). visited: (parts, 2 size, 2 size) as `through_steps` collects them.
+    """
+    size, parts = len(turning), len(visited)
+    scale = np.repeat([1.0, w0], size)
+    missing = monodromy / scale[:, None] * scale - multiplier * np.eye(2 * size)
+    start = scale * np.linalg.svd(missing)[2][-1]
+    decay = multiplier ** (-np.arange(parts) / parts)
+    motion = decay[:, None] * (visited @ start)[:, :size]
+    mean_square = float(np.einsum("ti,ij,tj->", motion, mass, motion)) / parts
+    along = float(turning @ mass @ motion.mean(axis=0))
+    return along**2 / (float(turning @ mass @ turning) * mean_square)
 
 
 def exponents(multiplier: ComplexArray, period: float) -> ComplexArray:

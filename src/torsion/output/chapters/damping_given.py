@@ -96,16 +96,17 @@ def _grounds(findings: Findings) -> Table:
 def _value(findings: Findings, station: int, speed: float | None) -> str:
     """At the rated speed; a constant needs none."""
     mine = [d for d in findings.system.dampers if d.station == station]
-    if all(d.torque_factor == 0 and d.speed_factor == 0 for d in mine):
+    if not any(d.needs_torque or d.speed_factor for d in mine):
         return number(sum(d.constant for d in mine))
     steady = findings.get(Steady)
     if speed is None:
         return "varies with speed"
-    if steady is None and any(d.torque_factor for d in mine):
+    if steady is None and any(d.needs_torque for d in mine):
         return "varies with mean torque"
     if steady is None:
-        at, mean = np.array([speed]), np.array([])  # which no damper reads
+        at, mean, slope = np.array([speed]), np.array([]), None  # which no damper reads
     else:
         near = [int(np.argmin(np.abs(steady.speed - speed)))]
         at, mean = steady.speed[near], steady.applied[:, near]
-    return number(float(findings.system.ground_damping(at, mean)[station, 0]))
+        slope = None if steady.load_slope is None else steady.load_slope[:, near]
+    return number(float(findings.system.ground_damping(at, mean, slope)[station, 0]))

@@ -15,6 +15,7 @@ from torsion.output.figures import curves_over_speed
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, counted, distinct_texts, given_rpm, number, rpm
 from torsion.output.reported_values import rated_rpm, reference, tilted, widened
+from torsion.rules.stable_motion import mean_speed_words
 from torsion.rules.verdict_line import Checks
 
 if TYPE_CHECKING:
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 MODEL = (
     "A joint makes the stiffness of the train vary with the angle. About the periodic motion that the joints and the "
     "mean torque leave, small deviations grow or die out as exp(growth · t); the train is unstable where they grow, "
-    "whatever excites it. Vibratory torques are left out."
+    "whatever excites it. Vibratory torques are left out. A drift of the mean speed, in which the whole train turns as "
+    "one, is no such instability and is reported by itself."
 )
 OVER = {
     "angle": ("joint angle", "deg"), "damping": ("factor on the damping", ""),
@@ -54,6 +56,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if found is not None:
         yield _introduction(findings, found)
         yield _verdict(findings)
+        if drift := mean_speed_words(found, findings.study):
+            yield Paragraph(_sentence(drift), "note")
         if found.ranges:
             yield _ranges(findings, found)
         if found.unsolved.size:
@@ -65,6 +69,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
         ))  # fmt: skip
     if mapped is not None:
         yield from _map(findings, mapped)
+
+
+def _sentence(words: str) -> str:
+    return words if words.endswith(".") else f"{words}."
 
 
 def _introduction(findings: Findings, found: Stability) -> Paragraph:
@@ -151,6 +159,8 @@ def restrictions(findings: Findings, found: Stability) -> list[str]:
     """Of the speed: the unstable ranges in words, and where it could not be said whether there is one."""
     requested = float(found.speed[0]), float(found.speed[-1])
     stated = [f"Unstable range: {words(one, requested)}. Not for operation." for one in found.ranges]
+    if drift := mean_speed_words(found, findings.study):
+        stated.append(_sentence(drift))
     nothing = [check for check in findings.need(Checks).lines if check.clause == "stability" and np.isinf(check.value)]
     if nothing:
         return stated + [f"No answer on the stability of the {check.where}: {check.note}." for check in nothing]

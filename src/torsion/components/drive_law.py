@@ -1,0 +1,77 @@
+"""Laws of drive: how the mean torque of a machine that drives answers a change of its speed."""
+
+from typing import Annotated, Literal, cast
+
+from pydantic import BeforeValidator
+
+from torsion.arrays import FloatArray
+from torsion.components.harmonic_torques import Table, read_table
+from torsion.components.load_law import segment_slopes
+from torsion.fields import Declared, Quantity, given, refuse
+
+LAWS = ("slip", "droop", "law", "torque")
+EXAMPLES = "for example `drive: {slip: 1 %}`, `{droop: 4 %}`, `{law: speed}` or `{torque: [[0, 0], [1500 rpm, 1200]]}`"
+Time = Annotated[float, Quantity("s", above=0)]
+Share = Annotated[float, Quantity("1", above=0, below=1)]
+
+
+class DriveLaw(Declared):
+    """The mean torque of a machine that drives over its own speed, by one of four laws.
+
+    >>> round(DriveLaw(slip="1 %").slope_at_rated(1273.2395447351628, 157.07963267948966), 9)
+    802.463774447
+    """
+
+    slip: Share | None = given("rated slip of an asynchronous machine, of its synchronous speed")
+    droop: Share | None = given("fall of the speed from no load to the rated torque, of the rated speed")
+    law: Literal["speed", "torque"] | None = given("speed: a controller holds the mean speed; torque: it is constant")
+    torque: Annotated[Table | None, BeforeValidator(lambda rows: rows and read_table(rows))] = given(
+        "the torque itself over own speed, [[speed, torque], ...]"
+    )
+    lag: Time | None = given("time constant with which the slope acts in vibration too (default: it does not)")
+
+    def refuse_clashes(self) -> None:
+        laws = [key for key in LAWS if getattr(self, key) is not None]
+        if len(laws) > 1:
+            raise refuse(f"`{laws[0]}` and `{laws[1]}` are two laws of one drive", "keep one of them", laws[1])
+        if not laws and self.lag is not None:
+            raise refuse("`lag` without a slope", "give `slip` or `droop` too", "lag")
+        if not laws:
+            raise refuse("a drive needs its law", EXAMPLES)
+        if self.lag is not None and laws[0] not in ("slip", "droop"):
+            raise refuse(
+                f"`lag` without a slope that is constant: `{laws[0]}` has none", "give `slip` or `droop`", "lag"
+            )
+
+    @property
+    def law_table(self) -> tuple[tuple[float, float], ...] | None:
+        """The rows of `torque` in rad/s and N m."""
+        return cast("tuple[tuple[float, float], ...] | None", self.torque)
+
+    @property
+    def is_controlled(self) -> bool:
+        """A controller holds the mean speed."""
+        return self.law == "speed"
+
+    def slope_at_rated(self, torque: float, speed: float) -> float:
+        """Return -dT/dω (N m s/rad) of `slip` or `droop`, from rated torque (N m) and speed (rad/s); else 0."""
+        if self.slip is not None:
+            return torque * (1.0 - self.slip) / (self.slip * speed)
+        return 0.0 if self.droop is None else torque / (self.droop * speed)
+
+    def slopes(self, speed: FloatArray, rated_torque: float, rated_speed: float) -> FloatArray:
+        """Return -dT/dω (speeds,) N m s/rad at own speeds (rad/s); of a table the smaller one at its knots."""
+        if self.law_table is not None:
+            return segment_slopes(tuple((row_speed, -torque) for row_speed, torque in self.law_table), speed)
+        return 0.0 * speed + self.slope_at_rated(rated_torque, rated_speed)
+
+    @property
+    def words(self) -> str:
+        """The law in words, for tables."""
+        if self.slip is not None or self.droop is not None:
+            name, share = ("slip", self.slip) if self.slip is not None else ("droop", self.droop)
+            lag = "" if self.lag is None else f", lag {self.lag:g} s"
+            return f"{name} {100.0 * (share or 0.0):g} %{lag}"
+        if self.torque is not None:
+            return "torque by a table over speed"
+        return "speed held by a controller" if self.is_controlled else "constant torque"
