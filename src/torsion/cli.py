@@ -310,10 +310,9 @@ def _report(
             findings = solve(progress=report_progress)
         if as_json:
             from torsion.output.reports import REPORTS
-            from torsion.output.results_json import text_pieces
+            from torsion.output.results_json import bounded_text
 
-            for piece in text_pieces(findings, REPORTS[report].keys):
-                typer.echo(piece, nl=False)
+            typer.echo(bounded_text(findings, REPORTS[report].keys), nl=False)
         else:
             from torsion.output.terminal import show
 

@@ -205,11 +205,14 @@ def test_stage_has_all_its_modes_or_is_refused_for_meshes_of_any_stiffness(fixed
     assert refusals == softer[fixed]
 
 
-def test_stiffness_that_the_refusal_names_is_accepted() -> None:
-    """At the teeth a sun and a ring mesh are equal where they are as the squares of the teeth."""
-    with pytest.raises(InputError, match=r"at least 4.8e\+07 N\*m/rad with this `sun_mesh`"):
-        train_of(stage(sun_mesh=3e6, ring_mesh=4.7e7))
-    train_of(stage(sun_mesh=3e6, ring_mesh=4.8e7))
+@pytest.mark.parametrize("sun_mesh", [3e6, 260e6 / 0.7, 1.23456789e5])
+def test_stiffness_that_the_refusal_names_is_accepted(sun_mesh: float) -> None:
+    """At the teeth a sun and a ring mesh are equal where they are as the squares of the teeth, here 1 to 16."""
+    with pytest.raises(InputError, match=r"with this `sun_mesh`") as refused:
+        train_of(stage(sun_mesh=sun_mesh, ring_mesh=15.9 * sun_mesh))
+    named = float(str(refused.value).split("at least ")[1].split()[0])
+    assert named == pytest.approx(16.0 * sun_mesh, rel=1e-4)
+    train_of(stage(sun_mesh=sun_mesh, ring_mesh=named))
 
 
 def test_soft_ring_beside_a_rigid_sun_is_refused_only_for_planets_with_inertia() -> None:

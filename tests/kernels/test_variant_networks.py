@@ -222,3 +222,22 @@ def test_counts_beside_a_resonance_of_the_torn_tree_err_only_on_their_side() -> 
             assert (network_count(torn, w, -1.0, way) <= exact).all()
             below += int((network_count(torn, w, 1.0, way) == network_count(torn, w, -1.0, way)).sum())
     assert below >= 10  # some are sure
+
+
+@pytest.mark.parametrize(("loops", "most"), [(20, 20), (45, 20), (46, 0), (100, 0)])
+def test_counts_of_a_train_with_many_loops_are_few(loops: int, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each takes the square of the loops a station; beyond 45 their rounding hides what they should prove."""
+    counts = []
+
+    def counted(*given):
+        counts.append(given)
+        return network_count(*given)
+
+    monkeypatch.setattr(variant_networks, "network_count", counted)
+    size = loops + 1
+    tree = Tree(np.arange(size) - 1, 1e-5 / (1.0 + 0.03 * np.arange(size)), np.ones(size), np.zeros(size, dtype=bool))
+    ends = np.arange(loops), np.arange(1, size)
+    found = counted_modes(tree, *ends, np.full(loops, 2e-5), 6)
+    assert len(counts) <= most
+    assert not found.certified
+    assert ((found.lower < found.frequency) & (found.frequency < found.upper)).all()

@@ -94,7 +94,10 @@ class Planetary(Declared):
         if stiffness is None:
             hint = f"give `{other}_mesh` too, or {hint}"
         else:
-            hint = f"at least {stiffness * self._mesh_ratio:.6g} N*m/rad with this `{other}_mesh`, or {hint}"
+            least = stiffness * self._mesh_ratio
+            step = 10.0 ** (math.floor(math.log10(least)) - 4)
+            rounded_up = step * math.ceil(least / step * (1.0 - ROUNDING))
+            hint = f"at least {rounded_up:.5g} N*m/rad with this `{other}_mesh`, or {hint}"
         raise refuse(
             f"the mesh of the fixed {fixed} is softer at the teeth than that of the {other}: no model of this program "
             "has such planets",

@@ -33,6 +33,8 @@ _OF_CHORDS = (16.0, 256.0)  # the same with chords: their running error is a bou
 _OF_MODES = (4.0, 32.0, 256.0)  # the same about the angles of the mode
 _BESIDE = 1e-7  # relative half width that says whether a mode is the right one
 _ROOTS = 6  # at most to be tried
+_FEW_CHORDS = 16  # up to which all roots are tried; with more, a root that proves no mode is the last (measured)
+_MOST_CHORDS = 45  # whose eigenvalues round by less than _WIDEST, _EIGENVALUE L^2 2^-53; more are not counted
 _WIDEST = 2.0**-39  # relative half width, 1.8e-12; one not proven in it is solved by itself
 _SOFT = 0.05  # of s h J, above which a span is soft
 
@@ -90,7 +92,8 @@ def counted_modes(
 ) -> TreeModes:
     """As `graph_modes`, with bounds by counts and `certified` True where these enclose every mode.
 
-    Not where parts of the train have no span between them, nor where counts do not say which mode it is in 1.8e-12.
+    Not where parts of the train have no span between them, nor where counts do not say which mode it is in 1.8e-12, as
+    with more than _MOST_CHORDS loops.
 
     >>> ring = Tree(np.array([-1, 0, 1]), np.array([0.0, 1.0, 1.0]), np.ones(3), np.zeros(3, dtype=bool))
     >>> found = counted_modes(ring, np.array([0]), np.array([2]), np.ones(1))
@@ -99,7 +102,7 @@ def counted_modes(
     """
     found = graph_modes(tree, first, second, flexibility, count)
     modes = len(found.frequency)
-    if found.certified or not modes:
+    if found.certified or not modes or len(first) > _MOST_CHORDS:
         return found
     one = Network(replace(tree, flexibility=tree.flexibility[:, None], inertia=tree.inertia[:, None]),
                   pairs(tree.size, first, second), flexibility[:, None])  # fmt: skip
@@ -277,6 +280,7 @@ def enclosed_each(
     bounds, proven = np.stack([frequency] * 3), np.zeros(len(frequency), dtype=np.bool_)
     near = frequency.copy()
     for one in _roots(trains.tree, root):
+        proven_before = proven.sum()
         for is_modal in (True, False) if len(trains.chord) else (False,):
             left = np.flatnonzero(~proven)
             if not left.size:
@@ -288,6 +292,8 @@ def enclosed_each(
                 near[left] = np.sqrt(square)
             bounds[0, left] = near[left]
             bounds[1:, left], proven[left] = _enclosed(some, near[left], passed[left], mode[left], way)
+        if len(trains.chord) > _FEW_CHORDS and proven.sum() == proven_before:
+            break
     return bounds, proven
 
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 import torsion
 from torsion.analyses import ANALYSES
 from torsion.assembly.system import MOST_GROUPS
+from torsion.errors import Fault, InputError
 from torsion.findings import Findings, Plan
 from torsion.output import reports
 from torsion.output.plain import LISTED, plain
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 
 SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
+MOST_LISTED = 3_000_000  # of all arrays that are written as lists, about 60 MB of text; of later ones MOST_OF_A_CASE
+MOST_TEXT = 100_000_000  # bytes of results that are printed
 MOST_OF_A_CASE = 2_000  # the same in `cases`, so that many of them do not make a file of many times the size
 BLOCK = 10_000  # numbers turned into text at once
 
@@ -80,14 +83,19 @@ def write_json(
 ) -> list[Path]:  # fmt: skip
     """Write a file of one line for each key of `parts`, made when its turn comes; the paths of all that was written.
 
-    Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name. Last come the
-    names of the files that stand beside it by then, and the `report`, made of the SHA-256 of all before it.
+    Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name; so do those
+    of more than a few thousand once MOST_LISTED numbers of all arrays are written. Last come the names of the files
+    that stand beside it by then, and the `report`, made of the SHA-256 of all before it.
     """
     beside, opened, before = file.with_name(SERIES), ExitStack(), sha256()
     archive: list[zipfile.ZipFile] = []  # made with the first array that stands in it
+    numbers_listed = 0
 
     def stored(name: str, array: NDArray[Any]) -> Any:
-        if array.size <= (min(most, MOST_OF_A_CASE) if name.startswith("cases.") else most):
+        nonlocal numbers_listed
+        is_full = numbers_listed + array.size > MOST_LISTED
+        if array.size <= (min(most, MOST_OF_A_CASE) if is_full or name.startswith("cases.") else most):
+            numbers_listed += array.size
             return array
         if not archive:
             archive.append(opened.enter_context(zipfile.ZipFile(beside, "w")))
@@ -202,12 +210,20 @@ def results(findings: Findings) -> dict[str, Any]:
 
 def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
     """The results as JSON text, one line for each top-level key; `only`: of those keys, and the head."""
-    return "".join(text_pieces(findings, only))
+    return "".join(lines((key, make()) for key, make in _made(findings, only).items()))
 
 
-def text_pieces(findings: Findings, only: tuple[str, ...] = ()) -> Iterator[str]:
-    """The same text, piece by piece, as it is made."""
-    return lines((key, make()) for key, make in _made(findings, only).items())
+def bounded_text(findings: Findings, only: tuple[str, ...] = (), most: int = MOST_TEXT) -> str:
+    """The same text for a stream, which has no file beside it; raises InputError for more than `most` bytes."""
+    written, size = list[str](), 0
+    for piece in lines((key, make()) for key, make in _made(findings, only).items()):
+        size += len(piece)
+        if size > most:
+            message = f"the results are more than {most / 1e6:.6g} MB of JSON, too many for --json"
+            hint = "use -o DIR, which writes long series to series.npz, or request fewer speeds, orders or modes"
+            raise InputError([Fault((), message, hint)])
+        written.append(piece)
+    return "".join(written)
 
 
 def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[Path]]:

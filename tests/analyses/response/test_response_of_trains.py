@@ -332,3 +332,28 @@ def test_many_resonances_are_bounded_in_number_and_it_is_said(build, operation, 
     assert len(found.speed) <= 3 + 200 + 2 * 40 + 2 * 10  # two further points by each of 40 resonances
     assert "stand out most" in found.remark
     assert response(study, system, speeds=np.array([10.0, 10.5])).remark == ""
+
+
+def test_a_large_train_has_fewer_points_at_each_resonance_and_loses_none():
+    """Values of the response: those requested, and MOST_VALUES around resonances unless these have the fewest."""
+    requested, resonances, ratio = np.array([1.0, 100.0]), np.linspace(10.0, 90.0, 50), np.full(50, 0.01)
+    many, remark = grid.refined(requested, resonances, ratio)
+    assert remark == ""
+    for values in (6_000, 8_000, 10**9):
+        points, remark = grid.refined(requested, resonances, ratio, values)
+        assert len(points) < len(many)
+        assert np.isin(np.concatenate([requested, resonances]), points).all()
+        assert len(points) <= 2 + 50 * (2 + max(grid.MOST_VALUES // (50 * values), grid.FEWEST_POINTS))
+        assert "each of 50 resonances" in remark
+
+
+def test_peaks_between_the_points_of_a_large_train_are_bounded():
+    """The inverse square of every curve is a parabola, of which 300 have their lowest point at places of their own."""
+    x, place = np.arange(301.0), np.arange(1.0, 300.0) + np.linspace(-0.4, 0.4, 299)
+    torque = 1.0 / np.sqrt(0.01 + (x[:, None] - place) ** 2)[:, None, :]
+    sound = np.ones((301, 1), dtype=bool)
+    assert len(grid.missed_peaks(x, torque, sound)[0]) > 200
+    wide = np.tile(torque, (1, 1, 20))
+    peaks, remark = grid.missed_peaks(x, wide, sound)
+    assert len(peaks) == grid.FEWEST_PEAKS
+    assert "the 100 that stand out most" in remark

@@ -9,7 +9,6 @@ from torsion.analyses.transient.event_driven_train import Built
 from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak
 from torsion.findings import Findings
 from torsion.output.chapters.nonlinear_at_peaks import chapter
-from torsion.rules.beside_exact_motion import on_the_safe_side
 
 TEXT = """name: x
 operation: {{speeds: {{from: 150 rpm, to: 700 rpm}}, rated: {{speed: 1500 rpm, power: 200 kW}}}}
@@ -64,7 +63,7 @@ def test_work_has_its_end_and_what_is_not_followed_never_passes(monkeypatch: pyt
     found, each = solved(PLAY)
     assert not any(one.ended for one in each)
     assert [one.exact for one in each] == [None] * len(each)
-    safe, speed = on_the_safe_side(found).need(Synthesis), each[0].speed
+    safe, speed = found.need(Synthesis), each[0].speed
     assert (safe.half_range[found.results["response"].speed == speed] == float("inf")).all()
     (note,) = (block for block in chapter(found) if "too much work" in str(block))
     assert "compute the motion over time there" in str(note)

@@ -3,14 +3,20 @@
 import json
 import struct
 from itertools import repeat
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import torsion
+from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
+from torsion.output import results_json
 from torsion.output.plain import numbers
-from torsion.output.results_json import SERIES, lines, listed, pieces, write_json
+from torsion.output.results_json import SERIES, bounded_text, lines, listed, pieces, text, write_json
 from torsion.results import words
+
+SPECS = Path(__file__).parents[3] / "shafting_specs"
 
 
 def _data() -> dict:
@@ -71,6 +77,24 @@ def test_an_array_of_as_many_numbers_as_are_written_stays_in_the_file(tmp_path):
     back = json.loads((tmp_path / "results.json").read_text())
     assert back["a"] == [[0, 1, 2], [3, 4, 5]]
     assert back["b"] == {"file": SERIES, "array": "b", "shape": [7]}
+
+
+def test_numbers_of_all_arrays_together_are_bounded(tmp_path, monkeypatch):
+    """Many arrays of fewer numbers than one may have do not make a file of any size."""
+    monkeypatch.setattr(results_json, "MOST_LISTED", 10_000)
+    parts = {name: lambda: np.arange(3_000) for name in "abcde"} | {"short": lambda: np.arange(1_000)}
+    write_json(parts, tmp_path / "results.json")
+    back = json.loads((tmp_path / "results.json").read_text())
+    assert [name for name in parts if isinstance(back[name], list)] == ["a", "b", "c", "short"]
+    assert back["d"] == {"file": SERIES, "array": "d", "shape": [3_000]}
+
+
+def test_results_that_are_too_long_for_a_stream_are_refused_with_what_to_do():
+    findings = torsion.run(torsion.parse((SPECS / "two_discs.yaml").read_text(encoding="utf-8")))
+    whole = text(findings)
+    assert bounded_text(findings) == bounded_text(findings, most=len(whole)) == whole
+    with pytest.raises(InputError, match=r"MB of JSON, too many for --json \(use -o DIR, .* series.npz"):
+        bounded_text(findings, most=len(whole) - 1)
 
 
 def test_the_series_may_be_longer_than_four_gigabytes_and_hold_no_objects(tmp_path):

@@ -154,7 +154,9 @@ class Synthesis:
         printed=("element", "speed"),
     )
     rms: FloatArray = result("N*m", ("speed", "span"), "root mean square", printed=("element", "speed"))
-    bound: FloatArray = result("N*m", ("speed", "span"), "sum of magnitudes", printed=("element", "speed"))
+    bound: FloatArray = result(
+        "N*m", ("speed", "span"), "sum of magnitudes, or a larger half range", printed=("element", "speed")
+    )
     turns: Fraction  # common cycle in revolutions of the reference station; 0 where lines have none
 
     @derived("", (), "revolutions of the reference after which all orders repeat, exact; null if none")

@@ -23,6 +23,7 @@ Answered = TypeVar("Answered", bound=Response | FrequencyResponse)
 POINTS = 21  # around a resonance; odd, so that the resonance itself is one of them
 FEWEST_POINTS = 5
 MOST_ADDED = 4000  # points added around resonances
+MOST_VALUES = 4_000_000  # complex values at these points; beyond, every resonance has FEWEST_POINTS
 BROAD = 0.3  # damping ratio from which a resonance needs no points of its own
 SHIFT = 0.5  # of damping ratio * frequency, by which a damped mode stands apart from an undamped one
 UNDAMPED = 1e-9  # damping ratio below which a resonance is approached in decades
@@ -31,6 +32,7 @@ GAIN = 2e-4  # relative: a peak that stands higher above its highest point is co
 SMALL = 1e-3  # of the largest torque of a span: lower peaks are not searched for
 ROUNDS_FOR_PEAKS = 2  # of looking for peaks between the points: the first finds them, the second sharpens them
 MOST_PEAKS = 500  # added in one round
+FEWEST_PEAKS = 100  # the same of a train so large that more of them exceed an eighth of MOST_VALUES
 ROUNDS_FOR_JUMPS, MOST_JUMPS = 3, 12  # of narrowing the places at which the largest of several solutions ends
 JUMP_POINTS = 7  # in each of them
 NARROW = 1e-5  # of a point: such a place is narrow enough
@@ -142,16 +144,20 @@ def places(
     return at, zeta
 
 
-def refined(requested: FloatArray, at: FloatArray, ratio: FloatArray) -> tuple[FloatArray, str]:
+def refined(requested: FloatArray, at: FloatArray, ratio: FloatArray, values: int = 1) -> tuple[FloatArray, str]:
     """The points requested and those around each resonance, ascending; and what had to be left out, in words.
 
-    at, ratio: (places,) of the resonances and their damping ratios. Around one at x they stand at x (1 + zeta tan t)
-    with t evenly spaced: equal steps of phase of a single mode, by sqrt(1 - 2 zeta^2) and its inverse (the peaks of
-    angle and of acceleration of one degree of freedom).
+    at, ratio: (places,) of the resonances and their damping ratios; values: complex ones of the response at a point, of
+    which a large train has so many that each resonance has fewer points. Around one at x they stand at
+    x (1 + zeta tan t) with t evenly spaced: equal steps of phase of a single mode, by sqrt(1 - 2 zeta^2) and its
+    inverse (the peaks of angle and of acceleration of one degree of freedom).
     """
     narrow = ratio < BROAD
     at, zeta = at[narrow], ratio[narrow]
     points, remark = POINTS, ""
+    if len(at) * points * values > MOST_VALUES:
+        points = int(np.clip((MOST_VALUES // (len(at) * values) - 1) // 2 * 2 + 1, FEWEST_POINTS, POINTS))
+        remark = f"each of {len(at)} resonances has {points} points in place of {POINTS}, as the train is large"
     if len(at) * points > MOST_ADDED:
         points = max(FEWEST_POINTS, (MOST_ADDED // len(at) - 1) // 2 * 2 + 1)
         at, zeta = at[: MOST_ADDED // points], zeta[: MOST_ADDED // points]
@@ -242,7 +248,8 @@ def missed_peaks(x: FloatArray, torque: ComplexArray | FloatArray, sound: np.nda
     rounded = x[point[inner] + 1] + np.round(move[inner] / step) * step
     highest_first = np.argsort(-np.where(np.isfinite(gain[inner]), gain[inner], np.inf), kind="stable")
     found, first = np.unique(rounded[highest_first], return_index=True)
-    if len(found) <= MOST_PEAKS:
+    most = min(MOST_PEAKS, max(FEWEST_PEAKS, MOST_VALUES // (8 * torque[0].size)))
+    if len(found) <= most:
         return found, ""
-    remark = f"{len(found)} peaks lie between the points; the {MOST_PEAKS} that stand out most were computed"
-    return np.sort(found[np.argsort(first, kind="stable")[:MOST_PEAKS]]), remark
+    remark = f"{len(found)} peaks lie between the points; the {most} that stand out most were computed"
+    return np.sort(found[np.argsort(first, kind="stable")[:most]]), remark

@@ -110,7 +110,9 @@ def response(
     remark = ""
     if by_order.size:
         known = grid.resonances(system, float(by_order.max() * points[-1]), modes, damped)
-        points, remark = grid.refined(points, *grid.places(known, system, by_order, points[0], points[-1], ground))
+        resonant = grid.places(known, system, by_order, points[0], points[-1], ground)
+        values = len(found) * (len(system.stations) + len(system.spans))
+        points, remark = grid.refined(points, *resonant, values)
     refuse = partial(refuse_too_large, system, len(found), study.memory, ("operation", "speeds"), "speeds")
     solved = partial(_solved, study, system, found, progress or silent)
     result = grid.with_peaks(solved, requested, points, remark, refuse)

@@ -33,7 +33,7 @@ def raised_synthesis(evidence: Results) -> Synthesis:
     half_range, peak = total.half_range * of_half_range, total.peak * of_peak
     for speed in unknown_speeds(response, response.balanced, peaks):
         half_range[speed], peak[speed] = np.inf, np.inf
-    return replace(total, half_range=half_range, peak=peak)
+    return replace(total, half_range=half_range, peak=peak, bound=np.maximum(total.bound, half_range))
 
 
 def computed_synthesis(evidence: Results) -> Synthesis:
