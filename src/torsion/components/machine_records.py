@@ -40,18 +40,18 @@ class MachineRecord:
 
 @dataclass(frozen=True)
 class ImpellerRecord:
-    """Blades in a fluid: their inertia in parts and their number."""
+    """Blades in a fluid: their inertia in parts, their number and size."""
 
     inertia: float  # kg m2, dry
     water: float | None  # kg m2, entrained; None where the file gives none
     blades: int | None
+    diameter: float | None  # m
 
 
 @dataclass(frozen=True)
 class PropellerRecord(ImpellerRecord):
     """A propeller: its inertia in parts and its size."""
 
-    diameter: float | None  # m
     pitch_ratio: float | None
     area_ratio: float | None
     hub_ratio: float | None = None
