@@ -181,7 +181,7 @@ def test_large_trains_ask_for_start_values():
     ("arrays", "fault"),
     [
         ({"viscous": np.zeros(3)}, "expected"),
-        ({"ground_damping": np.array([0, -1.0])}, "none negative"),
+        ({"viscous": np.array([0, -1.0])}, "none negative"),
         ({"start": np.array([0.0])}, "above 0"),
     ],
 )

@@ -49,7 +49,8 @@ def root_sensitivity(
     """
     flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)
     tree = Tree(tree.parent, flexibility, tree.moving_inertia, tree.held)
-    ground, across, loss = (per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
+    ground = per_station(tree, ground_damping, may_drive=True)
+    across, loss = (per_station(tree, values) for values in (viscous, loss_factor))
     train, root = DampedTree(tree, ground, across, loss, laws or {}), modes.eigenvalue
     with np.errstate(all="ignore"):
         at = both_sides(train, root)

@@ -72,7 +72,8 @@ def damped_modes(
     """
     flexibility = np.where(tree.parent < 0, 0.0, tree.flexibility)
     tree = Tree(tree.parent, flexibility, tree.moving_inertia, tree.held)
-    ground, across, loss = (per_station(tree, values) for values in (ground_damping, viscous, loss_factor))
+    ground = per_station(tree, ground_damping, may_drive=True)
+    across, loss = (per_station(tree, values) for values in (viscous, loss_factor))
     train = DampedTree(tree, ground, across, loss, laws or {})
     zeros, others = number_of_roots(train)
     if start is None:
@@ -82,10 +83,13 @@ def damped_modes(
     return _with_shapes(train, upper, np.sort(real)[::-1])
 
 
-def per_station(tree: Tree, values: FloatArray | None) -> FloatArray:
-    """Damping (stations,), 0 where none is given; raises ValueError for values that do not fit."""
+def per_station(tree: Tree, values: FloatArray | None, *, may_drive: bool = False) -> FloatArray:
+    """Damping (stations,), 0 where none is given; raises ValueError for values that do not fit.
+
+    may_drive: negative values are taken, as of a load whose torque falls with speed.
+    """
     result = np.zeros(tree.size) if values is None else np.asarray(values, dtype=np.float64)
-    if result.shape != (tree.size,) or not (np.isfinite(result) & (result >= 0)).all():
+    if result.shape != (tree.size,) or not (np.isfinite(result) & ((result >= 0) | may_drive)).all():
         raise ValueError(f"damping of shape {result.shape}; expected ({tree.size},) finite values, none negative")
     return result
 
