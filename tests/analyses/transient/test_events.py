@@ -61,7 +61,7 @@ def test_a_short_circuit_that_is_cleared_and_closed_again() -> None:
         slow, fast = np.exp(-t / 0.2), np.exp(-t / 0.03)
         return np.where((t >= 0) & (t < 0.3), 8 * slow * np.sin(w * t) - 4 * fast * np.sin(2 * w * t) + 0.3 * fast, 0.0)
 
-    exact = 1000.0 * (fault(TIME) + fault(TIME - 0.7))
+    exact = -1000.0 * (fault(TIME) + fault(TIME - 0.7))
     inside = (np.abs(TIME - 0.3) > 1e-9) & (np.abs(TIME - 1.0) > 1e-9)  # the ends themselves
     assert torque("short-circuit", body, Point(rated=1000.0))[inside] == pytest.approx(exact[inside], abs=1e-8)
 

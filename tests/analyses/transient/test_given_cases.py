@@ -54,7 +54,7 @@ def test_a_half_sine_shock(length: float, peak: float) -> None:
 
 
 def test_a_two_phase_short_circuit_of_a_generator() -> None:
-    fault = {"coefficients": {"line": 8, "double": 4, "mean": 0.3}, "decay": (0.2, 0.03)}
+    fault = {"coefficients": {"line": 8, "double": 4, "mean": 0.3}, "decay": (0.2, 0.03), "sense": "drives"}
     body = {"duration": 1.0, "initial": {"speed": "3000 rpm"}, "events": [{"at": "d2", "short-circuit": fault}]}
     operation = "operation: {rated: {speed: 3000 rpm, power: 20 MW}}\n"
     found = moved(chain([1800.0, 900.0, 250.0], [4e7, 6e6]), body, operation, 0.01)

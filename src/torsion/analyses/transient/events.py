@@ -6,12 +6,13 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, create_model, model_validator
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point, Time, settings_in_words
 from torsion.analyses.transient.following_events import Load, SpeedProgram, Start
 from torsion.analyses.transient.milling_ice import Ice
+from torsion.analyses.transient.short_circuit import ShortCircuit
 from torsion.analyses.transient.torque_file import torque_rows
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.transient import torque_laws
@@ -19,7 +20,6 @@ from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.torque_history import Piece
 
 Share = Annotated[float, Quantity("1", above=0, at_most=1)]
-Coefficient = Annotated[float, Quantity("1")]
 SignedTorque = Annotated[float, Quantity("N*m")]
 
 
@@ -44,16 +44,34 @@ Rows = Annotated[
 ]
 
 
-class Step(Kind):
+class Lasting(Kind):
+    """What lasts a while, or to the end of the motion."""
+
+    length: Length | None = given("how long it lasts, of `stop` without the ramp (default: to the end)")
+    until: Length | None = given("the same as `length`: it counts from the begin of the event")
+
+    @model_validator(mode="after")
+    def _given_once(self) -> Self:
+        if self.length is not None and self.until is not None:
+            raise refuse("`until` and `length` say the same", "keep `length`", "until")
+        return self
+
+    @property
+    def lasts(self) -> float:
+        """s, infinite to the end of the motion."""
+        given_length = self.length if self.until is None else self.until
+        return math.inf if given_length is None else given_length
+
+
+class Step(Lasting):
     """A torque that begins at once and stays."""
 
-    key, meaning = "step", "{torque, until}: a torque that begins at once"
+    key, meaning = "step", "{torque, length}: a torque that begins at once"
 
     torque: SignedTorque = required("torque; negative brakes")
-    until: Length | None = given("how long it lasts (default: to the end)")
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        yield Piece(begin, math.inf if self.until is None else begin + self.until, self.torque)
+        yield Piece(begin, begin + self.lasts, self.torque)
 
 
 class Table(Kind):
@@ -106,17 +124,16 @@ class Pulse(Kind):
             yield Piece(begin, end, -1j * self.torque, rate=1j * math.pi / self.length)
 
 
-class Sine(Kind):
+class Sine(Lasting):
     """A torque that oscillates: torque * exp(-t / decay) * sin(2 pi frequency t + phase)."""
 
-    key, meaning = "sine", "{torque, frequency or order, decay, phase, until}: an oscillating torque"
+    key, meaning = "sine", "{torque, frequency or order, decay, phase, length}: an oscillating torque"
 
     torque: SignedTorque = required("amplitude (half range)")
     frequency: fields.Frequency | None = given("its frequency")
     order: fields.Exact | None = given("cycles per revolution of the point's own shaft at its speed before the events")
     decay: Length | None = given("time in which it falls to 1/e (default: it does not)")
     phase: fields.Angle = given("phase at its begin", 0.0)
-    until: Length | None = given("how long it lasts (default: to the end)")
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
@@ -127,8 +144,7 @@ class Sine(Kind):
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
         w = 2.0 * math.pi * self.frequency if self.frequency is not None else float(self.order or 0) * at.speed
         rate = complex(0.0 if self.decay is None else -1.0 / self.decay, w)
-        end = math.inf if self.until is None else begin + self.until
-        yield Piece(begin, end, -1j * self.torque * cmath.exp(1j * self.phase), rate=rate)
+        yield Piece(begin, begin + self.lasts, -1j * self.torque * cmath.exp(1j * self.phase), rate=rate)
 
     def lacks(self, at: Point) -> Lack:
         if self.order is not None and not (at.speed or at.turns):
@@ -141,74 +157,30 @@ class Sine(Kind):
 
     def laws(self, begin: float, at: Point) -> Iterator[Law]:
         if self.order is not None:
-            end = math.inf if self.until is None else begin + self.until
             rate, phase = 0.0 if self.decay is None else -1.0 / self.decay, self.phase - math.pi / 2.0
-            size, window = torque_laws.constant(self.torque), torque_laws.Window(begin, end)
+            size, window = torque_laws.constant(self.torque), torque_laws.Window(begin, begin + self.lasts)
             yield torque_laws.Wave(0, size, float(self.order), phase, rate, window, from_begin=True)
 
 
-class Coefficients(Declared):
-    """Amplitudes of the torque in the air gap, of the rated torque."""
-
-    line: Coefficient = required("of the part at line frequency")
-    double: Coefficient = given("of the part at twice the line frequency, subtracted", 0.0)
-    mean: Coefficient = given("of the part that decays without oscillating", 0.0)
-
-
-class ShortCircuit(Kind):
-    """T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)), added to what acts otherwise."""
-
-    key, meaning = "short-circuit", "{coefficients, decay, phases, line, clear, reclose}: electrical fault of a machine"
-
-    phases: Literal[2, 3] | None = given("2 or 3: checks the coefficients, for 3 have no part at twice the frequency")
-    coefficients: Coefficients = required("{line, double, mean}: amplitudes, of the rated torque; the maker's")
-    decay: Annotated[tuple[Length, Length], Field()] = required("[T_1, T_2]: times of decay")
-    line: fields.Frequency = given("line frequency", 50.0)
-    clear: Length | None = given("time after which the fault is cleared (default: never)")
-    reclose: Length | None = given("time after which the fault begins anew, for as long")
-
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
-        if self.reclose is not None and (self.clear is None or self.reclose <= self.clear):
-            raise refuse("`reclose` comes after `clear`", "give `clear`, and a later `reclose`", "reclose")
-        if self.phases is not None and (self.phases == 2) != (self.coefficients.double != 0.0):
-            hint = "`double` is of a fault of 2 phases alone"
-            raise refuse(f"the coefficients are not of a fault of {self.phases} phases", hint, "coefficients")
-        return self
-
-    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        w, c, (first, second) = 2.0 * math.pi * self.line, self.coefficients, self.decay
-        for start in [begin] if self.reclose is None else [begin, begin + self.reclose]:
-            end = math.inf if self.clear is None else start + self.clear
-            yield Piece(start, end, -1j * at.rated * c.line, rate=complex(-1.0 / first, w))
-            yield Piece(start, end, 1j * at.rated * c.double, rate=complex(-1.0 / second, 2.0 * w))
-            yield Piece(start, end, at.rated * c.mean, rate=-1.0 / second)
-
-    def lacks(self, at: Point) -> Lack:
-        return None if at.rated else ("a short circuit needs the rated torque", "give `operation: rated` with a power")
-
-
-class Stop(Kind):
+class Stop(Lasting):
     """The mean torque of the point ends: a motor that trips, a load that is shed, a cylinder bank that misfires."""
 
-    key, meaning = "stop", "{share, ramp, until}: the point's mean torque ends"
+    key, meaning = "stop", "{share, ramp, length}: the point's mean torque ends"
 
     share: Share = given("of the mean torque that ends", 1.0)
     ramp: Time = given("time in which it falls", 0.0)
-    until: Length | None = given("how long it is gone, without the ramp (default: to the end)")
 
     def corners(self, at: Point) -> tuple[float, ...]:
         return (0.0, self.ramp) if self.ramp else ()
 
     def taken(self, late: float) -> float:
         """The share that has ended so late (s) after its begin."""
-        lasts = math.inf if self.until is None else self.ramp + self.until
-        if not 0.0 <= late < lasts:
+        if not 0.0 <= late < self.ramp + self.lasts:
             return 0.0
         return self.share * (min(late / self.ramp, 1.0) if self.ramp else 1.0)
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        low, end = self.share * at.mean, math.inf if self.until is None else begin + self.ramp + self.until
+        low, end = self.share * at.mean, begin + self.ramp + self.lasts
         if self.ramp:
             yield Piece(begin, begin + self.ramp, 0.0, -low / self.ramp)
         yield Piece(begin + self.ramp, end, -low)
@@ -295,6 +267,14 @@ class _Event(Declared):
         if len(kinds) != 1:
             words = ", ".join(kind.key for kind in KINDS)
             raise refuse(f"an event is of one kind, and {' and '.join(kinds) or 'none'} is given", f"one of {words}")
+
+    @model_validator(mode="after")
+    def _lasts_from_its_begin(self) -> Self:
+        until = getattr(self.body, "until", None)
+        if until is not None and until < self.time:
+            message = f"`until` counts from the begin of the event, and {until:g} s is before its `time`"
+            raise refuse(message, f"`length: {until:g} s` for so long", _field(type(self.body)))
+        return self
 
     @property
     def body(self) -> Kind:

@@ -1,7 +1,7 @@
 """Motion over time of a train from its events, by the path that its couplings and torques need."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -44,7 +44,8 @@ from torsion.analyses.transient.transient_settings import (
     TransientSettings,
     cases,
 )
-from torsion.analyses.transient.worst_phase import Phases, over_phases
+from torsion.analyses.transient.worst_fault import fault_variants, scans_reclosing
+from torsion.analyses.transient.worst_phase import Phases, over_phases, share_of_limits
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.solved_sections import stress_modulus
@@ -70,34 +71,69 @@ def transient(
     """
     torques = acting_torques(study, settings)
     study, system = without_excluded_torques(study, system, settings)
+    if modes is None and scans_reclosing(settings):
+        modes = kept_modes(system, "all" if study.train.has_nonlinear_couplings else settings.modes, place)
     solve = partial(_of_phases, study, system, place, modes, damping_ratio, progress)
     limits = [part.ratings.max_torque if part.ratings is not None else None for part in study.train.parts]
     limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
-    found = _read(study, system, settings, _merged(over_phases(settings, solve, limit)))
+    period = math.inf if modes is None or not modes[0].frequency.size else 1.0 / float(modes[0].frequency[0])
+    faults = fault_variants(settings, period, place)
+    found = _read(study, system, settings, _worst_fault(faults, solve, limit))
     return replace(found, acting=torques.acting, not_acting=torques.not_acting)
 
 
-def _merged(found: list[tuple[Phases, TransientMotion]]) -> TransientMotion:
+def _worst_fault(
+    faults: Iterable[tuple[str, TransientSettings]], solve: Callable[[TransientSettings], TransientMotion],
+    limit: FloatArray,
+) -> TransientMotion:  # fmt: skip
+    """The motion of the worst fault, with the greatest of every span's torques of all faults.
+
+    limit: (spans,) N m, nan where there is none.
+    """
+    (words, first), *others = faults
+    shown = replace(_merged(over_phases(first, solve, limit)), worst_fault=words if others else "")
+    share = share_of_limits(limit, shown.peak)
+    for number, (words, settings) in enumerate(others, 2):
+        motion = replace(_merged(over_phases(settings, solve, limit)), worst_fault=words)
+        is_worse = (motion.peak * share).max(initial=0.0) > (shown.peak * share).max(initial=0.0)
+        shown = _greatest((motion, shown) if is_worse else (shown, motion))
+        shown = replace(shown, faults_computed=number)
+    return shown
+
+
+def _merged(motions: list[tuple[Phases, TransientMotion]]) -> TransientMotion:
     """The motion of the worst phases, the first, with the greatest of every span's torques of all."""
-    phases, shown = found[0]
-    every, spans = [one for _, one in found], np.arange(len(shown.greatest))
-    if len(every) == 1:
-        return shown
-    high = np.argmax([one.greatest for one in every], axis=0)
-    low, most = np.argmin([one.least for one in every], axis=0), np.argmax([one.peak for one in every], axis=0)
+    if len(motions) == 1:
+        return motions[0][1]
+    phases = tuple(phase for _, phase in motions[0][0])
+    greatest = _greatest([motion for _, motion in motions])
+    return replace(greatest, slip_phase=phases, phases_computed=len(motions))
+
+
+def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
+    """The first of the motions, with the greatest of every span's torques of all."""
+    shown, spans = motions[0], np.arange(len(motions[0].greatest))
+    high = np.argmax([motion.greatest for motion in motions], axis=0)
+    low = np.argmin([motion.least for motion in motions], axis=0)
+    most = np.argmax([motion.peak for motion in motions], axis=0)
 
     def of(name: str, chosen: IntArray) -> FloatArray:
-        return np.asarray(np.array([getattr(one, name) for one in every])[chosen, spans])
+        return np.asarray(np.array([getattr(motion, name) for motion in motions])[chosen, spans])
 
     return replace(
-        shown, greatest=of("greatest", high), greatest_at=of("greatest_at", high), least=of("least", low),
-        least_at=of("least_at", low), unresolved=np.max([one.unresolved for one in every], axis=0),
-        reversals=np.max([one.reversals for one in every], axis=0), residual=max(one.residual for one in every),
-        change=None if shown.change is None else max(one.change or 0.0 for one in every), phases_computed=len(every),
-        slip_phase=tuple(phase for _, phase in phases), left_in_series=max(one.left_in_series for one in every),
-        switching=_least_certain([one.switching for one in every if one.switching is not None]),
-        turns=tuple(every[one].turns[span] for span, one in enumerate(most.tolist()) if every[one].turns),
-    )  # fmt: skip
+        shown,
+        greatest=of("greatest", high),
+        greatest_at=of("greatest_at", high),
+        least=of("least", low),
+        least_at=of("least_at", low),
+        unresolved=np.max([motion.unresolved for motion in motions], axis=0),
+        reversals=np.max([motion.reversals for motion in motions], axis=0),
+        residual=max(motion.residual for motion in motions),
+        change=None if shown.change is None else max(motion.change or 0.0 for motion in motions),
+        left_in_series=max(motion.left_in_series for motion in motions),
+        switching=_least_certain([motion.switching for motion in motions if motion.switching is not None]),
+        turns=tuple(motions[place].turns[span] for span, place in enumerate(most.tolist()) if motions[place].turns),
+    )
 
 
 def _least_certain(every: list[Switching]) -> Switching | None:

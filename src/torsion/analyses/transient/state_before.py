@@ -12,6 +12,7 @@ from torsion.analyses.steady import Steady, steady
 from torsion.analyses.transient.event_kind import Lack, Point
 from torsion.analyses.transient.events import Event, Stop
 from torsion.analyses.transient.following_events import Load, SpeedProgram, Start
+from torsion.analyses.transient.short_circuit import ShortCircuit
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
@@ -113,10 +114,12 @@ def _lack_of_order(events: Sequence[Event], event: Event, mean: float) -> Lack:
     others = [one for one in events if one.at == event.at and one.body.drives]
     if isinstance(event.body, Load) and mean > 0.0:
         return _lack_of_stop(events, event)
+    if isinstance(event.body, ShortCircuit) and event.body.load == "falls" and others:
+        return f"a start or a load takes the place of the mean torque of '{event.at}'", "`load: stays`"
     if not isinstance(event.body, Stop) or not others:
         return None
     begins = min(one.time for one in others)
-    if event.time + event.body.ramp <= begins and event.body.until is None:
+    if event.time + event.body.ramp <= begins and math.isinf(event.body.lasts):
         return None
     message = f"from {begins:g} s on a start or a load takes the place of the mean torque of '{event.at}'"
     return message, "end that by its `off`, or stop before, without `until`"

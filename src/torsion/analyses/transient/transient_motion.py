@@ -92,6 +92,11 @@ class TransientMotion:
         "greatest and least torques are those of all that were computed", default=()
     )  # fmt: skip
     phases_computed: int = result("", (), "how many sets of these phases were computed", default=0)
+    worst_fault: str = result(
+        "", (), "sense and time of reclosing of the worst short circuit, whose curves these are; greatest and least "
+        "torques are those of all that were computed; empty where one was", default=""
+    )  # fmt: skip
+    faults_computed: int = result("", (), "how many short circuits were computed; 0: one, or none", default=0)
     acting: tuple[str, ...] = result("", (), "torques that act: periodic ones, mean ones, events", default=())
     not_acting: tuple[str, ...] = result(
         "", (), "torques of the file that are no part of the motion, with the reason", default=()

@@ -10,9 +10,10 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Length, Point
-from torsion.analyses.transient.events import Event, ShortCircuit, Stop
+from torsion.analyses.transient.events import Event, Stop
 from torsion.analyses.transient.following_events import SpeedProgram, Start
 from torsion.analyses.transient.order_tracking import OrderSettings
+from torsion.analyses.transient.short_circuit import ELECTRICAL, ShortCircuit
 from torsion.errors import Fault, Path
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.study import Several, Study, mesh_faults
@@ -207,6 +208,9 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
             yield fault
         elif is_clutch and not study.train.part(event.at).is_clutch:
             yield Fault((*place, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
+        elif isinstance(event.body, ShortCircuit) and known[event.at][0] not in ELECTRICAL:
+            hint = f"make '{event.at}' a `generator`; its load then leaves there"
+            yield Fault((*place, "at"), "a short circuit acts in an electrical machine", hint)
         if event.time >= settings.duration:
             hint = f"within {settings.duration:g} s, or a longer `duration`"
             yield Fault((*place, "time"), "the event begins after the end of the motion", hint)
@@ -258,7 +262,7 @@ def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
     for number, event, body in stops:
         there = [(one.time, other) for _, one, other in stops if one.at == event.at]
         full = event.time + body.ramp
-        ends = [full + near, *([] if body.until is None else [full + body.until - near])]
+        ends = [full + near, *([] if math.isinf(body.lasts) else [full + body.lasts - near])]
         share = max(sum(other.taken(at - time) for time, other in there) for at in ends)
         if share > 1.0 + ROUNDING:
             message = f"the stops at '{event.at}' together end {100.0 * share:.4g} % of its mean torque"

@@ -52,7 +52,7 @@ def over_phases(
         return [((), solve(settings))]
     for number in left_open:
         three = [run(number, phase) for phase in THREE]
-        share = _share(limit, three[0].peak)
+        share = share_of_limits(limit, three[0].peak)
         for phase in _worst([one.torque for one in three], share):
             run(number, phase)
         worst = {key: float((one.peak * share).max(initial=0.0)) for key, one in found.items()}
@@ -71,7 +71,7 @@ def switched_on(settings: TransientSettings, phases: Mapping[int, float]) -> Tra
     return settings.model_copy(update={"events": tuple(events)})
 
 
-def _share(limit: FloatArray, peak: FloatArray) -> FloatArray:
+def share_of_limits(limit: FloatArray, peak: FloatArray) -> FloatArray:
     """(spans,) by which peaks are compared: of their limits, or where there is none of what they are."""
     own = np.where(np.isfinite(limit).any(), limit, peak)
     return np.nan_to_num(1.0 / np.where(own > 0.0, own, np.nan))

@@ -9,6 +9,7 @@ from torsion.analyses.transient.acting_torques import ActingTorques
 from torsion.analyses.transient.compared_methods import ComparedMethod
 from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.milling_ice import Ice
+from torsion.analyses.transient.short_circuit import ShortCircuit
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
@@ -60,6 +61,7 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     unit = scale("N m", [value for _, high, low in rows for value in (found.greatest[high], found.least[low])])
     yield Paragraph(_introduction(found, settings))
     yield Paragraph(ActingTorques(found.acting, found.not_acting).words, brief=True)
+    yield from _faults(found, settings)
     yield from _steady_begin(findings, found, settings)
     if found.status != "ok":
         yield Paragraph(f"Not to be relied upon: {found.status}.", "fail", brief=True)
@@ -81,6 +83,22 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
         yield Paragraph(text, "note")
     yield from _figures(findings, found, settings, unit)
     yield from orders(found.orders, found.name)
+
+
+def _faults(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+    """Which short circuits were computed, which is the worst, and what becomes of the mean torque meanwhile."""
+    loads = {event.body.load for event in settings.events if isinstance(event.body, ShortCircuit)}
+    if not loads:
+        return
+    is_both = loads == {"stays", "falls"}
+    load = "stays or falls as the file states" if is_both else "acts on" if "stays" in loads else "is gone"
+    text = f"The mean torque of the machine {load} during a short circuit (`load`)."
+    if found.faults_computed:
+        text = (
+            f"{found.faults_computed} faults were computed; the worst: {found.worst_fault}. Its curves are shown; "
+            f"greatest and least torques are those of all. {text}"
+        )
+    yield Paragraph(text, "note", brief=True)
 
 
 def _steady_begin(findings: Findings, found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:

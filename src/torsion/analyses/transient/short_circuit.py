@@ -1,0 +1,115 @@
+"""The torque in the air gap of an electrical machine under a fault, that is cleared and may close again."""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from torsion import fields
+from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point
+from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.kernels.transient.torque_history import Piece
+
+Coefficient = Annotated[float, Quantity("1")]
+Sense = Literal["both", "brakes", "drives"]
+ELECTRICAL = ("generator", "motor")  # kinds of components with an air gap
+
+
+def _read_reclose(value: Any) -> Any:
+    """(shortest, longest) s; a single time twice."""
+    time = Quantity("s", above=0)
+    if not isinstance(value, list | tuple):
+        return (time.read(value),) * 2
+    if len(value) != 2:
+        raise refuse("a range of times is [shortest, longest]", "for example [0.2 s, 0.6 s]")
+    shortest, longest = (time.read(one) for one in value)
+    if shortest > longest:
+        raise refuse("a range of times runs from the shorter to the longer", f"[{longest:g} s, {shortest:g} s]")
+    return shortest, longest
+
+
+Reclose = Annotated[
+    tuple[float, float],
+    BeforeValidator(_read_reclose, json_schema_input_type=float | str | tuple[float | str, float | str]),
+]
+
+
+class Coefficients(Declared):
+    """Amplitudes of the torque in the air gap, of the rated torque."""
+
+    line: Coefficient = required("of the part at line frequency")
+    double: Coefficient = given("of the part at twice the line frequency, subtracted", 0.0)
+    mean: Coefficient = given("of the part that decays without oscillating", 0.0)
+
+
+class ShortCircuit(Kind):
+    """-T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)), added to what acts otherwise."""
+
+    key = "short-circuit"
+    meaning = "{coefficients, decay, sense, load, phases, line, clear, reclose}: electrical fault of a machine"
+
+    phases: Literal[2, 3] | None = given("2 or 3: checks the coefficients, for 3 have no part at twice the frequency")
+    coefficients: Coefficients = required("{line, double, mean}: amplitudes, of the rated torque; the maker's")
+    decay: Annotated[tuple[Length, Length], Field()] = required("[T_1, T_2]: times of decay")
+    sense: Sense = given(
+        "brakes: -T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)) is added in the machine's "
+        "sense of rotation, the torque that physics has for a generator and a motor, with T_r the machine's own rated "
+        "torque; drives: the same with +; both: both are computed and the worse is judged, as the angle of the fault "
+        "and the sign of a maker's coefficients are rarely known",
+        "both",
+    )
+    load: Literal["stays", "falls"] = given(
+        "stays: the mean torque of the machine acts during the fault too; falls: it is gone while the fault lasts",
+        "stays",
+    )
+    line: fields.Frequency = given("line frequency", 50.0)
+    clear: Length | None = given("time after which the fault is cleared (default: never)")
+    reclose: Reclose | None = given(
+        "time after which the fault begins anew, for as long; [shortest, longest]: scanned in steps of a tenth of the "
+        "lowest natural period, and the worst is judged"
+    )
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.reclose is not None and (self.clear is None or self.reclose[0] <= self.clear):
+            raise refuse("`reclose` comes after `clear`", "give `clear`, and a later `reclose`", "reclose")
+        if self.phases is not None and (self.phases == 2) != (self.coefficients.double != 0.0):
+            hint = "`double` is of a fault of 2 phases alone"
+            raise refuse(f"the coefficients are not of a fault of {self.phases} phases", hint, "coefficients")
+        return self
+
+    def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
+        frequency, coefficients, (first, second) = 2.0 * math.pi * self.line, self.coefficients, self.decay
+        rated = at.rated if self.sense == "drives" else -at.rated
+        for start in [begin] if self.reclose is None else [begin, begin + self.reclose[0]]:
+            end = math.inf if self.clear is None else start + self.clear
+            yield Piece(start, end, -1j * rated * coefficients.line, rate=complex(-1.0 / first, frequency))
+            yield Piece(start, end, 1j * rated * coefficients.double, rate=complex(-1.0 / second, 2.0 * frequency))
+            yield Piece(start, end, rated * coefficients.mean, rate=-1.0 / second)
+            if self.load == "falls":
+                yield Piece(start, end, -at.mean)
+
+    def lacks(self, at: Point) -> Lack:
+        if not at.rated:
+            return "a short circuit needs the rated torque", "give `operation: rated` with a power"
+        if self.load == "falls" and not at.mean:
+            return f"no mean torque acts at '{at.name}', that could fall", "`load: stays`, or begin `steady`"
+        return None
+
+    @property
+    def words(self) -> str:
+        """Its sense and the time at which it closes again."""
+        again = "" if self.reclose is None else f", reclosed after {self.reclose[0]:.4g} s"
+        return f"it {self.sense} first{again}"
+
+    def variants(self, period: float) -> "tuple[ShortCircuit, ...]":
+        """Faults of one sense and one time of reclosing each; period: s, the longest of the train."""
+        senses = ("brakes", "drives") if self.sense == "both" else (self.sense,)
+        times: list[tuple[float, float] | None] = [self.reclose]
+        if self.reclose is not None:
+            shortest, longest = self.reclose
+            steps = math.ceil(10.0 * (longest - shortest) / period)
+            times = [(shortest + step * (longest - shortest) / max(steps, 1),) * 2 for step in range(steps + 1)]
+        changes = [{"sense": sense, "reclose": time} for sense in senses for time in times]
+        return tuple(self.model_copy(update=change) for change in changes)
