@@ -30,6 +30,7 @@ train:
 {}
 - disc: {{name: after, inertia: 1}}
 """
+STATED = ("generator", "pump", "fan", "machine")  # their examples state the power, and a motor drives them
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -57,7 +58,10 @@ def test_the_manual_has_every_section_and_kind() -> None:
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_the_example_of_a_kind_is_read_without_faults(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(SCENES)
-    train = torsion.parse(AROUND.format(EXAMPLES[kind])).train
+    text = AROUND.format(EXAMPLES[kind])
+    if kind in STATED:
+        text = text.replace(", power: 100 kW}}", "}}", 1).replace("disc: {name: before", "motor: {name: before")
+    train = torsion.parse(text).train
     assert kind in {part.kind for part in train.parts}
 
 

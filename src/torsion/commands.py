@@ -10,6 +10,7 @@ import numpy as np
 
 from torsion.analyses import ANALYSES, ordered
 from torsion.analyses.discretisation import assembled, discretisation_words, has_inertia, highest_excited, no_response
+from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import lines
 from torsion.analyses.sweep.sweep_points import Points
 from torsion.analyses.sweep.sweep_settings import SweepSettings
@@ -320,8 +321,9 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         "critical": f"{components} orders and frequencies by {count} modes",
         "joints": f"{sum(part.joint is not None for part in study.train.parts)} joints",
         "lateral": f"{sum(bool(study.train.shaft(bar).support) for bar in study.train.bars)} shafts on supports",
-        "steady": "the mean torque in every span",
     }  # fmt: skip
+    if study.has_mean_torque:
+        sizes["steady"] = "the mean torque in every span. " + power_balance(study.train, study.operation).sentence
     if variation := study.variations.get("sweep"):
         settings = study.analyses["sweep"]
         assert isinstance(settings, SweepSettings)
@@ -346,7 +348,7 @@ def _lacking(study: Study, system: System, ruled: frozenset[str]) -> dict[str, s
         "modes": modes, "damped": modes or ("" if system.damps else "nothing damps"),
         "critical": modes or ("" if ordered_lines else "no order excites"),
         "response": no_response(study, system, ruled),
-        "steady": "" if study.operation.has_mean_torque else "the rated power is not given",
+        "steady": "" if study.has_mean_torque else "neither the power of the loads nor a rated power is given",
     }  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from torsion import fields
 from torsion.arrays import FloatArray, IntArray
-from torsion.components.harmonic_torques import Table, read_table
+from torsion.components.load_law import Load
 from torsion.errors import Fault, InputError
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
 from torsion.train import Train
@@ -61,28 +61,17 @@ class Rated(Declared):
     power: fields.Power | None = given("rated power")
 
 
-def _read_load(value: Any) -> Any:
-    if isinstance(value, str):
-        if value not in ("propeller", "constant"):
-            raise refuse(f"'{value}' is no law of load", "propeller, constant, or a table [[speed, torque], ...]")
-        return value
-    return read_table(value if isinstance(value, list | tuple) else [value])
-
-
 class Operation(Sized):
     """How the train is run; speeds and power are those of the component `at`."""
 
     at: str | None = given("the component whose speed is meant (default: the first)")
     speeds: SpeedRange | None = given("speed range")
     rated: Rated | None = given("rated speed and power")
-    load: Annotated[Any, BeforeValidator(_read_load, Literal["propeller", "constant"] | Table)] = given(
-        "mean torque over speed: propeller (T ~ n**2), constant, or [[speed, torque], ...]", "propeller"
-    )
-
-    @property
-    def has_mean_torque(self) -> bool:
-        """The file says enough for a mean torque: a rated power, or a table of torque over speed."""
-        return not isinstance(self.load, str) or (self.rated is not None and self.rated.power is not None)
+    load: Load = given(
+        "law of loads without one of their own: propeller or quadratic (T ~ n**2), linear, constant, constant-power, "
+        "{exponent, at_rest}; or the mean torque itself, [[speed, torque], ...]",
+        "propeller", validate_default=True,
+    )  # fmt: skip
 
     @property
     def speed(self) -> float | None:
@@ -291,6 +280,11 @@ class Study:
         return any(one.case is not None and one.case.is_corner for one in (self, *self.cases.values()))
 
     @property
+    def has_mean_torque(self) -> bool:
+        """The file says enough for a mean torque."""
+        return states_mean_torque(self.train, self.operation)
+
+    @property
     def has_tolerances(self) -> bool:
         """A stiffness or an inertia has a tolerance, and couplings are not at an end of theirs."""
         at_its_end = self.case is not None and self.case.is_corner
@@ -313,6 +307,14 @@ class Study:
         """Something in the train excites it by order, or at a frequency of its own."""
         harmonic = any(torque.order is not None or torque.frequency is not None for torque in self.train.torques)
         return harmonic or any(mesh.error for mesh in self.train.constraints)
+
+
+def states_mean_torque(train: Train, operation: Operation) -> bool:
+    """Return whether a rated power, a table of the load, or the power of a load is given."""
+    if operation.load.table or (operation.rated is not None and operation.rated.power is not None):
+        return True
+    machines = (part.machine for part in train.parts)
+    return any(machine.is_stated for machine in machines if machine is not None and not machine.is_driver)
 
 
 def mesh_faults(study: Study, what: str) -> list[Fault]:

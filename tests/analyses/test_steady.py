@@ -15,20 +15,19 @@ from torsion.components.gear import Gear, GearBranch
 from torsion.components.motor import Motor
 from torsion.components.propeller import Propeller
 from torsion.errors import InputError, SolveError
-from torsion.study import Operation
 from torsion.train import Link
 
 RATED = (100.0, 50e3)  # rad/s, W: 500 N m
 
 
 def _two_motors_two_propellers() -> list:
-    behind = (Coupling(stiffness=3e5), Propeller(name="small", inertia=1.0))
+    behind = (Coupling(stiffness=3e5), Propeller(name="port", inertia=4.0))
     return [
         Motor(name="main motor", inertia=1.0, power=300e3),
         Coupling(stiffness=1e5), Disc(name="hub", inertia=0.5),
         Branch(train=(Coupling(stiffness=1e4), Motor(name="boost", inertia=0.2, power=100e3))),
-        Gear(teeth=(20, 50), branches=(GearBranch(teeth=(30,), train=behind),)),
-        Coupling(name="shaft", stiffness=2e5), Propeller(name="large", inertia=4.0),
+        Gear(teeth=(20, 50), branches=(GearBranch(teeth=(50,), train=behind),)),
+        Coupling(name="shaft", stiffness=2e5), Propeller(name="starboard", inertia=4.0),
     ]  # fmt: skip
 
 
@@ -50,9 +49,10 @@ def test_motors_share_by_power_and_propellers_equally(build, operation):
     at = {station.name: found.applied[k, 0] for k, station in enumerate(system.stations)}
     assert at["main motor"] == pytest.approx(375.0, rel=1e-15)
     assert at["boost"] == pytest.approx(125.0, rel=1e-15)
-    assert at["large"] == pytest.approx(-250.0 * 50 / 20, rel=1e-15)
-    assert at["small"] == pytest.approx(-250.0 * 30 / 20, rel=1e-15)
+    assert at["starboard"] == pytest.approx(-250.0 * 50 / 20, rel=1e-15)
+    assert at["port"] == pytest.approx(-250.0 * 50 / 20, rel=1e-15)
     assert "in proportion to their power" in found.sharing
+    assert "in equal parts" in found.sharing
     shaft = [span.name for span in system.spans].index("shaft")
     assert found.torque[shaft, 0] == pytest.approx(625.0, rel=1e-15)
 
@@ -191,7 +191,7 @@ def test_table_is_interpolated_and_never_extrapolated(build, operation):
     study, system = build(
         [Motor(inertia=1), Coupling(stiffness=1e4), Propeller(inertia=1)], operation=operation(50.0, 120.0, load=load)
     )
-    assert study.operation.has_mean_torque
+    assert study.has_mean_torque
     assert steady(study.train, system, study.operation, np.array([50.0, 80.0])).torque[0] == pytest.approx(
         [150.0, 300.0]
     )
@@ -204,13 +204,19 @@ def test_table_is_interpolated_and_never_extrapolated(build, operation):
 
 def test_mean_torque_needs_a_power(build, operation):
     study, system = build([Motor(inertia=1), Coupling(stiffness=1e4), Propeller(inertia=1)])
-    assert not Operation().has_mean_torque
+    assert not study.has_mean_torque
     with pytest.raises(InputError, match="rated power"):
         steady(study.train, system, study.operation, np.array([50.0]))
 
 
-def test_power_of_some_motors_only_is_refused(build, operation):
-    line = [Motor(inertia=1, power=1e3), Coupling(stiffness=1e4), Motor(name="second", inertia=1)]
-    study, system = build(line, operation=operation(50.0, 100.0, rated=RATED))
-    with pytest.raises(InputError, match="'second' has no power"):
+def test_of_some_motors_without_power_one_alone_is_free(build, operation):
+    line = [
+        Motor(name="m1", inertia=1), Coupling(stiffness=1e4), Motor(name="m2", inertia=1), Coupling(stiffness=1e4),
+        Motor(name="m3", inertia=1, power=300e3), Coupling(stiffness=1e4), Propeller(inertia=1),
+    ]  # fmt: skip
+    study, system = build(line, operation=operation(50.0, 100.0, rated=(100.0, 500e3)))
+    with pytest.raises(InputError, match="'m1' and 'm2' drive, both without power, beside 'm3' with 300 kW") as raised:
         steady(study.train, system, study.operation, np.array([50.0]))
+    assert raised.value.faults[0].hint == "one machine alone can be the free one"
+    study, system = build(line[2:], operation=operation(50.0, 100.0, rated=(100.0, 500e3)))
+    assert steady(study.train, system, study.operation, np.array([100.0])).torque[:, 0] == pytest.approx([2e3, 5e3])

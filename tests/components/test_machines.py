@@ -14,7 +14,7 @@ HEAD = "name: x\noperation: {speeds: {from: 300 rpm, to: 900 rpm}, rated: {speed
 
 
 def record(entry: str):
-    text = f"{HEAD}- {entry}\n- coupling: {{stiffness: 20 kN*m/rad}}\n- disc: {{inertia: 1}}\n"
+    text = f"{HEAD}- {entry}\n- coupling: {{stiffness: 20 kN*m/rad}}\n- motor: {{inertia: 1}}\n"
     return torsion.parse(text).train.parts[0].machine
 
 

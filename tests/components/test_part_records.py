@@ -7,7 +7,8 @@ import pytest
 
 import torsion
 from torsion.components import KINDS
-from torsion.components.lowering import CouplingRatings, JointRecord, PendulumRecord, PropellerRecord
+from torsion.components.lowering import CouplingRatings, JointRecord, PendulumRecord
+from torsion.components.machine_records import PropellerRecord
 from torsion.primitives import Bar
 from torsion.train import Train
 

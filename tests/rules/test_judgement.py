@@ -9,7 +9,8 @@ import pytest
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Line
-from torsion.analyses.steady import SAME_SPEED, Steady
+from torsion.analyses.speed_tables import SAME_SPEED
+from torsion.analyses.steady import Steady
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, Curve, RuleOverSpeed, judge

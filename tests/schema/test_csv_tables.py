@@ -362,5 +362,5 @@ def test_a_case_names_a_table_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "load.csv").write_text("speed [rpm],torque [N*m]\n300,10\n900,90\n")
     line = "train: {table: line.csv}\ncases: {x: {set: {operation.load: {table: load.csv}}}}\n"
     found = study(tmp_path, GOOD, line + "rules: []\n")
-    assert len(found.cases["x"].operation.load) == 2
+    assert len(found.cases["x"].operation.load.table) == 2
     assert [name for name, _ in found.tables] == ["line.csv", "load.csv"]

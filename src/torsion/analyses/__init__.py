@@ -111,7 +111,8 @@ ANALYSES: dict[str, Analysis] = {
         "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,
     ),
     "steady": Analysis(
-        "mean torque", "torsion.analyses.steady", needs=("segment groups",), results={"mean": "Steady"}, wanted=always,
+        "mean torque", "torsion.analyses.steady", needs=("segment groups",),
+        results={"mean": "Steady", "machines": "PowerBalance"}, wanted=always,
         chapters=("mean_torques",), place=("operation",),
     ),
     "tooth forces": Analysis(

@@ -151,7 +151,7 @@ def table_faults(study: Study) -> list[Fault]:
                 every.append(Fault(path, message, HINT))
     if "mean torque" in paths:
         path = paths["mean torque"]
-        if not operation.has_mean_torque or operation.speed is None:
+        if not study.has_mean_torque or operation.speed is None:
             hint = "for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
             every.append(Fault(path, "a stiffness over mean torque needs the mean torque, which is not known", hint))
         if study.has_joints:

@@ -124,7 +124,7 @@ def run(work: Work) -> None:
         why += "; its response is damped all the same"
     elif too_many := too_many_stations(system):
         why = too_many
-    elif (needs_speed and speed is None) or (needs_torque and not study.operation.has_mean_torque):
+    elif (needs_speed and speed is None) or (needs_torque and not study.has_mean_torque):
         why = "the damping depends on speed and mean torque; give `operation: rated`"
     if why and settings.damped and system.damps:
         raise SolveError(f"the damped modes are not found: {why}", "leave `damped: true` out")

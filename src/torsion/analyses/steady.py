@@ -1,13 +1,18 @@
 """Mean torque in every span (order 0): where power enters and leaves, how the spans share it, its law, and faults.
 
-Shares are exact fractions, referred to the reference speed: 1 is the whole mean torque at that speed. The sums run over
-a spanning tree, so a span that carries nothing carries exactly nothing.
+Shares are exact fractions of the torque of each load, referred to the reference speed. The sums run over a spanning
+tree, so a span that carries nothing carries exactly nothing.
 """
 
+from collections.abc import Iterator
 from fractions import Fraction
+from functools import reduce
 
 import numpy as np
 
+from torsion.analyses.loads_and_drivers import Balance, Load, Shared, Shares
+from torsion.analyses.power_balance import power_balance
+from torsion.analyses.speed_tables import uncovered
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.components.lowering import Part
@@ -17,8 +22,6 @@ from torsion.kernels.spanning_forest import Walk, closing_no_loop, walk
 from torsion.results import reported, result
 from torsion.study import Operation, Study
 from torsion.train import Train
-
-Shares = list[Fraction]
 
 
 def statics(system: System, applied: Shares, reference: int) -> tuple[FloatArray, FloatArray]:
@@ -97,122 +100,6 @@ def _refuse_slipping(system: System, torque: FloatArray) -> None:
         raise SolveError(f"{message}; give it a stiffness")
 
 
-Shared = list[tuple[int, Fraction]]  # stations with their shares of the power
-Table = tuple[tuple[float, float], ...]  # rad/s, N m
-SAME_POWER = 0.01  # relative: the sum of rounded ratings of motors that is still the rated power
-SAME_SPEED = 1e-9  # relative: a speed that lies outside a table by less was written in another unit
-
-
-def flow(train: Train, operation: Operation) -> tuple[Shares, str]:
-    """(stations,) shares of the power, in positive and out negative, and where it enters and leaves in a sentence.
-
-    It enters at the motors and engines, in proportion to their power, and leaves at the propellers, in equal parts, or
-    at the throws of compressors, in proportion to what their pressures absorb.
-    Without a motor it enters at the first station, without a propeller it leaves at the last station of the main line;
-    where the power leaves (enters) there already, at the other end. Of an engine every cylinder that fires has its
-    share; where one does not, that of the loads falls with it. Raises InputError where both ends are taken, only some
-    of the motors have a power, or propellers stand beside compressors.
-    """
-    motors = [part for part in train.parts if part.machine is not None and part.machine.is_driver]
-    propellers = [part for part in train.parts if part.machine is not None and not part.machine.is_driver]
-    main = [part for part in train.parts if part.depth == 0 and part.stations and part.path[0] == "train"]
-    first, last = 0, main[-1].stations[-1]
-    compressors = [part for part in train.parts if part.compressor is not None]
-    driving_shares, loads = _driving(motors), _equally(propellers) or _absorbing(compressors)
-    drives = [at for part, share in driving_shares for at in _within(part, share)]
-    driving, loading = _names(motors), _names(propellers or compressors)
-    if propellers and compressors:
-        message = f"'{propellers[0].name}' and '{compressors[0].name}' both absorb, in shares that are not known"
-        raise InputError([Fault(propellers[0].path, message, "make the lesser of both a `disc`, or a compressor")])
-    if not motors:
-        drives, driving = _at_an_end((first, last), loads, ("motor", "propeller"), train, operation)
-    elif len(motors) > 1:
-        driving += " in equal parts" if _power(motors[0]) is None else " in proportion to their power"
-    if not loads:
-        loads, loading = _at_an_end((last, first), drives, ("propeller", "motor"), train, operation)
-    elif len(propellers) > 1:
-        loading += " in equal parts"
-    shares = [Fraction(0)] * len(train.stations)
-    whole = sum((share for _, share in drives), Fraction(0))  # of the mean torque; cylinders that do not fire lack
-    for station, share in (*drives, *((station, -share * whole) for station, share in loads)):
-        shares[station] += share
-    stated = f"The mean torque enters at {driving} and leaves at {loading}."
-    return shares, stated + _shares_alone(motors, operation)
-
-
-def _at_an_end(
-    ends: tuple[int, int], taken: Shared, kinds: tuple[str, str], train: Train, operation: Operation
-) -> tuple[Shared, str]:
-    """The first of two ends of the main line that is not taken, in place of a kind of component, and that in words.
-
-    kinds: the one that is lacking and the other; raises InputError where both ends are taken.
-    """
-    free = [end for end in ends if end not in dict(taken)]
-    if not free:
-        where = ("operation", "load" if operation.rated is None else "rated")
-        message = f"the mean torque would enter and leave the train at '{train.stations[ends[0]].name}'"
-        hint = "name what drives a `motor` and what absorbs the power a `propeller`, or leave the power out"
-        raise InputError([Fault(where, message, hint)])
-    why = f"there is no {kinds[0]}" + ("" if free[0] == ends[0] else f", and the other end is a {kinds[1]}")
-    return [(free[0], Fraction(1))], f"{train.stations[free[0]].name} ({why})"
-
-
-def _within(part: Part, share: Fraction) -> Shared:
-    """Where a motor's or engine's share of the mean torque enters: of an engine at its throws."""
-    if part.engine is None:
-        return [(part.stations[0], share)]
-    return [(station, share * Fraction(own)) for station, own in part.engine.drives]
-
-
-def _driving(motors: list[Part]) -> list[tuple[Part, Fraction]]:
-    """The motors with their shares; raises InputError where only some of them have a power."""
-    power = [_power(motor) for motor in motors]
-    given = [Fraction(value) for value in power if value is not None]
-    if len(motors) == 1 or not given:
-        return [(part, Fraction(1, len(motors))) for part in motors]
-    if len(given) < len(motors):
-        lacking = motors[power.index(None)]
-        hint = "give every motor its power, or none of them to share the load equally"
-        raise InputError([Fault(lacking.path, f"'{lacking.name}' has no power, other motors have", hint)])
-    return [(part, value / sum(given)) for part, value in zip(motors, given, strict=True)]
-
-
-def _power(part: Part) -> float | None:
-    return None if part.machine is None else part.machine.power
-
-
-def _shares_alone(motors: list[Part], operation: Operation) -> str:
-    """What the powers of motors are not, where together they are not the rated power."""
-    given = [power for power in map(_power, motors) if power is not None]
-    rated = None if operation.rated is None else operation.rated.power
-    if not given or rated is None or abs(sum(given) - rated) <= SAME_POWER * rated:
-        return ""
-    together = "The power of the motor" if len(given) == 1 else "The powers of the motors, together"
-    used = "is not used" if len(given) == 1 else "say their shares alone"
-    return f" {together} ({sum(given) / 1e3:.6g} kW) {used}: the torque follows from the rated {rated / 1e3:.6g} kW."
-
-
-def _absorbing(compressors: list[Part]) -> Shared:
-    """Throws with their shares of the power, by the mean torque that their pressures absorb."""
-    power = [
-        (station, Fraction(torque) * abs(part.ratio) / Fraction(part.compressor.efficiency))
-        for part in compressors
-        if part.compressor is not None
-        for station, torque in part.compressor.absorbs
-    ]
-    whole = sum((one for _, one in power), Fraction(0))
-    return [(station, one / whole) for station, one in power]
-
-
-def _equally(parts: list[Part]) -> Shared:
-    return [(part.stations[0], Fraction(1, len(parts))) for part in parts]
-
-
-def _names(parts: list[Part]) -> str:
-    names = [part.name for part in parts]
-    return ", ".join(names[:-1]) + " and " + names[-1] if len(names) > 1 else "".join(names)
-
-
 @reported
 class Steady:
     """The train at constant speed."""
@@ -224,61 +111,53 @@ class Steady:
     sharing: str = result("", (), "how the load was shared, in words")
 
 
+@reported
+class MachinePower:
+    """What one machine, or one end of the train, delivers or absorbs at the rated speed, else at the highest."""
+
+    name: str = result("", (), "name of the machine, or of the station in its place")
+    kind: str = result("", (), "its kind in the file; empty for a station")
+    enters: bool = result("", (), "true: power enters here; false: it leaves")
+    speed: float = result("rad/s", (), "own speed of the machine")
+    power: float = result("W", (), "power that it delivers or absorbs there")
+    torque: float = result("N*m", (), "mean torque at its own speed, positive where it drives")
+    law: str = result("", (), "law of load; empty of a machine that drives")
+    free: bool = result("", (), "it takes what the others leave: computed, not stated")
+
+
+@reported
+class PowerBalance:
+    """The balance of power, machine by machine."""
+
+    machines: tuple[MachinePower, ...] = result("", (), "balance of power, every machine at its own speed", key="")
+
+
 def steady(train: Train, system: System, operation: Operation, speed: FloatArray) -> Steady:
     """Mean torques at reference speeds (speeds,) rad/s.
 
-    Where the torque enters and leaves is `flow`'s. Raises InputError as that does, and where the operation says
-    no mean torque or its table does not cover the speeds.
+    Where the torque enters and leaves is that of `power_balance`. Raises InputError as that does, and where a table of
+    load does not cover the speeds.
     """
     speed = np.atleast_1d(np.asarray(speed, dtype=np.float64))
-    mean = mean_torque(operation, speed)
-    shares, stated = flow(train, operation)
-    shares += [Fraction(0)] * (len(system.stations) - len(shares))  # nothing acts inside shafts
-    torque, twist = statics(system, shares, reference_station(train, operation))
-    applied = np.array([float(share / station.ratio) for share, station in zip(shares, system.stations, strict=True)])
-    each = (torque / system.span_ratio, applied, twist * system.speed_ratio)
-    torques, acting, twists = (np.outer(of_one, mean) for of_one in each)
-    return Steady(speed, torques, acting, twists, stated)
+    balance, reference = power_balance(train, operation), reference_station(train, operation)
+    none = [Fraction(0)] * (len(system.stations) - balance.stations)  # nothing acts inside shafts
+    torques, acting, twists = [], [], []
+    for load in balance.loads:
+        shares, mean = [*balance.shares(load), *none], load.torque_at(speed)
+        torque, twist = statics(system, shares, reference)
+        applied = [float(share / station.ratio) for share, station in zip(shares, system.stations, strict=True)]
+        torques.append(np.outer(torque / system.span_ratio, mean))
+        acting.append(np.outer(applied, mean))
+        twists.append(np.outer(twist * system.speed_ratio, mean))
+    torque_of_all, applied_of_all, twist_of_all = (reduce(np.add, each) for each in (torques, acting, twists))
+    return Steady(speed, torque_of_all, applied_of_all, twist_of_all, balance.sentence)
 
 
 def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
     """Mean torques at the speeds (speeds,) rad/s; None where the operation does not say them."""
-    if not study.operation.has_mean_torque:
+    if not study.has_mean_torque:
         return None
     return steady(study.train, system, study.operation, speed)
-
-
-def mean_torque(operation: Operation, speed: FloatArray) -> FloatArray:
-    """(speeds,) N m at the reference station, from the load law; raises InputError where the file does not say it."""
-    load = operation.load
-    if not isinstance(load, str):
-        return interpolated(load, speed, Fault(("operation", "load"), "the table of the load", "")).copy()
-    rated = operation.rated
-    if rated is None or rated.power is None:
-        hint = "for example `rated: {speed: 1500 rpm, power: 100 kW}`"
-        raise InputError([Fault(("operation", "rated"), "the mean torque needs the rated power", hint)])
-    torque = rated.power / rated.speed
-    return torque * (speed / rated.speed) ** 2 if load == "propeller" else np.full_like(speed, torque)
-
-
-def interpolated(table: Table, speed: FloatArray, about: Fault) -> FloatArray:
-    """Torque (speeds,) N m from a table over speed, linear between its rows and never beyond them.
-
-    `about` names the table and its place; raises InputError where the table does not cover the speeds.
-    """
-    if faults := _uncovered(table, speed, about):
-        raise InputError(faults)
-    rows = np.array(table, dtype=np.float64)
-    return np.asarray(np.interp(speed, rows[:, 0], rows[:, 1]))
-
-
-def _uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:
-    first, last = table[0][0], table[-1][0]
-    if not speed.size or (speed.min() >= first * (1 - SAME_SPEED) and speed.max() <= last * (1 + SAME_SPEED)):
-        return []
-    covers = f"covers {_rpm(first)} to {_rpm(last)}, the speeds run from {_rpm(speed.min())} to {_rpm(speed.max())}"
-    hint = "extend the table, or narrow the speeds; nothing is extrapolated"
-    return [Fault(about.path, f"{about.message} {covers}", hint)]
 
 
 def reference_station(train: Train, operation: Operation) -> int:
@@ -290,29 +169,52 @@ def reference_station(train: Train, operation: Operation) -> int:
     return next((k for k, station in enumerate(train.stations) if station.ratio == 1), 0)
 
 
-def _rpm(speed: float) -> str:
-    return f"{speed * 30.0 / np.pi:.6g} rpm"
-
-
 def run(work: Work) -> None:
     """Mean torques over the speed range, at the rated speed and at the corners of a table of the load."""
-    operation = work.study.operation
-    if not operation.has_mean_torque:
-        work.log.without("mean torque", "`operation` says no rated power and no table of the load")
+    study, operation = work.study, work.study.operation
+    if not study.has_mean_torque:
+        work.log.without("mean torque", "the file states neither the power of the loads nor a table of the load")
         return
-    speeds = operation.speeds
+    balance, speeds = power_balance(study.train, operation), operation.speeds
     grid = speeds.values() if speeds is not None else np.array([operation.speed] if operation.speed is not None else [])
     if operation.rated is not None:
         grid = np.union1d(grid, [operation.rated.speed])
-    if speeds is not None and not isinstance(operation.load, str):
-        grid = np.union1d(grid, [row[0] for row in operation.load if speeds.first <= row[0] <= speeds.last])
+    if speeds is not None and balance.corners:
+        grid = np.union1d(grid, [speed for speed in balance.corners if speeds.first <= speed <= speeds.last])
     if not grid.size:
         work.log.without("mean torque", "`operation` says no speed")
         return
-    with work.log.step("mean torque", "`operation` says the load") as step:
-        work.put(mean=steady(work.study.train, work.system, operation, grid))
+    with work.log.step("mean torque", "the file states the load") as step:
+        mean = steady(study.train, work.system, operation, grid)
+        machines = balance_of(balance, work.system, mean, operation.speed or float(grid[-1]))
+        work.put(mean=mean, machines=PowerBalance(tuple(machines)))
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
+
+
+def balance_of(balance: Balance, system: System, mean: Steady, speed: float) -> Iterator[MachinePower]:
+    """Yield every machine with its power at the computed speed nearest to a reference speed (rad/s)."""
+    at = int(np.argmin(np.abs(mean.speed - speed)))
+    sides = [(driver.part, driver.stations, "", driver.is_free) for driver in balance.drivers]
+    sides += [(part, load.stations, load.law.words, load.is_free) for load in balance.loads for part in load.parts]
+    sides += [(None, load.stations, load.law.words, load.is_free) for load in balance.loads if not load.parts]
+    for number, (part, shared, law, is_free) in enumerate(sides):
+        places = _places(part, shared)
+        torque = float(mean.applied[places, at].sum())
+        own = float(mean.speed[at]) * abs(float(system.stations[places[0]].ratio))
+        name = part.name if part is not None else system.stations[places[0]].name
+        enters = number < len(balance.drivers)
+        kind = part.kind if part is not None else ""
+        yield MachinePower(name, kind, enters, own, abs(torque) * own, torque, law, is_free)
+
+
+def _places(part: Part | None, shared: Shared) -> list[int]:
+    """The stations at which a machine drives or absorbs."""
+    if part is not None and part.compressor is not None:
+        return list(dict.fromkeys(throw.station for throw in part.compressor.throws))
+    if part is not None and part.engine is None:
+        return [part.stations[0]]
+    return list(dict.fromkeys(station for station, _ in shared))
 
 
 def power_faults(study: Study) -> list[Fault]:
@@ -322,14 +224,12 @@ def power_faults(study: Study) -> list[Fault]:
     speed = np.array([*ends, *([] if operation.rated is None else [operation.rated.speed])])
     if not speed.size:
         return []
-    found: list[Fault] = []
-    if not isinstance(operation.load, str):
-        found += _uncovered(operation.load, speed, Fault(("operation", "load"), "the table of the load"))
     try:
-        flow(study.train, operation)
+        balance = power_balance(study.train, operation)
     except InputError as error:
-        found += error.faults
-    return found
+        table = Load((), [], operation.load)
+        return [*table.faults(speed), *error.faults]
+    return [fault for load in balance.loads for fault in load.faults(speed)]
 
 
 def table_faults(study: Study) -> list[Fault]:
@@ -345,5 +245,5 @@ def table_faults(study: Study) -> list[Fault]:
             is_read = not isinstance(orders, tuple) or torque.order * ratio in orders
         if torque.table and is_read:
             about = Fault((*torque.path, "torque"), f"the table of the torque at '{torque.name}'")
-            found += _uncovered(torque.table, np.array([speeds.first, speeds.last]) * float(ratio), about)
+            found += uncovered(torque.table, np.array([speeds.first, speeds.last]) * float(ratio), about)
     return found

@@ -81,6 +81,8 @@ def _fault(part: Part) -> Fault | None:
     what = "" if part.kind in KINDS else part.kind
     if part.nonlinear is not None or part.warming is not None:
         what = "coupling that is nonlinear or warms"
+    if part.machine is not None and part.machine.is_stated:
+        what = f"{part.kind} with `power`, `torque` or a table of `load`"
     if part.shaft is not None and (part.shaft.role is not None or part.shaft.support):
         what = "shaft with `role` or `support`"
     return Fault(part.path, f"the half of a differential takes no {what}", HINT) if what else None

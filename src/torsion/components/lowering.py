@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from torsion.components.compressor.record import CompressorRecord
     from torsion.components.coupling_limits import HeatInMisfire, OverFrequency
     from torsion.components.engine.record import EngineRecord
-    from torsion.components.load_law import LoadLaw
+    from torsion.components.machine_records import ImpellerRecord, MachineRecord, PropellerRecord
     from torsion.components.shaft_details import Hub, Notch, Step
     from torsion.kernels.warming import Warming
 
@@ -152,51 +152,6 @@ class JointRecord:
 
 
 @dataclass(frozen=True)
-class MachineRecord:
-    """A machine that drives or absorbs: its power as the file gives it, its law of load, how its damping was given."""
-
-    is_driver: bool
-    power: float | None = None  # W at `speed`
-    torque: float | None = None  # N m there, in place of the power
-    speed: float | None = None  # rad/s of its own shaft; None: at the rated point of the train
-    load: "LoadLaw | None" = None  # None: the file gives none
-    usual_load: "LoadLaw | None" = None  # of its kind; None: that of the operation
-    is_held: bool = False
-    damping_model: str = "viscous"
-    damping_factor: float | None = None
-
-    def rated_torque(self, rated_speed: float) -> float | None:
-        """Return the torque (N m) that the file states, None where it states none.
-
-        rated_speed: own speed at the rated point of the train, for a power without a speed; 0 where it is not known.
-        """
-        if self.torque is not None:
-            return self.torque
-        speed = self.speed or rated_speed
-        return None if self.power is None or not speed else self.power / speed
-
-
-@dataclass(frozen=True)
-class ImpellerRecord:
-    """Blades in a fluid: their inertia in parts and their number."""
-
-    inertia: float  # kg m2, dry
-    water: float | None  # kg m2, entrained; None where the file gives none
-    blades: int | None
-
-
-@dataclass(frozen=True)
-class PropellerRecord(ImpellerRecord):
-    """A propeller: its inertia in parts and its size."""
-
-    diameter: float | None  # m
-    pitch_ratio: float | None
-    area_ratio: float | None
-    hub_ratio: float | None = None
-    is_ducted: bool = False
-
-
-@dataclass(frozen=True)
 class PendulumRecord:
     """A centrifugal pendulum."""
 
@@ -222,15 +177,15 @@ class Part:
     note: str | None = None
     source: str | None = None  # where its figures come from
     damping: tuple[str, float] | None = None  # key and value of its internal damping as given in the file
-    machine: MachineRecord | None = None  # what it drives or absorbs; of an engine too
+    machine: "MachineRecord | None" = None  # what it drives or absorbs; of an engine too
     application_factor: float | None = None  # K_A, of a gear
     max_torque: float | None = None  # N m, greatest of a gear, at its driving side
     ratings: CouplingRatings | None = None
     inertia_tolerance: float | None = None  # relative, of all its inertias
     shaft: ShaftRecord | None = None
     joint: JointRecord | None = None
-    impeller: ImpellerRecord | None = None
-    propeller: PropellerRecord | None = None
+    impeller: "ImpellerRecord | None" = None
+    propeller: "PropellerRecord | None" = None
     nonlinear: NonlinearRecord | None = None  # of a coupling that modes take as linear
     pendulum: PendulumRecord | None = None
     engine: "EngineRecord | None" = None

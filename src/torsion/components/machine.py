@@ -9,8 +9,9 @@ from torsion import fields
 from torsion.components.disc import Rotor
 from torsion.components.harmonic_torques import Harmonic, Ripple
 from torsion.components.load_law import EXPONENTS, Load, LoadLaw
-from torsion.components.lowering import Lowering, MachineRecord
-from torsion.fields import Declared, given, refuse, required
+from torsion.components.lowering import Lowering
+from torsion.components.machine_records import MachineRecord
+from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Damper
 
 SEA_WATER = 1025.0  # kg/m3
@@ -49,7 +50,7 @@ class Machine(Rotor):
         "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}"
     )
     power: fields.Power | None = given("power that it absorbs or delivers at `speed`")
-    torque: fields.Torque | None = given("the torque there, in place of `power`")
+    torque: Annotated[float, Quantity("N*m", above=0)] | None = given("the torque there, in place of `power`")
     speed: fields.Speed | None = given("its own speed at that power (default: at `operation.rated.speed`)")
     load: Load | None = given(
         "law of load over its own speed: constant, linear, quadratic (or propeller), constant-power, "

@@ -6,8 +6,9 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
-from torsion.components.lowering import ImpellerRecord, Lowering, PropellerRecord
+from torsion.components.lowering import Lowering
 from torsion.components.machine import Machine
+from torsion.components.machine_records import ImpellerRecord, PropellerRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Torque
 
@@ -34,6 +35,7 @@ class BladedMachine(Machine, usual_load="quadratic"):
         "entrained water: % of dry, or kg*m**2"
     )
     blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades or vanes")
+    diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
     excitation: tuple[BladeTorque, ...] = given("list of {blade_order, torque, phase}", ())
 
     def refuse_clashes(self) -> None:
@@ -50,7 +52,7 @@ class BladedMachine(Machine, usual_load="quadratic"):
         unit, amount = self.entrained or ("", 0.0)
         dry = self.inertia or 0.0
         water = None if self.entrained is None else dry * amount if unit == "1" else amount
-        return ImpellerRecord(dry, water, self.blades)
+        return ImpellerRecord(dry, water, self.blades, self.diameter)
 
     def lower(self, build: Lowering) -> None:
         impeller = self.impeller
@@ -79,7 +81,6 @@ class Propeller(BladedMachine, keyword="propeller"):
 
     inertia: fields.Inertia | None = given("dry polar mass moment of inertia")
     tolerance: fields.Tolerance | None = given("tolerance of the inertia and of the entrained water, for example 10 %")
-    diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
     pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
     hub_ratio: Annotated[float, Quantity("1", above=0, below=1, slip=("%",))] | None = given(
         "diameter of the hub / diameter; for the ice torque of a class"

@@ -49,7 +49,7 @@ class CouplingMaker(RuleOverSpeed):
             found += judgement.vibration_faults(self, study, settings)
         found += self._lossless(study)
         means = [part for part, ratings in judged if (ratings.rated_torque, ratings.max_torque) != (None, None)]
-        if means and not study.operation.has_mean_torque:
+        if means and not study.has_mean_torque:
             message = f"the mean torque is not known, and {self.name} compares that of '{means[0].name}'"
             found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found

@@ -59,7 +59,7 @@ class GearHammer(RuleOverSpeed):
         found, compares = self.continuous_faults(study, settings), f"{self.name} compares with the rated torque"
         if study.operation.rated is None:
             found.append(Fault(("operation", "rated"), f"`rated` is missing; {compares}", RATED))
-        elif not study.operation.has_mean_torque:
+        elif not study.has_mean_torque:
             found.append(Fault(("operation", "rated", "power"), f"`power` is missing; {compares}", RATED))
         return found + judgement.vibration_faults(self, study, settings)
 

@@ -75,7 +75,7 @@ class IcePeaks(Rule):
         if not any(_limit(study, part, settings) for part in study.train.parts):
             hint = "`yield_strength` of a material, or `max_torque` of a coupling or gear"
             found.append(Fault(here, "no shaft has a yield strength, and no coupling or gear a greatest torque", hint))
-        if any(one.is_steady for one in motions) and not study.operation.has_mean_torque:
+        if any(one.is_steady for one in motions) and not study.has_mean_torque:
             found.append(Fault(("operation", "rated", "power"), UNDRIVEN, RATED))
         undriven = [one for one in motions if not (one.is_steady or _starts(one.settings))]
         hint = "initial: steady, or an event `start`"

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from torsion import fields
+from torsion.analyses.power_balance import power_balance, rated_power
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.grid import apart, missed_peaks
 from torsion.analyses.response.harmonic_components import Line
-from torsion.analyses.steady import SAME_SPEED, Steady
+from torsion.analyses.speed_tables import SAME_SPEED
+from torsion.analyses.steady import Steady
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault
@@ -279,9 +281,9 @@ def _vibration_rules(study: Study) -> Iterator[tuple[Rule, Declared]]:
 
 def _corners(study: Study) -> list[float]:
     """rad/s of the reference station at the rows of every table of torque, between which it is straight."""
-    train, load = study.train, study.operation.load
-    own = [row[0] / float(train.stations[torque.station].ratio) for torque in train.torques for row in torque.table]
-    return own if isinstance(load, str) else [*own, *(row[0] for row in load)]
+    stations, torques = study.train.stations, study.train.torques
+    own = [row[0] / float(stations[torque.station].ratio) for torque in torques for row in torque.table]
+    return [*own, *power_balance(study.train, study.operation).corners] if study.has_mean_torque else own
 
 
 class Continuous(Range):
@@ -309,51 +311,49 @@ def spans_of(system: System, part: int) -> IntArray:
 
 
 def rated_torque(evidence: Results) -> FloatArray | None:
-    """(spans,) N m: magnitude of the mean torque at the rated speed; None where it is not known.
-
-    Between computed speeds the torque is taken linear in the squared speed for the propeller law, which is exact.
-    """
-    steady, rated = evidence.get(Steady), evidence.study.operation.rated
-    if steady is None or rated is None:
+    """(spans,) N m: magnitude of the mean torque at the rated speed, which is computed; None where it is not known."""
+    known, rated, law = evidence.get(Steady), evidence.study.operation.rated, evidence.study.operation.load
+    if known is None or rated is None:
         return None
-    first, last = steady.speed[0], steady.speed[-1]
+    first, last = known.speed[0], known.speed[-1]
     if not first * (1 - SAME_SPEED) <= rated.speed <= last * (1 + SAME_SPEED):
         return None
-    power = 2 if evidence.study.operation.load == "propeller" else 1
-    rows = [np.interp(rated.speed**power, steady.speed**power, torque) for torque in steady.torque]
+    power = law.exponent if law.exponent > 0 and not law.table else 1.0
+    rows = [np.interp(rated.speed**power, known.speed**power, torque) for torque in known.torque]
     return np.asarray(np.abs(np.array(rows)))
 
 
 def full_torque(evidence: Results) -> FloatArray | None:
-    """(spans,) N m at the rated speed, of the rated power at least: what the train carries with less is scaled up.
+    """(spans,) N m at the rated speed, of the full power at least: what the train carries with less is scaled up.
 
-    A table of the load may give less, and an engine with a cylinder that does not fire. Where nothing is carried there,
-    every span has the whole rated power.
+    That is `rated.power`, or what all loads take when every cylinder fires. A table of the load may give less, and an
+    engine with a cylinder that does not fire. Where nothing is carried there, every span has the whole rated power.
     """
-    every, steady, rated = rated_torque(evidence), evidence.get(Steady), evidence.study.operation.rated
-    if every is None or steady is None or rated is None or rated.power is None:
+    every, known, rated = rated_torque(evidence), evidence.get(Steady), evidence.study.operation.rated
+    power = rated_power(evidence.study)
+    if every is None or known is None or rated is None or power is None:
         return every
-    at = int(np.argmin(np.abs(steady.speed - rated.speed)))
-    ratios = np.array([abs(float(station.ratio)) for station in evidence.system.stations])[: len(steady.applied)]
-    carried = float(np.maximum(steady.applied[:, at], 0.0) @ ratios) * rated.speed
-    whole = rated.power / rated.speed / np.abs(evidence.system.span_ratio)
+    at = int(np.argmin(np.abs(known.speed - rated.speed)))
+    ratios = np.array([abs(float(station.ratio)) for station in evidence.system.stations])[: len(known.applied)]
+    carried = float(np.maximum(known.applied[:, at], 0.0) @ ratios) * rated.speed
+    whole = power / rated.speed / np.abs(evidence.system.span_ratio)
     if carried > 0:
-        return every * max(1.0, rated.power / carried)
+        return every * max(1.0, power / carried)
     return every if np.any(every) else np.asarray(whole)
 
 
 def share_of_rated(operation: Operation) -> float:
     """Rated torque over what a table of load gives at the rated speed, at most 1: a larger load is no better rating."""
-    rated, load = operation.rated, operation.load
-    if isinstance(load, str) or rated is None or rated.power is None:
+    rated, table = operation.rated, operation.load.table
+    if not table or rated is None or rated.power is None:
         return 1.0
-    there = abs(float(np.interp(rated.speed, [row[0] for row in load], [row[1] for row in load])))
+    there = abs(float(np.interp(rated.speed, [row[0] for row in table], [row[1] for row in table])))
     return min(1.0, rated.power / rated.speed / there) if there else 1.0
 
 
 def knows_rated_torque(study: Study) -> bool:
     """The mean torque at the rated speed is known."""
-    return study.operation.rated is not None and study.operation.has_mean_torque
+    return study.operation.rated is not None and study.has_mean_torque
 
 
 def rated_speed(study: Study) -> float:

@@ -68,7 +68,7 @@ class M68(ShaftStress):
             found.append(
                 (f"{self.name}: shafts of another role", f"limits of {limits_of} are known: {', '.join(others)}")
             )
-        if not study.operation.has_mean_torque:
+        if not study.has_mean_torque:
             found.append((f"{self.name}: least diameters", "the rated power is not given"))
         return (*found, *self.reach(study, self.scope, self.scope_words))
 

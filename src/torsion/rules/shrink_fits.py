@@ -45,7 +45,7 @@ class ShrinkFits(RuleOverSpeed):
             hint = "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
             return [Fault(self.path(study, settings), f"{self.name} finds no hub with a `pressure`", hint)]
         found = judgement.vibration_faults(self, study, settings)
-        if not study.operation.has_mean_torque:
+        if not study.has_mean_torque:
             message = f"the mean torque is not known, and {self.name} compares it"
             found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found

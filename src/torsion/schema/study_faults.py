@@ -79,7 +79,7 @@ def _response_faults(study: Study) -> Iterator[Fault]:
 
         yield from table_faults(study)
     yield from _speed_faults(study, speeds=speeds or requested is not None or ruled, frequencies=frequencies)
-    if speeds and not study.operation.has_mean_torque:
+    if speeds and not study.has_mean_torque:
         yield from _mean_torque_faults(study)
 
 
@@ -120,7 +120,7 @@ def _of_analysis(
 
 
 _order_faults = _of_analysis("response.over_speed:order_faults", lambda study: "response" in study.analyses)
-_power_faults = _of_analysis("steady:power_faults", lambda study: study.operation.has_mean_torque)
+_power_faults = _of_analysis("steady:power_faults", lambda study: study.has_mean_torque)
 _check_faults = _of_analysis(
     "compare.candidates:loop_faults",
     lambda study: "check" in study.analyses,

@@ -11,7 +11,7 @@ import torsion
 from torsion.analyses.transient.events import Event, Point
 from torsion.analyses.transient.milling_ice import CLASSES, greatest_ice_torque
 from torsion.analyses.transient.transient_motion import Transients
-from torsion.components.lowering import PropellerRecord
+from torsion.components.machine_records import PropellerRecord
 from torsion.errors import InputError
 from torsion.kernels.transient.torque_history import value
 from torsion.output.blocks import Paragraph, Table

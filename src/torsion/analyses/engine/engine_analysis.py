@@ -19,8 +19,9 @@ from torsion.analyses.engine.engine_results import (
     VaryingInertia,
 )
 from torsion.analyses.engine.misfires import STATED, misfires, without_answer
+from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.steady import flow, mean_torque, steady_if_known
+from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.components.engine.record import EngineRecord
@@ -219,11 +220,11 @@ def _uncovered(study: Study, part: Part, engine: EngineRecord) -> Iterator[Fault
         own = speed * abs(float(part.ratio))
         if not law.covers(own):
             yield _beyond(part, own * 30.0 / math.pi, law.at * 30.0 / math.pi, "rpm")
-    elif law.over == "load" and operation.has_mean_torque:
+    elif law.over == "load" and study.has_mean_torque:
         station, of_mean = engine.load_says
         try:
-            share = flow(study.train, operation)[0][station] / study.train.stations[station].ratio
-            each = mean_torque(operation, speed) * float(share) * of_mean
+            entering = power_balance(study.train, operation).applied(station, speed)
+            each = entering / float(study.train.stations[station].ratio) * of_mean
         except InputError:
             return  # the mean torque is at fault, and reported as that
         if not law.covers(each):

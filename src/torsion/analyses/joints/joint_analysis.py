@@ -20,7 +20,7 @@ from torsion.fields import Declared, Quantity, given
 from torsion.findings import Work
 from torsion.kinematics.cross import fluctuation
 from torsion.kinematics.line import Variable
-from torsion.study import Operation
+from torsion.study import Operation, states_mean_torque
 from torsion.train import Train
 
 PLACE: Path = ("analyses", "joints")
@@ -102,7 +102,7 @@ def _torques(
     if requested.torque is not None:
         return [requested.torque] * len(every), []
     speed = operation.speed
-    if not speed or not operation.has_mean_torque:
+    if not speed or not states_mean_torque(train, operation):
         return [None] * len(every), ["no torque is known: secondary couples are left out"]
     if known is None:
         known = mean_torques(train, assemble(train), operation, np.array([speed]))

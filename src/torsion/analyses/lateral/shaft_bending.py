@@ -24,7 +24,7 @@ from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.findings import Progress, Work, silent
 from torsion.results import reported, result
-from torsion.study import Operation, SpeedRange
+from torsion.study import Operation, SpeedRange, states_mean_torque
 from torsion.train import Train
 
 OfShaft = TypeVar("OfShaft", Whirl, Critical, Answer)
@@ -136,7 +136,7 @@ def lateral_faults(train: Train, requested: LateralSettings | None) -> list[Faul
 
 def _torques(train: Train, operation: Operation, requested: LateralSettings, every: Sequence[Placed]) -> Torques | None:
     """(joints, speeds) N m, mean, in the driving shafts of all joints, of reference speeds, rad/s; None if unknown."""
-    if not every or (requested.torque is None and not operation.has_mean_torque):
+    if not every or (requested.torque is None and not states_mean_torque(train, operation)):
         return None
     if (known := requested.torque) is not None:
         return lambda speed: np.full((len(every), len(speed)), known)

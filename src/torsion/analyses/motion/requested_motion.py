@@ -90,10 +90,10 @@ def requested_motion_faults(study: Study) -> list[Fault]:
 
 def _map_faults(study: Study, over: Over, path: Path) -> list[Fault]:
     """Why a map has nothing to vary: a factor on nothing, or the angle of joints that the train does not have."""
-    train, load = study.train, study.operation.load
+    train, table = study.train, study.operation.load.table
     if over == "torque":
-        is_flat = not isinstance(load, str) and not any(torque for _, torque in load)
-        varies = study.operation.has_mean_torque and not is_flat
+        is_flat = bool(table) and not any(torque for _, torque in table)
+        varies = study.has_mean_torque and not is_flat
         message = "the mean torque, and the train has none"
         hint = "give it, for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`, or a table of `load`"
     elif over == "damping":

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, blocks, merged
-from torsion.analyses.steady import SAME_SPEED
+from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System

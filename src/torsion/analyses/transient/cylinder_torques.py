@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
@@ -14,6 +15,7 @@ from torsion.primitives import Torque
 from torsion.study import Study
 
 PARTS = 64  # of a load by tables, between whose rows the harmonics are no polynomials of the speed
+LOWEST = 0.02  # of the highest speed: down to it a load that is no polynomial of the speed is followed by parts
 
 
 def cylinder_law(study: Study, system: System, interface: int, torques: Sequence[Torque]) -> OrdersByAngle:
@@ -32,16 +34,30 @@ def _edges(study: Study, torques: Sequence[Torque], ratio: float) -> FloatArray:
     """(parts + 1,) rad/s of the own shaft, between which every amplitude is a polynomial of the speed."""
     operation = study.operation
     highest = (operation.speed or math.pi) * ratio
-    load, ends = operation.load, {0.5 * highest, highest}
+    ends = {0.5 * highest, highest}
     several = False
     for law in {id(one.cylinder.gas): one.cylinder.gas for one in torques if one.cylinder is not None}.values():
         if law is not None and law.over == "speed":
             ends = set(law.at.tolist())
         several |= law is not None and law.over == "load" and len(law.at) > 2
-    if not isinstance(load, str):
-        rows = {row[0] * ratio for row in load}
-        inside = {one for one in ends if min(rows) <= one <= max(rows)}
-        ends = rows | inside
+    ends = with_corners_of_loads(study, ends, ratio)
     if several:
         ends |= set(np.linspace(min(ends), max(ends), PARTS + 1).tolist())
     return np.array(sorted(ends))
+
+
+def with_corners_of_loads(study: Study, ends: set[float], ratio: float) -> set[float]:
+    """Return ends of parts (rad/s of the own shaft) between which mean torques are polynomials of the speed.
+
+    Where a table ends the parts end too; a law of another power is followed by many parts.
+    """
+    if not study.has_mean_torque:
+        return ends
+    balance = power_balance(study.train, study.operation)
+    if tables := [load.law.table for load in balance.loads if load.law.table]:
+        first, last = max(table[0][0] for table in tables) * ratio, min(table[-1][0] for table in tables) * ratio
+        ends = {end for end in ends | {corner * ratio for corner in balance.corners} if first <= end <= last}
+    if not balance.is_polynomial:
+        lowest = min(ends) if tables else LOWEST * max(ends)
+        ends |= set(np.geomspace(lowest, max(ends), PARTS + 1).tolist()[:-1])
+    return ends

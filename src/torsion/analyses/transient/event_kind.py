@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar, get_args
 
-from torsion.components.lowering import PropellerRecord
+from torsion.components.machine_records import PropellerRecord
 from torsion.fields import Declared, Quantity
 from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.torque_history import Piece

@@ -10,10 +10,11 @@ from functools import partial
 
 import numpy as np
 
+from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.transient.carrier import Carrier
-from torsion.analyses.transient.cylinder_torques import cylinder_law
+from torsion.analyses.transient.cylinder_torques import cylinder_law, with_corners_of_loads
 from torsion.analyses.transient.event_kind import Point
 from torsion.analyses.transient.events import Event
 from torsion.analyses.transient.following_events import Load, SpeedProgram
@@ -27,6 +28,7 @@ from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress
 from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Law, Marched, Scheme, march
+from torsion.kernels.transient.cylinder_torques import quadratics
 from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
 from torsion.kernels.transient.dry_friction import DryFriction
@@ -245,21 +247,33 @@ def _size(study: Study, system: System, torque: Torque, begins: float) -> laws.P
     Raises InputError where the mean torque of which it is a share is not known at the speed at which the motion begins.
     """
     operation, ratio = study.operation, abs(float(system.speed_ratio[torque.station]))
-    if begins:  # known there, or refused
-        at_begin = np.array([begins])
+    if begins or (torque.of_mean and not study.has_mean_torque):  # known at the begin, or refused
+        at_begin = np.array([begins or 1.0])
         amplitude(system, torque, at_begin, steady_if_known(study, system, at_begin) if torque.of_mean else None)
     if torque.table:
         return laws.table(torque.table)
     if not torque.of_mean:
         return laws.constant(torque.torque)
-    rows = None if isinstance(operation.load, str) else np.array(operation.load, dtype=float)
+    balance = power_balance(study.train, operation)
+    law = balance.loads[0].law
+    rows = np.array(law.table, dtype=float) if law.table else None
     speed = np.array([operation.speed or 1.0]) if rows is None else rows[[rows[:, 1].argmax()], 0]
     share = replace(torque, torque=0.0, phase=0.0)
     size = float(amplitude(system, share, speed, steady_if_known(study, system, speed))[0].real)
-    if operation.load == "propeller":
+    if len(balance.loads) > 1 or not (law.table or (law.exponent in (0.0, 2.0) and not law.at_rest)):
+        return _by_parts(study, system, share, ratio)
+    if law.exponent == 2.0 and not law.table:
         square = size / (float(speed[0]) * ratio) ** 2
         return laws.Parts(np.empty(0), np.array([[0.0, 0.0, square]]), float(speed[0]) * ratio)
-    if operation.load == "constant":
+    if rows is None:
         return laws.constant(size)
-    assert rows is not None
     return laws.table([(at * ratio, size * mean / float(rows[:, 1].max())) for at, mean in rows.tolist()])
+
+
+def _by_parts(study: Study, system: System, torque: Torque, ratio: float) -> laws.Parts:
+    """A share of a mean torque that several laws of load make, by parts over the speed of its own shaft."""
+    highest = (study.operation.speed or 1.0) * ratio
+    edges = np.array(sorted(with_corners_of_loads(study, {0.5 * highest, highest}, ratio)))
+    speed = np.stack([edges[:-1], (edges[:-1] + edges[1:]) / 2.0, edges[1:]], axis=1).ravel() / ratio
+    size = amplitude(system, torque, speed, steady_if_known(study, system, speed))
+    return laws.Parts(edges[1:-1], quadratics(edges, size.reshape(-1, 3, 1))[:, :, 0].real, float(edges[-1]))

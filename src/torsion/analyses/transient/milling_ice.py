@@ -16,7 +16,7 @@ from pydantic import model_validator
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Kind, Lack, Point
-from torsion.components.lowering import PropellerRecord
+from torsion.components.machine_records import PropellerRecord
 from torsion.fields import Quantity, given, refuse
 from torsion.kernels.transient import torque_laws
 from torsion.kernels.transient.collocation import Law

@@ -302,7 +302,7 @@ def _samples(settings: TransientSettings, found: Modes) -> int:
 def _read(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> TransientMotion:
     """With rated torques, stresses and damage."""
     operation, rated = study.operation, None
-    if operation.rated is not None and operation.has_mean_torque:
+    if operation.rated is not None and study.has_mean_torque:
         rated = steady(study.train, system, operation, np.array([operation.rated.speed])).torque[:, 0]
     stress = np.full(len(system.spans), np.nan)
     for bar in study.train.bars:

@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
+from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.steady import Steady, steady
 from torsion.analyses.transient.event_kind import Lack, Point
@@ -64,7 +65,7 @@ def state_before(
         fault = Fault((*place, "initial"), "a steady state needs a speed", "give `operation: rated`")
         raise InputError([fault])
     at = np.array([speed or operation.speed])
-    mean = steady(study.train, system, operation, at) if operation.has_mean_torque else None
+    mean = steady(study.train, system, operation, at) if study.has_mean_torque else None
     state = replace(none, speed=float(at[0]), mean=mean, torque=none.torque if mean is None else mean.torque[:, 0])
     if not (study.excites and vibrates):
         return state
@@ -148,7 +149,9 @@ def point(study: Study, system: System, speed: float, name: str, mean: Steady | 
     ratio = abs(float(system.speed_ratio[station]))
     own_speed = 0.0 if rated is None else rated.speed * ratio
     torque = None if part.machine is None else part.machine.rated_torque(own_speed)
-    if torque is None:
+    if torque is None and rated is not None and study.has_mean_torque:
+        torque = _share_of_full_torque(study, station, rated.speed) / ratio
+    if not torque:
         torque = 0.0 if rated is None or rated.power is None else rated.power / own_speed
     driving = 0.0 if mean is None else float(mean.applied[station, 0])
     blades = 0 if part.propeller is None or part.propeller.blades is None else part.propeller.blades
@@ -156,3 +159,11 @@ def point(study: Study, system: System, speed: float, name: str, mean: Steady | 
         name, speed * ratio, driving, torque, blades, FilePath(study.file).parent, own_speed,
         is_clutch=part.is_clutch, propeller=part.propeller,
     )  # fmt: skip
+
+
+def _share_of_full_torque(study: Study, station: int, speed: float) -> float:
+    """Return the torque (N m, of the reference) at a station when every cylinder fires."""
+    balance = power_balance(study.train, study.operation)
+    if not balance.delivered:
+        return 0.0
+    return abs(float(balance.applied(station, np.array([speed]))[0])) / float(balance.delivered)

@@ -31,7 +31,8 @@ from torsion.components.engine.declarations import (
 )
 from torsion.components.engine.gas_laws import Frame, GasFault, Law, law_of
 from torsion.components.engine.record import CylinderRecord, EngineRecord
-from torsion.components.lowering import Lowering, MachineRecord, ShaftRecord
+from torsion.components.lowering import Lowering, ShaftRecord
+from torsion.components.machine_records import MachineRecord
 from torsion.components.material import STEEL
 from torsion.fields import OneOrMany, Quantity, given, refuse, required
 from torsion.kernels.engine.crank_slider import CrankSlider, Rod

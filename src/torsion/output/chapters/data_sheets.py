@@ -164,9 +164,9 @@ def _impellers(findings: Findings) -> Table | None:
         impeller, screw, machine = part.impeller, part.propeller, part.machine
         if impeller is not None and machine is not None:
             wet = None if impeller.water is None else impeller.inertia + impeller.water
-            size = (None,) * 3 if screw is None else (screw.diameter, screw.pitch_ratio, screw.area_ratio)
+            size = (None, None) if screw is None else (screw.pitch_ratio, screw.area_ratio)
             rows.append((
-                part.name, impeller.blades, *(_figure(value) for value in size),
+                part.name, impeller.blades, _figure(impeller.diameter), *(_figure(value) for value in size),
                 _figure(impeller.inertia), _figure(impeller.water), _figure(wet), machine.damping_model,
                 _figure(machine.damping_factor), source(findings, k),
             ))  # fmt: skip

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.steady import Steady
+from torsion.analyses.steady import PowerBalance, Steady
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
-from torsion.output.blocks import Block, Heading, Paragraph, table
+from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import RPM, number, rpm, scale
+from torsion.output.numbers import NONE, RPM, number, rpm, scale
 from torsion.output.reported_values import rated, rated_rpm
 from torsion.output.selection import elements
 
@@ -38,6 +38,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         rows,
         f"Mean torque at {rpm(float(steady.speed[at]))} rpm, each at its own speed",
     )
+    yield from _balance(findings)
     if len(steady.speed) > 1:
         together = _together([(element.name, steady.torque[element.spans[0]] * unit.factor) for element, _ in found])
         ranked = sorted(range(len(together)), key=lambda k: -float(np.abs(together[k][1]).max()))[:MOST_LINES]
@@ -47,6 +48,26 @@ def chapter(findings: Findings) -> Iterator[Block]:
             "steady", f"Mean torque over the speed{rest}", speed=steady.speed * RPM, lines=lines, unit=unit.unit,
             rated=rated_rpm(findings),
         ))  # fmt: skip
+
+
+def _balance(findings: Findings) -> Iterator[Table]:
+    """Where power enters and leaves, machine by machine."""
+    balance = findings.get(PowerBalance)
+    if balance is None:
+        return
+    unit = scale("N m", [machine.torque for machine in balance.machines])
+    rows = [
+        (
+            machine.name, "enters" if machine.enters else "leaves", rpm(machine.speed), number(machine.power / 1e3),
+            unit.text(machine.torque), machine.law or NONE, "computed" if machine.free else "stated",
+        )
+        for machine in balance.machines
+    ]  # fmt: skip
+    yield table(
+        f"< Machine | < Power | Own speed [rpm] | Power [kW] | Torque [{unit.unit}] | < Law of load | < Its power is",
+        rows,
+        "Balance of power, every machine at its own speed",
+    )
 
 
 def _together(found: list[tuple[str, FloatArray]]) -> list[tuple[str, FloatArray]]:

@@ -151,7 +151,7 @@ def point(system: System, part: int, spans: list[int], start: float, size: Sizes
     placed = system.train.parts[part]
     kind, station = placed.kind, placed.stations[0]
     length = length_of(kind, size)
-    given = None if placed.propeller is None else placed.propeller.diameter
+    given = None if placed.impeller is None else placed.impeller.diameter
     radius = given / 2 if given else size.diameter * (0.9 + 1.1 * _grown(float(system.inertia[station]), size))
     rim = 0.12 if kind in LONG else 0.25
     profile = _disc(min(0.6 * size.diameter, 0.8 * radius), radius, rim)
