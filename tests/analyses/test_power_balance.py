@@ -9,11 +9,15 @@ import pytest
 
 import torsion
 from torsion.analyses.power_balance import power_balance
+from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import PowerBalance, steady
+from torsion.analyses.transient.following_torques import _size
 from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.findings import Findings
+from torsion.rules import judgement
+from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 
 ORACLES = json.loads((Path(__file__).parent / "power_balance_oracles.json").read_text(encoding="utf-8"))
@@ -256,3 +260,38 @@ def test_a_compressor_beside_a_fan_absorbs_by_its_pressures() -> None:
     own = 5e3 / (742 * math.pi / 30)
     assert found["motor"] == pytest.approx(gas + own, rel=1e-12)
     assert abs(found["to blower"]) == pytest.approx(own, rel=1e-12)
+
+
+def test_the_full_torque_of_every_span_is_that_when_all_cylinders_fire() -> None:
+    for more in (STATED, {**STATED, "CPP": "", "RATED": ", power: 4480 kW"}):
+        findings = torsion.run(train_m(**more, ENGINE=", misfire: 8"))
+        rated, full = judgement.rated_torque(findings), judgement.full_torque(findings)
+        assert rated is not None
+        assert full is not None
+        names = [span.name for span in findings.system.own_spans]
+        at, row = names.index("PTO coupling"), MEAN["train_M"]["at_rpm"]["750"]
+        assert full[at] == pytest.approx(row["pto_coupling"], rel=DIGITS)
+        assert full[names.index("tail")] == pytest.approx(row["tail"], rel=DIGITS)
+        assert rated[at] == pytest.approx(7 / 8 * row["pto_coupling"], rel=DIGITS)
+
+
+def test_the_mesh_of_a_shaft_generator_has_a_mean_torque_of_its_own() -> None:
+    study = train_m(**STATED)
+    findings = torsion.run(torsion.parse(study.text + "rules: [gear-hammer]\n"))
+    checks = {check.where: check for check in findings.need(Checks).lines if check.clause == "torque reversal"}
+    at = int(np.argmin(np.abs(findings.need(Response).speed - checks["gear wheel 2"].speed)))
+    rpm = float(findings.need(Response).speed[at]) * 30 / math.pi
+    generator = 1200e3 / (rpm * math.pi / 30)  # referred to the engine, at constant power
+    assert checks["gear wheel 2"].limit == pytest.approx(generator, rel=1e-9)
+
+
+@pytest.mark.parametrize(("rpm", "within"), [(1500, 1e-12), (1000, 1e-5), (500, 1e-5), (60, 1e-5)])
+def test_a_share_of_a_torque_at_constant_power_follows_the_speed_over_time(rpm: float, within: float) -> None:
+    text = PUMPS.replace("pump: {name: pump 1, inertia: 3, power: 250 kW}",
+                         "generator: {name: g, inertia: 3, power: 250 kW, load: constant-power, "
+                         "ripple: [{order: 2, torque: 4 %}]}").replace("1480 rpm}", "1500 rpm}")  # fmt: skip
+    study = torsion.parse(text)
+    system, speed = assemble(study.train), rpm * math.pi / 30
+    size = _size(study, system, study.train.torques[0])
+    value = size.value(size.part(speed), np.array([speed]))[0]
+    assert value == pytest.approx([0.04 * 250e3 / speed], rel=within)

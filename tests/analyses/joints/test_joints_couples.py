@@ -110,10 +110,10 @@ def test_couple_of_a_later_joint_is_read_at_its_own_yoke():
 
 
 def test_every_joint_carries_the_mean_torque_of_its_own_shaft():
-    branch = Branch(train=(Joint(name="side", angle="4 deg"), Propeller(name="one", inertia=1.0)))
+    branch = Branch(train=(Joint(name="side", angle="4 deg"), Propeller(name="one", inertia=1.0, power=30e3)))
     line = [
         Motor(inertia=1.0), Joint(name="a", angle="6 deg"), Coupling(stiffness=1e4), Disc(inertia=1.0), branch,
-        Gear(ratio=2), Joint(name="b", angle="5 deg"), Propeller(name="two", inertia=1.0),
+        Gear(ratio=2), Joint(name="b", angle="5 deg"), Propeller(name="two", inertia=1.0, power=30e3),
     ]  # fmt: skip
     built, operation = train(line), Operation(rated={"speed": "100 rad/s", "power": "60 kW"})
     found = {joint.name: joint.torque for joint in joints(built, operation).joints}
