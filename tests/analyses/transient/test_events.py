@@ -154,7 +154,7 @@ def test_what_an_event_lacks_of_its_train_is_said_at_its_place(event: str, words
 )
 def test_what_needs_a_speed_or_a_power_is_refused_at_rest(event: str, words: str) -> None:
     text = f"""name: x
-train: [disc: {{name: d1, inertia: 1}}, coupling: {{stiffness: 1e4}}, disc: {{inertia: 2}}]
+train: [motor: {{name: d1, inertia: 1}}, coupling: {{stiffness: 1e4}}, disc: {{inertia: 2}}]
 analyses: {{transient: {{duration: 1 s, events: [{event}]}}}}
 """
     (one,) = torsion.run(torsion.parse(text)).plan.unanswered

@@ -69,7 +69,7 @@ def _reason_without_mean(study: Study, settings: TransientSettings) -> str:
         return "the initial speed is given" if "speed" in settings.initial else "a twist is released"
     if settings.initial == "rest" or not study.operation.speed:
         return "the motion begins at rest"
-    return "" if study.has_mean_torque else "`operation` states no power"
+    return "" if study.has_mean_torque else "no power is stated"
 
 
 def _in_words(name: str, torques: Sequence[Torque], *, has_amounts: bool) -> Iterator[str]:

@@ -162,8 +162,8 @@ def point(study: Study, system: System, speed: float, name: str, mean: Steady | 
 
 
 def _share_of_full_torque(study: Study, station: int, speed: float) -> float:
-    """Return the torque (N m, of the reference) at a station when every cylinder fires; 0 where one load takes all."""
+    """Return the torque (N m, of the reference) at a station when every cylinder fires."""
     balance = power_balance(study.train, study.operation)
-    if len(balance.loads) == 1 or not balance.delivered:
+    if not balance.delivered:
         return 0.0
     return abs(float(balance.applied(station, np.array([speed]))[0])) / float(balance.delivered)
