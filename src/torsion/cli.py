@@ -385,8 +385,7 @@ def _stop(message: str, status: int) -> NoReturn:
 def main() -> None:
     """Entry point of the console script.
 
-    A reader that leaves (`| head`) changes nothing of the exit status; output that cannot be written for another reason
-    makes it that of a fault of the input.
+    A reader that leaves (`| head`) changes no exit status; any other failure to print makes it that of faulty input.
     """
     gc.set_threshold(100_000, 20, 50)  # looking for cycles took 12 % of the time of a large train
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))  # as on Ctrl-C: files stay whole
