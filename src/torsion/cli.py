@@ -1,7 +1,6 @@
 """The command `torsion`."""
 
 import gc
-import os
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -14,7 +13,7 @@ import typer
 
 import torsion
 from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError
-from torsion.lasting_output import lasting, replace_closed_streams
+from torsion.lasting_output import make_streams_last
 
 if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
@@ -35,12 +34,11 @@ def _say_version(is_requested: bool) -> None:
         raise typer.Exit
 
 
+VERSION = typer.Option("--version", callback=_say_version, is_eager=True, help="Print the version and end.")
+
+
 @app.callback()
-def about(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Print the version and end.")
-    ] = False,
-) -> None:
+def about(version: Annotated[bool, VERSION] = False) -> None:
     """Torsional vibration of shaft trains: frequencies, response, universal joints, class rules, report."""
 
 
@@ -383,24 +381,16 @@ def _stop(message: str, status: int) -> NoReturn:
 def main() -> None:
     """Entry point of the console script.
 
-    A reader that leaves (`| head`) changes nothing of the exit status; output that cannot be written for another reason
-    makes it that of a fault of the input.
+    A reader that leaves (`| head`) changes no exit status; any other failure to print makes it that of faulty input.
     """
-    replace_closed_streams()
     gc.set_threshold(100_000, 20, 50)  # looking for cycles took 12 % of the time of a large train
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))  # as on Ctrl-C: files stay whole
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(encoding="utf-8", errors="replace")
-    if os.name != "posix" or sys.stdout is not sys.__stdout__:
-        app()
-    sys.stderr, _ = lasting(sys.stderr, 2)
-    sys.stdout, output = lasting(sys.stdout, 1)
+    output = make_streams_last()
     try:
         app()
     except SystemExit:
         sys.stdout.flush()
-        if output.lost is None or isinstance(output.lost, BrokenPipeError):
+        if output is None or output.lost is None or isinstance(output.lost, BrokenPipeError):
             raise
         sys.stderr.write(f"the output cannot be written: {output.lost.strerror}\n")
         raise SystemExit(BAD_INPUT) from None

@@ -21,15 +21,7 @@ class Output(io.FileIO):
         return memoryview(data).nbytes
 
 
-def lasting(stream: TextIO, number: int) -> tuple[io.TextIOWrapper, Output]:
-    """A standard stream that lasts, and what it writes to."""
-    stream.flush()
-    raw = Output(number, "wb", closefd=False)
-    buffered = io.BufferedWriter(raw)
-    return io.TextIOWrapper(buffered, "utf-8", "replace", line_buffering=number == 2 or raw.isatty()), raw
-
-
-def replace_closed_streams() -> None:
+def _replace_closed_streams() -> None:
     """Open the null device for each standard stream that was closed when the program started.
 
     Else the next file that is opened takes the number of the stream, and what is written to the stream goes into it.
@@ -39,3 +31,27 @@ def replace_closed_streams() -> None:
             stream = os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8", errors="replace")
             setattr(sys, name, stream)
             setattr(sys, f"__{name}__", stream)
+
+
+def make_streams_last() -> Output | None:
+    """Replace standard output and error by streams that last; return what standard output writes to.
+
+    Streams that were redirected inside of Python stay, as do those of another system than POSIX: None then.
+    """
+    _replace_closed_streams()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(encoding="utf-8", errors="replace")
+    if os.name != "posix" or sys.stdout is not sys.__stdout__ or sys.stdout is None or sys.stderr is None:
+        return None
+    sys.stderr, _ = _lasting(sys.stderr, 2)
+    sys.stdout, output = _lasting(sys.stdout, 1)
+    return output
+
+
+def _lasting(stream: TextIO, number: int) -> tuple[io.TextIOWrapper, Output]:
+    """Return a standard stream that lasts, and what it writes to."""
+    stream.flush()
+    raw = Output(number, "wb", closefd=False)
+    buffered = io.BufferedWriter(raw)
+    return io.TextIOWrapper(buffered, "utf-8", "replace", line_buffering=number == 2 or raw.isatty()), raw

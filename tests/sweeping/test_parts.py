@@ -4,6 +4,7 @@ import json
 import pickle
 import shutil
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from torsion.sweeping.cluster import Scheduler, checked, unprotected
 from torsion.sweeping.sweep_folder import SweepFolder
 from torsion.sweeping.sweeper import Stopped, Sweeper
 
+pytest.importorskip("pyarrow", reason="parts need pip install -e '.[sweep]'")
 SCENE = """name: drive
 operation: {speeds: {from: 300 rpm, to: 1500 rpm, steps: 5}, rated: {speed: 1500 rpm, power: 100 kW}}
 train:
@@ -77,7 +79,7 @@ def test_a_part_that_is_there_is_kept_and_one_that_is_not_is_solved_all_as_solve
 ) -> None:
     shutil.copytree(kept, tmp_path, dirs_exist_ok=True)
     (lost,) = (tmp_path / "parts").glob("part-000003.*")
-    times = {path: path.stat().st_mtime_ns for path in (tmp_path / "parts").iterdir() if path != lost}
+    times = {path: path.stat().st_mtime_ns for path in (tmp_path / "parts").glob("part-*") if path != lost}
     lost.rename(lost.with_name(f"{lost.name}.part"))  # as of a process that was killed while it wrote
     requested = []
     monkeypatch.setattr(sweeper, "answered", lambda *given: requested.append(given) or sweep_run.answered(*given))
@@ -166,6 +168,10 @@ def test_parts_that_are_another_s_or_broken_are_refused(tmp_path: Path, short: N
     by(tmp_path, PLAIN % MODES)
     first, second = (next((tmp_path / "parts").glob(f"part-00000{k}.*")) for k in (0, 1))
     first.write_bytes(second.read_bytes())
+    with pytest.raises(Stopped, match="it is damaged"):
+        by(tmp_path, PLAIN % MODES)
+    with (tmp_path / "parts" / "SHA256SUMS").open("a", encoding="utf-8") as sums:
+        sums.write(f"{sha256(first.read_bytes()).hexdigest()}  {first.name}\n")
     with pytest.raises(Stopped, match="does not hold the variants 0 to 15"):
         by(tmp_path, PLAIN % MODES)
     first.write_bytes(b"nothing")
@@ -176,22 +182,83 @@ def test_parts_that_are_another_s_or_broken_are_refused(tmp_path: Path, short: N
         by(tmp_path, PLAIN % MODES)
 
 
+def test_no_single_bit_of_a_part_can_change_unnoticed(tmp_path: Path, short: None) -> None:
+    """Every flipped bit of 300 over the whole file is refused in words: no other number passes."""
+    by(tmp_path, PLAIN % MODES)
+    path = tmp_path / "parts" / "part-000003.parquet"
+    whole, place = path.read_bytes(), SweepFolder(tmp_path)
+    place.checksums[path.name] = sha256(whole).hexdigest()
+    chunk = chunks(128, 16)[3]
+    assert place.read(chunk)[0].shape == (16, 1)
+    for bit in np.random.default_rng(1).choice(8 * len(whole), 300, replace=False).tolist():
+        damaged = bytearray(whole)
+        damaged[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(damaged)
+        with pytest.raises(InputError, match=r"part-000003\.parquet cannot be read as a part of a sweep"):
+            place.read(chunk)
+
+
+def test_a_damaged_part_ends_the_command_with_the_status_of_faulty_input(tmp_path: Path, short: None) -> None:
+    scene, path = tmp_path / "scene.yaml", tmp_path / "out" / "parts" / "part-000003.parquet"
+    scene.write_text(PLAIN % MODES, encoding="utf-8")
+    call = ["sweep", str(scene), "-o", str(tmp_path / "out")]
+    assert CliRunner().invoke(app, call).exit_code == 0
+    whole = path.read_bytes()
+    for damaged in (b"", whole[:100], whole[:50] + b"\0" + whole[51:], b"PAR1" * 100):
+        path.write_bytes(damaged)
+        done = CliRunner().invoke(app, call)
+        assert done.exit_code == BAD_INPUT
+        assert "part-000003.parquet cannot be read as a part of a sweep: it is damaged" in done.output
+    path.unlink()
+    assert "7 of 8 parts were there already" in CliRunner().invoke(app, call).output
+    assert path.read_bytes() == whole
+
+
+def test_a_part_whose_checksum_was_never_written_is_solved_again(tmp_path: Path, short: None) -> None:
+    by(tmp_path, PLAIN % MODES)
+    sums = tmp_path / "parts" / "SHA256SUMS"
+    text = sums.read_text(encoding="utf-8")
+    sums.write_text(text[:-20], encoding="utf-8")  # as of a process that was killed while it wrote
+    assert by(tmp_path, PLAIN % MODES)[1].solved == 1
+    assert by(tmp_path, PLAIN % MODES)[1].kept == 8
+
+
+def test_to_begin_anew_removes_parts_and_no_other_file(tmp_path: Path, short: None) -> None:
+    (tmp_path / "parts").mkdir()
+    mine = [tmp_path / "parts" / name for name in ("notes.txt", "part-list.txt", "part-1.parquet")]
+    by(tmp_path, PLAIN % MODES)
+    for path in mine:
+        path.write_text("a user's", encoding="utf-8")
+    assert by(tmp_path, PLAIN % MODES, fresh=True)[1].solved == 8
+    assert all(path.read_text(encoding="utf-8") == "a user's" for path in mine)
+
+
+def test_a_sweep_without_pyarrow_is_refused_with_how_to_install_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "find_spec", lambda name: None if name == "pyarrow" else name)
+    (tmp_path / "scene.yaml").write_text(PLAIN % MODES, encoding="utf-8")
+    done = CliRunner().invoke(app, ["sweep", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out")])
+    assert done.exit_code == BAD_INPUT
+    assert "needs pyarrow (pip install '.[sweep]')" in done.output
+    assert not (tmp_path / "out").exists()
+
+
 def test_faults_and_unknown_numbers_come_back_as_they_were(tmp_path: Path) -> None:
     study = torsion.parse(PLAIN % VARY)
     (chunk,), variation = chunks(3, 3), study.variations["sweep"]
     answers = sweep_run.Answers(np.array([[1.5, np.nan, 0.1 + 0.2]]), faults={1: "no answer, ü"}, method="by hand")
     answers.checks["rule", "", "where", "what"] = np.array([np.nan, 0.5, np.inf]), np.array([True, False, True])
     part = np.array([[1.1, 0.0], [0.9, 1.0], [1.0, 1.0]]), answers
-    for suffix in (".npz", ".parquet") if parts.has_parquet() else (".npz",):
-        parts.write_part(tmp_path / f"part{suffix}", *parts.columns(chunk, variation, part))
-        found, about = parts.read_part(tmp_path / f"part{suffix}")
-        values, back = parts.part_of(found, about)
-        assert list(found["tail.diameter label"]) == ["55 mm", "60 mm", "60 mm"]
-        assert np.array_equal(values, part[0])
-        assert np.array_equal(back.frequency, answers.frequency, equal_nan=True)
-        assert (back.faults, back.method, list(back.checks)) == (answers.faults, "by hand", list(answers.checks))
-        for mine, others in zip(back.checks.values(), answers.checks.values(), strict=True):
-            assert all(np.array_equal(*pair, equal_nan=True) for pair in zip(mine, others, strict=True))
+    checksum = parts.write_part(tmp_path / "part.parquet", *parts.columns(chunk, variation, part))
+    found, about = parts.read_part(tmp_path / "part.parquet", checksum)
+    values, back = parts.part_of(found, about)
+    assert list(found["tail.diameter label"]) == ["55 mm", "60 mm", "60 mm"]
+    assert np.array_equal(values, part[0])
+    assert np.array_equal(back.frequency, answers.frequency, equal_nan=True)
+    assert (back.faults, back.method, list(back.checks)) == (answers.faults, "by hand", list(answers.checks))
+    for mine, others in zip(back.checks.values(), answers.checks.values(), strict=True):
+        assert all(np.array_equal(*pair, equal_nan=True) for pair in zip(mine, others, strict=True))
 
 
 def test_a_worker_answers_the_same_and_refuses_other_programs_and_files(tmp_path: Path, short: None) -> None:
@@ -262,8 +329,8 @@ def test_options_of_a_scheduler_that_clash_are_refused(
 
 
 def test_workers_without_dask_are_refused_with_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"torsion\[sweep\]"):
+    monkeypatch.setattr(cluster, "find_spec", lambda name: None if name == "dask" else name)
+    with pytest.raises(InputError, match=r"workers need dask \(pip install '\.\[sweep\]'\)"):
         checked(Scheduler(2))
     assert not checked(Scheduler(1)).is_needed
 

@@ -72,3 +72,42 @@ def test_a_killed_worker_and_a_killed_command_lose_nothing(tmp_path: Path) -> No
     for mine, others in zip(found.checks, whole.checks, strict=True):
         assert np.array_equal(mine.utilisation, others.utilisation)
         assert np.array_equal(mine.fails, others.fails)
+
+
+LISTENING = """
+import os, psutil, socket
+from torsion.sweeping.cluster import Scheduler, Workers
+
+if __name__ == "__main__":
+    taken = socket.socket()  # the port that dask takes by itself, at which it warns where another program has it
+    try:
+        taken.bind(("0.0.0.0", 8787))
+        taken.listen()
+    except OSError:
+        pass
+    with Workers(Scheduler(2)) as workers:
+        client = workers._started(lambda words: None)
+        listening = [
+            connection.laddr.ip
+            for process in (os.getpid(), *client.run(os.getpid).values())
+            for connection in psutil.Process(process).net_connections()
+            if connection.status == "LISTEN" and connection.laddr.port != 8787
+        ]
+    print(*sorted(set(listening)))
+"""
+
+
+def test_workers_of_this_machine_listen_to_it_only_and_warn_of_no_port(tmp_path: Path) -> None:
+    (tmp_path / "listening.py").write_text(LISTENING, encoding="utf-8")
+    command = [sys.executable, "listening.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=120)
+    assert (done.stdout, done.stderr) == ("127.0.0.1\n", "")
+
+
+def test_no_command_of_the_documentation_opens_a_dashboard_to_the_network() -> None:
+    root = Path(__file__).parents[2]
+    pages = (root / "README.md", root / "docs" / "many_machines.md")
+    commands = [line for page in pages for line in page.read_text(encoding="utf-8").splitlines()]
+    commands = [line for line in commands if line.startswith(("dask scheduler ", "dask worker "))]
+    assert len(commands) == 4
+    assert all(" --dashboard-address 127.0.0.1:0 " in line for line in commands)

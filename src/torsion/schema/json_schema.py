@@ -14,7 +14,7 @@ from torsion.rules import RULES
 from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.csv_columns import MAPPINGS, PAIRS
 from torsion.schema.kind_texts import EXAMPLES
-from torsion.schema.manual import SETTINGS, declarations, first_line
+from torsion.schema.manual import SETTINGS, declarations
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source
@@ -112,15 +112,15 @@ def _add_tables(models: Schema) -> None:
 
 def _kind(kind: str, body: Schema) -> Schema:
     """A kind of component with what it is, and examples of it."""
-    words = first_line(component(kind).__doc__)
+    words = (component(kind).__doc__ or "").strip().partition("\n")[0]  # no docstring with PYTHONOPTIMIZE=2
     given = parse_source(EXAMPLES[kind], kind).data
     return body | {"description": words, "examples": [entry[kind] for entry in given if kind in entry]}
 
 
 def _rule(name: str, body: Schema) -> Schema:
     """The settings of a rule with what it judges, in the words of its module."""
-    words = first_line(import_module(RULES[name].partition(":")[0]).__doc__)
-    return body | {"description": words.partition(": ")[2]} | _examples(name)
+    words = import_module(RULES[name].partition(":")[0]).__doc__ or ""
+    return body | {"description": words.strip().partition("\n")[0].partition(": ")[2]} | _examples(name)
 
 
 def _examples(name: str) -> Schema:

@@ -105,13 +105,8 @@ def _kind(kind: str) -> str:
         declared.sort
     ]
     example = f"```yaml\n{EXAMPLES[kind]}\n```\n"
-    words = " ".join([first_line(declared.__doc__), *([NOTES[kind]] if kind in NOTES else [])])
+    words = " ".join([(declared.__doc__ or "").strip().partition("\n")[0], *([NOTES[kind]] if kind in NOTES else [])])
     return f"### `{kind}`: {sort}\n\n{words}\n\n{_with_parts(declared, Component)}\n{example}"
-
-
-def first_line(docstring: str | None) -> str:
-    """Return the first line of a docstring; "" if Python runs without docstrings (PYTHONOPTIMIZE=2)."""
-    return (docstring or "").strip().partition("\n")[0]
 
 
 def _settings(what: str, name: str, declared: type[Declared]) -> str:

@@ -25,6 +25,7 @@ ENVIRONMENT = {  # of the workers of this machine
 AHEAD = 2  # chunks sent for every thread of the workers, so that none waits
 ANSWER, JOIN = 30.0, 120.0  # seconds until a scheduler answers, and until its first worker joins
 DEATHS = 10  # workers that a chunk may end before it is given up: they may be ended by others
+ANY_PORT = "127.0.0.1:0"  # of what dask shows of itself: this machine only, on a free port
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
@@ -53,6 +54,8 @@ def checked(given: Scheduler) -> Scheduler:
         raise _refused("--scheduler and --scheduler-file name two schedulers", "give one of them")
     if given.workers > 1 and (given.address or given.file is not None):
         raise _refused("--workers are of this machine, and a scheduler has its own", "give one of them")
+    if find_spec("pyarrow") is None:
+        raise _refused("`torsion sweep` keeps its parts as Parquet, which needs pyarrow", "pip install '.[sweep]'")
     if given.is_needed and (find_spec("dask") is None or find_spec("distributed") is None):
         raise _refused("workers need dask", "pip install '.[sweep]'")
     for option, file in {**tls, "--scheduler-file": given.file}.items():
@@ -71,7 +74,7 @@ def _address(file: Path) -> str:
     try:
         return str(json.loads(file.read_text(encoding="utf-8"))["address"])
     except (OSError, ValueError, KeyError, TypeError):
-        hint = "it is written by: dask scheduler --scheduler-file FILE"
+        hint = f"it is written by: dask scheduler --scheduler-file FILE --dashboard-address {ANY_PORT}"
         raise _refused(f"{file} is no file of a scheduler", hint) from None
 
 
@@ -145,8 +148,9 @@ class Workers:
             dask.config.set({"distributed.scheduler.allowed-failures": DEATHS})
             with _undisturbed():
                 cluster = LocalCluster(
-                    n_workers=given.workers, threads_per_worker=1, processes=True, dashboard_address=None,
-                    memory_limit=0, host="127.0.0.1", silence_logs=logging.CRITICAL,
+                    n_workers=given.workers, threads_per_worker=1, processes=True, dashboard_address=ANY_PORT,
+                    worker_dashboard_address=ANY_PORT, scheduler_kwargs={"dashboard": False}, memory_limit=0,
+                    host="127.0.0.1", silence_logs=logging.CRITICAL,
                 )  # fmt: skip
             return self._open.enter_context(Client(self._open.enter_context(cluster)))
         protected = given.ca is not None
@@ -156,12 +160,15 @@ class Workers:
             client = Client(given.address, timeout=ANSWER, security=security if protected else None)
         except (OSError, TimeoutError, ValueError, RuntimeError, MemoryError) as error:  # it may be no scheduler
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise _refused(f"no scheduler answers at {given.address}: {reason}", "dask scheduler starts one") from None
+            raise _refused(
+                f"no scheduler answers at {given.address}: {reason}",
+                f"start one: dask scheduler --dashboard-address {ANY_PORT}",
+            ) from None
         self._open.enter_context(client)
         try:
             client.wait_for_workers(1, timeout=JOIN)
         except TimeoutError:
-            hint = f"dask worker {given.address} --nthreads 1 --nworkers -1"
+            hint = f"dask worker {given.address} --nthreads 1 --nworkers -1 --dashboard-address {ANY_PORT}"
             raise _refused(f"no worker has joined the scheduler {given.address}", hint) from None
         return client
 

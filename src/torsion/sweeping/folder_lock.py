@@ -20,7 +20,7 @@ def alone(folder: Path, notice: Callable[[str], object]) -> Iterator[None]:
     folder.mkdir(parents=True, exist_ok=True)
     lock, own = folder / LOCK, f"{os.getpid()} {socket.gethostname()}"
     if not _taken(lock, own):
-        before = lock.read_text(encoding="utf-8") if lock.exists() else ""
+        before = lock.read_text(encoding="utf-8", errors="replace") if lock.exists() else ""
         if not _has_ended(before):
             process, _, host = before.partition(" ")
             who = f"process {printable(process)} on {printable(host)}" if host else "another command"

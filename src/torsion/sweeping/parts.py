@@ -1,9 +1,10 @@
-"""A chunk of a sweep as a file: Parquet, or .npz without pyarrow; a row a variant, the same columns in both."""
+"""A chunk of a sweep as a Parquet file with a row for each variant, and its checksum."""
 
+import io
 import json
 import os
 from collections.abc import Mapping
-from importlib.util import find_spec
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +15,9 @@ from torsion.analyses.variants.one_by_one import Answers
 from torsion.errors import Fault, InputError
 from torsion.study import Variation
 
-SUFFIXES = (".parquet", ".npz")
+SUFFIX = ".parquet"
 ABOUT = "torsion"  # key of what a part says of its columns, in JSON
 Columns = Mapping[str, np.ndarray]  # (variants,) each
-
-
-def has_parquet() -> bool:
-    """Parts are written as Parquet."""
-    return find_spec("pyarrow") is not None
 
 
 def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, dict[str, Any]]:
@@ -56,38 +52,34 @@ def part_of(found: Columns, about: Mapping[str, Any]) -> Part:
     return values, Answers(frequency, checks, faults, about["method"])
 
 
-def write_part(path: Path, found: Columns, about: Mapping[str, Any]) -> None:
-    """Write the columns so that the file is there whole or not at all; the suffix says how."""
+def write_part(path: Path, found: Columns, about: Mapping[str, Any]) -> str:
+    """Write the columns so that the file is there whole or not at all; return its SHA-256."""
+    import pyarrow
+    from pyarrow import parquet
+
+    table = pyarrow.table({name: pyarrow.array(own) for name, own in found.items()})
+    content = io.BytesIO()
+    parquet.write_table(table.replace_schema_metadata({ABOUT: json.dumps(about)}), content, write_page_checksum=True)
     under_way = path.with_name(f"{path.name}.part")
     with under_way.open("wb") as file:
-        if path.suffix == ".npz":
-            np.savez_compressed(file, **{**found, ABOUT: np.array(json.dumps(about))})  # type: ignore[arg-type]
-        else:
-            import pyarrow
-            from pyarrow import parquet
-
-            table = pyarrow.table({name: pyarrow.array(own) for name, own in found.items()})
-            parquet.write_table(table.replace_schema_metadata({ABOUT: json.dumps(about)}), file)
+        file.write(content.getbuffer())
         file.flush()
         os.fsync(file.fileno())
     under_way.replace(path)
+    return sha256(content.getbuffer()).hexdigest()
 
 
-def read_part(path: Path) -> tuple[Columns, dict[str, Any]]:
-    """The columns of a file, and what they hold; raises InputError where it is no part of a sweep."""
-    if path.suffix == ".parquet" and not has_parquet():
-        message = f"{path} is Parquet, which pyarrow reads"
-        raise InputError([Fault((), message)], f"{message} (pip install 'torsion[sweep]', or begin anew: --fresh)")
+def read_part(path: Path, checksum: str) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns of a file and what they hold; raises InputError if a bit differs from what was written."""
+    from pyarrow import ArrowException, parquet
+
     try:
-        if path.suffix == ".npz":
-            with np.load(path) as file:
-                found = {name: file[name] for name in file.files}
-            return found, json.loads(str(found.pop(ABOUT)))
-        from pyarrow import parquet
-
-        table = parquet.read_table(path, memory_map=False)
+        content = path.read_bytes()
+        if sha256(content).hexdigest() != checksum:
+            raise ValueError("it is damaged: its SHA-256 is not that of the file that was written")
+        table = parquet.read_table(io.BytesIO(content), page_checksum_verification=True)
         about = json.loads(table.schema.metadata[ABOUT.encode()])
         return {name: table[name].to_numpy() for name in table.column_names}, about
-    except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
+    except (ArrowException, OSError, ValueError, KeyError, TypeError) as error:
         message = f"{path} cannot be read as a part of a sweep: {error}"
         raise InputError([Fault((), message)], f"{message} (remove it; it is then solved again)") from None

@@ -3,9 +3,10 @@
 import csv
 import hashlib
 import json
-import shutil
+import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +18,13 @@ from torsion.errors import Fault, InputError, printable
 from torsion.findings import Work, version
 from torsion.output.write import inputs
 from torsion.study import Study, Variation
-from torsion.sweeping.parts import SUFFIXES, columns, has_parquet, part_of, read_part, write_part
+from torsion.sweeping.parts import SUFFIX, columns, part_of, read_part, write_part
 from torsion.user_files import LARGEST_SIGNAL, read_file
 
 OF = "sweep.json"  # what the parts are of
+SUMS = "SHA256SUMS"  # of the parts, beside them; `sha256sum -c` reads it
+UNFINISHED = re.compile(r"part-\d{6}\.\w+\.part")
+OWN = re.compile(r"part-\d{6}\.(parquet|npz)")  # .npz: of an earlier version
 MOST_SAID = 4  # differences from another sweep
 LIBRARIES = ("torsion", "numpy", "scipy")  # which may change the last bits of the answers
 
@@ -30,6 +34,7 @@ class SweepFolder:
     """Where the parts of one sweep are."""
 
     folder: Path
+    checksums: dict[str, str] = field(default_factory=dict)  # SHA-256 by the name of a part
 
     @property
     def parts(self) -> Path:
@@ -44,29 +49,54 @@ class SweepFolder:
         place = self.folder / OF
         if fresh:
             place.unlink(missing_ok=True)
-            shutil.rmtree(self.parts, ignore_errors=True)
+            self._remove(OWN)
+            (self.parts / SUMS).unlink(missing_ok=True)
         self.parts.mkdir(parents=True, exist_ok=True)
-        for left in self.parts.glob("part-*.part"):
-            left.unlink()
+        self._remove(UNFINISHED)
+        self._read_checksums()
         if place.exists():
             _refuse_another(place, identity)
             return
-        if any(self.parts.glob("part-*")):
+        if any(OWN.fullmatch(path.name) for path in self.parts.glob("part-*")):
             message = f"{self.parts} holds parts, and no {OF} says of which sweep"
             raise InputError([Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)")
         under_way = place.with_name(f"{OF}.part")
         under_way.write_text(json.dumps({"hash": hash_of(identity), **identity}, indent=1), encoding="utf-8")
         under_way.replace(place)
 
+    def _remove(self, names: re.Pattern[str]) -> None:
+        """Remove files of such names from the folder of the parts, and no others."""
+        for path in self.parts.glob("part-*"):
+            if names.fullmatch(path.name):
+                path.unlink()
+
+    def _read_checksums(self) -> None:
+        """Read the checksums that were written; a line that was never finished is ended."""
+        sums = self.parts / SUMS
+        text = sums.read_text(encoding="utf-8", errors="replace") if sums.exists() else ""
+        if text and not text.endswith("\n"):
+            with sums.open("a", encoding="utf-8") as file:
+                file.write("\n")
+        lines = (line.partition("  ") for line in text.splitlines())
+        self.checksums.update((name, checksum) for checksum, _, name in lines)
+
     def found(self, chunk: Chunk) -> Path | None:
-        """The part of a chunk; None where it is not there."""
-        stems = (self.parts / f"part-{chunk.number:06d}{suffix}" for suffix in SUFFIXES)
-        return next((path for path in stems if path.exists()), None)
+        """Return the part of a chunk; None if it is missing or its checksum was never written."""
+        path = self._path(chunk)
+        return path if path.name in self.checksums and path.exists() else None
+
+    def _path(self, chunk: Chunk) -> Path:
+        return self.parts / f"part-{chunk.number:06d}{SUFFIX}"
 
     def write(self, chunk: Chunk, variation: Variation, part: Part) -> None:
         """Keep what a chunk answers."""
-        name = f"part-{chunk.number:06d}{SUFFIXES[0 if has_parquet() else 1]}"
-        write_part(self.parts / name, *columns(chunk, variation, part))
+        path = self._path(chunk)
+        checksum = write_part(path, *columns(chunk, variation, part))
+        with (self.parts / SUMS).open("a", encoding="utf-8") as sums:
+            sums.write(f"{checksum}  {path.name}\n")
+            sums.flush()
+            os.fsync(sums.fileno())
+        self.checksums[path.name] = checksum
 
     def read(self, chunk: Chunk) -> Part:
         """What a chunk answers; raises InputError where its part is missing or another's."""
@@ -74,7 +104,7 @@ class SweepFolder:
         if path is None:
             message = f"the part {chunk.number} is no longer in {self.parts}"
             raise InputError([Fault((), message)], f"{message} (the same command solves it again)")
-        found, about = read_part(path)
+        found, about = read_part(path, self.checksums[path.name])
         if not np.array_equal(found["variant"], np.arange(chunk.begin, chunk.end)):
             message = f"{path} does not hold the variants {chunk.begin} to {chunk.end - 1}"
             raise InputError([Fault((), message)], f"{message} (remove it; it is then solved again)")
@@ -85,14 +115,14 @@ class SweepFolder:
         paths = [path for path in map(self.found, chunks) if path is not None]
         names: dict[str, None] = {}
         for path in paths:
-            names |= dict.fromkeys(read_part(path)[0])
+            names |= dict.fromkeys(read_part(path, self.checksums[path.name])[0])
         target = self.folder / "variants.csv"
         under_way = target.with_name("variants.csv.part")
         with under_way.open("w", newline="", encoding="utf-8") as file:
             rows = csv.writer(file)
             rows.writerow(names)
             for path in paths:
-                rows.writerows(_rows(read_part(path)[0], list(names)))
+                rows.writerows(_rows(read_part(path, self.checksums[path.name])[0], list(names)))
         under_way.replace(target)
         return target
 
