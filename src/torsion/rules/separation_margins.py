@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator
@@ -32,7 +32,6 @@ RADIANS = 2.0 * math.pi
 ROUNDING = 1e-9  # relative: a margin this near to its limit is at the limit
 STRESS_ANALYSIS = "a stress analysis must show that the resonance does no harm"
 CLAUSE, WHERE = "separation", "train"
-NO_GRID = "none"
 STATE_LINE = "write `line_frequency: 50 Hz`, or `line_frequency: none` where there is no grid"
 MACHINES = ("motor", "generator")  # kinds of components that may be joined to a grid
 
@@ -64,20 +63,23 @@ class LineFrequency(Declared):
     )
 
 
+NO_GRID = LineFrequency.model_construct(nominal=0.0, tolerance=0.0)
+
+
 def _read_line_frequency(value: Any) -> Any:
-    if isinstance(value, dict | LineFrequency) or value in (None, NO_GRID):
-        return value
-    return {"nominal": value}
+    if value == "none":
+        return NO_GRID
+    return value if isinstance(value, dict | LineFrequency | None) else {"nominal": value}
+
+
+Grid = Annotated[LineFrequency, BeforeValidator(_read_line_frequency, float | str | LineFrequency)]
 
 
 class MarginSettings(Declared):
     """Settings of the separation margins."""
 
     continuous: Continuous | None = given("operating range: {from, to} (default: all of `operation.speeds`)")
-    line_frequency: Annotated[
-        LineFrequency | Literal["none"] | None,
-        BeforeValidator(_read_line_frequency, json_schema_input_type=float | str | LineFrequency | None),
-    ] = given(
+    line_frequency: Grid | None = given(
         "of the electric supply, once and twice it count: a frequency, {nominal: 50 Hz, tolerance: 2 %}, or none where "
         "there is no grid; a train with an electric machine is not judged without it"
     )
@@ -224,7 +226,7 @@ def list_excitations(evidence: Results, settings: MarginSettings, standard: Marg
         if line.frequency is not None:
             name = f"the frequency of {in_runs(dict.fromkeys(line.sources))}"
             yield Excitation(name, standard.first, line.frequency, line.frequency)
-    if isinstance(settings.line_frequency, LineFrequency):
+    if settings.line_frequency is not None and settings.line_frequency.nominal:
         nominal, tolerance = settings.line_frequency.nominal, settings.line_frequency.tolerance
         for multiple in (1, 2):
             ends = multiple * nominal * (1.0 - tolerance), multiple * nominal * (1.0 + tolerance)
