@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from torsion.kernels.mode_shapes import ShaftModes
 
 MOST_MODES = 100_000
-MOST_JUDGED = 1000  # modes that are computed beyond those requested, for a rule
+MOST_JUDGED = 200  # modes that are computed beyond those requested, for a rule
 ROUNDS = 6  # of refining the shafts until the highest frequency of the modes stays put
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
 NONE = np.empty(0, dtype=np.int64)  # no spans

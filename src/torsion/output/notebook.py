@@ -10,6 +10,7 @@ from markupsafe import Markup
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings, Plan
+from torsion.output import headline
 from torsion.output.blocks import Block, KeyValues, Paragraph, table
 from torsion.output.chapters import forced_response, natural_frequencies, plant, verdict
 from torsion.output.drawing.svg import svg
@@ -18,7 +19,7 @@ from torsion.output.html import environment
 from torsion.output.numbers import NONE, counted, number, rpm
 from torsion.output.reported_values import amplitude, harmonic_name
 from torsion.output.selection import NO_VALUE, elements, highest, largest, torques
-from torsion.rules.verdict_line import WORDS, Checks, worst_verdict
+from torsion.rules.verdict_line import WORDS, Checks
 from torsion.study import Study
 
 MOST_MODES = 30  # in the table of their frequencies
@@ -44,7 +45,7 @@ def bundle(shown: Any) -> dict[str, str]:
 def _findings_line(findings: Findings) -> str:
     checks = findings.get(Checks)
     lines = () if checks is None else checks.lines
-    judged = f"{WORDS[worst_verdict(lines)]}, {counted(len(lines), 'check')}" if lines else "no check"
+    judged = f"{WORDS[headline.verdict(findings)]}, {counted(len(lines), 'check')}" if lines else "no check"
     return f"{findings.study.name}; {judged}; results: {', '.join(findings.results)}"
 
 

@@ -167,8 +167,8 @@ def _vibration(
     if (limit := ratings.vibratory_torque) is not None:
         yield clause("T_KW", "vibratory torque, synthesis", "N m", curve_of(response, half_range, limit), use, in_use)
     if ratings.vibratory_over_frequency is not None:
-        for curve, what, size in _over_frequency(evidence, ratings.vibratory_over_frequency, spans):
-            yield clause("T_KW(f)", what, "N m", curve, use, in_use, "", size)
+        for curve, what, words, size in _over_frequency(evidence, ratings.vibratory_over_frequency, spans):
+            yield clause("T_KW(f)", what, "N m", curve, use, in_use, words, size)
     if (of_heat := _heat_limit(evidence.study, ratings)) is not None:
         name, what, most, words = of_heat
         power = raised_heat(evidence, spans)
@@ -187,8 +187,9 @@ def _heat_limit(study: Study, ratings: CouplingRatings) -> "tuple[str, str, floa
     case = "" if study.case is None else f"case {study.case.name}"
     if misfires(study) and ratings.heat_in_misfire is not None:
         time = ratings.heat_in_misfire.time
-        what = "power loss in misfire" + ("" if time is None else f", for {time / 60.0:.4g} min at most")
-        return "P_KW misfire", what, ratings.heat_in_misfire.power, case
+        most = "" if time is None else f"for {time / 60.0:.4g} min at most"
+        words = "; ".join(filter(None, (most, case)))
+        return "P_KW misfire", "power loss in misfire", ratings.heat_in_misfire.power, words
     words = f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation" * misfires(study)
     if ratings.heat_over_frequency is not None:
         what = "power loss, each harmonic component times the least P_KW / P_KW at its frequency"
@@ -200,7 +201,7 @@ def _heat_limit(study: Study, ratings: CouplingRatings) -> "tuple[str, str, floa
 
 def _over_frequency(
     evidence: Results, limit: "OverFrequency", spans: IntArray
-) -> Iterator[tuple[Curve, str, FloatArray]]:
+) -> Iterator[tuple[Curve, str, str, FloatArray]]:
     """Every harmonic component by itself, and all together, against a torque that depends on the frequency of each.
 
     Together each counts times the limit of the lowest frequency of the maker's data / that of its own; of these the
@@ -212,13 +213,13 @@ def _over_frequency(
     share = _nonlinear(evidence, spans, np.abs(phasors)) / own
     at, rows = np.argmax(np.nan_to_num(share, nan=np.inf), axis=1), np.arange(len(share))
     alone = curve_of(response, (share * own)[rows, at], own[rows, at])
-    yield alone, "vibratory torque, the harmonic component nearest to T_KW at its frequency", share
+    yield alone, "vibratory torque, the harmonic component nearest to T_KW at its frequency", "", share
     weighted = phasors * (known[1] / own)
     squares = np.sqrt(np.sum(np.abs(weighted) ** 2, axis=1))
     value = np.maximum(half_range_of(response, weighted), squares)
     together = curve_of(response, _nonlinear(evidence, spans, value), known[1])
-    what = f"vibratory torque, synthesis of the components each times T_KW({known[0]:g} Hz) / T_KW(f)"
-    yield together, what, share
+    words = f"each component times T_KW({known[0]:g} Hz) / T_KW(f)"
+    yield together, "vibratory torque, synthesis of the components weighted by T_KW(f)", words, share
 
 
 def misfires(study: Study) -> bool:
