@@ -1,20 +1,26 @@
 """Quantities that no train has are refused with the likely slip, unless the file says that they are meant."""
 
 import math
+from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
 
 from torsion.components import KINDS, component
 from torsion.components.coupling import Coupling
+from torsion.components.disc import Disc
 from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import Material
+from torsion.components.planetary import Planetary
 from torsion.components.propeller import Propeller
 from torsion.components.shaft import Shaft
 from torsion.errors import InputError
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import manual
 from torsion.schema.scene_reader import parse
+from torsion.usual_ranges import LARGEST, SMALLEST, USUAL
+
+SCENES = Path(__file__).parents[2] / "shafting_specs"
 
 SCENE = """name: a
 operation: {OPERATIONrated: {speed: 1500 rpm, power: 12 GW}, speeds: {from: 300 rpm, to: 1800 rpm}}
@@ -137,3 +143,93 @@ def test_schema_and_manual_tell_the_ranges_and_the_key_that_lifts_them():
         assert definitions[name]["properties"]["unusual"]["type"] == "boolean"
     rows = [line for line in manual().splitlines() if line.startswith("| `diameter` | `m`, or a list")]
     assert [row.split(" | ")[2] for row in rows] == ["more than 0, usually 1e-05 to 3"]
+
+
+TRAIN = """name: a
+operation: {{rated: {{speed: {speed}, power: 100 kW}}}}
+train:
+  - disc: {{inertia: {inertia}}}
+  - coupling: {{stiffness: 1e4, {coupling}}}
+  - gear: {{planetary: {{sun: 21, ring: 93, planets: {planets}}}}}
+  - shaft: {{length: {length}, diameter: {diameter}}}
+  - propeller: {{inertia: 1, entrained: {entrained}}}
+  - branch: {{train: {branch}}}
+  - disc: {{inertia: 1}}
+analyses: {{{analyses}}}
+"""
+SOUND = {
+    "speed": "1500 rpm", "inertia": "2", "coupling": "viscous: 1", "planets": "3", "length": "4500 mm",
+    "diameter": "60 mm", "entrained": "25 %", "branch": "[disc: {inertia: 1}]", "analyses": "modes: {count: 3}",
+}  # fmt: skip
+SWEEP = "sweep: {{vary: {{coupling-1.stiffness: {{values: {}}}}}}}"
+NONSENSE = [  # key, what it says, line of the fault, words of the refusal
+    ("planets", "60", 6, "60 planets of these teeth overlap (at most 4 on their circle)"),
+    ("coupling", "stages: []", 5, "`stages` is an empty list"),
+    ("analyses", SWEEP.format("[1, 1]"), 11, "the value 1 is listed twice"),
+    ("analyses", SWEEP.format("[10 kN*m/rad, 20 kN*m/rad, 10 kN*m/rad]"), 11, "listed twice"),
+    ("branch", "[]", 9, "`train` is an empty list"),
+    ("analyses", "tolerances: {aim: [{mode: 1}]}", 11, "`frequency` is missing"),
+    ("length", "4500", 7, "the length is 75000 times the diameter, outside the usual range (4500 mm?"),
+    ("diameter", "6e-11 mm", 7, "6e-11 mm is outside the usual range (usual: 0.01 to 3000 mm"),
+    ("speed", "1e15 rpm", 2, "1e+15 rpm is outside the usual range"),
+    ("coupling", "clearance: 36000 deg", 5, "36000 deg is outside the usual range (usual: 5.7296e-07 to 360 deg"),
+    ("entrained", "25", 8, "25 times the inertia of the propeller, outside the usual range (25 %?"),
+    ("entrained", "2500 %", 8, "25 times the inertia of the propeller, outside the usual range (usual: 1e-06 to 5"),
+    ("inertia", "1e12", 4, "1e+12 kg*m**2 is outside the usual range (1e+12 kg*mm**2?"),
+    ("inertia", "1e200", 4, "1e+200 kg*m**2 is outside the usual range"),
+    ("inertia", "1e200, unusual: true", 4, "beyond all that can be computed with (in SI from 1e-60 to 1e+60, or 0)"),
+    ("inertia", "1e-200 kg*m**2", 4, "outside the usual range"),
+]
+
+
+def test_the_sound_train_of_the_nonsense_is_read():
+    assert len(parse(TRAIN.format(**SOUND)).train.bars) == 1
+
+
+@pytest.mark.parametrize(("key", "value", "line", "words"), NONSENSE)
+def test_nonsense_is_refused_where_it_stands(key, value, line, words):
+    (fault,) = faults_of(TRAIN.format(**SOUND | {key: value}))
+    assert fault.line == line
+    assert words in f"{fault.message} ({fault.hint})"
+
+
+@pytest.mark.parametrize(
+    ("scene", "good", "bad", "words"),
+    [
+        ("v12_generator_set", "duration: 65 deg", "duration: 0.0001 deg", "0.0001 deg is outside the usual range"),
+        ("genset_short_circuit", "line: 8,", "line: 8e12,", "8e+12 is outside the usual range (usual: 1e-06 to 100)"),
+    ],
+)
+def test_nonsense_in_a_scene_is_refused_where_it_stands(scene, good, bad, words):
+    text = (SCENES / f"{scene}.yaml").read_text(encoding="utf-8")
+    faults = faults_of(text.replace(good, bad, 1))
+    assert faults[0].line == next(number for number, line in enumerate(text.splitlines(), 1) if good in line)
+    assert words in f"{faults[0].message} ({faults[0].hint})"
+
+
+@pytest.mark.parametrize(("teeth", "room"), [((21, 93, 36), 4), ((60, 100, 20), 12), ((30, 90, 30), 5)])
+def test_as_many_planets_are_possible_as_have_room_on_their_circle(teeth, room):
+    """Pitch circles beside each other: (sun + planet) sin(pi/N) > planet; six circles about an equal one touch."""
+    sun, ring, planet = teeth
+    assert (sun + planet) * math.sin(math.pi / room) > planet * (1.0 + 1e-12)
+    assert (sun + planet) * math.sin(math.pi / (room + 1)) < planet * (1.0 + 1e-12)
+    Planetary(sun=sun, ring=ring, planets=room)
+    with pytest.raises(ValidationError, match=f"at most {room} on their circle"):
+        Planetary(sun=sun, ring=ring, planets=room + 1)
+
+
+@pytest.mark.parametrize("row", USUAL)
+def test_every_range_has_its_ends_in_order_and_holds_nothing_beyond_what_can_be_computed(row):
+    usual = USUAL[row]
+    assert usual.low < usual.high
+    assert usual.holds(0.0)
+    assert all(end is None or usual.holds(end) for end in usual.ends)
+    assert all(not end or SMALLEST <= abs(end) <= LARGEST for end in usual.ends)
+
+
+def test_stiffnesses_may_be_apart_by_the_range_that_is_promised():
+    """1e12 from the softest to the stiffest, at any place that trains have: 1 mN m/rad to 1e15 N m/rad, rigid."""
+    for stiffness in (1e-3, 1.0, 1e3, 1e9, 1e12, 1e15):
+        Coupling(stiffness=stiffness)
+    for inertia in (1e-11, 1e-9, 1.0, 1e6, 1e9):
+        Disc(inertia=inertia)

@@ -112,7 +112,8 @@ class Planetary(Declared):
         """
         with_sun, with_ring = (float(teeth) for teeth in self.teeth)
         share = max(with_sun / (self.sun + with_sun), with_ring / max(self.ring - with_ring, 1.0))
-        room = int(math.pi / math.asin(share)) if share < 1.0 else 1
+        most = math.pi / math.asin(share) if share < 1.0 else 1.0
+        room = max(math.ceil(most * (1.0 - ROUNDING)) - 1, 1)  # where most is whole, so many circles touch
         if self.planets > room:
             message = f"{self.planets} planets of these teeth overlap"
             raise refuse(message, f"at most {room} on their circle", "planets")

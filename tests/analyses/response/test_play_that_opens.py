@@ -15,8 +15,8 @@ TEXT = """name: x
 operation: {{speeds: {{from: {first} rad/s, to: {last} rad/s, steps: {steps}}}, {load}}}
 train:
 - disc: {{name: m, inertia: 1, damping: 4}}
-- coupling: {{name: teeth, stiffness: 1e4, {play}}}
-- disc: {{name: p, inertia: 1e13}}
+- coupling: {{unusual: true, name: teeth, stiffness: 1e4, {play}}}
+- disc: {{unusual: true, name: p, inertia: 1e13}}
 excitations: [{{at: m, order: 1, torque: {torque}}}]
 analyses: {{response: }}
 """

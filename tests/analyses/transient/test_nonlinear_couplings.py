@@ -166,7 +166,8 @@ def truck(ratio: float, friction: float) -> str:
     springs[0] = f"coupling: {{name: clutch, stiffness: {k[0]}, viscous: {c[0]!r}, {dry}}}"
     rows = [
         f"disc: {{name: engine, inertia: {J[0]}}}", springs[0], f"disc: {{name: hub, inertia: {J[1]}}}", springs[1],
-        f"gear: {{ratio: {ratio}, inertia: [0, {J[2]}]}}", "disc: {name: output, inertia: 1e-12, damping: 0.4672}",
+        f"gear: {{ratio: {ratio}, inertia: [0, {J[2]}]}}",
+        "disc: {name: output, unusual: true, inertia: 1e-12, damping: 0.4672}",
         springs[2], f"disc: {{name: pinion, inertia: {J[3]}}}", springs[3],
         f"gear: {{ratio: 4.875, inertia: [0, {J[4]}]}}", springs[4], f"disc: {{inertia: {J[5]}}}", springs[5],
         f"disc: {{inertia: {J[6]}}}",
