@@ -164,6 +164,7 @@ class PropellerRecord:
     damping_factor: float | None
     hub_ratio: float | None = None
     is_ducted: bool = False
+    pitch: str | None = None  # fixed or controllable; None where the file does not state it
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,9 @@ class Propeller(Component, keyword="propeller", sort="point"):
     tolerance: fields.Tolerance | None = given("tolerance of the inertia and of the entrained water, for example 10 %")
     blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades")
     diameter: Annotated[float, Quantity("m", above=0, usual=(None, 400.0), slip=("mm",))] | None = given("diameter")
+    pitch: Literal["fixed", "controllable"] | None = given(
+        "kind of the propeller: with a controllable pitch class rules demand zero pitch too, as a case"
+    )
     pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
     hub_ratio: Annotated[float, Quantity("1", above=0, below=1, slip=("%",))] | None = given(
         "diameter of the hub / diameter; for the ice torque of a class"
@@ -88,7 +91,7 @@ class Propeller(Component, keyword="propeller", sort="point"):
         entrained = None if self.entrained is None else water
         shape = self.blades, self.diameter, self.pitch_ratio, self.area_ratio
         build.record(propeller=PropellerRecord(
-            self.inertia, entrained, *shape, model, factor, self.hub_ratio, self.ducted,
+            self.inertia, entrained, *shape, model, factor, self.hub_ratio, self.ducted, self.pitch,
         ))  # fmt: skip
         here = build.point()
         build.record(inertia_tolerance=self.tolerance)
