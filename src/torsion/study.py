@@ -192,6 +192,14 @@ class Case:
         return case_folder(self.name)
 
 
+@dataclass(frozen=True)
+class CaseStates:
+    """States that a judged case of a file has, of those that rules demand, and its rules where it names its own."""
+
+    states: frozenset[str]
+    rules: tuple[str, ...] | None = None
+
+
 def case_folder(name: str) -> str:
     """The name of a case as that of a folder.
 
@@ -268,11 +276,16 @@ class Study:
     variations: "Mapping[str, Variation]" = field(default_factory=dict, repr=False, compare=False)  # by the analysis
     case: Case | None = None  # which one of another study it is
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
+    case_states: tuple[CaseStates, ...] = ()  # of every judged case of its file, which a case and a variant know too
 
     @property
     def has_supports(self) -> bool:
         """A shaft has a `support`: its bending is computed."""
         return any(self.train.shaft(bar).support for bar in self.train.bars)
+
+    def covers(self, state: str, rule: str) -> bool:
+        """A judged case of the file, under that rule, has a state that rules demand."""
+        return any(state in case.states and (case.rules is None or rule in case.rules) for case in self.case_states)
 
     @property
     def varies_tolerances(self) -> bool:

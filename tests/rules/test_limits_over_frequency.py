@@ -9,7 +9,6 @@ import pytest
 import torsion
 from torsion.analyses.response.harmonic_components import Line
 from torsion.components.coupling_limits import OF_POWER, OF_TORQUE, OverFrequency
-from torsion.output.chapters import first_page
 from torsion.rules import not_judged
 from torsion.rules.coupling_maker import CouplingMaker, CouplingSettings
 from torsion.rules.verdict_line import Checks

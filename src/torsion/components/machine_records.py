@@ -56,3 +56,4 @@ class PropellerRecord(ImpellerRecord):
     area_ratio: float | None
     hub_ratio: float | None = None
     is_ducted: bool = False
+    pitch: str | None = None  # fixed or controllable; None where the file does not state it

@@ -1,7 +1,7 @@
 """Machines with blades in a fluid: pumps, fans, and propellers with what models of damping and ice rules need."""
 
 from fractions import Fraction
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
@@ -87,6 +87,9 @@ class Propeller(BladedMachine, keyword="propeller"):
 
     inertia: fields.Inertia | None = given("dry polar mass moment of inertia")
     tolerance: fields.Tolerance | None = given("tolerance of the inertia and of the entrained water, for example 10 %")
+    pitch: Literal["fixed", "controllable"] | None = given(
+        "kind of the propeller: with a controllable pitch class rules demand zero pitch too, as a case"
+    )
     pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
     hub_ratio: Annotated[float, Quantity("1", above=0, below=1, usual="ratio of a propeller")] | None = given(
         "diameter of the hub / diameter; for the ice torque of a class"
@@ -100,5 +103,5 @@ class Propeller(BladedMachine, keyword="propeller"):
             impeller = self.impeller
             build.record(propeller=PropellerRecord(
                 impeller.inertia, impeller.water, self.blades, self.diameter, self.pitch_ratio, self.area_ratio,
-                self.hub_ratio, self.ducted,
+                self.hub_ratio, self.ducted, self.pitch,
             ))  # fmt: skip

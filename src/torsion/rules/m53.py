@@ -17,11 +17,12 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import excited_orders
 from torsion.arrays import FloatArray
 from torsion.errors import Fault
-from torsion.fields import Declared, Quantity, given
+from torsion.fields import Declared, Quantity, given, refuse
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.results import listed
 from torsion.rules import judgement, m53_factors
+from torsion.rules.demanded_states import misfire_row, unjudged
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.m53_factors import RANGES, Throw
 from torsion.rules.shaft_limits import MM, PA, with_role
@@ -29,6 +30,8 @@ from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
 
 LEAST_Q = 1.15
+AXIAL, MISALIGNMENT = 20.0, 10.0  # N/mm2 of additional bending, of crosshead engines; misalignment of trunk pistons too
+PIN, JOURNAL, BORE = "pin fillet", "journal fillet", "oil bore"  # clauses
 MOST_ORDERS = 6  # stated one by one
 LAST_ORDER = {4: 12, 2: 15}  # of the crankshaft, up to which the rule wants the synthesis
 SIZES = (
@@ -43,7 +46,7 @@ Stress = Annotated[float, Quantity("Pa", at_least=0, usual="stress")]
 
 
 class M53Settings(Declared):
-    """Settings of `iacs-m53`: a throw with a solid pin and solid journals, without recess."""
+    """Settings of `iacs-m53`: a throw, solid or with bores and recesses."""
 
     pin: fields.Across | None = given("diameter D of the crank pin")
     journal: fields.Across | None = given("diameter D_G of the journals")
@@ -53,10 +56,21 @@ class M53Settings(Declared):
     web_width: fields.Across | None = given("B")
     radius: fields.Across | None = given("E, of the crank: half the stroke")
     oil_bore: fields.Across | None = given("diameter D_O of the oil bore in the pin (default: no bore is judged)")
+    pin_bore: fields.Bore = given("diameter D_BH of the bore of the pin (default: solid)", 0.0)
+    journal_bore: fields.Bore = given("diameter D_BG of the bore of the journals (default: solid)", 0.0)
+    pin_recess: fields.Bore = given("depth T_H of the recess of the pin's fillet (default: none)", 0.0)
+    journal_recess: fields.Bore = given("depth T_G of the recess of the journal's fillet (default: none)", 0.0)
     bending: Stress | None = given("nominal alternating bending stress of the web, by the engine's maker")
     shear: Stress | None = given("nominal alternating shear stress of the web, by the engine's maker")
     bore_bending: Stress | None = given("nominal alternating bending stress at the oil bore, by the engine's maker")
-    additional: Stress = given("additional bending stress (crosshead engine 19 MPa, trunk pistons 10 MPa)", 19e6)
+    engine: Literal["crosshead", "trunk piston"] = given(
+        "kind of the engine, for the additional bending stress: crosshead 30 MPa (axial vibration 20, "
+        "misalignment 10), trunk piston 10 MPa", "crosshead",
+    )  # fmt: skip
+    axial: Stress | None = given(
+        "calculated bending stress by axial vibration of the whole system, in place of the 20 MPa of a crosshead engine"
+    )
+    additional: Stress | None = given("additional bending stress in place of that of `engine` and `axial`")
     manufacture: Annotated[float, Quantity("1", above=0, at_most=1.2)] = given(
         "factor K: 1.05 continuous grain flow, 1.0 free-form forged, 0.93 cast", 0.93
     )
@@ -69,7 +83,24 @@ class M53Settings(Declared):
         sizes = [getattr(self, key) for key in SIZES[:7]]
         if None in sizes:
             raise ValueError("a size of the throw is missing")
-        return Throw(*(size * MM for size in (*sizes, self.oil_bore or 0.0)))
+        bores = self.oil_bore or 0.0, self.pin_bore, self.journal_bore, self.pin_recess, self.journal_recess
+        return Throw(*(size * MM for size in (*sizes, *bores)))
+
+    @property
+    def added_bending(self) -> tuple[float, str]:
+        """Additional bending stress, N/mm2, and where it is from, in words (KR A5-3 4)."""
+        if self.additional is not None:
+            return self.additional * PA, "stated by user"
+        if self.engine == "trunk piston":
+            return MISALIGNMENT, "trunk piston engine"
+        if self.axial is not None:
+            return self.axial * PA + MISALIGNMENT, "crosshead engine, axial vibration stated by user"
+        return AXIAL + MISALIGNMENT, "crosshead engine"
+
+    def refuse_clashes(self) -> None:
+        if self.axial is not None and (self.engine != "crosshead" or self.additional is not None):
+            message = "`axial` stands for the 20 MPa of a crosshead engine alone"
+            raise refuse(message, "leave out `axial`, or `additional`", "axial")
 
 
 class M53(RuleOverSpeed):
@@ -109,12 +140,9 @@ class M53(RuleOverSpeed):
 
     def left_out(self, study: Study, settings: M53Settings) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
-        found = [(f"{self.name}: bored pins and journals, recesses", "the throw is taken as solid")]
+        found = [(f"{self.name}: shrink fits of semi-built cranks", "the rule is not offered for them")]
         if settings.oil_bore is None:
             found.append((f"{self.name}: outlet of the oil bore", "`oil_bore` is not given"))
-        if lacking := _lacking(study, settings):
-            words = f"the rule wants orders up to {LAST_ORDER[settings.strokes or 4]}, and these do not excite"
-            found.append((f"{self.name}: orders {listed(map(str, lacking), most=MOST_ORDERS)}", words))
         return tuple(found)
 
     def clauses(self, evidence: Results, settings: M53Settings) -> Iterator[Clause]:
@@ -127,29 +155,32 @@ class M53(RuleOverSpeed):
             strength = (train.materials[shaft.material].tensile_strength or 0.0) * PA
             for place, stress, fatigue in _places(settings, torque, strength):
                 curve = curve_of(response, stress, fatigue / LEAST_Q)
-                notes = f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}", in_use, MOSTLY
-                what = "equivalent alternating stress"
+                notes = f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}", in_use, MOSTLY, *_notes(settings, place)
+                what = f"Equivalent alternating stress, {place}"
                 yield Clause(place, part.name, what, TO_BE_VERIFIED, curve, use, "N/mm2", notes, spans)
 
     def check(self, evidence: Results, settings: M53Settings) -> tuple[Check, ...]:
         """With the acceptability factor of each, and a row NOT JUDGED of the orders that the synthesis lacks."""
-        lacking, found = _lacking(evidence.study, settings), list[Check]()
+        found = list[Check]()
         for one in super().check(evidence, settings):
             factor = f"Q = {LEAST_Q * one.limit / one.value:.4g}" if one.value and math.isfinite(one.limit) else ""
             found.append(replace(one, note="; ".join(filter(None, (factor, one.note)))))
-        if lacking:
-            for _, part, _ in with_role(evidence.study.train, "crank"):
-                found.append(_orders(part.name, lacking))
-        return tuple(found)
+        if lacking := _lacking(evidence.study, settings):
+            note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
+            cranks = with_role(evidence.study.train, "crank")
+            found += [
+                unjudged(self.name, "orders", part.name, "Orders of the synthesis", note) for _, part, _ in cranks
+            ]
+        return (*found, *misfire_row(self.name, evidence.study, "KR A5-3 2(2)(A)(b)"))
 
 
-def _orders(where: str, lacking: list[Fraction]) -> Check:
-    """Return the row about orders that the rule demands and nothing excites."""
-    note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
-    return Check(
-        M53.name, "orders", where, "Orders of the synthesis", math.nan, math.nan, "", "not judged", "rule text",
-        note=note,
-    )  # fmt: skip
+def _notes(settings: M53Settings, place: str) -> Iterator[str]:
+    """What the stress of a place counts in, in words."""
+    if place != BORE:
+        stress, source = settings.added_bending
+        yield f"additional bending {stress:g} N/mm2 ({source})"
+        if settings.throw.ratios["s"] < m53_factors.LEAST_OVERLAP:
+            yield "overlap below -0.5: factors at -0.5, that of shear too"
 
 
 def _lacking(study: Study, settings: M53Settings) -> list[Fraction]:
@@ -165,18 +196,19 @@ def _lacking(study: Study, settings: M53Settings) -> list[Fraction]:
 
 def _places(settings: M53Settings, torque: FloatArray, strength: float) -> Iterator[tuple[str, FloatArray, float]]:
     """Both fillets and the oil bore: name, (speeds,) equivalent stress and the fatigue strength, N/mm2."""
-    throw, factors, add = settings.throw, m53_factors, settings.additional * PA
-    of_pin, of_journal = (torque / section_modulus(size / MM) * PA for size in (throw.pin, throw.journal))
+    throw, factors, (add, _) = settings.throw, m53_factors, settings.added_bending
+    sections = (throw.pin, throw.pin_bore), (throw.journal, throw.journal_bore)
+    of_pin, of_journal = (torque / section_modulus(outer / MM, bore / MM) * PA for outer, bore in sections)
     bending, shear = (settings.bending or 0.0) * PA, (settings.shear or 0.0) * PA
     local = factors.alpha_b(throw) * bending + add
     fatigue = factors.fatigue_strength(strength, throw.pin, throw.pin_fillet, settings.manufacture)
-    yield "Q, fillet of the pin", factors.of_fillet(local, factors.alpha_t(throw) * of_pin), fatigue
+    yield PIN, factors.of_fillet(local, factors.alpha_t(throw) * of_pin), fatigue
     local = factors.beta_b(throw) * bending + factors.beta_q(throw) * shear + add
     fatigue = factors.fatigue_strength(strength, throw.journal, throw.journal_fillet, settings.manufacture)
     torsion = factors.alpha_t(throw, journal=True) * of_journal
-    yield "Q, fillet of the journal", factors.of_fillet(local, torsion), fatigue
+    yield JOURNAL, factors.of_fillet(local, torsion), fatigue
     if throw.oil_bore:
         local = factors.gamma_b(throw) * (settings.bore_bending or 0.0) * PA
         manufacture = min(settings.manufacture, 1.0)  # grain flow does not help at the bore
         fatigue = factors.fatigue_strength(strength, throw.pin, throw.oil_bore / 2.0, manufacture)
-        yield "Q, oil bore", factors.of_bore(local, factors.gamma_t(throw) * of_pin), fatigue
+        yield BORE, factors.of_bore(local, factors.gamma_t(throw) * of_pin), fatigue

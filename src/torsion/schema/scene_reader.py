@@ -18,6 +18,7 @@ from torsion.fields import Declared, given, required, shown
 from torsion.primitives import SectionMesh
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
+from torsion.schema.case_states import states_of_cases
 from torsion.schema.component_names import kinds_by_name, repeated_names
 from torsion.schema.component_reader import components, empty_lists, one_component
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
@@ -186,6 +187,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         text=source.text,
         document=document,
         tables=tuple((name, table.text) for name, table in source.tables),
+        case_states=states_of_cases(data.get("cases")),
     )
 
 
