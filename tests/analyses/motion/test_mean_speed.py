@@ -290,7 +290,7 @@ def test_slope_that_does_not_act_in_vibration_is_said_in_the_plan_with_its_size(
     ],
 )
 def test_law_of_a_drive_that_cannot_be_is_refused(drive, words):
-    with pytest.raises(InputError, match=".") as caught:
+    with pytest.raises(InputError) as caught:
         torsion.parse(text(drive=f", drive: {drive}"), "drum.yaml")
     assert words in str(caught.value)
 
