@@ -208,7 +208,8 @@ def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Finding
 
     names = ("periodic", "stability", "stability_map")
     found = set().union(*(leaves(made[name], name) for name in names))
-    assert found == {key for key in KEYS if key.split(".")[0] in names}
+    keys = {key for key in KEYS if key.split(".")[0] in names}
+    assert found == {key for key in keys if not key.startswith("stability.drifts[]")}  # its mean speed does not drift
 
 
 def rpm_range(first: float, last: float, **ends: tuple) -> UnstableRange:

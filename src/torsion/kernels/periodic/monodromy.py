@@ -17,6 +17,7 @@ FEWEST_STEPS = 16
 MOST_STEPS = 4096
 REAL = 1e-9  # of w0: an imaginary part of an exponent that is rounding
 MOSTLY = 0.5  # share of the whole train turning evenly beyond which a motion is one of its mean speed
+GONE = 1e-6  # factor over a period: what dies out so fast is no motion of the mean speed
 CANDIDATES = 2  # fastest growing real exponents of which one may be that of the mean speed
 MOST_NUMBERS = 4_000_000  # in memory at a time in the stage equations
 
@@ -153,6 +154,7 @@ def rigid_motion(
     None where there is none; the arguments are those of `rigid_share`.
     """
     places = real_motions(np.angle(multipliers) / (2.0 * np.pi))
+    places = places[multipliers[places].real > GONE]
     values = multipliers[places].real
     shares = [rigid_share(monodromy, visited, float(value), mass, turning, w0) for value in values]
     return mostly_rigid(places, np.array(shares))
