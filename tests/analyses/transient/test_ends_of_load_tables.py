@@ -16,7 +16,7 @@ ENDS_AT_10_RPM = {"law": [["0 rpm", 0.0], ["10 rpm", 0.0]]}
 def pulsed(parts: str, sense: float, load: dict, samples: int) -> TransientMotion:
     """From rest up to 2 rad/s within 10 ms, and back."""
     pulse = [(0.50001, sense), (0.51001, -sense)]
-    steps = [{"at": "d", "time": t, "step": {"torque": 200.0 * one, "until": 0.01}} for t, one in pulse]
+    steps = [{"at": "d", "time": t, "step": {"torque": 200.0 * one, "length": 0.01}} for t, one in pulse]
     body = {"duration": 2.0, "initial": "rest", "samples": samples, "events": [*steps, {"at": "d", **load}]}
     return moved(parts, body)
 

@@ -190,7 +190,7 @@ def test_a_motor_that_trips_is_switched_on_again() -> None:
     assert found.speed[0, -1] == pytest.approx(40.0 * math.pi + mean / 4.0 * (-1.0 + 1.5), rel=1e-9)
 
 
-@pytest.mark.parametrize("stop", [{"time": 2.0, "stop": {}}, {"time": 0.5, "stop": {"until": 0.2}}])
+@pytest.mark.parametrize("stop", [{"time": 2.0, "stop": {}}, {"time": 0.5, "stop": {"length": 0.2}}])
 def test_a_mean_torque_that_is_replaced_does_not_stop(stop: dict) -> None:
     events = [{"at": "p", "time": 1.0, "load": {"law": "constant"}}, {"at": "p", **stop}]
     with pytest.raises(InputError, match="from 1 s on a start or a load takes the place of the mean torque of 'p'"):
