@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from torsion import fields
 from torsion.arrays import FloatArray, IntArray
 from torsion.components.harmonic_torques import Table, read_table
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
 from torsion.train import Train
 
@@ -279,6 +279,11 @@ class Study:
     variations: "Mapping[str, Variation]" = field(default_factory=dict, repr=False, compare=False)  # by the analysis
     case: Case | None = None  # which one of another study it is
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
+
+    @property
+    def shown_file(self) -> str:
+        """The name of its file for texts: a name may hold control characters and need not be UTF-8."""
+        return without_controls(self.file)
 
     @property
     def has_supports(self) -> bool:
