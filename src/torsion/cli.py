@@ -13,7 +13,7 @@ import typer
 
 import torsion
 from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError
-from torsion.lasting_output import make_streams_last
+from torsion.lasting_output import make_streams_last, say
 
 if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
@@ -108,7 +108,7 @@ def sweep(
     place = Scheduler(workers, scheduler, scheduler_file, tls_ca, tls_cert, tls_key)
     solved = partial(
         swept.swept, file, out, scheduler=place, fresh=fresh, csv=csv, case=case,
-        notice=partial(typer.echo, err=True),
+        notice=partial(say, err=True),
     )  # fmt: skip
     try:
         _report("solve", file, out, solved, commands.outputs(pdf=pdf, figures=csv, tables=csv), as_json=False)
@@ -239,7 +239,7 @@ def sketch(
     from torsion import commands
 
     with _refusals(file):
-        typer.echo(f"Sketch: {commands.sketch(file, out, case=case)}")
+        say(f"Sketch: {commands.sketch(file, out, case=case)}")
 
 
 @app.command()
@@ -265,7 +265,7 @@ def live(
     except OSError as error:
         _stop(f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)", BAD_INPUT)
     try:
-        typer.echo(f"{file} is shown at {server.address}\nCtrl-C ends it")
+        say(f"{file} is shown at {server.address}\nCtrl-C ends it")
         sys.stdout.flush()
         server.session.start()
         if not no_browser:
@@ -317,14 +317,14 @@ def _report(
             folder = commands.folder_of(file, out, findings.study.case)
             show(commands.write(findings, folder, report, also=also), folder)
         if matrices is not None:
-            typer.echo(commands.write_matrices(findings, matrices))
+            say(commands.write_matrices(findings, matrices))
     _end(findings.without_answer, findings.exit_status)
 
 
 def _end(unanswered: Iterable[str], status: int) -> NoReturn:
     """Say on the error stream what has no answer, and end with the exit status."""
     for words in unanswered:
-        typer.echo(words, err=True)
+        say(words, err=True)
     raise typer.Exit(status)
 
 
@@ -363,7 +363,7 @@ def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path(
         _stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
     except OSError as error:
         _stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
-    typer.echo(f"{file} written; solve it with: torsion solve {file}")
+    say(f"{file} written; solve it with: torsion solve {file}")
 
 
 def _alone(json: bool, writing: dict[str, object]) -> None:
@@ -374,7 +374,7 @@ def _alone(json: bool, writing: dict[str, object]) -> None:
 
 
 def _stop(message: str, status: int) -> NoReturn:
-    typer.echo(message, err=True)
+    say(message, err=True)
     raise typer.Exit(status)
 
 

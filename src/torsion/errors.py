@@ -1,9 +1,13 @@
 """The two ways in which a computation can end without an answer, and what a fault of the input is."""
 
 import difflib
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+CONTROLS = re.compile(
+    "[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]"
+)  # characters that a terminal obeys, or no file can hold
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status of the commands
 Path = tuple[str | int, ...]  # keys and list positions from the top of the file, e.g. ("train", 2, "shaft", "length")
 
@@ -68,6 +72,15 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
 
 def _plain(word: str) -> str:
     return word.casefold().replace("-", "_").replace(" ", "_")
+
+
+def without_controls(text: str) -> str:
+    """Return the text with '?' for each control character but tabs and line breaks, and for what is not UTF-8.
+
+    >>> without_controls("a \x1b[31mred\n")
+    'a ?[31mred\n'
+    """
+    return CONTROLS.sub("?", text)
 
 
 def printable(text: str, longest: int = 60) -> str:

@@ -5,6 +5,13 @@ import os
 import sys
 from typing import Any, TextIO
 
+from torsion.errors import without_controls
+
+
+def say(words: str, err: bool = False) -> None:
+    """Print words that may quote names of files: no control character reaches the terminal."""
+    print(without_controls(words), file=sys.stderr if err else sys.stdout)
+
 
 class Output(io.FileIO):
     """Standard output or error: where it cannot be written any more the command goes on, and its files are written."""

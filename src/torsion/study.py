@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from torsion import fields
 from torsion.arrays import FloatArray, IntArray
 from torsion.components.load_law import Load
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
 from torsion.train import Train
 
@@ -277,6 +277,11 @@ class Study:
     case: Case | None = None  # which one of another study it is
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
     case_states: tuple[CaseStates, ...] = ()  # of every judged case of its file, which a case and a variant know too
+
+    @property
+    def shown_file(self) -> str:
+        """The name of its file for texts: a name may hold control characters and need not be UTF-8."""
+        return without_controls(self.file)
 
     @property
     def has_supports(self) -> bool:

@@ -22,7 +22,7 @@ def csv_text(document: Document, findings: Findings) -> str | None:
     target = io.StringIO()
     target.write(f"# scene: {one_line(study.name)}\n")
     if study.text:
-        target.write(f"# file: {one_line(study.file)}, SHA-256 {checksum(study)}\n")
+        target.write(f"# file: {one_line(study.shown_file)}, SHA-256 {checksum(study)}\n")
     target.write(f"# torsion {torsion.__version__}; motion is that of the shaft behind the joint\n")
     rows = csv.writer(target, lineterminator="\n")
     rows.writerow([one_line(title) for title, _ in columns])

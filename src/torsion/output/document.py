@@ -130,7 +130,7 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
         ("Document", ", ".join(label)),
         *((words, stated.get(key, "")) for key, words in FRONT_MATTER.items()),
         ("Description", study.description.strip()),
-        ("Input file", study.file),
+        ("Input file", study.shown_file),
         ("Input SHA-256", sha),
         ("Operation", operation_words(findings)),
         ("Rules", ", ".join(name for name, _ in study.rules) or "none requested"),

@@ -3,6 +3,7 @@
 from torsion.analyses.fit.fit_results import Fit
 from torsion.findings import Findings
 from torsion.output.document import Document
+from torsion.output.table_text import one_line
 
 
 def fitted(document: Document, findings: Findings) -> str | None:
@@ -11,5 +12,6 @@ def fitted(document: Document, findings: Findings) -> str | None:
     if found is None or document.report.keys:
         return None
     changes = "".join(f"# {one.name}: {one.given} -> {one.fitted}\n" for one in found.figures)
-    words = f"# {findings.study.file} with the figures that fit its measurements best; files that it names count from"
+    file = one_line(findings.study.shown_file)
+    words = f"# {file} with the figures that fit its measurements best; files that it names count from"
     return f"{words}\n# the folder of that one.\n{changes}{found.scene}"

@@ -229,7 +229,7 @@ def json_text(findings: Findings, timings: Timings) -> str:
     values = {
         "format": FORMAT,
         "program": {"name": "torsion", "version": torsion.__version__},
-        "scene": {"name": study.name, "file": study.file, "sha256": checksum(study)},
+        "scene": {"name": study.name, "file": study.shown_file, "sha256": checksum(study)},
         "tolerance": timings.tolerance,
         "rounds": timings.rounds,
         "machine": dict(timings.machine),

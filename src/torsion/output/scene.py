@@ -79,7 +79,7 @@ def scene(study: Study) -> Scene:
         name=study.name,
         case=None if study.case is None else study.case.name,
         description=study.description,
-        file=study.file,
+        file=study.shown_file,
         sha256=checksum(study),
         tables=tuple(name for name, _ in study.tables),
         model=study.model,

@@ -16,6 +16,7 @@ from rich.progress import Progress as Bar
 from rich.table import Table as Grid
 from rich.text import Text
 
+from torsion.errors import without_controls
 from torsion.findings import Progress
 from torsion.output.blocks import Box, Heading, Paragraph, Points, Table
 from torsion.output.document import Document
@@ -41,7 +42,7 @@ def show(document: Document, folder: Path | None = None, console: Console | None
     if document.ending.work:
         printed.print(Text(document.ending.work))
     if folder is not None:
-        printed.print(Text(f"Report: {folder / document.report.stem}.html"))
+        printed.print(Text(without_controls(f"Report: {folder / document.report.stem}.html")))
 
 
 def screen(document: Document) -> list[RenderableType]:

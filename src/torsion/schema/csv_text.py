@@ -20,7 +20,7 @@ _COMMENT = re.compile(rf' *"?#(?!(?:{_NO_VALUE[1:]})"?[ \t]*(?:[\t;,\r\n]|$))')
 _STATED = re.compile(r'"?sep=(.)"?[ \t]*(?:\r\n?|\n)', re.IGNORECASE)
 _QUOTED = re.compile(r' *"((?:[^"]|"")*)" *')
 _BREAK = re.compile(r"\r\n?|\n")
-_NUL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+_NUL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from torsion.errors import Fault, InputError, Path, printable
+from torsion.errors import Fault, InputError, Path, printable, without_controls
 
 _BREAK = re.compile(r"\r\n|[\n\r\x85\u2028\u2029]")
 _WIDTH = 120  # characters quoted of a longer line
@@ -122,6 +122,7 @@ def _text(fault: Fault, source: Source) -> str:
     """The fault, its line, cut around the column if it is long, and the caret under it (a tab stays a tab in both)."""
     line, column, source = fault.line or 1, fault.column or 1, source.of_file(fault.file)
     head = f"{source.name}:{line}:{column}: {fault.message}" + (f" ({fault.hint})" if fault.hint else "")
+    head = without_controls(head)
     quoted = source.lines[line - 1] if 1 <= line <= len(source.lines) else ""
     if not quoted.strip():
         return head

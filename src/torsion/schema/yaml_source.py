@@ -13,7 +13,7 @@ from typing import Any
 
 import yaml
 
-from torsion.errors import Fault, InputError, printable
+from torsion.errors import CONTROLS, Fault, InputError, printable
 from torsion.schema.fault_text import Node, Source, end_of, input_error, line_starts
 from torsion.schema.missing_marks import missing_mark
 from torsion.user_files import LARGEST_SCENE, read_file
@@ -178,6 +178,7 @@ class _Builder:
         """The key of the value that follows; after a repeated one nothing but faults is kept."""
         place, keys, key = _mark(event), self._open[-1].keys, event.value
         self._check_tag(event)
+        self._check_controls(event)
         if event.implicit[0] and not isinstance(resolved(key), str):
             hint = self._decimal_comma(key, place) or "put it in quotes"
             self.faults.append(_fault(f"the key {key or 'before this colon'} is not text", hint, *place))
@@ -204,6 +205,7 @@ class _Builder:
         if event.anchor:
             self._anchors[event.anchor] = node
         if scalar:
+            self._check_controls(event)
             node.value = resolved(event.value) if event.implicit[0] else event.value
             self._attach(node)
             return
@@ -243,6 +245,12 @@ class _Builder:
             parent.value[key] = node.value
             parent.parts[key] = node
         self._keys[-1] = None
+
+    def _check_controls(self, event: Any) -> None:
+        """Note a character that an escape makes and that the text itself must not hold: "\\u001b"."""
+        if sign := CONTROLS.search(event.value):
+            hint = "remove its escape: names and texts are printed on terminals"
+            self.faults.append(_fault(f"the character U+{ord(sign[0]):04X} is not allowed", hint, *_mark(event)))
 
     def _check_tag(self, event: Any) -> None:
         if event.tag is not None:

@@ -185,7 +185,7 @@ def _basis(findings: Findings) -> str:
     parts = [
         f"rules: {rules}",
         operation_words(findings),
-        study.file,
+        study.shown_file,
         f"SHA-256 begins {digest[:12]}" if digest else "",
     ]
     return "; ".join(filter(None, parts))

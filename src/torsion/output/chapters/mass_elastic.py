@@ -8,6 +8,7 @@ from typing import Any
 
 from torsion.analyses.discretisation import has_inertia
 from torsion.assembly.section.solved_sections import stress_modulus
+from torsion.errors import without_controls
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, exact, given, number, scale, symbols
@@ -180,8 +181,9 @@ def _shafts(findings: Findings) -> Table:
         material, pieces = findings.study.train.shaft(requested).material, findings.system.segments[bar.name]
         own = findings.study.train.materials[material]  # a hub or a step raises the G of the calculation
         modulus, is_round = stress_modulus(bar) / MM**3, requested.section is None
+        section = requested.section
         rows.append((
-            bar.name, requested.section.file if isinstance(requested.section, SectionMesh) else _diameters(bar.outer),
+            bar.name, without_controls(section.file) if isinstance(section, SectionMesh) else _diameters(bar.outer),
             _diameters(bar.bore) if is_round else NONE, given(bar.length / MM, DIGITS), number(modulus, SUMMED),
             given(inertia, DIGITS),
             material, given(own.shear_modulus * 1e-9, DIGITS), given(bar.density, DIGITS), str(pieces),

@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from torsion.errors import without_controls
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim, table
 from torsion.output.numbers import number
@@ -44,13 +45,15 @@ def input_file(findings: Findings) -> Iterator[Block]:
     if not text:
         return
     meshes = "".join(
-        f" and the {kind} that it names" + "".join(f"; {file}, SHA-256 {_sha256(file)}" for file in files)
+        f" and the {kind} that it names"
+        + "".join(f"; {without_controls(file)}, SHA-256 {_sha256(file)}" for file in files)
         for kind, files in kinds.items()
         if files
     )
     also = f"{meshes}."
     behind = " (of this text and of its tables behind it)" if study.tables else ""
-    words = f"{study.file or 'Input'}, SHA-256 {checksum(study)}{behind}. The whole report was computed from this text"
+    words = f"{study.shown_file or 'Input'}, SHA-256 {checksum(study)}{behind}. The whole report was computed from "
+    words += "this text"
     words += ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
     yield Heading("Appendix: the input as read")
     yield Paragraph(words + also)

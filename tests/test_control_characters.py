@@ -1,0 +1,90 @@
+"""No control character of a file, or of its name, reaches a terminal or a report; names need not be UTF-8."""
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from tests.contracts.frozen import SCENES
+from typer.testing import CliRunner
+
+import torsion
+from torsion.cli import app
+from torsion.errors import BAD_INPUT, SOLVED
+from torsion.schema.scene_reader import parse
+
+PAIR = """name: pair
+train: [disc: {name: first, inertia: 2}, coupling: {name: rubber, stiffness: 120}, disc: {name: last, inertia: 3}]
+"""
+RED = "\x1b[31m"
+SIGNS = ("\\e", "\\x1b", "\\u001b", "\\U0000001b", "\\b", "\\r", "\\x7f", "\\x9b", "\\N", "\\ud800", "\\0")
+posix = pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes")
+
+
+@pytest.mark.parametrize("sign", SIGNS)
+@pytest.mark.parametrize("given", ["name: pair", "name: rubber", "disc:"], ids=["scene", "component", "key"])
+def test_an_escape_for_a_control_character_is_refused_where_it_stands(given: str, sign: str) -> None:
+    key, _, value = given.partition(": ")
+    text = PAIR.replace(given, f'{key}: "{value}{sign}[31m"' if value else f'"disc{sign}":', 1)
+    with pytest.raises(torsion.InputError) as caught:
+        parse(text)
+    fault = caught.value.faults[0]
+    assert "is not allowed" in fault.message or "the backslash stands for no character" in fault.message
+    line = text.splitlines()[fault.line - 1]
+    assert line[fault.column - 1] == '"' or sign == "\\ud800"  # which YAML itself refuses, at the escape
+    assert sign in line
+
+
+def test_line_breaks_and_tabs_may_stand_in_a_text() -> None:
+    assert parse(PAIR + 'description: "first\\n\\tsecond"\n').description == "first\n\tsecond"
+
+
+@pytest.mark.parametrize("sign", ["\x1b", "\x9b", "\x7f"])
+def test_a_control_character_in_a_table_is_refused_where_it_stands(sign: str, tmp_path: Path) -> None:
+    rows = f"kind,name,inertia [kg*m**2]\ndisc,a{sign}[31m,1\n"
+    (tmp_path / "rows.csv").write_text(rows, encoding="utf-8")
+    (tmp_path / "scene.yaml").write_text("name: x\ntrain: {table: rows.csv}\n", encoding="utf-8")
+    with pytest.raises(torsion.InputError, match="is not allowed") as caught:
+        torsion.read(tmp_path / "scene.yaml")
+    assert (caught.value.faults[0].line, caught.value.faults[0].column) == (2, 7)
+    assert sign not in str(caught.value)
+
+
+@posix
+@pytest.mark.parametrize("command", ["solve", "plan", "sketch", "check", "report", "joint"])
+def test_the_name_of_a_file_is_printed_without_control_characters(command: str, tmp_path: Path) -> None:
+    scene = tmp_path / f"{RED}scene.yaml"
+    for text in (PAIR, PAIR.replace("inertia", "inertial"), None):
+        scene.unlink() if text is None else scene.write_text(text, encoding="utf-8")
+        target = tmp_path / f"{RED}out{'.svg' if command == 'sketch' else ''}"
+        more = [] if command == "plan" else ["-o", str(target)]
+        done = CliRunner().invoke(app, [command, str(scene), *more])
+        assert done.exception is None or isinstance(done.exception, SystemExit)
+        assert "\x1b" not in done.output
+        assert "\x1b" not in "".join(path.read_text("utf-8") for path in tmp_path.rglob("*.html"))
+        assert "\x1b" not in "".join(path.read_text("utf-8") for path in tmp_path.rglob("*.json"))
+
+
+@posix
+@pytest.mark.parametrize("command", ["solve", "joint", "check", "plan", "sketch", "sweep"])
+@pytest.mark.parametrize("scene", ["usv", "keyed_shaft", "reciprocating_compressor", "measured_drive"])
+def test_a_file_whose_name_is_not_utf_8_is_solved_and_reported(command: str, scene: str, tmp_path: Path) -> None:
+    """Also with a mesh, pressures and a signal in files beside it, whose paths the report shows."""
+    folder = Path(os.fsdecode(os.fsencode(tmp_path) + b"/m\xff"))
+    folder.mkdir()
+    for path in SCENES[scene].parent.glob(f"{scene}*.csv"):
+        shutil.copy(path, folder)
+    shutil.copy(SCENES[scene].with_name("keyed_60_mm.msh"), folder)
+    file = folder / os.fsdecode(b"s\xff.yaml")
+    shutil.copy(SCENES[scene], file)
+    target = folder / ("out.svg" if command == "sketch" else "out")
+    more = ["--csv", "--pdf"] if command == "solve" else []
+    done = CliRunner().invoke(app, [command, str(file), *([] if command == "plan" else ["-o", str(target)]), *more])
+    assert isinstance(done.exception, SystemExit | None), done.exception
+    if command == "solve":
+        assert done.exit_code in (SOLVED, 1)
+        assert "s?.yaml" in (target / "report.html").read_text(encoding="utf-8")
+        assert CliRunner().invoke(app, ["report", str(target)]).exit_code == done.exit_code
+    else:
+        assert done.exit_code in (SOLVED, 1, BAD_INPUT)
