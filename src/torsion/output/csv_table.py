@@ -10,7 +10,7 @@ import torsion
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.scene import checksum
-from torsion.output.table_text import one_line
+from torsion.output.table_text import inert, one_line
 
 
 def csv_text(document: Document, findings: Findings) -> str | None:
@@ -20,11 +20,11 @@ def csv_text(document: Document, findings: Findings) -> str | None:
     columns = resolve_name(f"torsion.output.chapters.{document.report.columns}")(findings)
     study = findings.study
     target = io.StringIO()
-    target.write(f"# scene: {one_line(study.name)}\n")
+    target.write(f"# scene: {inert(one_line(study.name))}\n")
     if study.text:
-        target.write(f"# file: {one_line(study.shown_file)}, SHA-256 {checksum(study)}\n")
+        target.write(f"# file: {inert(one_line(study.shown_file))}, SHA-256 {checksum(study)}\n")
     target.write(f"# torsion {torsion.__version__}; motion is that of the shaft behind the joint\n")
     rows = csv.writer(target, lineterminator="\n")
-    rows.writerow([one_line(title) for title, _ in columns])
+    rows.writerow([inert(one_line(title)) for title, _ in columns])
     rows.writerows(np.column_stack([values for _, values in columns]).tolist())
     return target.getvalue()

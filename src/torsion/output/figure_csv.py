@@ -14,7 +14,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.output.document import Document
 from torsion.output.figures.figure import Axis, Cells, Figure, Line, Panel
-from torsion.output.table_text import one_line
+from torsion.output.table_text import inert, one_line
 
 Columns = list[tuple[str, FloatArray]]  # title with unit, values
 Piece = str | tuple[FloatArray, ...] | Cells  # text as it stands, columns of numbers, a map
@@ -28,12 +28,12 @@ def csv_of(figure: Figure) -> str:
 
 def pieces(figure: Figure) -> Iterator[Piece]:
     """What the file consists of, one after another."""
-    yield f"# {one_line(figure.caption)}\n"
+    yield f"# {inert(one_line(figure.caption))}\n"
     for panel in figure.plots:
         for words in _comments(panel):
-            yield f"# {one_line(words)}\n"
+            yield f"# {inert(one_line(words))}\n"
         for titles, values in _tables(panel):
-            yield "\n" + _written([titles])
+            yield "\n" + _written([list(map(inert, titles))])
             yield values
 
 

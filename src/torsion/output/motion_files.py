@@ -12,7 +12,7 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.selection import elements
-from torsion.output.table_text import one_line
+from torsion.output.table_text import inert, one_line
 
 if TYPE_CHECKING:
     from torsion.analyses.transient.transient_motion import TransientMotion
@@ -45,7 +45,7 @@ def _written(
         else:
             word = re.sub(r"[^\w.-]+", "-", one.name)
             made.append(target.with_name(f"motion-{word}.csv" if word else "motion.csv"))
-            title = ",".join('"' + one_line(name).replace('"', "'") + '"' for name, _ in columns)
+            title = ",".join('"' + inert(one_line(name)).replace('"', "'") + '"' for name, _ in columns)
             rows = np.column_stack([values for _, values in columns])
             np.savetxt(made[-1], rows, delimiter=",", header=title, comments="", fmt="%.17g", encoding="utf-8")
     if arrays:

@@ -7,16 +7,18 @@ import re
 from torsion.output.blocks import Column, Table
 
 PLAIN = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
+_NUMBER = r"[+-]?(?:\d[\d.]*(?:e[+-]?\d+)?|inf)\s*(?:[,;\t]|$)"
+_FORMULA = re.compile(rf"(^|[,;\t])(\s*)(?=[=+\-@])(?!{_NUMBER})")  # also behind what parts cells elsewhere
 FIGURE = re.compile(r"−?\d[\d.]*(·10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 
 
 def table_text(number: str, table: Table) -> str:
     """The rows of a table under their titles, behind its number and caption as a comment."""
     target = io.StringIO()
-    target.write(f"# {number}: {one_line(table.caption)}\n")
+    target.write(f"# {number}: {inert(one_line(table.caption))}\n")
     rows = csv.writer(target, lineterminator="\n")
-    rows.writerow([_title(column) for column in table.columns])
-    rows.writerows([plain_figure(cell) for cell in row] for row in table.rows)
+    rows.writerow([inert(_title(column)) for column in table.columns])
+    rows.writerows([inert(plain_figure(cell)) for cell in row] for row in table.rows)
     return target.getvalue()
 
 
@@ -41,6 +43,17 @@ def plain_figure(cell: str) -> str:
     if cell == "–":
         return ""
     return cell.translate(PLAIN).replace("·10", "e") if FIGURE.fullmatch(cell) else one_line(cell)
+
+
+def inert(text: str) -> str:
+    """Return a text as a cell that a spreadsheet does not run: an apostrophe stands in front of =, +, - and @.
+
+    Numbers stay numbers. A cell may end at a comma, semicolon or tab, as the spreadsheet of each country has it.
+
+    >>> inert("=1+1"), inert("-1.5e-7"), inert("rubber;@SUM(A1)"), inert("5 - 3")
+    ("'=1+1", '-1.5e-7', "rubber;'@SUM(A1)", '5 - 3')
+    """
+    return _FORMULA.sub(r"\1\2'", text)
 
 
 def one_line(text: str) -> str:

@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import json
+import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,6 +17,7 @@ from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.analyses.variants.chunks import Chunk, Part
 from torsion.errors import Fault, InputError, printable
 from torsion.findings import Work, version
+from torsion.output.table_text import inert
 from torsion.output.write import inputs
 from torsion.study import Study, Variation
 from torsion.sweeping.parts import SUFFIX, columns, part_of, read_part, write_part
@@ -120,7 +122,7 @@ class SweepFolder:
         under_way = target.with_name("variants.csv.part")
         with under_way.open("w", newline="", encoding="utf-8") as file:
             rows = csv.writer(file)
-            rows.writerow(names)
+            rows.writerow(map(inert, names))
             for path in paths:
                 rows.writerows(_rows(read_part(path, self.checksums[path.name])[0], list(names)))
         under_way.replace(target)
@@ -131,7 +133,13 @@ def _rows(found: Mapping[str, np.ndarray], names: Sequence[str]) -> Iterator[tup
     """The rows of a part; an empty cell where a number is not known or a column is not there."""
     size = len(found["variant"])
     each = (found[name].tolist() if name in found else [None] * size for name in names)
-    return zip(*([None if one != one else one for one in own] for own in each), strict=True)  # noqa: PLR0124
+    return zip(*(map(_cell, own) for own in each), strict=True)
+
+
+def _cell(value: Any) -> object:
+    if isinstance(value, str):
+        return inert(value)
+    return None if value is None or math.isnan(value) else value
 
 
 def identity(work: Work, variation: Variation, chunks: Sequence[Chunk]) -> dict[str, Any]:
