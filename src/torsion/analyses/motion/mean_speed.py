@@ -24,8 +24,8 @@ BOUNDARY = 1e-6  # relative: how closely the ends of a drift are sought
 PEAK = 2e-3  # of the interval in which the greatest drift is sought
 AROUND = 0.05  # relative: how far the speed that lacks the greatest slope moves as the slope damps the vibration
 SMOOTH = 1e-2  # of that: how closely it is sought, as its slope hardly changes there
-SHARP = 1e-3  # relative: how closely the slope that is missing is sought
-MOST_DOUBLED = 12  # times, until a slope is enough
+SHARP = 1e-4  # relative: how closely the slope that is missing is sought
+MOST_STEPS = 20  # of the secant method
 
 
 @reported
@@ -104,12 +104,16 @@ def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station:
         near = SMOOTH * (reach[1] - reach[0])
         return -float(minimize_scalar(drift, bounds=reach, method="bounded", options={"xatol": near}).fun)
 
+    # The secant method: what is lacking falls evenly with the slope, but for the vibration that the slope damps.
     without = lacking(0.0)
-    upper = without
-    for _ in range(MOST_DOUBLED):
-        if lacking(upper) <= 0:
-            return float(brentq(lacking, 0.0, upper, xtol=SHARP * upper)) if without > 0 else 0.0
-        upper *= 2.0
+    (lower, above), upper = (0.0, without), max(without, 0.0)
+    for _ in range(MOST_STEPS):
+        below = lacking(upper)
+        if abs(below) <= SHARP * without or not without > 0:
+            return upper
+        if below == above:
+            break
+        lower, above, upper = upper, below, upper - below * (upper - lower) / (below - above)
     return np.nan
 
 
