@@ -105,7 +105,7 @@ def test_slope_of_the_torque_lost_gives_the_drift_of_a_slow_train():
     ask = search()
     for speed, slope, quotient, _, ratio in DRIFT["quasi_static_columns_rpm_dTreq_dOmega_minus_D_over_J_exact_ratio"]:
         orbit, found = ask(speed * RPM)
-        lost = drift_slope(ask.at, orbit)
+        lost, _ = drift_slope(ask.at, speed * RPM, orbit)
         assert lost == pytest.approx(slope, rel=2e-6, abs=2e-8)
         assert -lost / ask.at.layout.inertia.sum() == pytest.approx(quotient, rel=2e-6)
         assert found.drift * ask.at.layout.inertia.sum() / -lost == pytest.approx(ratio, rel=1e-5)
@@ -187,7 +187,7 @@ def test_mean_speed_of_a_controlled_drive_is_not_judged():
 
 def test_doubtful_exponent_is_a_growth_and_no_drift(monkeypatch):
     """The torque lost is made to speak against the exponent."""
-    monkeypatch.setattr("torsion.analyses.motion.floquet_exponents.drift_slope", lambda at, orbit: 1.0)
+    monkeypatch.setattr("torsion.analyses.motion.floquet_exponents.drift_slope", lambda at, speed, near: (1.0, None))
     found = solved(first=250, last=1500, steps=126)
     assert verdict(found, "stability").verdict == "fail"
     assert "were not told apart" in verdict(found, "stability").note

@@ -249,7 +249,7 @@ class Search:
             return replace(found, rigid=None)
         inertia = float(self.at.layout.inertia.sum())
         growth = float(found.exponent[found.rigid].real) - orbit.now.beside / inertia
-        if growth > SLOW and not agrees(growth, drift_slope(self.at, orbit), inertia):
+        if growth > SLOW and not agrees(growth, drift_slope(self.at, orbit.now.loading.speed, orbit)[0], inertia):
             return replace(found, rigid=None, is_doubtful=True)
         return found.told_apart(-orbit.now.beside / inertia)
 

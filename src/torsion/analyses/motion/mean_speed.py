@@ -21,10 +21,11 @@ from torsion.results import reported, result
 SLOW = 1e-3  # 1/s: a slower drift is not reported
 STEP = 1e-5  # relative: of the speed, in a difference quotient of the torque lost
 BOUNDARY = 1e-6  # relative: how closely the ends of a drift are sought
-PEAK = 2e-3  # of the interval in which the greatest drift, or slope, is sought
+PEAK = 2e-3  # of the interval in which the greatest drift is sought
 AROUND = 0.05  # relative: how far the speed that lacks the greatest slope moves as the slope damps the vibration
+SMOOTH = 1e-2  # of that: how closely it is sought, as its slope hardly changes there
 SHARP = 1e-4  # relative: how closely the slope that is missing is sought
-MOST_DOUBLED = 12  # times, until a slope is enough
+MOST_STEPS = 20  # of the secant method
 
 
 @reported
@@ -46,15 +47,18 @@ def lost_torque(there: Orbit) -> float:
     return float(there.found.load[0] - there.now.load[0])
 
 
-def drift_slope(at: Scene, there: Orbit) -> float:
-    """Return D (N m s/rad at the reference) at a periodic motion; NaN where its neighbours have none."""
-    speed = there.now.loading.speed
+def drift_slope(at: Scene, speed: float, near: Orbit) -> tuple[float, Orbit | None]:
+    """Return D (N m s/rad at the reference) at a speed (rad/s), from two motions beside it, and one of them.
+
+    near: a motion to start from. D is NaN where there is none.
+    """
     try:
-        slower, faster = (orbit(at, speed * (1.0 + part), there) for part in (-STEP, STEP))
+        slower = orbit(at, speed * (1.0 - STEP), near)
+        faster = orbit(at, speed * (1.0 + STEP), slower)
     except SolveError:
-        return np.nan
+        return np.nan, None
     change = (lost_torque(faster) - lost_torque(slower)) / (2.0 * STEP * speed)
-    return float(change + mean_speed_damping(there))
+    return change + (mean_speed_damping(slower) + mean_speed_damping(faster)) / 2.0, faster
 
 
 def mean_speed_damping(there: Orbit) -> float:
@@ -93,21 +97,23 @@ def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station:
 
         def drift(speed: float) -> float:
             nonlocal before
-            before = orbit(there, float(speed), before)
-            return drift_slope(there, before)
+            slope_there, found = drift_slope(there, float(speed), before)
+            before = found or before
+            return float(np.nan_to_num(slope_there, nan=np.inf))
 
-        near = PEAK * (reach[1] - reach[0])
+        near = SMOOTH * (reach[1] - reach[0])
         return -float(minimize_scalar(drift, bounds=reach, method="bounded", options={"xatol": near}).fun)
 
-    try:
-        without = lacking(0.0)
-        upper = without
-        for _ in range(MOST_DOUBLED):
-            if lacking(upper) <= 0:
-                return float(brentq(lacking, 0.0, upper, xtol=SHARP * upper)) if without > 0 else 0.0
-            upper *= 2.0
-    except SolveError:
-        pass
+    # The secant method: what is lacking falls evenly with the slope, but for the vibration that the slope damps.
+    without = lacking(0.0)
+    (lower, above), upper = (0.0, without), max(without, 0.0)
+    for _ in range(MOST_STEPS):
+        below = lacking(upper)
+        if abs(below) <= SHARP * without or not without > 0:
+            return upper
+        if below == above:
+            break
+        lower, above, upper = upper, below, upper - below * (upper - lower) / (below - above)
     return np.nan
 
 
