@@ -23,7 +23,10 @@ train:
 analyses:
   modes: {count: 2}
   response:
-  sweep: {vary: {"@SUM(A1);=A1.stiffness": {uniform: 5 %}, "+A1.diameter": {values: [55 mm, 60 mm]}}, samples: 128, results: [modes]}
+  sweep:
+    vary: {"@SUM(A1);=A1.stiffness": {uniform: 5 %}, "+A1.diameter": {values: [55 mm, 60 mm]}}
+    samples: 128
+    results: [modes]
   transient: {duration: 0.1 s, samples: 100, export: csv, events: [{at: "=1+1", step: {torque: -500}}]}
 rules: [coupling-maker]
 """
