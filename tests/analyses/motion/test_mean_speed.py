@@ -181,7 +181,7 @@ def test_drift_is_judged_where_the_law_of_the_drive_is_stated(drive, verdicts):
 
 def test_mean_speed_of_a_controlled_drive_is_not_judged():
     found = solved(drive=", drive: {law: speed}")
-    assert [check.clause for check in found.need(Checks).lines] == ["stability"]
+    assert "mean speed" not in [check.clause for check in found.need(Checks).lines]
     assert "held by the controller" in verdict(found, "stability").note
 
 
