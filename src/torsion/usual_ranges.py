@@ -66,7 +66,7 @@ USUAL = {
     "1": UsualRange(1e-12, 1e12),
     "rad": UsualRange(1e-9, 1e3),
     "rad/s": UsualRange(1e-6, 1e9),
-    "rad/s**2": UsualRange(1e-9, 1e9),
+    "rad/s**2": UsualRange(1e-9, 1e12),
     "Hz": UsualRange(1e-6, 1e7, ("Hz", "kHz")),
     "s": UsualRange(1e-18, 1e5, ("s", "ms")),
     "K": UsualRange(1e-6, 1e6),
@@ -103,7 +103,7 @@ USUAL = {
     "diameter of a propeller": UsualRange(1e-3, 400.0, ("mm",)),
     "thickness of ice": UsualRange(1e-3, 10.0, ("mm", "cm")),
     # Angles
-    "clearance": UsualRange(1e-8, math.tau),
+    "clearance": UsualRange(1e-8, 2.0 * math.tau),
     "crank angle of an event": UsualRange(math.radians(0.5), 2.0 * math.tau, ("deg",)),
     # Materials
     "modulus": UsualRange(1e9, 1e12, _MODULI),

@@ -27,12 +27,13 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
 
 
 def empty_lists(value: object, path: Path = ()) -> Iterator[Fault]:
-    """The faults of components in a value with an empty list at a key, and of trains within others without any.
+    """The faults of components, and of halves of a differential, with an empty list at a key.
 
-    A case may empty a list that it takes components from; a file that states one has forgotten what stands in it.
+    A wheel of a gear may have no train behind it. A case may empty a list that it takes components from; a file that
+    states an empty list has forgotten its entries.
     """
     for step, item in entries_of(value):
-        if item == [] and ((step == "train" and path) or (path[-1:] and path[-1] in KINDS)):
+        if item == [] and path and path[-1] in (*KINDS, "differential"):
             yield Fault((*path, step), f"`{step}` is an empty list", "list one, or leave the key out")
         yield from empty_lists(item, (*path, step))
 
