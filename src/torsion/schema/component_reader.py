@@ -27,10 +27,10 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
 
 
 def empty_lists(value: object, path: Path = ()) -> Iterator[Fault]:
-    """The faults of components, and halves of a differential, with an empty list at a key.
+    """The faults of components, and of halves of a differential, with an empty list at a key.
 
-    A wheel of a gear may have no train behind it, and a case may empty a list from which it removes components. In a
-    file an empty list is a list whose content was forgotten.
+    A wheel of a gear may have no train behind it. A case may empty a list that it takes components from; a file that
+    states an empty list has forgotten its entries.
     """
     for step, item in entries_of(value):
         if item == [] and path and path[-1] in (*KINDS, "differential"):
