@@ -161,7 +161,7 @@ def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(scen
     found = solved(scene)
     part = found.study.train.part(propeller)
     lines = {line.order for line in found.need(Response).lines if propeller in line.sources}
-    assert lines == {k * part.propeller.blades * part.ratio for k in (1, 2)}
+    assert lines == {k * part.impeller.blades * part.ratio for k in (1, 2)}
 
 
 def test_ratios_of_the_scenes_are_those_of_their_gears() -> None:

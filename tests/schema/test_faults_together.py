@@ -91,7 +91,9 @@ def test_a_power_without_a_way_and_a_short_table_of_the_load_are_told_when_the_f
     assert of(stated(alone), (2, "would enter and leave the train at 'm'"))
     text = TRAIN.replace("steps: 21}", "steps: 21}, load: [[100 rpm, 5], [800 rpm, 9]]")
     other = text + "  - coupling: {stiffness: 1}\n  - motor: {name: second, inertia: 1, power: 1 kW}\n"
-    assert of(stated(other), (2, "covers 100 rpm to 800 rpm"), (4, "'a' has no power"))
+    assert of(
+        stated(other), (2, "covers 100 rpm to 800 rpm"), (10, "`power` of 'second' holds at a speed that is not given")
+    )
 
 
 def test_a_name_that_is_taken_is_told_with_the_line_that_has_it():

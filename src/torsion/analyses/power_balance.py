@@ -6,22 +6,15 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.loads_and_drivers import OF_OPERATION, Balance, Driver, Load, Shared
-from torsion.analyses.power_balance_words import (
-    SAME_POWER,
-    in_kw,
-    lacking_in_words,
-    loads_in_words,
-    names_of,
-    ratings_in_words,
-    sharing_in_words,
-    size_of,
-)
 from torsion.components.load_law import LoadLaw
 from torsion.components.lowering import Part
 from torsion.components.machine_records import MachineRecord
 from torsion.errors import Fault, InputError
 from torsion.study import Operation, Study
 from torsion.train import Train
+
+SAME_POWER = 0.01  # relative: the sum of rounded ratings that is still the rated power
+SAME_SHARE = 1e-9  # relative: the shares of cylinders whose heat only rounding takes from the whole
 
 
 def power_balance(train: Train, operation: Operation) -> Balance:
@@ -40,24 +33,24 @@ def power_balance(train: Train, operation: Operation) -> Balance:
         raise InputError([Fault(stated[0].parts[0].path, "every machine absorbs; nothing drives", hint)])
 
     first, last = _ends(train)
-    entering, leaving = names_of(drivers), loads_in_words(loads, absorbers or compressors, has_sizes=bool(stated))
+    entering, leaving = _names_of(drivers), _loads_in_words(loads, absorbers or compressors, has_sizes=bool(stated))
     driving = _drivers(drivers, loads, operation)
     if not drivers:
         taken = [station for load in loads for station, _ in load.stations]
         station, entering = _at_an_end((first, last), taken, ("motor", "propeller"), train, operation)
         driving = [Driver(None, [(station, Fraction(1))], is_free=False)]
     elif len(drivers) > 1:
-        entering += sharing_in_words(drivers)
+        entering += _sharing_in_words(drivers)
     if not loads[0].stations:
         taken = [station for driver in driving for station, _ in driver.stations]
         station, leaving = _at_an_end((last, first), taken, ("propeller", "motor"), train, operation)
         loads = [Load((), [(station, Fraction(1))], loads[0].law, loads[0].torque, loads[0].speed)]
     sentence = f"The mean torque enters at {entering} and leaves at {leaving}."
     balance = Balance(
-        tuple(loads), tuple(driving), len(train.stations), sentence + ratings_in_words(drivers, operation)
+        tuple(loads), tuple(driving), len(train.stations), sentence + _ratings_in_words(drivers, operation)
     )
     return Balance(
-        balance.loads, balance.drivers, balance.stations, balance.sentence + lacking_in_words(balance, operation)
+        balance.loads, balance.drivers, balance.stations, balance.sentence + _lacking_in_words(balance, operation)
     )
 
 
@@ -99,7 +92,7 @@ def _loads(
         torque = (power - taken) / rated.speed
         return [*stated, Load(rest, _equally(rest), law_of(rest[0], operation), torque, rated.speed, is_free=True)]
     if rest or abs(taken - power) > SAME_POWER * power:
-        message = f"the loads take {in_kw(taken)}, `rated` says {in_kw(power)}"
+        message = f"the loads take {_in_kw(taken)}, `rated` says {_in_kw(power)}"
         hint = "leave out the power of the one that takes the rest, or correct one"
         hint += "; make a machine that drives a `motor`" if rest else ""
         raise InputError([Fault(("operation", "rated", "power"), message, hint)])
@@ -197,8 +190,8 @@ def _refuse_unlike(train: Train, operation: Operation, parts: Sequence[Part]) ->
     if len(features) == 1:
         return
     rated = operation.rated
-    enters = "the power enters" if rated is None or rated.power is None else f"{in_kw(rated.power)} enter"
-    message = f"{enters}, and the file does not say how they divide between {names_of(parts, quote=True)}"
+    enters = "the power enters" if rated is None or rated.power is None else f"{_in_kw(rated.power)} enter"
+    message = f"{enters}, and the file does not say how they divide between {_names_of(parts, quote=True)}"
     both = "both" if len(parts) == 2 else "all"
     hint = f"give `power` to {both}, or to all but one and that takes the rest"
     if len(parts) == 2:
@@ -223,8 +216,8 @@ def _drivers(drivers: list[Part], loads: list[Load], operation: Operation) -> li
         ]
     if len(free) > 1:
         stated = next(part for part in drivers if _is_stated(part))
-        message = f"{names_of(free, quote=True)} drive, {'both' if len(free) == 2 else 'all'} without power, beside "
-        message += f"'{stated.name}' with {size_of(stated)}"
+        message = f"{_names_of(free, quote=True)} drive, {'both' if len(free) == 2 else 'all'} without power, beside "
+        message += f"'{stated.name}' with {_size_of(stated)}"
         raise InputError([Fault(free[0].path, message, "one machine alone can be the free one")])
     shares = {part.name: _stated_share(part, loads, operation) for part in drivers if part is not free[0]}
     left = 1 - sum(shares.values(), Fraction(0))
@@ -278,3 +271,73 @@ def _at_an_end(
         raise InputError([Fault(where, message, hint)])
     why = f"there is no {kinds[0]}" + ("" if free[0] == ends[0] else f", and the other end is a {kinds[1]}")
     return free[0], f"{train.stations[free[0]].name} ({why})"
+
+
+def _loads_in_words(loads: Sequence[Load], absorbers: Sequence[Part], *, has_sizes: bool) -> str:
+    """The loads by name, where they state their power with that."""
+    if not has_sizes:
+        equal = " in equal parts" if len(absorbers) > 1 and absorbers[0].machine is not None else ""
+        return _names_of(absorbers) + equal
+    words = []
+    for load in loads:
+        size = "table" if load.law.table else f"{_in_kw(load.torque * load.speed)}, {load.law.words}"
+        if load.parts[0].compressor is not None:
+            size = "by its pressures"
+        rest = "the rest" + (" in equal parts, " if len(load.parts) > 1 else ", ") if load.is_free else ""
+        words.append(f"{_names_of(load.parts)} ({rest}{size})")
+    return _joined(words)
+
+
+def _sharing_in_words(drivers: Sequence[Part]) -> str:
+    """How several machines that drive share the loads, in words."""
+    stated = [part for part in drivers if _is_stated(part)]
+    if not stated:
+        return " in equal parts"
+    if len(stated) == len(drivers):
+        return " in proportion to their power"
+    sizes = _joined([f"{part.name} {_size_of(part)}" for part in stated])
+    return f" ({sizes}, and in this share at every speed)"
+
+
+def _ratings_in_words(drivers: Sequence[Part], operation: Operation) -> str:
+    """What the powers of drivers are not, where together they are not the rated power."""
+    given = [part.machine.power for part in drivers if part.machine is not None and part.machine.power is not None]
+    rated = None if operation.rated is None else operation.rated.power
+    if len(given) < len(drivers) or not given or rated is None or abs(sum(given) - rated) <= SAME_POWER * rated:
+        return ""
+    together = "The power of the motor" if len(given) == 1 else "The powers of the motors, together"
+    used = "is not used" if len(given) == 1 else "say their shares alone"
+    return f" {together} ({sum(given) / 1e3:.6g} kW) {used}: the torque follows from the rated {rated / 1e3:.6g} kW."
+
+
+def _lacking_in_words(balance: Balance, operation: Operation) -> str:
+    """What cylinders that do not fire take from the loads, in kW at the rated point."""
+    share, rated = float(balance.delivered), operation.rated
+    if rated is None or abs(share - 1.0) <= SAME_SHARE:
+        return ""
+    speed = np.array([rated.speed])
+    if any(load.faults(speed) for load in balance.loads):
+        return ""
+    full = float(balance.full_torque(speed)[0]) * rated.speed
+    falls = "fall alike (`keep_power: true` of the engine keeps them)" if share < 1.0 else "rise alike"
+    fired = f"{_in_kw(share * full)} of {_in_kw(full)} enter at the rated speed"
+    return f" Not every cylinder fires as the others: {fired}, and all loads {falls}."
+
+
+def _size_of(part: Part) -> str:
+    machine = part.machine
+    if machine is None or (machine.power is None and machine.torque is None):
+        return "its table"
+    return _in_kw(machine.power) if machine.power is not None else f"{machine.torque:.6g} N m"
+
+
+def _names_of(parts: Sequence[Part], *, quote: bool = False) -> str:
+    return _joined([f"'{part.name}'" if quote else part.name for part in parts])
+
+
+def _joined(words: list[str]) -> str:
+    return ", ".join(words[:-1]) + " and " + words[-1] if len(words) > 1 else "".join(words)
+
+
+def _in_kw(power: float) -> str:
+    return f"{power / 1e3:.6g} kW"

@@ -13,6 +13,7 @@ from torsion.output.numbers import number, unit_words
 
 MOST_MODES = 3  # in one figure
 MOST_BINS = 40
+SAME = 1e-12  # relative: values that differ by less are one
 FEWEST_LINES = 5  # values along an axis between which lines are drawn
 CONTOURS = 8  # of a frequency
 LIMIT = 100.0  # % of a limit
@@ -163,6 +164,8 @@ def _contours(x: FloatArray, y: FloatArray, values: FloatArray) -> Iterator[Line
 def _histogram(values: FloatArray) -> Line:
     """Steps (bins,) in % of the variants."""
     known = values[np.isfinite(values)]
+    if known.size and np.ptp(known) <= SAME * np.abs(known).max():  # between values that differ by rounding lie no bins
+        known = np.full_like(known, known[0])
     bins = int(np.clip(np.sqrt(known.size), 5, MOST_BINS))
     count, edges = np.histogram(known, bins)
     x, y = np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(100.0 * count / max(values.size, 1), 2), [0.0]])
