@@ -15,7 +15,7 @@ from torsion.analyses.lateral.misaligned_shaft import (
     growth,
     small_angle_part,
 )
-from torsion.kernels.periodic.hill import Couplings, couplings_of, harmonics_of, hill_blocks, hill_exponents, scattered
+from torsion.kernels.periodic.hill import Couplings, assembled, couplings_of, harmonics_of, hill_blocks, hill_exponents
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -144,7 +144,7 @@ def response(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT, c
     angle = np.empty((at.size, 2, count + 1), dtype=complex)
     for k, speed in enumerate(at.tolist()):
         entries = _entries(shaft, turned, speed, model)
-        matrix = scattered(entries.row, entries.column, hill_blocks(entries, 2.0 * speed, count), 2).toarray()
+        matrix = assembled(entries.row, entries.column, hill_blocks(entries, 2.0 * speed, count), 2)
         angle[k] = np.linalg.solve(matrix, pull[k] * force.ravel()).reshape(2, -1)[:, count:]
     angle[..., 1:] *= 2.0
     unstable = growth(shaft, at, model).rate > NEUTRAL * at

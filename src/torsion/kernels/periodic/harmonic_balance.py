@@ -187,11 +187,13 @@ def _sparse(entries: Entries, force: FloatArray, place: IntArray, right: FloatAr
     from scipy.sparse.linalg import splu
 
     total, loads = force.shape
-    matrix = scattered(*entries, total // entries[2].shape[-1])
-    if loads:
-        stays = sparse.coo_matrix((np.ones(loads), (np.arange(loads), place)), shape=(loads, total))
-        matrix = sparse.bmat([[matrix, sparse.coo_matrix(force)], [stays, None]])
-    return np.asarray(splu(matrix.tocsc()).solve(right))
+    values, row, column = scattered(*entries)
+    unknown, load = np.nonzero(force)
+    values = np.concatenate([values, force[unknown, load], np.ones(loads)])
+    row = np.concatenate([row, unknown, total + np.arange(loads)])
+    column = np.concatenate([column, total + load, place])
+    matrix = sparse.csc_matrix((values, (row, column)), shape=(total + loads, total + loads))
+    return np.asarray(splu(matrix).solve(right))
 
 
 def _truncation(at: Linearised, harmonic: ComplexArray, w0: float, count: int) -> float:

@@ -4,14 +4,10 @@ M(t) y'' + C(t) y' + K(t) y = 0 with period 2 pi/w0; y = exp(s t) sum_k u_k exp(
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from scipy import sparse
 
 # Mean harmonic of a vector: one copy of each lies here, and no symmetry puts one at the ends.
 CENTRED = (-0.4863, 0.5137)
@@ -116,14 +112,11 @@ def assembled(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) ->
     return np.ascontiguousarray(full.transpose(0, 2, 1, 3)).reshape(size * number, size * number)
 
 
-def scattered(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) -> "sparse.coo_matrix":
-    """The same as a sparse matrix."""
-    from scipy import sparse
-
+def scattered(row: IntArray, column: IntArray, blocks: FloatArray) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return values, rows and columns of the same as a sparse matrix; places that occur twice are to be summed."""
     number = blocks.shape[-1]
     entry, above, along = np.nonzero(blocks)
-    places = row[entry] * number + above, column[entry] * number + along
-    return sparse.coo_matrix((blocks[entry, above, along], places), shape=(size * number, size * number))
+    return blocks[entry, above, along], row[entry] * number + above, column[entry] * number + along
 
 
 @dataclass(frozen=True)
