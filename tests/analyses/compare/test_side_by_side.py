@@ -124,8 +124,8 @@ def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
     assert (torques.worst_speed, torques.component) == (worst[0], given[1].ends.name[worst[2]])
     assert torques.worst_order == given[1].loads[worst[1]].line.order
     largest = max(found.models[0].largest)
-    assert replace(found.models[0], tolerance=largest).passes
-    assert not replace(found.models[0], tolerance=0.999 * largest).passes
+    assert replace(found.models[0], tolerances=(largest,) * 3).passes
+    assert not replace(found.models[0], tolerances=(0.999 * largest,) * 3).passes
 
 
 def loaded_orders(study):
@@ -239,6 +239,21 @@ def test_default_model_keeps_its_promised_error_where_peaks_are_narrow():
     assert lumped.largest_torque_error < SHARE_OF_ERROR
     assert fem.largest_torque_error < 1e-6
     assert found.failed == ()
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
+def test_default_model_keeps_its_promised_errors_for_any_number_of_modes(count):
+    """The shafts are then divided for the highest excited frequency alone: frequencies to 0.1 %, torques to 1 %."""
+    found = check(torsion.parse(PUMP + f"analyses: {{modes: {{count: {count}}}, response: }}\n"))
+    assert (found.tolerance, found.torque_tolerance) == (SHARE_OF_ERROR, 10 * SHARE_OF_ERROR)
+    assert found.failed == ()
+
+
+def test_torques_have_a_tolerance_of_their_own():
+    found = check(
+        torsion.parse(PUMP + "analyses: {modes: {count: 1}, response: }\n"), CheckSettings(torque_tolerance=1e-3)
+    )
+    assert found.failed == ("lumped",)
 
 
 def test_peaks_of_the_models_agree_within_the_error_that_is_reported():

@@ -28,6 +28,7 @@ from torsion.results import derived, reported, result
 from torsion.study import Study
 
 Model = Literal["lumped", "fem", "exact"]
+TORQUE_FACTOR = 10.0  # error of a torque over that of a frequency in a shaft divided for the highest excited frequency
 SAME_WITHOUT_SHAFTS = "No shaft of this train has an inertia of its own: all models of it are the same."
 
 
@@ -36,9 +37,17 @@ class CheckSettings(Declared):
 
     models: tuple[Model, ...] | None = given("the models compared with the exact one (default: all)")
     tolerance: Annotated[float, Quantity("1", above=0, usual="tolerance")] = given(
-        "largest relative error of frequencies, shapes (1 - MAC) and torques; default: what the lumped model promises",
+        "largest relative error of frequencies and shapes (1 - MAC); default: what the lumped model promises",
         SHARE_OF_ERROR,
     )
+    torque_tolerance: Annotated[float, Quantity("1", above=0, usual="tolerance")] | None = given(
+        f"largest relative error of torques; default: {TORQUE_FACTOR:g} times `tolerance`, as the lumped model promises"
+    )
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Largest errors that pass: of frequencies and shapes, and of torques."""
+        return self.tolerance, self.torque_tolerance or TORQUE_FACTOR * self.tolerance
 
     @model_validator(mode="after")
     def _compares(self) -> Self:
@@ -79,7 +88,7 @@ class ModelCompared:
     torques: TorquesCompared | None = result("", (), "of the response; null where none were compared")
     modes_seconds: float = result("", (), "time of assembly and modes")
     torques_seconds: float = result("", (), "time of the response torques; 0 where there are none")
-    tolerance: float
+    tolerances: tuple[float, float, float]  # of frequencies, shapes and torques
 
     @derived("1", (), "magnitude; null where a mode is missing")
     def largest_frequency_error(self) -> float:
@@ -104,14 +113,15 @@ class ModelCompared:
     @derived("", (), "no error exceeds the tolerance")
     def passes(self) -> bool:
         """As its verdict says."""
-        return not any(error > self.tolerance for error in self.largest)
+        return not any(error > limit for error, limit in zip(self.largest, self.tolerances, strict=True))
 
 
 @reported
 class Compared:
     """The models side by side; `exact` is what the others are compared with."""
 
-    tolerance: float = result("", (), "largest relative error that passes")
+    tolerance: float = result("", (), "largest relative error of frequencies and shapes that passes")
+    torque_tolerance: float = result("", (), "largest relative error of torques that passes")
     exact: ModelCompared | None = None
     models: tuple[ModelCompared, ...] = ()
     highest: float = result(  # between the last mode compared and the next
@@ -146,7 +156,7 @@ def check(study: Study, requested: CheckSettings | None = None, *, progress: Pro
     """
     settings = requested or CheckSettings()
     if not study.train.has_shafts:
-        return Compared(settings.tolerance, same=SAME_WITHOUT_SHAFTS)
+        return Compared(*settings.limits, same=SAME_WITHOUT_SHAFTS)
     if faults := loop_faults(study, ("links",)):
         raise InputError(faults)
     count = getattr(study.analyses.get("modes"), "count", COUNT)
@@ -160,9 +170,9 @@ def check(study: Study, requested: CheckSettings | None = None, *, progress: Pro
         progress(f"check: {name}", place / (len(names) + 1))
         found.append(_solved(replace(study, model=name), count, top, harmonics, excited))
     highest = math.sqrt(exact.modes.frequency[count - 1] * exact.modes.frequency[count])
-    compared = [_compared(one, exact, count, highest, settings.tolerance) for one in found]
+    compared = [_compared(one, exact, count, highest, settings.limits) for one in found]
     speed = None if harmonics is None else harmonics.speed
-    return Compared(settings.tolerance, compared[0], tuple(compared[1:]), highest, speed, "", lacking)
+    return Compared(*settings.limits, compared[0], tuple(compared[1:]), highest, speed, "", lacking)
 
 
 def operating_harmonics(study: Study, system: System) -> tuple[Harmonics | None, float, str]:
@@ -236,7 +246,7 @@ def _as_far_from_resonance(given: Loaded, frequency: FloatArray, exact: FloatArr
     return replace(given, loads=tuple(loads)) if number else given
 
 
-def _compared(one: _Solved, exact: _Solved, count: int, highest: float, tolerance: float) -> ModelCompared:
+def _compared(one: _Solved, exact: _Solved, count: int, highest: float, limits: tuple[float, float]) -> ModelCompared:
     system, train = one.modes.system, exact.modes.system.train
     known, own = min(count, one.modes.frequency.size), len(train.stations)
     frequency, shape = np.full(count, math.nan), np.full(count, math.inf)
@@ -247,7 +257,7 @@ def _compared(one: _Solved, exact: _Solved, count: int, highest: float, toleranc
     return ModelCompared(
         system.model, discretisation_words(system), one.modes.certified, frequency,
         relative_errors(frequency[:known], exact.modes.frequency[:count]), shape, _count_below(one.modes, highest),
-        torques, one.modes_seconds, one.torques_seconds, tolerance,
+        torques, one.modes_seconds, one.torques_seconds, (limits[0], *limits),
     )  # fmt: skip
 
 

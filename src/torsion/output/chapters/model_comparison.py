@@ -26,7 +26,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(
         "The same train with its shafts as lumped segments, as finite elements and as continua, each discretised "
         "as in a calculation with that model alone. The continuum has no discretisation error: every error is "
-        f"relative to it, and none may exceed {given(100 * found.tolerance)} %."
+        f"relative to it. Frequencies and shapes may differ by {given(100 * found.tolerance)} %, torques by "
+        f"{given(100 * found.torque_tolerance)} %."
     )
     yield from on_terminal([conclusion(found)])
     yield _summary(found)
@@ -53,6 +54,8 @@ def conclusion(found: Compared) -> Paragraph:
     if found.exact is None:
         return Paragraph(found.same, "note")
     limit = f"{given(100 * found.tolerance)} % of the exact model"
+    if found.speed is not None and found.torque_tolerance != found.tolerance:
+        limit += f" (torques: {given(100 * found.torque_tolerance)} %)"
     good = [model.model for model in found.models if model.model not in found.failed]
     if found.failed:
         kept = f"; {' and '.join(good)} is" if good else ""
@@ -152,7 +155,9 @@ def _torques(findings: Findings, found: Compared) -> Iterator[Block]:
         caption = "Relative error of the torques over the speed, the largest of all orders and components"
         yield Points(places, brief=True)
         speed = found.speed * RPM
-        figure = error_curves.torques("check-torques", caption, speed=speed, lines=lines, tolerance=found.tolerance)
+        figure = error_curves.torques(
+            "check-torques", caption, speed=speed, lines=lines, tolerance=found.torque_tolerance
+        )
         yield of_torsion(findings, figure)
     left_out = max(torques.left_out for _, torques in compared)
     if left_out:
