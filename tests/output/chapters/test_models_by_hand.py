@@ -104,7 +104,7 @@ def test_blocks_in_their_order(bare: Findings) -> None:
     assert items(made)[:3] == ["exact: exact pieces", "lumped: lumped pieces", "fem: fem pieces"]
     guessed = comparing(model("lumped", 1e-3, certified=False))
     assert items(blocks(bare, guessed))[1] == "lumped: lumped pieces; not certified by counts"
-    same = Compared(1e-2, same="All are the same.")
+    same = Compared(1e-2, 1e-2, same="All are the same.")
     assert blocks(bare, same) == [
         Heading("Comparison of the models"),
         Paragraph("All are the same.", "note", brief=True),
