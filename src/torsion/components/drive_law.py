@@ -74,4 +74,4 @@ class DriveLaw(Declared):
             return f"{name} {100.0 * (share or 0.0):g} %{lag}"
         if self.torque is not None:
             return "torque by a table over speed"
-        return "speed held by a controller" if self.is_controlled else "constant torque"
+        return "speed kept by a controller" if self.is_controlled else "constant torque"

@@ -80,7 +80,7 @@ def mean_speed_words(found: Stability, study: Study) -> str:
     doubles = f"doubles in {np.log(2.0) / drift.growth:.2g} s"
     stated = f"Mean speed drifts: {drift.growth:.3g} 1/s at {rpm[0]} rpm ({doubles})"
     if any(law.is_controlled for law in laws):
-        return f"{stated} without its controller, which holds it: held by the controller"
+        return f"{stated} without its controller; kept by the controller"
     why = f"the slopes of drive and load, together {drift.given:.3g} N m s/rad at '{drift.machine}', are too small"
     if abs(drift.given) <= NO_SLOPE:
         why = "the torques of drive and load do not depend on speed"
@@ -121,7 +121,7 @@ def stability_check(found: Stability, operation: Operation) -> Check:
         *_nearest(found, first, last),
     ]
     if found.doubtful is not None and found.doubtful.size:
-        notes.append("a drift of the mean speed and an instability were not told apart")
+        notes.append("a drift of the mean speed and an instability were not distinguished")
     kept = is_whole and not (unstable or bare)
     return _check("stability", WHOLE, "growth rate of small deviations", growth, "1/s", speed, notes, kept=kept)
 

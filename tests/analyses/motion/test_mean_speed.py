@@ -182,7 +182,7 @@ def test_drift_is_judged_where_the_law_of_the_drive_is_stated(drive, verdicts):
 def test_mean_speed_of_a_controlled_drive_is_not_judged():
     found = solved(drive=", drive: {law: speed}")
     assert "mean speed" not in [check.clause for check in found.need(Checks).lines]
-    assert "held by the controller" in verdict(found, "stability").note
+    assert "kept by the controller" in verdict(found, "stability").note
 
 
 def test_doubtful_exponent_is_a_growth_and_no_drift(monkeypatch):
@@ -190,7 +190,7 @@ def test_doubtful_exponent_is_a_growth_and_no_drift(monkeypatch):
     monkeypatch.setattr("torsion.analyses.motion.floquet_exponents.drift_slope", lambda at, speed, near: (1.0, None))
     found = solved(first=250, last=1500, steps=126)
     assert verdict(found, "stability").verdict == "fail"
-    assert "were not told apart" in verdict(found, "stability").note
+    assert "were not distinguished" in verdict(found, "stability").note
 
 
 def test_exact_response_is_not_marked_unstable_where_the_mean_speed_drifts():

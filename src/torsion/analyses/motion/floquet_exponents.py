@@ -127,10 +127,10 @@ class Multipliers:
     speed: ComplexArray  # (coordinates or modes, exponents) its rate of change
     period: float  # s
     rigid: int | None = None  # the real exponent whose motion is mostly a turning of the whole train, if there is one
-    drift: float = np.nan  # 1/s: that exponent, where it was told apart as the drift of the mean speed
+    drift: float = np.nan  # 1/s: that exponent, where it was distinguished as the drift of the mean speed
     is_doubtful: bool = False
 
-    def told_apart(self, correction: float) -> "Multipliers":
+    def distinguished(self, correction: float) -> "Multipliers":
         """The torsional exponents alone; the drift of the mean speed beside them, with a correction in 1/s."""
         rest = np.arange(len(self.exponent)) != self.rigid
         drift = float(self.exponent[self.rigid].real) + correction
@@ -237,10 +237,10 @@ class Search:
         if self.reduced is not None:
             around, highest = around.on(self.reduced), BEYOND * self.reduced.highest
         if method == "hill":
-            return self._told_apart(orbit, by_hill(around, highest, orbit.found.count, most))
-        return self._told_apart(orbit, by_monodromy(around, highest))
+            return self._distinguish(orbit, by_hill(around, highest, orbit.found.count, most))
+        return self._distinguish(orbit, by_monodromy(around, highest))
 
-    def _told_apart(self, orbit: Orbit, found: Multipliers) -> Multipliers:
+    def _distinguish(self, orbit: Orbit, found: Multipliers) -> Multipliers:
         """The exponents with the drift of the mean speed beside them, where both tests say that there is one.
 
         A fast growing one has to have the sign that the torque lost by the vibration gives it.
@@ -251,10 +251,10 @@ class Search:
         growth = float(found.exponent[found.rigid].real) - orbit.now.beside / inertia
         if growth > SLOW and not agrees(growth, drift_slope(self.at, orbit.now.loading.speed, orbit)[0], inertia):
             return replace(found, rigid=None, is_doubtful=True)
-        return found.told_apart(-orbit.now.beside / inertia)
+        return found.distinguished(-orbit.now.beside / inertia)
 
     def drift(self, speed: float) -> float:
-        """1/s of the mean speed; NaN where it was not told apart."""
+        """1/s of the mean speed; NaN where it was not distinguished."""
         found = self(speed)
         return np.nan if found is None else found[1].drift
 

@@ -135,6 +135,6 @@ def drift_ends(drift: Callable[[float], float], speeds: FloatArray, values: Floa
         inner, outer = float(speeds[row]), float(speeds[beside])
         try:
             ends.append(float(brentq(lambda speed: drift(speed) - SLOW, inner, outer, rtol=BOUNDARY)))
-        except ValueError:  # no drift was told apart between them
+        except ValueError:  # no drift was distinguished between them
             ends.append(inner)
     return ends[0], ends[1]

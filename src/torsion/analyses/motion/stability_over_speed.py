@@ -59,11 +59,11 @@ class Stability:
         "", (), "elastic modes that the train is reduced to; null for all", key="modes_kept", default=None
     )
     drift: FloatArray | None = result(
-        "1/s", ("speed",), "growth of a deviation of the mean speed; null where it was not told apart", default=None
+        "1/s", ("speed",), "growth of a deviation of the mean speed; null where it was not distinguished", default=None
     )
     drifts: tuple[MeanSpeedDrift, ...] = result("", (), "where the mean speed drifts, at most one", default=())
     doubtful: FloatArray | None = result(
-        "rad/s", ("doubtful",), "speeds at which a drift of the mean speed and an instability were not told apart",
+        "rad/s", ("doubtful",), "speeds at which a drift of the mean speed and an instability were not distinguished",
         default=None,
     )  # fmt: skip
     left_out: float = result(
