@@ -10,7 +10,7 @@ import pytest
 import torsion
 from torsion.analyses.damped_modes import damped
 from torsion.analyses.motion.floquet_exponents import Search, growth_search
-from torsion.analyses.motion.mean_speed import MeanSpeedDrift, drift_slope, missing_slope
+from torsion.analyses.motion.mean_speed import drift_slope, missing_slope
 from torsion.analyses.motion.periodic_orbits import PeriodicResponse
 from torsion.analyses.motion.stability_map import StabilityMap
 from torsion.analyses.motion.stability_over_speed import Stability
@@ -313,7 +313,7 @@ def test_law_of_a_drive_without_a_mean_torque_and_beside_a_motion_over_time_is_r
     with pytest.raises(InputError) as caught:
         torsion.parse(without, "drum.yaml")
     assert "the law of a drive needs the mean torque" in str(caught.value)
-
-
-def test_record_of_a_drift_is_declared():
-    assert MeanSpeedDrift(1.0, 2.0, 0.1, 1.5, 3.0, "motor", 0.0, 802.0).machine == "motor"
+    over_time = "transient: {duration: 1 s, events: [{at: motor, time: 0.5 s, stop: {}}]}"
+    with pytest.raises(InputError) as caught:
+        torsion.parse(text(drive=", drive: {slip: 1 %}", analyses=over_time), "drum.yaml")
+    assert "the law of `drive` of 'motor' does not act in a motion over time yet" in str(caught.value)

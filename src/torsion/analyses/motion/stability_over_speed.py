@@ -26,6 +26,7 @@ from torsion.study import Study
 MOST_SEEDS = 60  # combination resonances that are looked at between the speeds requested
 LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
 UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
+LOWEST = -1e9  # 1/s, where no drift is known
 MOST_PEAKS = 3  # of the drift of the mean speed, that are refined
 CHECKED = 3  # speeds at which the other method checks the growth rate
 WHOLE = 20  # coordinates up to which no mode is left out, unless its highest mode
@@ -153,8 +154,9 @@ def _drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
 
     # A narrow drift lies between the speeds: each high local maximum is refined.
     known = np.array(sorted(search.known))
-    rates = np.array([-height(speed) for speed in known.tolist()])
-    inner = np.flatnonzero((rates[1:-1] >= rates[:-2]) & (rates[1:-1] >= rates[2:]) & np.isfinite(rates[1:-1])) + 1
+    rates = np.array([max(-height(speed), LOWEST) for speed in known.tolist()])
+    below, above = rates[1:-1] - rates[:-2], rates[1:-1] - rates[2:]
+    inner = np.flatnonzero((np.minimum(below, above) >= 0) & (np.maximum(below, above) > SLOW)) + 1
     for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
         low, high = float(known[row - 1]), float(known[row + 1])
         minimize_scalar(height, bounds=(low, high), method="bounded", options={"xatol": PEAK * (high - low)})

@@ -82,9 +82,14 @@ def monodromy(
     """
     rule, size = radau(stages), mass.shape[1]
     share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
-    samples = np.stack([mass, damping, stiffness], axis=1)
+    # One Fourier sum for all three, each in its own size, as harmonics count by their share of the largest.
+    largest = [max(float(np.abs(part).max()), np.finfo(float).tiny) for part in (mass, damping, stiffness)]
+    samples = np.stack(
+        [part / largest_part for part, largest_part in zip((mass, damping, stiffness), largest, strict=True)], axis=1
+    )
     nodes = at_times(samples, share).reshape(steps, stages, 3, size, size)
-    return through_steps(nodes[:, :, 0], nodes[:, :, 1], nodes[:, :, 2], period / steps, rule, visited=visited)
+    inert, damp, stiff = (nodes[:, :, k] * factor for k, factor in enumerate(largest))
+    return through_steps(inert, damp, stiff, period / steps, rule, visited=visited)
 
 
 def through_steps(
