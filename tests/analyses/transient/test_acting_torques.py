@@ -168,3 +168,11 @@ def test_plan_page_and_results_say_which_torques_act(tmp_path: Path) -> None:
     assert [block.brief for block in said] == [True]  # so it is printed on the terminal
     (tmp_path / "scene.yaml").write_text(text)
     assert line in {what: size for what, size, _ in commands.plan(tmp_path / "scene.yaml").steps}["motion over time"]
+
+
+def test_an_engine_at_the_speed_of_its_rating_takes_no_steps_for_an_edge_at_which_its_law_stays_the_same() -> None:
+    """The load is constant from 1350 rpm on, so nothing of the harmonics changes at 1500 rpm."""
+    text = (SCENES / "v12_generator_set.yaml").read_text().split("analyses:")[0]
+    motion = moved(text + "analyses: {transient: {duration: 0.02 s, initial: {speed: 1500 rpm}}}\n")
+    assert motion.steps
+    assert motion.changes == ()

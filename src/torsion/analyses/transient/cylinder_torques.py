@@ -10,7 +10,7 @@ from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.transient.cylinder_torques import OrdersByAngle, quadratics
+from torsion.kernels.transient.cylinder_torques import OrdersByAngle, quadratics, without_equal_parts
 from torsion.primitives import Torque
 from torsion.study import Study
 
@@ -25,9 +25,9 @@ def cylinder_law(study: Study, system: System, interface: int, torques: Sequence
     speed = np.stack([edges[:-1], (edges[:-1] + edges[1:]) / 2.0, edges[1:]], axis=1).ravel()
     known = steady_if_known(study, system, speed / ratio)
     values = np.stack([amplitude(system, one, speed / ratio, known) for one in torques], axis=-1)
-    found = quadratics(edges, values.reshape(-1, 3, len(torques)))
+    edges, polynomial = without_equal_parts(edges, quadratics(edges, values.reshape(-1, 3, len(torques))))
     order = np.array([float(one.order or 0) for one in torques])
-    return OrdersByAngle(interface, order, edges[1:-1], found, float(edges[-1]))
+    return OrdersByAngle(interface, order, edges[1:-1], polynomial, float(edges[-1]))
 
 
 def _edges(study: Study, torques: Sequence[Torque], ratio: float) -> FloatArray:

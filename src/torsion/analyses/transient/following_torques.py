@@ -28,7 +28,7 @@ from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.findings import Progress
 from torsion.kernels.transient import torque_laws as laws
 from torsion.kernels.transient.collocation import Collocated, Law, Marched, Scheme, march
-from torsion.kernels.transient.cylinder_torques import quadratics
+from torsion.kernels.transient.cylinder_torques import quadratics, without_equal_parts
 from torsion.kernels.transient.damped_motion import Motion
 from torsion.kernels.transient.driven_motion import DrivenMotion, driven
 from torsion.kernels.transient.dry_friction import DryFriction
@@ -278,4 +278,5 @@ def _by_parts(study: Study, system: System, torque: Torque, ratio: float) -> law
     edges = np.array(sorted(with_corners_of_loads(study, {0.5 * highest, highest}, ratio)))
     speed = np.stack([edges[:-1], (edges[:-1] + edges[1:]) / 2.0, edges[1:]], axis=1).ravel() / ratio
     size = amplitude(system, torque, speed, steady_if_known(study, system, speed))
-    return laws.Parts(edges[1:-1], quadratics(edges, size.reshape(-1, 3, 1))[:, :, 0].real, float(edges[-1]))
+    edges, polynomial = without_equal_parts(edges, quadratics(edges, size.reshape(-1, 3, 1)))
+    return laws.Parts(edges[1:-1], polynomial[:, :, 0].real, float(edges[-1]))

@@ -8,6 +8,8 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.transient.collocation import Conditions, Points
 from torsion.kernels.transient.torque_laws import BySpeed, Parts
 
+SAME = 1e-12  # of the largest value: polynomials of two parts that differ less are one
+
 
 @dataclass(frozen=True)
 class OrdersByAngle:
@@ -60,3 +62,19 @@ def quadratics(edges: FloatArray, values: ComplexArray) -> ComplexArray:
     speed = np.stack([edges[:-1], (edges[:-1] + edges[1:]) / 2.0, edges[1:]], axis=1)
     powers = speed[:, :, None] ** np.arange(3)
     return np.asarray(np.linalg.solve(powers.astype(complex), values))
+
+
+def without_equal_parts(edges: FloatArray, polynomial: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+    """The edges (parts + 1,) and polynomials (parts, 3, orders) of parts that differ from the part before.
+
+    A march ends a step at every edge that a speed crosses: an edge where the law does not change costs steps alone.
+    """
+    kept = [0]
+    speed = np.stack([edges[:-1], (edges[:-1] + edges[1:]) / 2.0, edges[1:]], axis=1)[:, :, None]
+    powers = np.concatenate([np.ones_like(speed), speed, speed**2], axis=2)
+    largest = np.abs(powers @ polynomial).max(initial=0.0)
+    for part in range(1, len(polynomial)):
+        difference = np.abs(powers[[kept[-1], part]] @ (polynomial[part] - polynomial[kept[-1]]))
+        if difference.max(initial=0.0) > SAME * largest:
+            kept.append(part)
+    return edges[[*kept, -1]], polynomial[kept]
