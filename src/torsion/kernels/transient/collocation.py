@@ -28,7 +28,7 @@ BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last 
 ROUNDED = 16.0 * np.finfo(float).eps  # of a speed: what it may lack in a last coefficient
 AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
-MOST_STEPS = 50_000
+MOST_STEPS = 1_000_000  # of one torque; as many fewer of several: some ten minutes
 WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
 GAIN = 1.2
 WITHOUT_PROGRESS = 50  # changes of regime at one time
@@ -224,7 +224,7 @@ def marched(
                 raise SolveError(f"at {time:.6g} s the torques change their regime without end")
         end = next((cut for cut in cuts if abs(time + own - cut) <= SAME_TIME * cut), time + own)
         if own > 0.0:
-            _refuse_too_many(begins[::WATCHED], len(begins), time, scheme.duration)
+            _refuse_too_many(begins[::WATCHED], len(begins), time, scheme.duration, MOST_STEPS // max(train.number, 1))
             begins.append(time)
             reached = train.advance(time, own, end, tried.torque)
             state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
@@ -247,17 +247,23 @@ def marched(
     return Marched(len(begins), tuple(changes), lack, state.largest, tuple(begun))
 
 
-def _refuse_too_many(reached: list[float], number: int, time: float, duration: float) -> None:
+def _refuse_too_many(reached: list[float], number: int, time: float, duration: float, most: int) -> None:
     """Raises SolveError for steps that do not reach the end, as soon as that is seen; reached: after every WATCHED."""
-    if number < MOST_STEPS and (number % WATCHED or number < 3 * WATCHED):
+    if number < most and (number % WATCHED or number < 3 * WATCHED):
         return
     pace = np.diff([*reached[-3:], time])
     needed = number + WATCHED * (duration - time) / float(pace[-1])
-    if number < MOST_STEPS and (needed <= MOST_STEPS or pace[-1] > GAIN * pace[0]):
+    if number < most and (needed <= most or pace[-1] > GAIN * pace[0]):
         return
-    message = f"{number} steps reach {time:.4g} s of {duration:.4g} s only: the torques that follow excite fast modes"
-    hint = "damp these modes, give shafts fewer `segments` or `model: lumped`, keep fewer `modes`, shorten `duration`"
-    raise SolveError(message, f"{hint}, or raise `tolerance`")
+    message = (
+        f"{number} steps reach {time:.4g} s of {duration:.4g} s only, and no more than {most} are computed (about ten "
+        "minutes): the torques that follow the motion, or modes that they excite, are too fast"
+    )
+    hint = (
+        "shorten `duration`, leave torques out with `torques`, or damp fast modes (also fewer `segments` of shafts, "
+        "`model: lumped`, fewer `modes`)"
+    )
+    raise SolveError(message, hint)
 
 
 def _next_length(state: _March, tried: _Trial, own: float, length: float) -> float:
