@@ -6,7 +6,7 @@ series of every torque are small. A law may have regimes, in each of which it is
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -371,6 +371,25 @@ def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArr
 def _left(state: _March, time: float, tried: _Trial, length: float) -> tuple[float, int, int] | None:
     """The first change of regime in a step: the share of it, the law, and the regime that follows."""
     found: tuple[float, int, int] | None = None
+    at_found: Points | None = None
+    for low, high, number, which, follows in sorted(_crossings(state, tried), key=lambda crossing: crossing[:2]):
+        law, regime = state.laws[number], state.regimes[number]
+        if at_found is not None and law.limits(regime, at_found.of(law.at))[which][0][0] > 0.0:
+            continue  # it is left later
+
+        def rest(share: FloatArray, law: Law = law, regime: int = regime, which: int = which) -> FloatArray:
+            there = _inside(state, time, length, tried.torque, share)
+            return law.limits(regime, there.of(law.at))[which][0]
+
+        share = bracketed_root(rest, low, high, nothing=0.0 if low else AT_LIMIT)
+        if found is None or share < found[0]:
+            found = share, number, follows
+            at_found = _inside(state, time, length, tried.torque, np.array([share]))
+    return found
+
+
+def _crossings(state: _March, tried: _Trial) -> Iterator[tuple[float, float, int, int, int]]:
+    """Shares of a step between which a law leaves its regime, the law, which of its limits, and the regime beyond."""
     pairs = list(zip(state.laws, state.regimes, strict=True))
     still = {at for law, regime in pairs for at in law.still(regime) if at not in law.at}
     for number, (law, regime) in enumerate(pairs):
@@ -378,19 +397,9 @@ def _left(state: _March, time: float, tried: _Trial, length: float) -> tuple[flo
             continue
         for which, (margin, follows) in enumerate(law.limits(regime, tried.points.of(law.at))):
             below = np.flatnonzero(margin < -AT_LIMIT)
-            if not below.size:
-                continue
-            high = int(below[0])
-
-            def rest(share: FloatArray, law: Law = law, regime: int = regime, which: int = which) -> FloatArray:
-                there = _inside(state, time, length, tried.torque, share)
-                return law.limits(regime, there.of(law.at))[which][0]
-
-            low = 0.0 if high == 0 else float(ENDS[high - 1])
-            share = bracketed_root(rest, low, float(ENDS[high]), nothing=0.0 if low else AT_LIMIT)
-            if found is None or share < found[0]:
-                found = share, number, follows
-    return found
+            if below.size:
+                high = int(below[0])
+                yield 0.0 if high == 0 else float(ENDS[high - 1]), float(ENDS[high]), number, which, follows
 
 
 def _inside(state: _March, time: float, length: float, torque: FloatArray, share: FloatArray) -> Points:
