@@ -15,6 +15,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.transient.bracketed_root import bracketed_root
+from torsion.kernels.transient.endless_events import refuse_too_many_steps
 from torsion.kernels.transient.interface_motion import Interfaces, Known, Steps, StepsTaken
 from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, value
 
@@ -30,7 +31,6 @@ AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
 MOST_STEPS = 1_000_000  # of one torque; as many fewer of several: some ten minutes
 WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
-GAIN = 1.2
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
 
@@ -224,7 +224,8 @@ def marched(
                 raise SolveError(f"at {time:.6g} s the torques change their regime without end")
         end = next((cut for cut in cuts if abs(time + own - cut) <= SAME_TIME * cut), time + own)
         if own > 0.0:
-            _refuse_too_many(begins[::WATCHED], len(begins), time, scheme.duration, MOST_STEPS // max(train.number, 1))
+            most = MOST_STEPS // max(train.number, 1)
+            refuse_too_many_steps([*begins[::WATCHED], time], len(begins), most, WATCHED, scheme.duration)
             begins.append(time)
             reached = train.advance(time, own, end, tried.torque)
             state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
@@ -245,25 +246,6 @@ def marched(
         progress(time / scheme.duration)
     lack = state.lack / state.largest if state.largest else 0.0
     return Marched(len(begins), tuple(changes), lack, state.largest, tuple(begun))
-
-
-def _refuse_too_many(reached: list[float], number: int, time: float, duration: float, most: int) -> None:
-    """Raises SolveError for steps that do not reach the end, as soon as that is seen; reached: after every WATCHED."""
-    if number < most and (number % WATCHED or number < 3 * WATCHED):
-        return
-    pace = np.diff([*reached[-3:], time])
-    needed = number + WATCHED * (duration - time) / float(pace[-1])
-    if number < most and (needed <= most or pace[-1] > GAIN * pace[0]):
-        return
-    message = (
-        f"{number} steps reach {time:.4g} s of {duration:.4g} s only, and no more than {most} are computed (about ten "
-        "minutes): the torques that follow the motion, or modes that they excite, are too fast"
-    )
-    hint = (
-        "shorten `duration`, leave torques out with `torques`, or damp fast modes (also fewer `segments` of shafts, "
-        "`model: lumped`, fewer `modes`)"
-    )
-    raise SolveError(message, hint)
 
 
 def _next_length(state: _March, tried: _Trial, own: float, length: float) -> float:
