@@ -329,11 +329,13 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         assert isinstance(settings, SweepSettings)
         sizes["sweep"] = Points.of(study, settings, variation.figures).words
     if "transient" in study.analyses:
-        from torsion.analyses.transient.acting_torques import acting_torques
+        from torsion.analyses.transient.acting_torques import acting_torques, expected_steps
         from torsion.analyses.transient.transient_settings import cases
 
-        motions = [f"{one.name}: {acting_torques(study, one).words}".removeprefix(": ") for one, _ in cases(study)]
-        sizes["transient"] = " ".join(motions)
+        sizes["transient"] = " ".join(
+            f"{one.name}: {acting_torques(study, one).words}{expected_steps(study, system, one)}".removeprefix(": ")
+            for one, _ in cases(study)
+        )
     if speeds is not None:
         sizes["response"] = f"{components} harmonic components at {speeds.steps} speeds, and more around resonances"
     return sizes

@@ -10,9 +10,11 @@ import pytest
 import torsion
 from torsion import commands
 from torsion.analyses.transient.acting_torques import acting_torques
+from torsion.analyses.transient.motion_from_events import transient
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.transient.transient_settings import TransientSettings
-from torsion.errors import InputError
+from torsion.assembly import assemble
+from torsion.errors import InputError, SolveError
 from torsion.output.blocks import Paragraph
 from torsion.output.chapters.motion_over_time import chapter
 from torsion.output.results_json import results
@@ -176,3 +178,33 @@ def test_an_engine_at_the_speed_of_its_rating_takes_no_steps_for_an_edge_at_whic
     motion = moved(text + "analyses: {transient: {duration: 0.02 s, initial: {speed: 1500 rpm}}}\n")
     assert motion.steps
     assert motion.changes == ()
+
+
+FAST = scene(AT_SPEED + STEP, ", ripple: [{order: 100, torque: 50 N*m}]").replace("tolerance: 1e-10, ", "")
+
+
+def test_the_plan_says_how_long_a_fast_order_takes(tmp_path: Path) -> None:
+    (tmp_path / "scene.yaml").write_text(FAST.replace("duration: 2 s", "duration: 10 s"))
+    sizes = {what: size for what, size, _ in commands.plan(tmp_path / "scene.yaml").steps}
+    assert sizes["motion over time"].endswith(" At most about 8e+04 steps, 2e+01 s of computing.")
+
+
+def test_a_fast_order_runs_over_many_periods_and_shakes_the_coupling_as_its_closed_form_says() -> None:
+    """1000 periods of 1 kHz: the twist of two discs under a torque A far above their mode is A/(J w^2), and k of it."""
+    motion = moved(FAST.replace(STEP, ", samples: 4003").replace("duration: 2 s", "duration: 1 s"))
+    late = motion.torque[0, motion.time > 0.5]
+    w, damping = 2000.0 * math.pi, 6.0
+    stiffness = 3000.0 + 1j * w * damping
+    inertia = 3.0 * 1.0 / 4.0  # of the twist
+    exact = abs(stiffness / (stiffness - inertia * w**2)) * 50.0 * 1.0 / 4.0
+    assert motion.steps > 3000
+    assert np.ptp(late) / 2.0 == pytest.approx(exact, rel=1e-2)
+
+
+def test_an_order_that_would_take_hours_is_refused_with_what_to_do() -> None:
+    study = torsion.parse(FAST.replace("duration: 2 s", "duration: 1 h"))
+    settings = study.analyses["transient"]
+    assert isinstance(settings, TransientSettings)
+    with pytest.raises(SolveError, match="no more than 1000000 are computed") as refused:
+        transient(study, assemble(study.train), settings)
+    assert "leave torques out with `torques`" in refused.value.hint

@@ -154,7 +154,7 @@ def test_a_small_play_is_none() -> None:
 
 
 def test_a_motion_of_too_many_steps_says_how_far_it_comes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(collocation, "MOST_STEPS", 60)
+    monkeypatch.setattr(collocation, "MOST_STEPS", 120)  # of two interfaces
     text = THREE.format("stiffness: 6e4, clearance: {angle: 0.02 rad, viscous: 20}")
     with pytest.raises(SolveError, match=r"60 steps reach 0\.\d+ s of 1 s only.*shorten `duration`") as refused:
         moved(text, duration=1.0, events=START)

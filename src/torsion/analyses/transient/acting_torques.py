@@ -1,5 +1,6 @@
 """Which torques act in a motion over time: every periodic torque of the file, but for those that it leaves out."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -11,6 +12,8 @@ from torsion.study import Study
 from torsion.train import Train
 
 MOST_AMOUNTS = 4  # orders of one component that are named with their amplitudes; of more their number is
+STEPS_PER_PERIOD = 8.0  # of the highest order, at most about, at a tolerance of 1e-6
+SECONDS_PER_STEP = 3e-4  # of one station at which orders act
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,23 @@ def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
         amount = f" {torque:g} N m" if isinstance(torque, float) else ""
         acting.append(f"{event.body.key}{amount} at {event.at} from {event.time:g} s")
     return ActingTorques(tuple(acting), tuple(not_acting))
+
+
+def expected_steps(study: Study, system: System, settings: TransientSettings) -> str:
+    """How many steps orders take and how long that lasts, by the speed that is known; empty where it is short."""
+    given = settings.initial.get("speed") if isinstance(settings.initial, dict) else None
+    speed = given if isinstance(given, float) else study.operation.speed or 0.0
+    _, acting = without_excluded_torques(study, system, settings)
+    orders = {
+        (torque.station, float(torque.order) * abs(float(system.speed_ratio[torque.station])))
+        for torque in acting.train.torques
+        if torque.order is not None
+    }
+    fastest = speed * max((order for _, order in orders), default=0.0)
+    per_period = STEPS_PER_PERIOD * (1e-6 / settings.tolerance) ** (1.0 / 6.0)
+    steps = settings.duration * fastest / (2.0 * math.pi) * per_period
+    lasts = SECONDS_PER_STEP * steps * len({station for station, _ in orders})
+    return f" At most about {steps:.1g} steps, {lasts:.1g} s of computing." if lasts >= 1.0 else ""
 
 
 def _reason_without_mean(study: Study, settings: TransientSettings) -> str:

@@ -6,7 +6,7 @@ series of every torque are small. A law may have regimes, in each of which it is
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -15,6 +15,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.transient.bracketed_root import bracketed_root
+from torsion.kernels.transient.endless_events import refuse_too_many_steps
 from torsion.kernels.transient.interface_motion import Interfaces, Known, Steps, StepsTaken
 from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, value
 
@@ -28,9 +29,8 @@ BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last 
 ROUNDED = 16.0 * np.finfo(float).eps  # of a speed: what it may lack in a last coefficient
 AT_LIMIT = 1e-13  # of its scale: a margin that counts as none
 SAME_TIME = 4e-16  # relative: times that are one
-MOST_STEPS = 50_000
+MOST_STEPS = 1_000_000  # of one torque; as many fewer of several: some ten minutes
 WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
-GAIN = 1.2
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 
 
@@ -224,7 +224,8 @@ def marched(
                 raise SolveError(f"at {time:.6g} s the torques change their regime without end")
         end = next((cut for cut in cuts if abs(time + own - cut) <= SAME_TIME * cut), time + own)
         if own > 0.0:
-            _refuse_too_many(begins[::WATCHED], len(begins), time, scheme.duration)
+            most = MOST_STEPS // max(train.number, 1)
+            refuse_too_many_steps([*begins[::WATCHED], time], len(begins), most, WATCHED, scheme.duration)
             begins.append(time)
             reached = train.advance(time, own, end, tried.torque)
             state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
@@ -245,19 +246,6 @@ def marched(
         progress(time / scheme.duration)
     lack = state.lack / state.largest if state.largest else 0.0
     return Marched(len(begins), tuple(changes), lack, state.largest, tuple(begun))
-
-
-def _refuse_too_many(reached: list[float], number: int, time: float, duration: float) -> None:
-    """Raises SolveError for steps that do not reach the end, as soon as that is seen; reached: after every WATCHED."""
-    if number < MOST_STEPS and (number % WATCHED or number < 3 * WATCHED):
-        return
-    pace = np.diff([*reached[-3:], time])
-    needed = number + WATCHED * (duration - time) / float(pace[-1])
-    if number < MOST_STEPS and (needed <= MOST_STEPS or pace[-1] > GAIN * pace[0]):
-        return
-    message = f"{number} steps reach {time:.4g} s of {duration:.4g} s only: the torques that follow excite fast modes"
-    hint = "damp these modes, give shafts fewer `segments` or `model: lumped`, keep fewer `modes`, shorten `duration`"
-    raise SolveError(message, f"{hint}, or raise `tolerance`")
 
 
 def _next_length(state: _March, tried: _Trial, own: float, length: float) -> float:
@@ -365,6 +353,25 @@ def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArr
 def _left(state: _March, time: float, tried: _Trial, length: float) -> tuple[float, int, int] | None:
     """The first change of regime in a step: the share of it, the law, and the regime that follows."""
     found: tuple[float, int, int] | None = None
+    at_found: Points | None = None
+    for low, high, number, which, follows in sorted(_crossings(state, tried), key=lambda crossing: crossing[:2]):
+        law, regime = state.laws[number], state.regimes[number]
+        if at_found is not None and law.limits(regime, at_found.of(law.at))[which][0][0] > 0.0:
+            continue  # it is left later
+
+        def rest(share: FloatArray, law: Law = law, regime: int = regime, which: int = which) -> FloatArray:
+            there = _inside(state, time, length, tried.torque, share)
+            return law.limits(regime, there.of(law.at))[which][0]
+
+        share = bracketed_root(rest, low, high, nothing=0.0 if low else AT_LIMIT)
+        if found is None or share < found[0]:
+            found = share, number, follows
+            at_found = _inside(state, time, length, tried.torque, np.array([share]))
+    return found
+
+
+def _crossings(state: _March, tried: _Trial) -> Iterator[tuple[float, float, int, int, int]]:
+    """Shares of a step between which a law leaves its regime, the law, which of its limits, and the regime beyond."""
     pairs = list(zip(state.laws, state.regimes, strict=True))
     still = {at for law, regime in pairs for at in law.still(regime) if at not in law.at}
     for number, (law, regime) in enumerate(pairs):
@@ -372,19 +379,9 @@ def _left(state: _March, time: float, tried: _Trial, length: float) -> tuple[flo
             continue
         for which, (margin, follows) in enumerate(law.limits(regime, tried.points.of(law.at))):
             below = np.flatnonzero(margin < -AT_LIMIT)
-            if not below.size:
-                continue
-            high = int(below[0])
-
-            def rest(share: FloatArray, law: Law = law, regime: int = regime, which: int = which) -> FloatArray:
-                there = _inside(state, time, length, tried.torque, share)
-                return law.limits(regime, there.of(law.at))[which][0]
-
-            low = 0.0 if high == 0 else float(ENDS[high - 1])
-            share = bracketed_root(rest, low, float(ENDS[high]), nothing=0.0 if low else AT_LIMIT)
-            if found is None or share < found[0]:
-                found = share, number, follows
-    return found
+            if below.size:
+                high = int(below[0])
+                yield 0.0 if high == 0 else float(ENDS[high - 1]), float(ENDS[high]), number, which, follows
 
 
 def _inside(state: _March, time: float, length: float, torque: FloatArray, share: FloatArray) -> Points:

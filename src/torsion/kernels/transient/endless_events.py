@@ -1,6 +1,8 @@
-"""Events of an event-driven motion that follow each other without end."""
+"""Events and steps of a motion that follow each other without end."""
 
 import math
+
+import numpy as np
 
 from torsion.errors import SolveError
 
@@ -37,3 +39,25 @@ def refuse_too_many(number: int, most: int, times: list[float], watched: int, du
         end = time + (most - number) * pace[1] if pace[1] <= GAIN * pace[0] else math.inf
     if number > most or end < duration:
         raise TooManyEvents((min(number, most), most), times[-1], times[-1] if number > most else end)
+
+
+def refuse_too_many_steps(reached: list[float], number: int, most: int, watched: int, duration: float) -> None:
+    """Raises SolveError for steps that do not reach the end, as soon as that is seen.
+
+    reached: s, after every so many steps as are watched, and now.
+    """
+    if number < most and (number % watched or number < 3 * watched):
+        return
+    time, pace = reached[-1], np.diff(reached[-4:])
+    needed = number + watched * (duration - time) / float(pace[-1])
+    if number < most and (needed <= most or pace[-1] > GAIN * pace[0]):
+        return
+    message = (
+        f"{number} steps reach {time:.4g} s of {duration:.4g} s only, and no more than {most} are computed (about ten "
+        "minutes): the torques that follow the motion, or modes that they excite, are too fast"
+    )
+    hint = (
+        "shorten `duration`, leave torques out with `torques`, or damp fast modes (also fewer `segments` of shafts, "
+        "`model: lumped`, fewer `modes`)"
+    )
+    raise SolveError(message, hint)
