@@ -38,6 +38,7 @@ RULES = {  # name in the file: class, and what it is made with
     "universal-joints": "torsion.rules.universal_joints:UniversalJoints",
 }
 STANDING = {  # result that a rule judges which needs no name in the file: class
+    "response": "torsion.rules.stable_vibration:StableVibration",
     "stability": "torsion.rules.stable_motion:StableMotion",
     "lateral": "torsion.rules.stable_motion:StableBending",
     "transient": "torsion.rules.greatest_torque:GreatestTorque",

@@ -1,0 +1,50 @@
+"""A load at constant power feeds vibration: what grows fails, against the eigenvalues of the matrices by hand."""
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.rules.verdict_line import Checks
+
+TRAIN = """
+name: converter load
+operation: {{speeds: {{from: 900 rpm, to: 1500 rpm}}, rated: {{speed: 1500 rpm}}}}
+train:
+- motor: {{name: m, inertia: 2}}
+- coupling: {{name: c, stiffness: 10 kN*m/rad, viscous: {viscous}, rated_torque: 2000, vibratory_torque: 200}}
+- generator: {{name: g, inertia: 1, power: 100 kW, load: {load}, damping: law}}
+excitations: [{{at: m, order: 2, torque: 10}}]
+rules: [coupling-maker]
+"""
+SPEEDS = np.linspace(900.0, 1500.0, 41) * np.pi / 30.0
+
+
+def growth(viscous: float) -> float:
+    """The largest real part (1/s) of the oscillating roots over the speeds; T = P/omega has the slope -P/omega^2."""
+    stiffness, parts = 1e4, []
+    for speed in SPEEDS:
+        k = stiffness * np.array([[1, -1], [-1, 1]])
+        c = viscous * np.array([[1, -1], [-1, 1]]) + np.diag([0.0, -100e3 / speed**2])
+        j = np.diag([2.0, 1.0])
+        inverse = np.diag(1.0 / np.diag(j))
+        roots = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse @ c]]))
+        parts.append(roots[np.abs(roots.imag) > 1.0].real.max())
+    return max(parts)
+
+
+def judged(**values) -> list:
+    checks = torsion.run(torsion.parse(TRAIN.format(**values))).need(Checks)
+    return [check for check in checks.lines if check.clause == "vibration"]
+
+
+@pytest.mark.parametrize(("viscous", "verdict"), [(0.5, "fail"), (60.0, "pass")])
+def test_vibration_that_a_load_feeds_fails_where_it_grows(viscous: float, verdict: str) -> None:
+    (check,) = judged(viscous=viscous, load="constant-power")
+    assert check.value == pytest.approx(growth(viscous), rel=1e-9)
+    assert check.verdict == verdict
+    assert "'" not in check.note
+    assert "load law of g is negative" in check.note
+
+
+def test_a_load_that_rises_with_speed_needs_no_such_row() -> None:
+    assert judged(viscous=0.5, load="quadratic") == []
