@@ -96,7 +96,7 @@ def test_a_heat_over_frequency_counts_every_order_by_its_own_share(study, eviden
     [({"torque": 3.0, "at": 10.0}, "`above` is missing"), ([[1.0, 3.0]], "two rows or more"),
      ([[2.0, 3.0], [1.0, 3.0]], "two rows or more, rising"),
      ({"table": [[1.0, 3.0], [2.0, 3.0]], "at": 1.0}, "exclude"),
-     ({}, "`torque` or `table` is missing"), ({"torque": 0.0, "at": 9.0, "above": "sqrt"}, "a torque of 0"),
+     ({}, "`torque` or `table` is missing"), ({"torque": 0.0, "at": 9.0, "above": "sqrt"}, "must be more than 0"),
      ([[1.0, 0.0], [2.0, 3.0]], "more than 0")],
 )  # fmt: skip
 def test_a_limit_that_says_too_little_is_refused(study, limit, words) -> None:

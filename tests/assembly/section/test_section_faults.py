@@ -107,7 +107,7 @@ def test_what_is_no_file_is_refused(tmp_path, name) -> None:
 def test_a_file_that_is_too_large_is_not_even_opened(tmp_path) -> None:
     with (tmp_path / "large.msh").open("wb") as file:
         file.truncate(30_000_000)
-    with pytest.raises(SectionFault, match="more than 20 MB"):
+    with pytest.raises(SectionFault, match="at most 20 MB"):
         section_mesh(SectionMesh(str(tmp_path / "large.msh")))
 
 

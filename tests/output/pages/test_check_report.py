@@ -109,7 +109,7 @@ def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings)
     assert [row[4] for row in summary.rows] == ["6", "4", "6"]
     assert by_mode.rows[5][2:5] == ("–", "∞", "∞")
     words = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
-    assert "The model lumped is not within 0.1 % of the exact model; fem is." in words
+    assert "The model lumped is not within 0.1 % of the exact model (torques: 1 %); fem is." in words
     assert "has 6 elastic modes below" in words
     assert "but lumped 4" in words
     assert "within 0.1 %" in html(document(coarse, report=REPORTS["check"]))
