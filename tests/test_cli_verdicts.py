@@ -34,7 +34,7 @@ def test_a_limit_to_be_verified_that_is_not_kept_ends_with_status_1(tmp_path: Pa
     done = solve(str(SCENES / "haixun_06402.yaml"), "-o", str(tmp_path))
     assert done.exit_code == 1
     stated = " ".join(done.output.split())
-    assert "1 of 8 checks failed (propeller shaft)" in stated
+    assert "1 of 9 checks failed (propeller shaft)" in stated
     assert "4 limits are to be verified against the edition in force; of these exceeded: propeller shaft" in stated
     checks = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["checks"]
     assert {(one["where"], one["verdict"]) for one in checks if one["verdict"] == "not kept"} == {
@@ -43,7 +43,7 @@ def test_a_limit_to_be_verified_that_is_not_kept_ends_with_status_1(tmp_path: Pa
     standing = {one["clause"]: one["standing"] for one in checks}
     assert standing == {
         "tau_C": "rule text", "minimum diameter": "to be verified", "T_KN": "maker", "T_KW": "maker",
-        "(K_A - 1) T_rated": "to be verified", "torque reversal": "to be verified",
+        "(K_A - 1) T_rated": "to be verified", "torque reversal": "to be verified", "zero pitch": "rule text",
     }  # fmt: skip
 
 

@@ -1,5 +1,7 @@
 """A study to its findings: only what is requested, and what that needs, is computed."""
 
+import math
+import time
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -7,10 +9,13 @@ from typing import Any
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import NORMAL, Findings, Plan, Progress, Unanswered, Work, silent
+from torsion.findings import NORMAL, Findings, Plan, PlanLine, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.verdict_line import BarredRange, Checks, rank, worst_checks
+from torsion.rules.demanded_states import unjudged
+from torsion.rules.reached_speeds import demanded_study, in_rpm
+from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, worst_checks
 from torsion.schema.scene_reader import located
+from torsion.schema.study_faults import study_faults
 from torsion.study import Study, bytes_of
 
 ESSENTIAL = ("sections", "assembly")  # without which nothing else stands
@@ -170,7 +175,64 @@ def _one(
         if error.path and study.text:
             error.located = str(located(InputError([Fault(error.path, error.message, error.hint)]), study))
         raise
-    return Findings(study, work.results, work.log.plan())
+    found = Findings(study, work.results, work.log.plan())
+    return _with_demanded_speeds(found, judged, progress)
+
+
+def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> Findings:
+    """The findings with the worst of each check up to the speeds that its rule demands above those of the operation.
+
+    They are computed for the rules alone. Where they have no answer, the checks of those rules are not judged there.
+    """
+    above = demanded_study(study)
+    if above is None or above.operation.speeds is None:
+        return found
+    end, names = in_rpm(above.operation.speeds.last), [name for name, _ in above.rules]
+    mine = [check for check in found.need(Checks).lines if check.rule in names]
+    start = time.perf_counter()
+    try:
+        analyses = rules.needed(above) | _beside_response(above)
+        above = replace(above, analyses={name: one for name, one in study.analyses.items() if name in analyses})
+        if faults := study_faults(above):
+            raise InputError(faults)
+        further = _one(above, analyses, progress).need(Checks).lines
+    except (InputError, SolveError) as error:
+        why = error.faults[0].message if isinstance(error, InputError) else error.message
+        rows = {(check.rule, check.where): _not_computed(check, end, why) for check in mine}
+        further = tuple(rows.values())
+    own = f"above `operation.speeds`, computed up to {end} for the rule"
+    worst = worst_checks({"": tuple(mine), own: tuple(check for check in further if check.rule in names)})
+    merged = tuple(
+        replace(check, note="; ".join(filter(None, (words, check.note))))
+        if words and not math.isnan(check.value)
+        else check
+        for words, check in worst.values()
+    )
+    others = tuple(check for check in found.need(Checks).lines if check.rule not in names)
+    line = PlanLine(
+        f"speeds up to {end}", "the same model", f"{len(further)} checks", time.perf_counter() - start,
+        f"{', '.join(names)}: demanded above `operation.speeds`",
+    )  # fmt: skip
+    plan = replace(found.plan, done=(*found.plan.done, line))
+    return replace(found, plan=plan).having(checks=Checks(_in_order(study, (*others, *merged))))
+
+
+def _in_order(study: Study, checks: Iterable[Check]) -> tuple[Check, ...]:
+    """The checks in the order of the rules of the study, those of rules that need no name first."""
+    order = {name: place for place, (name, _) in enumerate(study.rules)}
+    return tuple(sorted(checks, key=lambda check: order.get(check.rule, -1)))
+
+
+def _beside_response(study: Study) -> frozenset[str]:
+    """Analyses that change the response, of those that a rule of vibration reads."""
+    names = ("engine", "coupling temperatures", "nonlinear peaks")
+    return frozenset(name for name in names if name in study.analyses or ANALYSES[name].wanted(study))
+
+
+def _not_computed(check: Check, end: str, why: str) -> Check:
+    """The row of the speeds that a rule demands and that have no answer."""
+    what = "Torsional stress amplitude above the computed speeds"
+    return unjudged(check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing)
 
 
 def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError | SolveError) -> Unanswered:

@@ -67,11 +67,19 @@ class Operation(Sized):
     at: str | None = given("the component whose speed is meant (default: the first)")
     speeds: SpeedRange | None = given("speed range")
     rated: Rated | None = given("rated speed and power")
+    highest: fields.Speed | None = given("highest speed that the train can run at; rules demand none above it")
+    by: str | None = given("what keeps `highest`: governor", examples=["governor"])
     load: Load = given(
         "law of loads without one of their own: propeller or quadratic (T ~ n**2), linear, constant, constant-power, "
         "{exponent, at_rest}; or the mean torque itself, [[speed, torque], ...]",
         "propeller", validate_default=True,
     )  # fmt: skip
+
+    def refuse_clashes(self) -> None:
+        if self.by is not None and self.highest is None:
+            raise refuse("`by` says what keeps `highest`, which is missing", "highest: 100 rpm", "by")
+        if self.highest is not None and self.speeds is not None and self.speeds.last > self.highest * (1 + 1e-9):
+            raise refuse("`highest` is below the last of `speeds`", "let `speeds` end at it", "highest")
 
     @property
     def speed(self) -> float | None:

@@ -101,7 +101,7 @@ def afresh(page: Follower) -> None:
 def test_a_saved_file_is_shown(page: Follower) -> None:
     page.save(2.5)
     page.until(shown(12e3, 2.5, 3), "Campbell diagram")
-    page.until("NO VERDICT", "Vibratory torque in link", key="report")
+    page.until("NOT JUDGED", "Vibratory torque in link", key="report")
 
 
 def test_a_saved_table_that_the_file_names_is_shown(page: Follower) -> None:

@@ -16,13 +16,14 @@ import torsion
 from torsion.analyses.response.amplitudes import Synthesis
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
+from torsion.output import check_words
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.document import Cover, Document, Numbered, document, numbered
 from torsion.output.html import anchor, css_text, has_long_word, html
 from torsion.output.numbers import number
 from torsion.output.page_files import SCRIPTS
 from torsion.output.selection import elements
-from torsion.rules.verdict_line import Checks
+from torsion.rules.verdict_line import WORDS, Checks
 
 VOID = {"meta", "br", "link", "img", "hr"}
 
@@ -144,7 +145,7 @@ def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
     rows = _table(train, "Checks against").rows
     lines = train.need(Checks).lines
     assert len(rows) == len(lines) > 5
-    wanted = [(check.where, number(check.value), check.verdict.upper()) for check in lines]
+    wanted = [(check.where, check_words.value(check), WORDS[check.verdict]) for check in lines]
     assert sorted((row[1], row[2].partition(" / ")[0], row[6][2:]) for row in rows) == sorted(wanted)
     standings = [(row[1], row[4]) for row in _table(train, "Clause and standing").rows]
     assert sorted(standings) == sorted((check.where, check.standing) for check in lines)

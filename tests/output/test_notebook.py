@@ -56,7 +56,11 @@ def test_modes_show_every_frequency_with_its_bounds(train: Findings) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "line"),
-    [("findings", "checks, "), ("modes", "Modes: 6 elastic modes: "), ("response", "harmonic components at ")],
+    [
+        ("findings", " checks; results: "),
+        ("modes", "Modes: 6 elastic modes: "),
+        ("response", "harmonic components at "),
+    ],
 )
 def test_text_in_a_notebook_is_one_line(train: Findings, kind: str, line: str) -> None:
     results = {"findings": train, "modes": train.need(Modes), "response": train.need(Response)}
@@ -89,4 +93,4 @@ def test_what_has_nothing_to_show_says_so(bare: Findings) -> None:
     system = torsion.assemble(study.train)
     assert "no elastic modes" in torsion.modes(system)._repr_html_()
     assert "nothing excites" in torsion.response(study, system)._repr_html_()
-    assert "NO VERDICT" in bare._repr_html_()
+    assert "NOT JUDGED: no rule is named" in bare._repr_html_()

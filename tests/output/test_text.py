@@ -14,7 +14,7 @@ from torsion.output.document import document
 from torsion.output.numbers import number, rpm
 from torsion.output.reported_values import unreliable
 from torsion.output.terminal import progress, show
-from torsion.rules.verdict_line import Checks
+from torsion.rules.verdict_line import WORDS, Checks
 
 
 def printed(findings: Findings) -> str:
@@ -27,7 +27,7 @@ def printed(findings: Findings) -> str:
 def test_the_terminal_shows_verdicts_frequencies_and_the_place_of_the_report(train: Findings, nasty: str) -> None:
     text = printed(train)
     for check in train.need(Checks).lines:
-        assert check.verdict.upper() in text
+        assert WORDS[check.verdict] in text
         assert check.standing in text
     for frequency in train.need(Modes).frequency.tolist():
         assert number(frequency, 7) in text

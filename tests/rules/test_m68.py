@@ -15,7 +15,7 @@ from torsion.rules.shaft_stress import judging, limits_of
 RPM = math.pi / 30.0
 RATED = 1000.0
 BLADES = [{"blade_order": 1, "torque": 10.0}]
-SCREW = ("propeller", {"name": "screw", "inertia": 5.0, "blades": 4, "excitation": BLADES})
+SCREW = ("propeller", {"name": "screw", "inertia": 5.0, "pitch": "fixed", "blades": 4, "excitation": BLADES})
 W_P = math.pi / 16 * 0.1**3  # m3, of a solid shaft of 100 mm
 
 
@@ -174,14 +174,6 @@ def test_speeds_above_1_05_are_a_restriction(study, evidence) -> None:
     assert clauses(found, "tau_C")[0].verdict == "pass"
 
 
-def test_verdict_tells_how_far_the_speeds_reached(study, evidence) -> None:
-    rpm = np.array([100.0, 700.0])
-    (check,) = clauses(
-        m68.M68().check(evidence(study(line()), rpm, half={"line": stress([1, 2])}), m68.M68Settings()), "tau_C"
-    )
-    assert "judged up to 700 rpm only" in check.note
-
-
 @pytest.mark.parametrize(
     ("role", "features", "c_k", "words"),
     [
@@ -207,7 +199,7 @@ def test_dimensions_of_a_slot_replace_its_factor(study, evidence) -> None:
     assert check.limit / clauses(m68.M68().check(seen, m68.M68Settings()), "tau_C")[0].limit == pytest.approx(
         0.39564 / 0.3, rel=2e-5
     )
-    assert (check.standing, check.verdict) == ("to be verified", "pass")
+    assert (check.standing, check.verdict) == ("to be verified", "restricted")
     assert clauses(m68.M68().check(seen, m68.M68Settings()), "tau_C")[0].standing == "rule text"
     loud = evidence(scene, rpm, half={"line": stress([1, 100])})
     verdicts = [clauses(m68.M68().check(loud, one), "tau_C")[0].verdict for one in (requested, m68.M68Settings())]

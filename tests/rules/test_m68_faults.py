@@ -5,7 +5,7 @@ from torsion.rules import m68
 from torsion.rules.m68_shafts import classed_shafts
 
 BLADES = [{"blade_order": 1, "torque": 10.0}]
-SCREW = ("propeller", {"name": "screw", "inertia": 5.0, "blades": 4, "excitation": BLADES})
+SCREW = ("propeller", {"name": "screw", "inertia": 5.0, "pitch": "fixed", "blades": 4, "excitation": BLADES})
 
 
 def line(role="intermediate", **shaft):

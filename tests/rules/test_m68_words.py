@@ -19,7 +19,7 @@ FACTORS = f"C_K 1 (flange), C_D {0.35 + 0.93 * 100**-0.2:.4g}, sigma_B 600 N/mm2
 
 def line(**shaft):
     body = {"name": "line", "length": 1.0, "diameter": 0.1, "role": "intermediate", "features": ["flange"], **shaft}
-    screw = {"name": "screw", "inertia": 5.0, "blades": 4, "excitation": BLADES}
+    screw = {"name": "screw", "inertia": 5.0, "pitch": "fixed", "blades": 4, "excitation": BLADES}
     return [("motor", {"inertia": 3.0}), ("shaft", {"segments": 2, **body}), ("propeller", screw)]
 
 
@@ -75,11 +75,6 @@ def test_note_of_stress_that_cannot_be_barred_says_every_critical_speed_and_rang
     ranges = "{:.5g} rpm to {:.5g} rpm and {:.5g} rpm to {:.5g} rpm".format(*first, *second)
     refusal = "the stress exceeds tau_C about 820 rpm and 980 rpm: no barred range is permitted there (lambda >= 0.8): "
     assert check.note == f"{MOSTLY}; {refusal}detune; it would run from {ranges}; {FACTORS}"
-
-
-def test_note_says_where_the_speeds_end_below_the_limit_s_last(judged) -> None:
-    check = judged({}, rpm=np.array([500.0, 990.0]))["tau_C"]
-    assert check.note == f"{MOSTLY}; {FACTORS}; judged up to 990 rpm only, 0.99 of the rated speed"
 
 
 def test_stress_above_1_05_has_no_limit(judged) -> None:
@@ -141,14 +136,13 @@ def test_least_diameter_is_not_judged_without_a_mean_torque(study, evidence) -> 
 
 
 NO_ROLE = ("shaft", {"name": "stub", "length": 0.1, "diameter": 0.1})
-REACH = "`operation.speeds` ends there; the limits reach to 1050 rpm"
 
 
 @pytest.mark.parametrize(
     ("operation", "lines"),
     [
         ({}, []), ({"speeds": {"from": "100 rpm", "to": "1050 rpm"}}, []),
-        ({"speeds": {"from": "100 rpm", "to": "1049 rpm"}}, [("iacs-m68 above 1049 rpm", REACH)]),
+        ({"speeds": {"from": "100 rpm", "to": "1049 rpm"}}, []),
         ({"rated": {"speed": "1000 rpm"}}, [("iacs-m68: least diameters", "the rated power is not given")]),
         ({"rated": None, "speeds": {"from": "1 rpm", "to": "2 rpm"}},
          [("iacs-m68: least diameters", "the rated power is not given")]),

@@ -22,7 +22,7 @@ train:
 - shaft: {name: line, length: 0.5, diameter: 80 mm, role: intermediate}
 - shaft: {name: throw, length: 0.1, diameter: 90 mm, role: crank}
 - gear: {name: mesh, teeth: [20, 40], inertia: [0.1, 0.6], application_factor: 1.35}
-- propeller: {inertia: 6}
+- propeller: {inertia: 6, pitch: fixed}
 rules: [RULE]
 """
 OVER_SPEED = {  # rule: share of the rated speed to which it is to be judged
@@ -32,8 +32,14 @@ OVER_SPEED = {  # rule: share of the rated speed to which it is to be judged
 OF_NO_RANGE = ("minimum diameter", "T_KN", "major critical speed")
 
 
+SOFT = "cases: {soft: {scale: {rubber.stiffness: 90 %}}}\n"  # societies demand another stiffness
+
+
 def solved(rule, first=400, last=1500, load="constant", more=""):
-    text = SCENE.replace("FIRST", str(first)).replace("LAST", str(last)).replace("LOAD", load).replace("RULE", rule)
+    scene = SCENE if "engine-maker" in rule else SCENE.replace(", role: crank", "")  # which demands a misfire
+    if rule in ("lr", "ccs", "kr"):
+        more = SOFT
+    text = scene.replace("FIRST", str(first)).replace("LAST", str(last)).replace("LOAD", load).replace("RULE", rule)
     return torsion.run(torsion.parse(text + more))
 
 
@@ -58,9 +64,10 @@ def test_a_rule_over_speeds_that_end_below_the_rated_one_does_not_pass(rule, sco
 
 
 @pytest.mark.parametrize(("rule", "scope"), OVER_SPEED.items())
-def test_a_rule_judged_at_the_rated_speed_passes_and_states_what_it_demands_above(rule, scope) -> None:
+def test_a_rule_judged_at_the_rated_speed_passes_and_is_judged_up_to_what_it_demands_above(rule, scope) -> None:
     found = solved(rule, last=1200)
-    assert {one.verdict for one in found.need(Checks).lines} == {"pass", "restricted"} if scope > 1 else {"pass"}
+    above = {"restricted"} if scope > 1.05 else set()
+    assert {one.verdict for one in found.need(Checks).lines} == {"pass"} | above
     assert found.exit_status == 0
     whole = solved(rule, last=round(1200 * scope))
     assert all(one.reach is None for one in whole.need(Checks).lines)
@@ -89,10 +96,10 @@ def test_speeds_of_continuous_use_below_the_rated_one_are_stated_beside_the_pass
 
 def test_a_case_of_fewer_speeds_passes_up_to_these_alone() -> None:
     cases = "cases: {slow: {speeds: {from: 400 rpm, to: 700 rpm}}}\n"
-    found = solved("iacs-m68", more=cases)
+    found = solved("coupling-maker", more=cases)
     assert headline(found.cases["slow"])[0][1].startswith("PASS with restrictions: judged up to 700 rpm")
     assert found.exit_status == 0
-    short = solved("iacs-m68", last=800, more=cases)
+    short = solved("coupling-maker", last=800, more=cases)
     assert short.exit_status == 1
 
 

@@ -151,7 +151,7 @@ def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str) -
     requested |= {"transient" for name in found.study.analyses if name == "transient"}
     assert requested == {check.rule for check in found.need(Checks).lines}
     for check in found.need(Checks).lines:
-        assert math.isfinite(check.value)
+        assert math.isfinite(check.value) or check.clause == "zero pitch"
         assert not math.isnan(check.limit) or check.verdict in ("restricted", "not judged")
 
 
@@ -200,7 +200,9 @@ def test_scenes_of_many_checks_fail_as_they_say(scene: str, failing: list[tuple[
     found = solved(scene)
     checks = found.need(Checks).lines
     assert len(checks) > 30
-    assert [(one.where, one.clause, one.verdict) for one in checks if one.verdict != "pass"] == failing
+    assert [
+        (one.where, one.clause, one.verdict) for one in checks if one.verdict not in ("pass", "restricted")
+    ] == failing
     assert found.failed == bool(failing)
 
 

@@ -28,7 +28,11 @@ def misfire_row(rule: str, study: Study, source: str, standing: Standing = "rule
 
 
 def zero_pitch_rows(rule: str, study: Study, source: str, standing: Standing = "rule text") -> Iterator[Check]:
-    """Yield a row for each propeller: NOT JUDGED of a controllable pitch, a restriction if the pitch is not stated."""
+    """Yield a row for each propeller: NOT JUDGED of a controllable pitch, a restriction if the pitch is not stated.
+
+    A `propeller` of a train without a shaft of that role may be any load.
+    """
+    drives_ship = any(part.shaft is not None and part.shaft.role == "propeller" for part in study.train.parts)
     for part in study.train.parts:
         if part.kind != "propeller" or part.propeller is None or part.propeller.pitch == "fixed":
             continue
@@ -37,7 +41,7 @@ def zero_pitch_rows(rule: str, study: Study, source: str, standing: Standing = "
         if part.propeller.pitch == "controllable":
             note = f"{source} demands it: a case with another `operation.load`"
             yield unjudged(rule, ZERO_PITCH, part.name, "Zero pitch", note, standing)
-        else:
+        elif drives_ship:
             words = f"fixed pitch of '{part.name}' assumed: the file does not state `pitch`"
             yield Check(
                 rule, ZERO_PITCH, part.name, "Zero pitch", math.nan, math.nan, "", "restricted", standing,

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from torsion.kernels.tree_response import Status
 from torsion.primitives import Torque
 from torsion.rules import needed as read_by_rules
 from torsion.rules import of_study
-from torsion.rules.reached_speeds import distinct, in_rpm, with_reach
+from torsion.rules.reached_speeds import demanded_study, distinct, in_rpm, with_reach
 from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
 from torsion.study import Operation, Range, Study
 
@@ -208,14 +208,36 @@ def analyses_read(study: Study) -> frozenset[str]:
 
 def are_pointwise(study: Study) -> bool:
     """All that the rules of the study say of a train that keeps their limits are clauses at each speed by itself."""
-    return all(one.is_pointwise for one, _ in of_study(study))
+    rules = list(of_study(study))
+    rows = (row for rule, settings in rules for row in rule.demanded_rows(study, settings))
+    return (
+        all(rule.is_pointwise for rule, _ in rules)
+        and all(row.verdict in ("pass", "restricted") for row in rows)
+        and (isinstance(study.operation.load, str) or demanded_study(study) is None)
+    )
+
+
+def judged_band(study: Study) -> tuple[float, float]:
+    """rad/s: the first speed of the operation, and the last that it has or a rule demands above it."""
+    speeds, above = study.operation.speeds, demanded_study(study)
+    if speeds is None:
+        raise ValueError("no speeds")
+    last = speeds.last if above is None or above.operation.speeds is None else above.operation.speeds.last
+    return speeds.first, last
 
 
 def pointwise(evidence: Results) -> Iterator[tuple[str, Clause]]:
     """Every such clause with the name of its rule."""
+    above, speeds = demanded_study(evidence.study), evidence.study.operation.speeds
+    demanding = set() if above is None else {name for name, _ in above.rules}
     for one, settings in of_study(evidence.study):
-        if isinstance(one, RuleOverSpeed):
-            yield from ((one.name, clause) for clause in one.settling(evidence, settings) if np.any(clause.within))
+        if not isinstance(one, RuleOverSpeed):
+            continue
+        for clause in one.settling(evidence, settings):
+            # what another rule demands above the operation is no speed of this one
+            judged = clause.within if one.name in demanding else clause.within & within(speeds, clause.curve.speed)
+            if np.any(judged):
+                yield one.name, replace(clause, within=judged)
 
 
 def judged_speeds(study: Study) -> FloatArray:

@@ -165,13 +165,16 @@ class M53(RuleOverSpeed):
         for one in super().check(evidence, settings):
             factor = f"Q = {LEAST_Q * one.limit / one.value:.4g}" if one.value and math.isfinite(one.limit) else ""
             found.append(replace(one, note="; ".join(filter(None, (factor, one.note)))))
-        if lacking := _lacking(evidence.study, settings):
+        return (*found, *self.demanded_rows(evidence.study, settings))
+
+    def demanded_rows(self, study: Study, settings: M53Settings) -> tuple[Check, ...]:
+        """Orders that nothing excites, and a misfire that neither the file nor a case of it has."""
+        rows = list[Check]()
+        if lacking := _lacking(study, settings):
             note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
-            cranks = with_role(evidence.study.train, "crank")
-            found += [
-                unjudged(self.name, "orders", part.name, "Orders of the synthesis", note) for _, part, _ in cranks
-            ]
-        return (*found, *misfire_row(self.name, evidence.study, "KR A5-3 2(2)(A)(b)"))
+            for _, part, _ in with_role(study.train, "crank"):
+                rows.append(unjudged(self.name, "orders", part.name, "Orders of the synthesis", note))
+        return (*rows, *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"))
 
 
 def _notes(settings: M53Settings, place: str) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """Rule `iacs-m68`: stresses, barred speed ranges and least diameters of shafts, IACS UR M68 (Rev. 3, 2021)."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -13,9 +13,20 @@ from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.rules import judgement, m68_shafts
+from torsion.rules.demanded_states import misfire_row, zero_pitch_rows
 from torsion.rules.judgement import Clause, Curve, rated_speed
-from torsion.rules.m68_shafts import FLAT_FROM, LAST_CONTINUOUS, ClassedShaft, M68Settings, tau_c, tau_t
-from torsion.rules.shaft_limits import BARRED_BELOW, LimitCurve, LimitedShaft, Piece
+from torsion.rules.m68_shafts import (
+    FLAT_FROM,
+    LAST_CONTINUOUS,
+    LEAST_STRENGTH,
+    LEAST_STRENGTH_IN_BARRED_RANGE,
+    NEAR_TRANSIENT,
+    ClassedShaft,
+    M68Settings,
+    tau_c,
+    tau_t,
+)
+from torsion.rules.shaft_limits import BARRED_BELOW, ROUNDING, LimitCurve, LimitedShaft, Piece
 from torsion.rules.shaft_stress import ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
@@ -31,7 +42,8 @@ class M68(ShaftStress):
     is_pointwise = True
     settings: type[M68Settings] = M68Settings
     title = "IACS UR M68"
-    scope, scope_words = LAST_CONTINUOUS, "the limits reach to"  # speed ratio to which speeds are wanted, and why
+    scope = LAST_CONTINUOUS  # speed ratio to which speeds are demanded
+    source = "IACS UR M68 as in KR 2025 Pt 5 Ch 4, 206.1"  # of the states that it demands
     has_limits_of: tuple[str, ...] = m68_shafts.ROLES
 
     def faults(self, study: Study, settings: M68Settings) -> list[Fault]:
@@ -70,7 +82,7 @@ class M68(ShaftStress):
             )
         if not study.has_mean_torque:
             found.append((f"{self.name}: least diameters", "the rated power is not given"))
-        return (*found, *self.reach(study, self.scope, self.scope_words))
+        return tuple(found)
 
     def shafts(self, study: Study, settings: M68Settings) -> Iterator[LimitedShaft]:
         """Every round line shaft that has a role."""
@@ -83,7 +95,23 @@ class M68(ShaftStress):
             if (least := self._diameter(evidence, shaft, settings)) is not None:
                 last = max(place for place, line in enumerate(found) if line.where == shaft.name)
                 found.insert(last + 1, least)  # behind its stresses
-        return tuple(found)
+            found += _in_barred_range(self.name, shaft, found, settings)
+        return (*found, *self.demanded_rows(evidence.study, settings))
+
+    def demanded_rows(self, study: Study, settings: M68Settings) -> tuple[Check, ...]:
+        """Strengths below the least one, and states of the train that neither the file nor a case of it has."""
+        rows = [
+            Check(
+                self.name, "material", shaft.name, "Tensile strength of the material", shaft.stated, LEAST_STRENGTH,
+                "N/mm2", "fail", "rule text", at_least=True,
+            )
+            for shaft in m68_shafts.classed_shafts(study, settings)
+            if shaft.stated is not None and shaft.stated < LEAST_STRENGTH * (1 - ROUNDING)
+        ]  # fmt: skip
+        roles = {part.shaft.role for part in study.train.parts if part.shaft is not None}
+        if "generator" not in roles or "propeller" in roles:  # a generator set has no propulsion
+            rows += misfire_row(self.name, study, self.source)
+        return (*rows, *zero_pitch_rows(self.name, study, self.source))
 
     def settling(self, evidence: Results, settings: M68Settings) -> Iterator[Clause]:
         """Stress in continuous use, and least diameters."""
@@ -135,10 +163,34 @@ class M68(ShaftStress):
         )  # fmt: skip
 
 
+def _in_barred_range(
+    rule: str, shaft: ClassedShaft, checks: Iterable[Check], settings: M68Settings
+) -> Iterator[Check]:  # fmt: skip
+    """Yield the row about a strength below that which the rule demands near the limit of passing a barred range."""
+    passing = [check for check in checks if check.where == shaft.name and check.barred]
+    if not passing or (shaft.stated or 0.0) >= LEAST_STRENGTH_IN_BARRED_RANGE * (1 - ROUNDING):
+        return
+    use = max(math.inf if check.utilisation is None else check.utilisation for check in passing)
+    is_near = use >= settings.near_transient * (1 - ROUNDING)
+    words = f"the stress there is {use:.3g} of its limit, near is {settings.near_transient:g} (ours)"
+    if settings.near_transient != NEAR_TRANSIENT:
+        words = words.replace("(ours)", "(stated by user)")
+    if not is_near:
+        words += "; the rule demands 500 N/mm2 near the limit of passing and does not say how near"
+    stated = math.nan if shaft.stated is None else shaft.stated
+    yield Check(
+        rule, "material", shaft.name, "Tensile strength where a barred range is passed", stated,
+        LEAST_STRENGTH_IN_BARRED_RANGE, "N/mm2", "fail" if is_near and shaft.stated is not None else "not judged",
+        "rule text", passing[0].speed, note=words, at_least=True,
+    )  # fmt: skip
+
+
 def _limited(shaft: ClassedShaft) -> LimitedShaft:
     """With the limits of the rule."""
     made_of: tuple[Any, ...] = shaft.strength, shaft.diameter, shaft.c_k
     continuous = partial(tau_c, *made_of)
     pieces = Piece("tau_C", FLAT_FROM, continuous), Piece("tau_C", LAST_CONTINUOUS, continuous)
     curve = LimitCurve(pieces, Piece("tau_T", BARRED_BELOW, partial(tau_t, *made_of)))
-    return LimitedShaft(shaft.part, shaft.name, curve, shaft.standing, shaft.notes, shaft.keyways)
+    return LimitedShaft(
+        shaft.part, shaft.name, curve, shaft.standing, shaft.notes, shaft.keyways, shaft.restrictions, shaft.doubts
+    )

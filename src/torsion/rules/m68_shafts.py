@@ -10,12 +10,12 @@ from typing import Annotated, Literal, Self, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from torsion import fields
 from torsion.arrays import FloatArray
 from torsion.components.lowering import Part, ShaftRecord
-from torsion.fields import Declared, OneOrMany, given, refuse, required
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.rules.shaft_limits import BARRED_BELOW, MM, PA, ROUNDING, Mark, diameters, with_role
 from torsion.study import Study
 from torsion.train import Train
@@ -61,6 +61,10 @@ ASSUMED: Mapping[Role, Detail] = {  # for a shaft whose features are not given
 }
 STRENGTH_CAP = 600.0  # N/mm2, the greatest tensile strength that counts (rule text)
 ALLOY_STRENGTH_CAP = 800.0  # N/mm2, of intermediate and thrust shafts of alloy steel (rule text)
+LEAST_STRENGTH_IN_BARRED_RANGE = 500.0  # N/mm2, where the stress comes near tau_T (rule text)
+NEAR_TRANSIENT = 0.8  # of tau_T: near it; ours, since the text has no number
+MOST_SLOT_LENGTH, MOST_SLOT_BORE, LEAST_SLOT_WIDTH = 0.8, 0.7, 0.15  # of the diameter (rule text, note 4)
+SLOT_NUMBERS = 1, 2, 3  # at 360, 180 and 120 degrees
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
 SMOOTH_DRIVE_FACTOR = 95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
 DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified)
@@ -119,6 +123,8 @@ class Slot(Declared):
 
     length: fields.Across = required("length along the shaft")
     width: fields.Across = required("width")
+    end_radius: fields.Across | None = given("radius of its ends, at least half of the width")
+    number: Annotated[int, Field(ge=1, le=12)] | None = given("evenly spaced slots in one section, at most 3")
 
     @model_validator(mode="after")
     def _is_longitudinal(self) -> Self:
@@ -133,7 +139,16 @@ class M68Settings(Declared):
     alloy: Annotated[tuple[str, ...], OneOrMany] = given("shafts of alloy steel; others are carbon or C-Mn steel", ())
     drive: Literal["turbine", "electric", "slip coupling", "other"] = given("what drives, for F", "other")
     tachometer: fields.Tolerance = given("tolerance of the tachometer, added to both ends of a barred range", 0.0)
-    slots: Mapping[str, Slot] = given("slots by name of the shaft: {length, width}; C_K 1.45/scf in place of 0.30", {})
+    slots: Mapping[str, Slot] = given(
+        "slots by name of the shaft: {length, width, end_radius, number}; C_K 1.45/scf in place of 0.30", {}
+    )
+    near_transient: Annotated[float, Quantity("1", above=0, at_most=1, usual="tolerance")] = given(
+        "share of tau_T from which a stress is near it, where 500 MPa are demanded (the rule has no number)",
+        NEAR_TRANSIENT,
+    )
+    conditions: str | None = given(
+        "document that answers the conditions of the factors which the file does not, as a drawing"
+    )
 
 
 @dataclass(frozen=True)
@@ -148,6 +163,8 @@ class ClassedShaft:
     diameter: float  # mm, greatest: for C_D
     ends: Ends  # mm, (outer, bore) of the driving and the driven end
     stated: float | None  # N/mm2: strength as the file gives it
+    restrictions: tuple[str, ...] = ()  # conditions of the factors that the file does not answer
+    broken: tuple[str, ...] = ()  # conditions that it breaks
 
     @property
     def governing(self) -> tuple[str, Detail]:
@@ -173,6 +190,13 @@ class ClassedShaft:
     def keyways(self) -> tuple[str, ...]:
         """Features that do not go with a barred range."""
         return tuple(name for name, detail in self.details if detail.has_keyway)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why the limits do not hold for it."""
+        if self.stated is None or self.stated >= LEAST_STRENGTH * (1 - ROUNDING):
+            return self.broken
+        return (f"tensile strength {self.stated:.4g} N/mm2, below {LEAST_STRENGTH:g}: no limit holds", *self.broken)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -214,7 +238,46 @@ def _classed(study: Study, settings: M68Settings, part: int, record: ShaftRecord
     strength = used_strength(steel, role, alloy=not {name, whole}.isdisjoint(settings.alloy))
     ends = cast(Ends, tuple((outer * MM, bore * MM) for outer, bore in diameters(study.train, part)))
     details = _details(record, role, name, ends, settings)
-    return ClassedShaft(part, name, role, strength, details, max(outer for outer, _ in ends), ends, stated)
+    unknown, broken = _conditions(record, name, ends, settings)
+    answered = settings.conditions is not None
+    return ClassedShaft(
+        part, name, role, strength, details, max(outer for outer, _ in ends), ends, stated,
+        () if answered else tuple(unknown), tuple(broken),
+    )  # fmt: skip
+
+
+def _conditions(
+    shaft: ShaftRecord, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
+) -> tuple[list[str], list[str]]:
+    """Conditions of the factors of a shaft that the file does not answer, and those that it breaks, in words."""
+    unknown, broken = list[str](), list[str]()
+    if "radial hole" in shaft.features:
+        unknown.append(f"radial hole of '{name}' at most 0.3 of the diameter")
+    if "slot" not in shaft.features:
+        return unknown, broken
+    slot, diameter = settings.slots.get(name), min(outer for outer, _ in ends)
+    of = f"slot of '{name}': "
+    bore = max(inner / outer for outer, inner in ends)
+    if bore >= MOST_SLOT_BORE * (1 - ROUNDING):
+        broken.append(f"{of}bore {bore:.3g} of the diameter, not below {MOST_SLOT_BORE:g}")
+    if slot is None:
+        unknown += [f"{of}length below {MOST_SLOT_LENGTH:g} of the diameter"]
+        unknown += [f"{of}width above {LEAST_SLOT_WIDTH:g} of the diameter"]
+    else:
+        length, width = slot.length * MM / diameter, slot.width * MM / max(outer for outer, _ in ends)
+        if length >= MOST_SLOT_LENGTH * (1 - ROUNDING):
+            broken.append(f"{of}length {length:.3g} of the diameter, not below {MOST_SLOT_LENGTH:g}")
+        if width <= LEAST_SLOT_WIDTH * (1 + ROUNDING):
+            broken.append(f"{of}width {width:.3g} of the diameter, not above {LEAST_SLOT_WIDTH:g}")
+    if slot is None or slot.end_radius is None:
+        unknown.append(f"{of}radius of its ends at least half of the width")
+    elif slot.end_radius < 0.5 * slot.width * (1 - ROUNDING):
+        broken.append(f"{of}radius of its ends below half of the width")
+    if slot is None or slot.number is None:
+        unknown.append(f"{of}1, 2 or 3 slots, evenly spaced")
+    elif slot.number not in SLOT_NUMBERS:
+        broken.append(f"{of}{slot.number} slots in one section, more than 3")
+    return unknown, broken
 
 
 def _details(

@@ -6,43 +6,91 @@ from dataclasses import replace
 
 from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.arrays import FloatArray
+from torsion.rules import of_study
+from torsion.rules.demanded_states import unjudged
 from torsion.rules.verdict_line import Check, Reach
-from torsion.study import Range, Study
+from torsion.study import Range, SpeedRange, Study
 
 BEGINS = "judged from"  # a speed above the rated one
 
 
 def with_reach(
-    check: Check, study: Study, scope: float = 1.0, speed: FloatArray | None = None,
-    use: Range | None = None, subject: str = "Vibration",
+    check: Check, study: Study, scope: float = 1.0, speed: FloatArray | None = None, use: Range | None = None,
+    subject: str = "Vibration",
 ) -> Iterator[Check]:  # fmt: skip
     """Yield the check, and a row NOT JUDGED where its rule demands speeds that were not computed.
 
-    The speeds of the operation, and those (speeds,) rad/s that were looked at, hold the rated speed and all up to a
-    share `scope` of it. A statement of the file that the train does not run there makes a pass one with restrictions:
-    a setting `use` of the rule, or speeds of its own of a case.
+    The speeds of the operation, and those (speeds,) rad/s that were looked at, hold the rated speed; up to a share
+    `scope` of it `demanded_study` computes. A case with speeds of its own has all or is not judged there. A statement
+    of the file that the train does not run there makes a pass one with restrictions: `operation.highest`, a setting
+    `use` of the rule, and of a rule up to the rated speed also speeds of its own of a case.
     """
     rated, speeds = study.operation.rated, study.operation.speeds
     if rated is None or speeds is None:
         yield check
         return
+    demanded, limited = demanded_speed(study, scope)
+    is_own = study.case is not None and study.case.has_own_speeds
+    needed = demanded if is_own else min(demanded, rated.speed)
     ends = [speeds.first, speeds.last, *([] if speed is None else speed.tolist())]
-    has_rated = min(ends) <= rated.speed * (1 + SAME_SPEED) and not coverage(max(ends), rated.speed)
-    reach = Reach(min(ends), max(ends), scope * rated.speed)
-    if has_rated and use is not None and coverage(use.last, rated.speed):
+    is_whole = min(ends) <= rated.speed * (1 + SAME_SPEED) and not coverage(max(ends), needed)
+    if is_whole and not limited and use is not None and coverage(use.last, rated.speed):
         reach = Reach(use.first, use.last, rated.speed)
-    words = reach_words(reach, rated.speed)
-    if not words:
-        yield check
-    elif has_rated or (study.case is not None and study.case.has_own_speeds):
+        words = reach_words(reach, rated.speed)
         yield restricted(check, words, reach) if check.verdict in ("pass", "restricted") else check
+    elif is_whole:
+        yield restricted(check, limited) if limited and check.verdict in ("pass", "restricted") else check
     else:
-        yield check
-        end = "below" if words.startswith(BEGINS) else "above"
-        yield Check(
-            check.rule, "speeds", check.where, f"{subject} {end} the computed speeds", math.nan, math.nan, "",
-            "not judged", check.standing, note=words, reach=reach, parts=check.parts,
-        )  # fmt: skip
+        reach = Reach(min(ends), max(ends), demanded)
+        words = reach_words(reach, rated.speed)
+        if is_own and scope <= 1.0:
+            yield restricted(check, words, reach) if check.verdict in ("pass", "restricted") else check
+        else:
+            yield check
+            end = "below" if words.startswith(BEGINS) else "above"
+            what = f"{subject} {end} the computed speeds"
+            yield replace(unjudged(check.rule, "speeds", check.where, what, words, check.standing), reach=reach)
+
+
+def demanded_speed(study: Study, scope: float) -> tuple[float, str]:
+    """rad/s up to which a rule demands, and in words what of the file keeps it below `scope` of the rated speed."""
+    operation = study.operation
+    whole = scope * (0.0 if operation.rated is None else operation.rated.speed)
+    if operation.highest is None or operation.highest >= whole * (1 - SAME_SPEED):
+        return whole, ""
+    return operation.highest, f"speed limited to {in_rpm(operation.highest)} by {_keeper(operation.by)}"
+
+
+def demanded_study(study: Study) -> Study | None:
+    """Return the study of the speeds that rules demand above those of the operation; None where there are none.
+
+    Of a file whose speeds hold the rated one: from there to the last speed of its rules, with their settings. A case
+    with speeds of its own is meant for no others.
+    """
+    rated, speeds = study.operation.rated, study.operation.speeds
+    if rated is None or speeds is None or (study.case is not None and study.case.has_own_speeds):
+        return None
+    if speeds.first > rated.speed * (1 + SAME_SPEED) or coverage(speeds.last, rated.speed):
+        return None
+    ends = {
+        name: demanded_speed(study, getattr(rule, "scope", 1.0))[0]
+        for (name, _), (rule, _) in zip(study.rules, of_study(study), strict=True)
+    }
+    short = {name: end for name, end in ends.items() if coverage(speeds.last, end)}
+    if not short:
+        return None
+    step = (speeds.last - speeds.first) / (speeds.steps - 1)
+    end = max(short.values())
+    above = SpeedRange.model_construct(
+        first=rated.speed, last=end, steps=max(2, math.ceil((end - rated.speed) / step) + 1)
+    )
+    operation = study.operation.model_copy(update={"speeds": above})
+    rules = tuple((name, settings) for name, settings in study.rules if name in short)
+    return replace(study, operation=operation, rules=rules, variations={}, cases={})
+
+
+def _keeper(by: str | None) -> str:
+    return "a limit that the file states" if by is None else by if by.startswith("the ") else f"the {by}"
 
 
 def restricted(check: Check, words: str, reach: Reach | None = None) -> Check:

@@ -93,6 +93,8 @@ class LimitedShaft:
     standing: Mark
     notes: tuple[str, ...]  # what was taken for it, in words
     keyways: tuple[str, ...] = ()  # features that do not go with a barred range
+    restrictions: tuple[str, ...] = ()  # conditions of its limits that the file does not answer
+    doubts: tuple[str, ...] = ()  # conditions of its limits that are known to be broken
 
 
 def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:

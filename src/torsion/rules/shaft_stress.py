@@ -27,7 +27,7 @@ from torsion.rules.judgement import (
     worst_of,
 )
 from torsion.rules.over_tolerances import over_tolerances
-from torsion.rules.reached_speeds import coverage, distinct, in_rpm, with_reach
+from torsion.rules.reached_speeds import distinct, in_rpm, restricted, with_reach
 from torsion.rules.shaft_limits import (
     BARRED_BELOW,
     ROUNDING,
@@ -95,14 +95,6 @@ class ShaftStress(RuleOverSpeed):
             found.append(Fault(("operation", "rated"), message, RATED))
         return found
 
-    def reach(self, study: Study, last: float, why: str) -> tuple[tuple[str, str], ...]:
-        """That the speeds end below a speed ratio to which the rule reaches; why: in words, before that speed."""
-        speeds, rated = study.operation.speeds, study.operation.rated
-        if speeds is None or rated is None or not coverage(speeds.last, rated.speed, last):
-            return ()
-        reason = f"`operation.speeds` ends there; {why} {in_rpm(last * rated.speed)}"
-        return ((f"{self.name} above {in_rpm(speeds.last)}", reason),)
-
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
         """rad/s: the rated speed, and those at which the limits bend or end."""
         corners = {share: None for shaft in self.shafts(study, settings) for share in shaft.curve.corners}
@@ -148,7 +140,7 @@ class ShaftStress(RuleOverSpeed):
         found = list[Check]()
         for one in self.stressed(evidence, settings):
             for line in self.stresses(evidence, one, settings):
-                found += with_reach(line, evidence.study, self.scope, subject=SUBJECT)
+                found += with_reach(conditioned(line, one.shaft), evidence.study, self.scope, subject=SUBJECT)
         return distinct((*found, *super().check(evidence, settings)))
 
     def stresses(self, evidence: Results, one: Stressed, settings: Any) -> Iterator[Check]:
@@ -169,8 +161,7 @@ class ShaftStress(RuleOverSpeed):
 
         rest = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
         last = shaft.curve.last
-        reach = coverage(float(one.curve.speed[-1]), rated_speed(evidence.study), last)
-        notes = (MOSTLY, _refusal(one), rest, *shaft.notes, reach)
+        notes = (MOSTLY, _refusal(one), rest, *shaft.notes)
         for clause, within in one.ruled.items():
             line = judged(clause, STRESS, one.curve.limit, within & ~barred.passed, *notes)
             if line is not None:
@@ -191,7 +182,8 @@ class ShaftStress(RuleOverSpeed):
     def _above(self, study: Study, last: float) -> Verdict:
         """Verdict above the last limit: a restriction, or NOT JUDGED if a rule has continuous use there."""
         ranges = (getattr(settings, "continuous", None) for _, settings in study.rules)
-        highest = max((use.last for use in ranges if use is not None), default=0.0)
+        stated = [use.last for use in ranges if use is not None]
+        highest = max([*stated, study.operation.highest or 0.0])
         return "not judged" if highest > last * rated_speed(study) * (1 + ROUNDING) else "restricted"
 
     def _passing(
@@ -216,6 +208,17 @@ class ShaftStress(RuleOverSpeed):
         ranges = tuple(over_tolerances(evidence, band, rated, meter) for band in ordered)
         verdict = "fail" if reasons else "restricted" if line.verdict == "pass" else line.verdict
         return replace(line, verdict=verdict, barred=ranges, times=times)
+
+
+def conditioned(line: Check, shaft: LimitedShaft) -> Check:
+    """Return a check of a stress with the conditions of its limit: NOT JUDGED if one is broken, else restricted."""
+    if line.fails or not line.has_limit:
+        return line
+    if shaft.doubts:
+        return replace(line, verdict="not judged", note="; ".join(filter(None, (*shaft.doubts, line.note))))
+    for words in shaft.restrictions:
+        line = restricted(line, words)
+    return line
 
 
 def limits_of(evidence: Results, shaft: LimitedShaft) -> Limits:

@@ -19,10 +19,11 @@ from torsion.components.lowering import ShaftRecord
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement, society_limits
+from torsion.rules.demanded_states import MISFIRE, stiffness_row
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.judgement import MOSTLY, Clause, curve_of, rated_speed
 from torsion.rules.m68 import M68
-from torsion.rules.m68_shafts import LAST_CONTINUOUS, M68Settings
+from torsion.rules.m68_shafts import M68Settings
 from torsion.rules.reached_speeds import coverage
 from torsion.rules.shaft_limits import MM, PA, LimitCurve, LimitedShaft, diameters, with_role
 from torsion.rules.society_limits import Duty, Society
@@ -63,9 +64,7 @@ class SocietyRule(M68):
     def __init__(self, name: str) -> None:
         self.name, self.society = name, society_limits.SOCIETIES[name]
         self.title, self.mark = self.society.title, self.society.mark
-        self.scope, self.scope_words = self.society.scope, "stresses are to be reported up to"
-        if self.society.scope == LAST_CONTINUOUS:
-            self.scope_words = "the limits reach to"
+        self.scope = self.society.scope
         self.has_limits_of, self.is_pointwise = M68.has_limits_of, not self.society.has_majors
         self.settings: type[M68Settings] = LrSettings if name == "lr" else SocietySettings
         if self.society.crank == "kr":
@@ -127,10 +126,6 @@ class SocietyRule(M68):
             *super().left_out(study, settings),
             *((f"{self.name}: {what}", why) for what, why in self._open(study)),
         ]
-        cranks = list(with_role(study.train, "crank"))
-        if cranks:
-            words = "one calculation has one state of the engine: compute a misfire as a case of its own"
-            found.append((f"{self.name}: misfire", words))
         if self.society.has_majors and isinstance(settings, CrankSettings) and settings.cylinders is None:
             found.append((f"{self.name}: major critical speeds", "`cylinders` of the engine is not given"))
         return tuple(found)
@@ -149,13 +144,13 @@ class SocietyRule(M68):
             yield "gears", "the torque at the rated speed is not known"
         if limits and "coupling-maker" not in named:
             yield "couplings", "the rule `coupling-maker` judges their torque and heat, and the file does not name it"
-        if limits and self.society.mesh is None:
-            yield (
-                "other stiffness",
-                "couplings are at their nominal stiffness: compute cold, warm, soft and stiff as cases",
-            )
-        if any(part.propeller for part in train.parts):
-            yield "zero pitch", "one calculation has one load: compute full and zero pitch as cases"
+
+    def demanded_rows(self, study: Study, settings: M68Settings) -> tuple[Check, ...]:
+        """Those of M68, and couplings at another stiffness; a generator set has no propulsion to misfire."""
+        rows = super().demanded_rows(study, settings)
+        if isinstance(settings, CrankSettings) and settings.duty == "generator set":
+            rows = tuple(row for row in rows if row.clause != MISFIRE)
+        return (*rows, *stiffness_row(self.name, study, self.society.mark))
 
     def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
         """Stresses and least diameters, and where major critical speeds lie."""

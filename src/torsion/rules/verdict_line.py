@@ -223,6 +223,10 @@ class Rule:
         """What it does not judge, and why."""
         return ()
 
+    def demanded_rows(self, study: Study, settings: Any) -> tuple[Check, ...]:
+        """Rows that follow from the file alone: demands that it, or a part of it, does not meet."""
+        return ()
+
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
         """Speeds (rad/s of the reference station) that must be computed, where they lie in the range."""
         return ()

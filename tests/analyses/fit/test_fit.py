@@ -16,7 +16,7 @@ from torsion.analyses.fit.predictions import Train, resolved_for
 from torsion.analyses.response.over_speed import response_of_orders
 from torsion.errors import InputError
 from torsion.findings import Findings
-from torsion.output.chapters.first_page import headline
+from torsion.output.headline import headline
 
 MEASURED = (22.977711237348152, 54.9944875814668042, 192.812725684694512)  # Hz, of 17600, 310000, 51700 N m/rad
 NOMINAL = (24.0742737742577806, 53.3289702398578454, 192.889039168961031)  # of the stiffnesses below

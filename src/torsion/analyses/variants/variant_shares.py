@@ -61,10 +61,8 @@ class Swept:
     @property
     def band(self) -> tuple[float, float]:
         """rad/s of the reference."""
-        speeds = self.work.study.operation.speeds
-        if speeds is None:
-            raise ValueError("no speeds")
-        return speeds.first, speeds.last
+        first, last = self.work.rules.judged_band(self.work.study)
+        return first, last
 
     def trains(self, factor: Rows) -> tuple[Trains, list[float]]:
         """Of variants with factors (rows, variants), as damped in the middle of the band; and the orders that act."""
@@ -242,8 +240,9 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
     speeds, found = study.operation.speeds, excitations(system)
     if speeds is None or not found or not any(one.line.order is not None for one in found):
         return None
-    sample = np.union1d(np.geomspace(speeds.first, speeds.last, SAMPLES), work.rules.named_speeds(study))
-    sample = sample[(sample >= speeds.first) & (sample <= speeds.last)]
+    first, last = work.rules.judged_band(study)
+    sample = np.union1d(np.geomspace(first, last, SAMPLES), work.rules.named_speeds(study))
+    sample = sample[(sample >= first) & (sample <= last)]
     mean, same = steady_if_known(study, system, sample), [_read_alike(part) for part in study.train.parts]
     size = (5 + 2 * len(found)) * system.condensed.tree.size
     highest = highest_excited(study, system, work.ruled)
