@@ -60,7 +60,7 @@ HOLE = "endurance: 60 MPa, notches: {hole: 9 mm}"
 
 
 @pytest.mark.parametrize(
-    ("step", "outside"),
+    ("step", "unjudged"),
     [
         ("step: {fillet: 4 mm}", []),
         ("step: sharp", ["sharp step to b"]),
@@ -72,15 +72,15 @@ HOLE = "endurance: 60 MPa, notches: {hole: 9 mm}"
         ),
     ],
 )
-def test_corner_without_a_fillet_beside_an_endurance_is_outside_the_rule(step: str, outside: list[str]) -> None:
+def test_corner_without_a_fillet_beside_an_endurance_is_not_judged(step: str, unjudged: list[str]) -> None:
     lines = torsion.run(parse(JUDGED.replace("STEP", step).replace("HOLE", HOLE))).need(Checks).lines
-    assert [one.what for one in lines if one.verdict == "outside"] == outside
+    assert [one.what for one in lines if one.verdict == "not judged"] == unjudged
 
 
-def test_corner_in_the_bore_behind_a_fillet_is_outside_the_rule() -> None:
+def test_corner_in_the_bore_behind_a_fillet_is_not_judged() -> None:
     text = JUDGED.replace("STEP", "step: {fillet: 4 mm}").replace("HOLE", "bore: 40 mm")
     lines = torsion.run(parse(text)).need(Checks).lines
-    assert [one.what for one in lines if one.verdict == "outside"] == [FILLET]
+    assert [one.what for one in lines if one.verdict == "not judged"] == [FILLET]
 
 
 FLANGE = "step: {flange: {diameter: 900 mm, thickness: 200 mm, fillet: 8 mm}}"

@@ -15,7 +15,7 @@ from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, c
 from torsion.rules.verdict_line import Check
 from torsion.study import Study
 
-UNKNOWN = "outside the rule: no fillet is stated there, and no K_t known"
+UNKNOWN = "no fillet is stated there, and no K_t is known"
 
 
 class FilletEnduranceSettings(Declared):

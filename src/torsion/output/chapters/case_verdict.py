@@ -66,6 +66,8 @@ def headline_of_cases(cases: Cases) -> tuple[headline.Head, headline.Kind]:
     else:
         which = ALL.get(len(of), f"all {len(of)} cases")
     left = "".join(f", without {listed(rules)} in case {name}" for name, rules in left_out(cases).items())
+    if left and worst == "pass":  # a rule that one case leaves out is no whole pass
+        worst = "restricted"
     return (SIGNS[worst], f"{WORDS[worst]}: {which}{left}"), headline.KINDS[worst]
 
 
@@ -94,14 +96,20 @@ def _conclusion(cases: Cases) -> str:
     each = {name: verdict(one) for name, one in cases.items() if one.is_judged}
     doubt, left = _to_be_verified(cases), "".join(f"; {words}" for words in _limits(cases))
     bad = [name for name, word in each.items() if WORDS[word] == "FAIL"]
-    none = [name for name, word in each.items() if word == "not judged"]
+    none = [name for name, word in each.items() if word == "not judged" and _lacks_answer(cases[name])]
+    open_cases = [name for name, word in each.items() if word == "not judged" and name not in none]
     number_of = counted(len(each), "case")
-    if bad or none:
+    if bad or none or open_cases:
         words = [f"the train does not satisfy what is judged in {_named(bad)}"] if bad else []
-        words += [f"something is not judged in {_named(none)}"] if none else []
+        words += [f"there is no answer to {_named(none)}"] if none else []
+        words += [f"something is not judged in {_named(open_cases)}"] if open_cases else []
         return f"Of {number_of} judged, {' and '.join(words)}{left}.{doubt}"
     restricted = ", with the restrictions of its report" if "restricted" in each.values() else ""
     return f"Every check of every case that is judged passed ({number_of}){restricted}{left}.{doubt}"
+
+
+def _lacks_answer(findings: Findings) -> bool:
+    return not findings.is_answered or any(one.is_named for one in findings.plan.unanswered)
 
 
 def _named(cases: Sequence[str]) -> str:
