@@ -148,6 +148,22 @@ def test_distance_counts_from_where_nothing_is_known():
     assert "begins 7.5 % above the highest speed" in note
 
 
+@pytest.mark.parametrize(
+    ("doubtful", "growth", "verdict"),
+    [
+        ([150.0], -1.0, "not judged"), ([80.0], -1.0, "pass"), ([220.0], -1.0, "pass"), ([90.0], -1.0, "not judged"),
+        ([], -1.0, "pass"), ([150.0], 0.5, "fail"),
+    ],
+)  # fmt: skip
+def test_exponent_that_was_not_distinguished_is_never_a_pass(doubtful, growth, verdict):
+    """Speeds of 80, 90, ... rad/s: what is between 90 and 100 may hold at the first speed operated, 100."""
+    ranges = ((140.0, 150.0, growth),) if growth > 0 else ()
+    whole = replace(found([growth] * 15, ranges=ranges), doubtful=np.array(doubtful))
+    check = stability_check(whole, OPERATED)
+    assert check.verdict == verdict
+    assert ("not distinguished" in check.note) == bool(doubtful)
+
+
 RPM = math.pi / 30.0
 
 

@@ -23,6 +23,11 @@ def driven_by_law(train: Train) -> list[tuple[Part, DriveLaw]]:
     return [(part, part.machine.drive) for part in train.parts if part.machine is not None and part.machine.drive]
 
 
+def drives_without_lag(train: Train) -> list[str]:
+    """Return the names of the machines that drive by a law with a slope, and without a lag."""
+    return [part.name for part, law in driven_by_law(train) if law.law is None and law.lag is None]
+
+
 def load_slopes(balance: Balance, ratio: FloatArray, speed: FloatArray) -> FloatArray:
     """Return the slopes (stations, speeds) N m s/rad of the loads at reference speeds (rad/s).
 

@@ -198,9 +198,8 @@ def run(work: Work) -> None:
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
     for name, slope in slopes_without_vibration(study):
-        why = (
-            f"its {slope:.6g} N m s/rad act on the mean speed and in the stability; `lag` of a drive or `damping: law`"
-        )
+        why = f"its {slope:.6g} N m s/rad act on the mean speed, those of a load in the stability too; "
+        why += "`lag` of a drive or `damping: law`"
         work.log.without(f"slope of '{name}' in vibration", f"{why} of a load lets it damp vibration too")
 
 

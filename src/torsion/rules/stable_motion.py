@@ -10,6 +10,7 @@ import numpy as np
 
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.analyses.lateral.tilt_stability import Tilting
+from torsion.analyses.law_slopes import drives_without_lag
 from torsion.analyses.motion.mean_speed import SLOW
 from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
@@ -28,6 +29,7 @@ _RPM = 30.0 / np.pi
 SpeedRange = tuple[float, float]  # rad/s
 ROUNDING = 1e-9  # of a logarithmic decrement, and of speeds relative to themselves
 NO_SLOPE = 1e-9  # N m s/rad: less is none
+NOT_DISTINGUISHED = "a drift of the mean speed and an instability were not distinguished"
 PART = "only a part of the operation's speeds was looked at"
 
 
@@ -40,7 +42,8 @@ class StableMotion(Rule):
         line = stability_check(found, evidence.study.operation)
         times = barred_times(evidence, tuple(BarredRange(one.first, one.last, one.at, WHOLE) for one in found.ranges))
         stated, laws = mean_speed_words(found, evidence.study), drive_laws(evidence.study)
-        note = "; ".join(word for word in (line.note, unstable_words(times), stated) if word)
+        words = line.note, unstable_words(times), slope_words(evidence.study), stated
+        note = "; ".join(word for word in words if word)
         lines = [replace(line, note=note, times=times)]
         if laws and not any(law.is_controlled for law in laws):
             lines.append(mean_speed_check(found, evidence.study))
@@ -54,10 +57,13 @@ def drive_laws(study: Study) -> list[DriveLaw]:
 
 
 def mean_speed_check(found: Stability, study: Study) -> Check:
-    """The largest drift of the mean speed against 0, where the law of the drive is stated."""
-    # Where a steep slope leaves no slow exponent of the mean speed, the fastest of all stands for it.
-    drifts = found.growth if found.drift is None else np.where(np.isfinite(found.drift), found.drift, found.growth)
-    rates = np.where(within(study.operation.speeds, found.speed) & np.isfinite(drifts), drifts, -np.inf)
+    """The largest drift of the mean speed against 0, where the law of the drive is stated.
+
+    Where a steep slope or a long lag leaves no slow exponent, every exponent is in the row on stability.
+    """
+    inside = within(study.operation.speeds, found.speed) & np.isfinite(found.growth)
+    drifts = np.full(len(found.speed), np.nan) if found.drift is None else found.drift
+    rates = np.where(inside & np.isfinite(drifts), drifts, -np.inf)
     first, last, is_whole = _operated(found.speed, study.operation)
     drifting = [drift for drift in found.drifts if drift.first <= last and drift.last >= first]
     growth, speed, notes = float(rates.max()), float(found.speed[rates.argmax()]), list[str]()
@@ -67,8 +73,21 @@ def mean_speed_check(found: Stability, study: Study) -> Check:
     if not is_whole:
         notes.append(PART)
     # A drift slower than that is within the error of the growth rates.
-    kept = is_whole and not drifting and -np.inf < growth <= SLOW
-    return _check("mean speed", WHOLE, "growth of the mean speed", growth, "1/s", speed, notes, kept=kept)
+    kept = is_whole and not drifting and bool(inside.any()) and growth <= SLOW
+    if _is_doubtful(found, first, last):
+        notes.append(NOT_DISTINGUISHED)
+    elif growth == -np.inf and inside.any():
+        notes.append("the mean speed has no slow exponent of its own at any speed")
+    line = _check("mean speed", WHOLE, "growth of the mean speed", growth, "1/s", speed, notes, kept=kept)
+    if growth == -np.inf:
+        line = replace(line, value=np.nan, speed=None)
+    return _unless_doubtful(line, found, first, last)
+
+
+def slope_words(study: Study) -> str:
+    """Return which slopes of drives do not damp torsional vibration; empty where there are none."""
+    names = ", ".join(f"'{name}'" for name in drives_without_lag(study.train))
+    return f"slope of {names} without `lag`: it acts on the mean speed only" if names else ""
 
 
 def mean_speed_words(found: Stability, study: Study) -> str:
@@ -121,9 +140,25 @@ def stability_check(found: Stability, operation: Operation) -> Check:
         *_nearest(found, first, last),
     ]
     if found.doubtful is not None and found.doubtful.size:
-        notes.append("a drift of the mean speed and an instability were not distinguished")
+        notes.append(NOT_DISTINGUISHED)
     kept = is_whole and not (unstable or bare)
-    return _check("stability", WHOLE, "growth rate of small deviations", growth, "1/s", speed, notes, kept=kept)
+    line = _check("stability", WHOLE, "growth rate of small deviations", growth, "1/s", speed, notes, kept=kept)
+    return _unless_doubtful(line, found, first, last)
+
+
+def _unless_doubtful(line: Check, found: Stability, first: float, last: float) -> Check:
+    """Return the line, not judged in place of a pass where an exponent is neither a drift nor torsional for sure."""
+    is_open = line.verdict == "pass" and _is_doubtful(found, first, last)
+    return replace(line, verdict="not judged") if is_open else line
+
+
+def _is_doubtful(found: Stability, first: float, last: float) -> bool:
+    """Return whether an exponent was not distinguished within speeds (rad/s), or between them and the next speed."""
+    if found.doubtful is None:
+        return False
+    places = np.flatnonzero(np.isin(found.speed, found.doubtful))
+    below, above = np.maximum(places - 1, 0), np.minimum(places + 1, len(found.speed) - 1)
+    return bool(((found.speed[below] <= last) & (found.speed[above] >= first)).any())
 
 
 def _check(

@@ -179,6 +179,49 @@ def test_drift_is_judged_where_the_law_of_the_drive_is_stated(drive, verdicts):
         assert "a further slope of 2.93 N m s/rad at 'motor' stops it" in verdict(found, "mean speed").note
 
 
+UNSTABLE = """
+name: Cardan drive within a parametric resonance
+operation: {speeds: {from: 560 rpm, to: 570 rpm, steps: 3}, rated: {speed: 570 rpm}}
+train:
+  - motor: {name: motor, inertia: 5.2, power: 262.38 kW, speed: 570 rpm DRIVE}
+  - joint: {angle: 25 deg, inertia: [0.05, 0.05]}
+  - shaft: {length: 1.6 m, diameter: 140 mm, bore: 130 mm, segments: 1}
+  - joint: {angle: 10 deg, inertia: [0.05, 0.05]}
+  - gear: {ratio: 9.1, inertia: [0.18, 0.72]}
+  - coupling: {stiffness: 1.4 MN*m/rad, viscous: 40}
+  - machine: {name: drum, inertia: 2600, torque: 40 kN*m, load: constant}
+analyses: {stability: MAP}
+"""
+
+
+def unstable(drive: str = "", stability_map: str = "{}") -> Findings:
+    return torsion.run(torsion.parse(UNSTABLE.replace("DRIVE", drive).replace("MAP", stability_map), "unstable.yaml"))
+
+
+@pytest.mark.parametrize("drive", ["{droop: 4 %}", "{slip: 1 %}", "{torque: [[0 rpm, 114286], [592.8 rpm, 0]]}"])
+def test_slope_without_a_lag_does_not_damp_a_torsional_instability(drive):
+    """The table is that of the droop: 4395.6 N m at 570 rpm, and nothing at 1.04 times that speed."""
+    found, free = unstable(f", drive: {drive}"), unstable(", drive: {law: torque}")
+    sloped, bare = found.need(Stability), free.need(Stability)
+    assert sloped.growth[sloped.requested] == pytest.approx(bare.growth[bare.requested], rel=1e-9)
+    assert verdict(found, "stability").verdict == "fail"
+    assert "slope of 'motor' without `lag`: it acts on the mean speed only" in verdict(found, "stability").note
+
+
+def test_map_has_no_slope_of_a_drive_without_a_lag():
+    over = "{map: {over: damping, from: 1, to: 2, steps: 2}}"
+    slope, free = (unstable(f", drive: {drive}", over) for drive in ("{droop: 4 %}", "{law: torque}"))
+    assert slope.need(StabilityMap).growth == pytest.approx(free.need(StabilityMap).growth, rel=1e-9)
+    assert (free.need(StabilityMap).growth[:, 0] > 0).all()
+
+
+@pytest.mark.parametrize("drive", ["{droop: 4 %}", "{droop: 4 %, lag: 1 s}"])
+def test_row_of_the_mean_speed_states_no_torsional_growth(drive):
+    line = verdict(unstable(f", drive: {drive}"), "mean speed")
+    assert (line.verdict, np.isnan(line.value), line.speed) == ("pass", True, None)
+    assert "no slow exponent" in line.note
+
+
 def test_mean_speed_of_a_controlled_drive_is_not_judged():
     found = solved(drive=", drive: {law: speed}")
     assert "mean speed" not in [check.clause for check in found.need(Checks).lines]
@@ -191,6 +234,18 @@ def test_doubtful_exponent_is_a_growth_and_no_drift(monkeypatch):
     found = solved(first=250, last=1500, steps=126)
     assert verdict(found, "stability").verdict == "fail"
     assert "were not distinguished" in verdict(found, "stability").note
+
+
+def test_exponent_that_was_not_distinguished_is_no_pass():
+    """Near the end of the drift the torque lost and the exponent do not agree; the damping of the drum hides both."""
+    drum = "propeller: {name: drum, inertia: 2600, torque: 11586.48 N*m, speed: 164.835165 rpm, load: quadratic, "
+    whole = text(first=280, last=290, steps=6).replace(", power: 200 kW", "").replace("load: constant", "")
+    whole = whole.replace("inertia: [0.15, 3.2]", "inertia: [0.18, 0.72]")
+    start = whole.index("disc: {name: drum")
+    whole = whole[:start] + drum + "damping: {model: archer, factor: 30}}\n" + whole[whole.index("analyses:") :]
+    found = torsion.run(torsion.parse(whole, "drum.yaml"))
+    assert found.need(Stability).doubtful.size
+    assert verdict(found, "stability").verdict == "not judged"
 
 
 def test_exact_response_is_not_marked_unstable_where_the_mean_speed_drifts():

@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from torsion.analyses.law_slopes import drives_without_lag
 from torsion.analyses.motion.equations_of_motion import damper_matrices, entries, mean_angle, state, torque_rates
 from torsion.analyses.motion.mean_speed import SLOW, agrees, drift_slope
 from torsion.analyses.motion.mechanism import Layout, gathered
@@ -221,17 +222,33 @@ class Search:
     reduced: Basis | None
     method: Method = "monodromy"
     known: dict[float, tuple[Orbit, Multipliers] | None] = field(default_factory=dict)
+    unhelped: "Search | None" = None  # the same train without the slopes of drives that have no lag
 
     def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
         """Orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
         if speed not in self.known:
             solved = (one[0] for one in self.known.values() if one is not None)
             orbit, _ = continued(self.at, speed, nearest(speed, solved))
-            self.known[speed] = None if orbit is None else (orbit, self.exponents(orbit, self.method))
+            is_lost = orbit is None or (self.unhelped is not None and self.unhelped(speed) is None)
+            self.known[speed] = None if orbit is None or is_lost else (orbit, self.exponents(orbit, self.method))
         return self.known[speed]
 
     def exponents(self, orbit: Orbit, method: Method, most: int = MOST_HILL) -> Multipliers:
-        """By one of the methods; raises SolveError where Hill's matrix has more than `most` rows."""
+        """By one of the methods; raises SolveError where Hill's matrix has more than `most` rows.
+
+        A drive does not follow a torsional vibration as it follows the mean speed: of the torsional exponents with and
+        without the slopes of drives that have no lag the worse ones count. The drift is that with all slopes.
+        """
+        found = self._exponents(orbit, method, most)
+        without = None if self.unhelped is None else self.unhelped(orbit.now.loading.speed)
+        if self.unhelped is None or without is None:
+            return found
+        bare = self.unhelped.exponents(without[0], method, most)
+        worse = max(found, bare, key=lambda side: side.growth)
+        return replace(worse, rigid=None, drift=found.drift, is_doubtful=found.is_doubtful or bare.is_doubtful)
+
+    def _exponents(self, orbit: Orbit, method: Method, most: int) -> Multipliers:
+        """Return the exponents with whatever slopes act in the scene."""
         around = variation(self.at, orbit)
         highest = self.shapes.highest
         if self.reduced is not None:
@@ -270,7 +287,9 @@ class Search:
 
     @property
     def loses(self) -> bool:
-        """Something damps."""
+        """Something damps; the slope of a drive without a lag does not."""
+        if self.unhelped is not None:
+            return self.unhelped.loses
         if self.at.system.damps and self.at.damping > 0:
             return True
         return any(found is not None and bool(found[0].now.loading.damping.any()) for found in self.known.values())
@@ -281,7 +300,11 @@ def growth_search(study: Study, system: System, *, method: Method = "monodromy",
     at = scene(study, system, vibratory=False)
     shapes = basis(at.layout)
     fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
-    return Search(damped(at, fewer or shapes), shapes, fewer, method)
+    lossy = damped(at, fewer or shapes)
+    search = Search(lossy, shapes, fewer, method)
+    if drives_without_lag(study.train):
+        search.unhelped = Search(replace(lossy, drives_damp=False), shapes, fewer, method)
+    return search
 
 
 def damped(at: Scene, shapes: Basis) -> Scene:

@@ -36,6 +36,7 @@ class Scene:
     damping: float = 1.0  # factor on the damping to ground; that of the springs stands in the layout
     slopes: FloatArray = field(default_factory=lambda: np.zeros(1))  # (stations,) N m s/rad at the reference, added
     has_slopes: bool = False  # the slopes of the laws of drive and load act too
+    drives_damp: bool = True  # among them those of drives without `lag`; where False, only negative ones
 
 
 def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
@@ -79,7 +80,8 @@ def operating(at: Scene, speed: float) -> Operating:
     if at.has_slopes and known is not None and known.load_slope is not None and known.drive_slope is not None:
         # A damping of the file acts in vibration in place of the slope; on the mean speed a machine acts by its law.
         load = known.load_slope[:, 0] * ratio**2
-        damping += np.where(ground > 0, 0.0, load) + known.drive_slope[:, 0] * ratio**2
+        drive = known.drive_slope[:, 0] * ratio**2
+        damping += np.where(ground > 0, 0.0, load) + (drive if at.drives_damp else np.minimum(drive, 0.0))
         beside = float((load - ground)[(ground > 0) & _absorbing(at)].sum())
     applied, twist = np.zeros(len(ratio)), np.zeros(whole.bodies)
     if known is not None:
