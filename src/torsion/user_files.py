@@ -26,6 +26,8 @@ def read_file(file: str | Path, largest: int) -> bytes:
 
 def check_file(file: str | Path, largest: int) -> None:
     """Raise OSError for what is no regular file, or larger than that (bytes); for a reader that opens it itself."""
+    if not os.path.exists(file):
+        open(file, "rb").close()  # raises OSError; the live page hears which file was opened in vain
     found = os.stat(file)
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a folder", str(file))
