@@ -131,6 +131,23 @@ def test_a_share_of_a_mean_torque_that_stays_does_not_follow_the_law_of_the_load
     assert "mean torques (they stay those of the begin; the law of a load acts by an event `load`)" in by_share.acting
 
 
+ENGINE = """engine: {name: m, cylinders: 4, strokes: 4, firing_order: [1, 3, 4, 2], inertia: 0.5, stiffness: 5 MN*m/rad,
+    geometry: {bore: 170 mm, stroke: 190 mm, rod_length: 380 mm}, masses: {reciprocating: 5},
+    gas: {cycle: wiebe, compression_ratio: 15, charge: 2.8 bar, exhaust: 2.5 bar, imep: 18 bar, p_max: 140 bar,
+    duration: 65 deg}}
+- disc: {inertia: 2}
+"""
+
+
+def test_the_gas_of_cylinders_at_a_mean_torque_that_stays_does_not_follow_the_law_of_the_load() -> None:
+    """Both laws give one torque at the rated speed, at which the motion begins."""
+    text = BRAKED.replace("AT_PUMP", "0 N*m").replace("EVENT", BRAKE).replace("duration: 1 s", "duration: 0.6 s")
+    head, tail = text[: text.index("motor:")], text[text.index("- coupling: {name: c") :]
+    by_law = [moved(head + ENGINE + tail.replace("LAW", f", load: {law}")) for law in ("quadratic", "constant")]
+    assert by_law[0].speed[0, -1] < 0.85 * by_law[0].speed_before
+    assert by_law[0].torque == pytest.approx(by_law[1].torque, rel=1e-7, abs=1e-6 * by_law[1].peak.max())
+
+
 def test_where_a_load_acts_by_an_event_the_share_at_its_point_follows_a_law_and_that_of_the_motor_stays() -> None:
     by_share, by_amount = (braked(0.2, 0.0, LOAD, share=share) for share in (True, False))
     assert by_amount.speed[0, -1] < 0.9 * by_amount.speed_before

@@ -118,7 +118,8 @@ def following(
             words.append(what)
             own.append(number)
     for throw, torques in _by_throw(system.train.torques).items():
-        found.append(cylinder_law(study, system, len(station), torques))
+        staying = _staying_mean(study, torques[0], events, before)
+        found.append(cylinder_law(study, system, len(station), torques, staying))
         station.append(throw)
         words.append(f"cylinders at {system.stations[throw].name}")
     for torque in system.train.torques:
@@ -244,10 +245,11 @@ def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tup
 def _staying_mean(study: Study, torque: Torque, events: Sequence[Event], before: State) -> Steady | None:
     """The mean torques of the begin where the one that a torque is a share of stays; None where it does not."""
     replaced = {study.train.part(event.at).stations[0] for event in events if event.body.drives}
-    if before.mean is None or torque.station in replaced:
+    station = torque.station if torque.cylinder is None else torque.cylinder.station
+    if before.mean is None or station in replaced:
         return None
     # a point where no mean torque is applied has that of its spans, and it changes with any that is replaced
-    return None if replaced and not before.mean.applied[torque.station].any() else before.mean
+    return None if replaced and not before.mean.applied[station].any() else before.mean
 
 
 def _size(study: Study, system: System, torque: Torque, begins: float, staying: Steady | None) -> laws.Parts:
