@@ -103,6 +103,63 @@ def test_a_share_of_the_mean_torque_is_that_of_the_speed_at_which_the_motion_beg
     assert moved(share).greatest[0] == pytest.approx(moved(amount).greatest[0], rel=1e-12)
 
 
+BRAKED = """name: x
+operation: {rated: {speed: 1500 rpm}}
+train:
+- motor: {name: m, inertia: 3, ripple: [{order: 2, torque: AT_MOTOR, phase: 25 deg}]}
+- coupling: {name: c, stiffness: 30000, viscous: 20, max_torque: 2000 N*m}
+- disc: {name: d, inertia: 1}
+- coupling: {name: e, stiffness: 40000, viscous: 20}
+- pump: {name: p, inertia: 4, power: 200 kW, blades: 3, excitation: [{blade_order: 1, torque: AT_PUMP}]LAW}
+analyses: {transient: {duration: 1 s, events: [{at: p, time: 0.1 s, EVENT}]}}
+"""
+BRAKE = "step: {torque: -700 N*m}"  # and the train, whose mean torques stay, slows to 500 rpm
+LOAD = "load: {law: constant, torque: 2000 N*m}"
+MEAN = 200e3 / (50.0 * math.pi)
+
+
+def braked(motor: float, pump: float, event: str = BRAKE, *, share: bool, law: str = "") -> TransientMotion:
+    """The motion with ripples of these shares of the mean torque at 1500 rpm, as shares or in N m."""
+    sizes = [f"{100.0 * one!r} %" if share else f"{one * MEAN!r} N*m" for one in (motor, pump)]
+    text = BRAKED.replace("AT_MOTOR", sizes[0]).replace("AT_PUMP", sizes[1]).replace("EVENT", event)
+    return moved(text.replace("LAW", law))
+
+
+@pytest.mark.parametrize("law", ["", ", load: constant", ", load: {exponent: 1.5}"])
+def test_a_share_of_a_mean_torque_that_stays_does_not_follow_the_law_of_the_load(law: str) -> None:
+    by_share, by_amount = (braked(0.2, 0.1, share=share, law=law) for share in (True, False))
+    assert by_amount.speed[0, -1] < 0.8 * by_amount.speed_before
+    assert by_share.torque == pytest.approx(by_amount.torque, rel=1e-8, abs=1e-6 * by_amount.peak.max())
+    assert "mean torques (they stay those of the begin; the law of a load acts by an event `load`)" in by_share.acting
+
+
+ENGINE = """engine: {name: m, cylinders: 4, strokes: 4, firing_order: [1, 3, 4, 2], inertia: 0.5, stiffness: 5 MN*m/rad,
+    geometry: {bore: 170 mm, stroke: 190 mm, rod_length: 380 mm}, masses: {reciprocating: 5},
+    gas: {cycle: wiebe, compression_ratio: 15, charge: 2.8 bar, exhaust: 2.5 bar, imep: 18 bar, p_max: 140 bar,
+    duration: 65 deg}}
+- disc: {inertia: 2}
+"""
+
+
+def test_the_gas_of_cylinders_at_a_mean_torque_that_stays_does_not_follow_the_law_of_the_load() -> None:
+    """Both laws give one torque at the rated speed, at which the motion begins."""
+    text = BRAKED.replace("AT_PUMP", "0 N*m").replace("EVENT", BRAKE).replace("duration: 1 s", "duration: 0.6 s")
+    head, tail = text[: text.index("motor:")], text[text.index("- coupling: {name: c") :]
+    by_law = [moved(head + ENGINE + tail.replace("LAW", f", load: {law}")) for law in ("quadratic", "constant")]
+    assert by_law[0].speed[0, -1] < 0.85 * by_law[0].speed_before
+    assert by_law[0].torque == pytest.approx(by_law[1].torque, rel=1e-7, abs=1e-6 * by_law[1].peak.max())
+
+
+def test_where_a_load_acts_by_an_event_the_share_at_its_point_follows_a_law_and_that_of_the_motor_stays() -> None:
+    by_share, by_amount = (braked(0.2, 0.0, LOAD, share=share) for share in (True, False))
+    assert by_amount.speed[0, -1] < 0.9 * by_amount.speed_before
+    assert by_share.torque == pytest.approx(by_amount.torque, rel=1e-8, abs=1e-6 * by_amount.peak.max())
+    by_share, by_amount = (braked(0.0, 0.3, LOAD, share=share) for share in (True, False))
+    late = by_share.time > 0.8
+    assert np.ptp(by_share.torque[1, late]) < 0.9 * np.ptp(by_amount.torque[1, late])
+    assert "mean torques" in " ".join(by_share.acting)
+
+
 @pytest.mark.parametrize("kind", ["order: 1", "frequency: 10 Hz"])
 def test_a_share_of_a_mean_torque_that_is_not_known_is_refused_by_its_name(kind: str) -> None:
     text = scene(AT_SPEED + STEP, f", ripple: [{{{kind}, torque: {{of_mean: 10 %}}}}]")

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
+from torsion.analyses.transient.events import Stop
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.assembly.system import System
 from torsion.primitives import Torque
@@ -55,7 +56,11 @@ def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
     if reason:
         not_acting.append(f"mean torques ({reason})")
     else:
-        acting.append("mean torques")
+        replaced = dict.fromkeys(
+            event.at for event in settings.events if event.body.drives or isinstance(event.body, Stop)
+        )
+        but = f", but for those at {', '.join(replaced)} that events end or replace" if replaced else ""
+        acting.append(f"mean torques (they stay those of the begin{but}; the law of a load acts by an event `load`)")
 
     swept = dict.fromkeys(one.name for one in study.train.torques if one.order is None and one.frequency is None)
     not_acting += (f"excitation at {name} (of the response over frequency only)" for name in swept)

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import amplitude
-from torsion.analyses.steady import steady_if_known
+from torsion.analyses.steady import Steady, steady_if_known
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.kernels.transient.cylinder_torques import OrdersByAngle, quadratics, without_equal_parts
@@ -18,16 +19,26 @@ PARTS = 64  # of a load by tables, between whose rows the harmonics are no polyn
 LOWEST = 0.02  # of the highest speed: down to it a load that is no polynomial of the speed is followed by parts
 
 
-def cylinder_law(study: Study, system: System, interface: int, torques: Sequence[Torque]) -> OrdersByAngle:
-    """Of the torques of one station; beyond the speeds of tables their first and last parts go on."""
+def cylinder_law(
+    study: Study, system: System, interface: int, torques: Sequence[Torque], staying: Steady | None
+) -> OrdersByAngle:
+    """Of the torques of one station; beyond the speeds of tables their first and last parts go on.
+
+    staying: mean torques that do not change with the speed, in place of those of the laws of load.
+    """
     ratio = abs(float(system.speed_ratio[torques[0].station]))
     edges = _edges(study, torques, ratio)
     speed = np.stack([edges[:-1], (edges[:-1] + edges[1:]) / 2.0, edges[1:]], axis=1).ravel()
-    known = steady_if_known(study, system, speed / ratio)
+    known = steady_if_known(study, system, speed / ratio) if staying is None else _repeated(staying, len(speed))
     values = np.stack([amplitude(system, one, speed / ratio, known) for one in torques], axis=-1)
     edges, polynomial = without_equal_parts(edges, quadratics(edges, values.reshape(-1, 3, len(torques))))
     order = np.array([float(one.order or 0) for one in torques])
     return OrdersByAngle(interface, order, edges[1:-1], polynomial, float(edges[-1]))
+
+
+def _repeated(mean: Steady, speeds: int) -> Steady:
+    """The mean torques of one speed at so many."""
+    return replace(mean, applied=np.repeat(mean.applied, speeds, axis=1))
 
 
 def _edges(study: Study, torques: Sequence[Torque], ratio: float) -> FloatArray:

@@ -131,7 +131,10 @@ class Sine(Lasting):
 
     torque: SignedTorque = required("amplitude (half range)")
     frequency: fields.Frequency | None = given("its frequency")
-    order: fields.Exact | None = given("cycles per revolution of the point's own shaft at its speed before the events")
+    order: fields.Exact | None = given(
+        "cycles per revolution of the point's own shaft: at its speed before the events, or by its angle "
+        "where any torque or joint follows the motion (an order, a cylinder, a start, a load)"
+    )
     decay: Length | None = given("time in which it falls to 1/e (default: it does not)")
     phase: fields.Angle = given("phase at its begin", 0.0)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import amplitude
-from torsion.analyses.steady import steady_if_known
+from torsion.analyses.steady import Steady, steady_if_known
 from torsion.analyses.transient.carrier import Carrier
 from torsion.analyses.transient.cylinder_torques import cylinder_law, with_corners_of_loads
 from torsion.analyses.transient.event_kind import Point
@@ -118,12 +118,13 @@ def following(
             words.append(what)
             own.append(number)
     for throw, torques in _by_throw(system.train.torques).items():
-        found.append(cylinder_law(study, system, len(station), torques))
+        staying = _staying_mean(study, torques[0], events, before)
+        found.append(cylinder_law(study, system, len(station), torques, staying))
         station.append(throw)
         words.append(f"cylinders at {system.stations[throw].name}")
     for torque in system.train.torques:
         if torque.order is not None and torque.cylinder is None:
-            size = _size(study, system, torque, before.speed)
+            size = _size(study, system, torque, before.speed, _staying_mean(study, torque, events, before))
             found.append(laws.Wave(len(station), size, float(torque.order), torque.phase))
             station.append(torque.station)
             words.append(f"order {torque.order} at {torque.name}")
@@ -241,10 +242,21 @@ def rates_of(study: Study, system: System, events: Sequence[Event]) -> tuple[tup
     return tuple(found)
 
 
-def _size(study: Study, system: System, torque: Torque, begins: float) -> laws.Parts:
+def _staying_mean(study: Study, torque: Torque, events: Sequence[Event], before: State) -> Steady | None:
+    """The mean torques of the begin where the one that a torque is a share of stays; None where it does not."""
+    replaced = {study.train.part(event.at).stations[0] for event in events if event.body.drives}
+    station = torque.station if torque.cylinder is None else torque.cylinder.station
+    if before.mean is None or station in replaced:
+        return None
+    # a point where no mean torque is applied has that of its spans, and it changes with any that is replaced
+    return None if replaced and not before.mean.applied[station].any() else before.mean
+
+
+def _size(study: Study, system: System, torque: Torque, begins: float, staying: Steady | None) -> laws.Parts:
     """Amplitude of a periodic torque over the speed of its own shaft; begins: rad/s of the reference.
 
-    Raises InputError where the mean torque of which it is a share is not known at the speed at which the motion begins.
+    staying: mean torques that do not change with the speed. Raises InputError where the mean torque of which it is a
+    share is not known at the speed at which the motion begins.
     """
     operation, ratio = study.operation, abs(float(system.speed_ratio[torque.station]))
     if begins:  # known there, or refused
@@ -255,6 +267,8 @@ def _size(study: Study, system: System, torque: Torque, begins: float) -> laws.P
     if not torque.of_mean:
         return laws.constant(torque.torque)
     share = replace(torque, torque=0.0, phase=0.0)
+    if staying is not None:
+        return laws.constant(float(amplitude(system, share, np.array([begins]), staying)[0].real))
     balance = power_balance(study.train, operation)
     law = balance.loads[0].law
     if len(balance.loads) > 1 or not (law.table or (law.exponent in (0.0, 2.0) and not law.at_rest)):

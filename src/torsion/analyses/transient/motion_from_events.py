@@ -1,7 +1,7 @@
 """Motion over time of a train from its events, by the path that its couplings and torques need."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -44,7 +44,7 @@ from torsion.analyses.transient.transient_settings import (
     TransientSettings,
     cases,
 )
-from torsion.analyses.transient.worst_fault import fault_variants, scans_reclosing
+from torsion.analyses.transient.worst_fault import FaultScan, faults_in_words
 from torsion.analyses.transient.worst_phase import Phases, over_phases, share_of_limits
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
@@ -71,34 +71,44 @@ def transient(
     """
     torques = acting_torques(study, settings)
     study, system = without_excluded_torques(study, system, settings)
-    if modes is None and scans_reclosing(settings):
+    scan = FaultScan(settings, np.empty(0), place)
+    if modes is None and scan.scanned:
         modes = kept_modes(system, "all" if study.train.has_nonlinear_couplings else settings.modes, place)
     solve = partial(_of_phases, study, system, place, modes, damping_ratio, progress)
     limits = [part.ratings.max_torque if part.ratings is not None else None for part in study.train.parts]
     limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
-    period = math.inf if modes is None or not modes[0].frequency.size else 1.0 / float(modes[0].frequency[0])
-    faults = fault_variants(settings, period, place)
-    found = _read(study, system, settings, _worst_fault(faults, solve, limit))
+    scan = scan if modes is None else replace(scan, frequency=modes[0].frequency)
+    found = _read(study, system, settings, _worst_fault(scan, solve, limit))
     return replace(found, acting=torques.acting, not_acting=torques.not_acting)
 
 
 def _worst_fault(
-    faults: Iterable[tuple[str, TransientSettings]], solve: Callable[[TransientSettings], TransientMotion],
-    limit: FloatArray,
-) -> TransientMotion:  # fmt: skip
+    scan: FaultScan, solve: Callable[[TransientSettings], TransientMotion], limit: FloatArray
+) -> TransientMotion:
     """The motion of the worst fault, with the greatest of every span's torques of all faults.
 
     limit: (spans,) N m, nan where there is none.
     """
-    (words, first), *others = faults
-    shown = replace(_merged(over_phases(first, solve, limit)), worst_fault=words if others else "")
-    share = share_of_limits(limit, shown.peak)
-    for number, (words, settings) in enumerate(others, 2):
-        motion = replace(_merged(over_phases(settings, solve, limit)), worst_fault=words)
-        is_worse = (motion.peak * share).max(initial=0.0) > (shown.peak * share).max(initial=0.0)
+    variants = scan.variants()
+    shown = _merged(over_phases(variants[0], solve, limit))
+    if len(variants) == 1:
+        return shown
+    shown, share = replace(shown, worst_fault=faults_in_words(variants[0])), share_of_limits(limit, shown.peak)
+    peaks = [(shown.peak * share).max(initial=0.0)]
+
+    def compare(settings: TransientSettings) -> None:
+        nonlocal shown
+        motion = replace(_merged(over_phases(settings, solve, limit)), worst_fault=faults_in_words(settings))
+        peaks.append((motion.peak * share).max(initial=0.0))
+        is_worse = peaks[-1] > (shown.peak * share).max(initial=0.0)
         shown = _greatest((motion, shown) if is_worse else (shown, motion))
-        shown = replace(shown, faults_computed=number)
-    return shown
+
+    for settings in variants[1:]:
+        compare(settings)
+    worst_first = np.argsort(-np.array(peaks), kind="stable").tolist()
+    for settings in scan.finer_variants([variants[place] for place in worst_first]):
+        compare(settings)
+    return replace(shown, faults_computed=len(peaks))
 
 
 def _merged(motions: list[tuple[Phases, TransientMotion]]) -> TransientMotion:

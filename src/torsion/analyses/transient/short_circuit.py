@@ -4,15 +4,20 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from torsion import fields
 from torsion.analyses.transient.event_kind import Kind, Lack, Length, Point
+from torsion.arrays import FloatArray
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.kernels.transient.torque_history import Piece
 
 Coefficient = Annotated[float, Quantity("1", usual="coefficient of a short circuit")]
 Sense = Literal["both", "brakes", "drives"]
+PER_PERIOD = 10  # steps of a scanned time of reclosing, of the fastest mode that the fault excites
+HIGHEST = 3.0  # of the line frequency: faster modes than that the fault hardly excites
+FINER = 5  # parts of a step beside the worst times
 ELECTRICAL = ("generator", "motor")  # kinds of components with an air gap
 
 
@@ -67,7 +72,8 @@ class ShortCircuit(Kind):
     clear: Length | None = given("time after which the fault is cleared (default: never)")
     reclose: Reclose | None = given(
         "time after which the fault begins anew, for as long; [shortest, longest]: scanned in steps of a tenth of the "
-        "lowest natural period, and the worst is judged"
+        "period of the highest natural frequency up to three times that of the line, finer beside the three worst "
+        "times, and the worst is judged; it begins anew before the end of the motion"
     )
 
     @model_validator(mode="after")
@@ -100,16 +106,27 @@ class ShortCircuit(Kind):
     @property
     def words(self) -> str:
         """Its sense and the time at which it closes again."""
-        again = "" if self.reclose is None else f", reclosed after {self.reclose[0]:.4g} s"
+        again = "" if self.reclose is None else f", reclosed after {self.reclose[0]:.6g} s"
         return f"it {self.sense} first{again}"
 
-    def variants(self, period: float) -> "tuple[ShortCircuit, ...]":
-        """Faults of one sense and one time of reclosing each; period: s, the longest of the train."""
+    def variants(self, frequency: FloatArray) -> "tuple[ShortCircuit, ...]":
+        """Faults of one sense and one time of reclosing each; frequency: (modes,) Hz, natural ones of the train."""
         senses = ("brakes", "drives") if self.sense == "both" else (self.sense,)
-        times: list[tuple[float, float] | None] = [self.reclose]
-        if self.reclose is not None:
-            shortest, longest = self.reclose
-            steps = math.ceil(10.0 * (longest - shortest) / period)
-            times = [(shortest + step * (longest - shortest) / max(steps, 1),) * 2 for step in range(steps + 1)]
+        times = [None] if self.reclose is None else [(time, time) for time in self._times(frequency)[::FINER]]
         changes = [{"sense": sense, "reclose": time} for sense in senses for time in times]
         return tuple(self.model_copy(update=change) for change in changes)
+
+    def variants_beside(self, time: float, frequency: FloatArray) -> "tuple[ShortCircuit, ...]":
+        """Faults that close again at the finer times between that before and that after a time (s) of `variants`."""
+        times = self._times(frequency)
+        place = times.index(time)
+        beside = [*times[max(place - FINER + 1, 0) : place], *times[place + 1 : place + FINER]]
+        return tuple(self.model_copy(update={"reclose": (one, one)}) for one in beside)
+
+    def _times(self, frequency: FloatArray) -> list[float]:
+        """Times of reclosing (s), FINER to a step of the scan, with both ends of the range."""
+        assert self.reclose is not None
+        shortest, longest = self.reclose
+        excited = frequency[(frequency > self.line) & (frequency <= HIGHEST * self.line)]
+        steps = math.ceil(PER_PERIOD * (longest - shortest) * float(excited.max(initial=self.line)))
+        return [float(time) for time in np.linspace(shortest, longest, FINER * steps + 1)]

@@ -224,6 +224,7 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
         if any(a >= b for a, b in pairwise(corners)):
             message = f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
             yield Fault((*place, event.body.key), message, f"at least {4.0 * math.ulp(event.time):.1g} s between them")
+    yield from _reclosed_late(settings, path)
     yield from _stopped_twice(settings, path)
     yield from _given_twice(settings, path)
     yield from _names(settings, path, known)
@@ -251,6 +252,16 @@ def _names(settings: TransientSettings, path: Path, known: Mapping[str, tuple[st
                 yield Fault(where, f"'{word}' is a {known[word][0]}, and no torque goes through it", links)
             elif word not in known:
                 yield Fault(where, f"no component is called '{word}'", ", ".join(known))
+
+
+def _reclosed_late(settings: TransientSettings, path: Path) -> Iterator[Fault]:
+    """Faults of machines that would begin anew after the end."""
+    for number, event in enumerate(settings.events):
+        again = event.body.reclose if isinstance(event.body, ShortCircuit) else None
+        if again is not None and event.time < settings.duration <= event.time + again[1]:
+            message = f"the fault begins anew at {event.time + again[1]:g} s, after the end of the motion"
+            hint = f"a `reclose` below {settings.duration - event.time:g} s, or a longer `duration`"
+            yield Fault((*path, "events", number, "short-circuit", "reclose"), message, hint)
 
 
 def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
