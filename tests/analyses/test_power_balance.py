@@ -292,6 +292,6 @@ def test_a_share_of_a_torque_at_constant_power_follows_the_speed_over_time(rpm: 
                          "ripple: [{order: 2, torque: 4 %}]}").replace("1480 rpm}", "1500 rpm}")  # fmt: skip
     study = torsion.parse(text)
     system, speed = assemble(study.train), rpm * math.pi / 30
-    size = _size(study, system, study.train.torques[0], begins=0.0)
+    size = _size(study, system, study.train.torques[0], begins=0.0, staying=None)
     value = size.value(size.part(speed), np.array([speed]))[0]
     assert value == pytest.approx([0.04 * 250e3 / speed], rel=within)

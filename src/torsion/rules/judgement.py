@@ -213,7 +213,7 @@ def are_pointwise(study: Study) -> bool:
     return (
         all(rule.is_pointwise for rule, _ in rules)
         and all(row.verdict in ("pass", "restricted") for row in rows)
-        and (isinstance(study.operation.load, str) or demanded_study(study) is None)
+        and (not study.operation.load.table or demanded_study(study) is None)
     )
 
 

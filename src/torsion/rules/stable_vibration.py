@@ -10,10 +10,10 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Results
 from torsion.rules.reached_speeds import in_rpm
-from torsion.rules.stable_motion import WHOLE
 from torsion.rules.verdict_line import Check, Rule, Verdict
 from torsion.study import Study
 
+WHOLE = "whole train"
 SPEEDS = 41  # over the operation, at which the eigenvalues are computed
 ROUNDING = 1e-9  # of an eigenvalue: a smaller growth is none
 
