@@ -72,7 +72,8 @@ class Shaft(Component, keyword="shaft", sort="link"):
         "size counted in; read by the rule `fillets`"
     )
     notches: Annotated[tuple[Notch, ...], OneOrMany] = given(
-        "{keyway: {...}}, {splines: {...}} or {hole: 8 mm}, for the stress in them; class rules read `features`", ()
+        "{keyway: {...}}, {splines: {...}} or {hole: 8 mm}, for the stress in them; class rules count them with `features`",
+        (),
     )
     hub: Annotated[tuple[Hub, ...], OneOrMany] = given(
         "hub on its end, in which it twists over a part of the seat (default: over all of its length)", ()

@@ -42,6 +42,7 @@ EXAMPLE = (
     "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm, web_thickness: 70 mm, "
     "web_width: 260 mm, radius: 140 mm, bending: 40 MPa, shear: 5 MPa, strokes: 4}"
 )
+MANUFACTURE, SAME = (1.05, 1.0, 0.93), 1e-9  # factors K of UR M53; rounding of one
 Stress = Annotated[float, Quantity("Pa", at_least=0, usual="stress")]
 
 
@@ -101,6 +102,9 @@ class M53Settings(Declared):
         if self.axial is not None and (self.engine != "crosshead" or self.additional is not None):
             message = "`axial` stands for the 20 MPa of a crosshead engine alone"
             raise refuse(message, "leave out `axial`, or `additional`", "axial")
+        if min(abs(self.manufacture - factor) for factor in MANUFACTURE) > SAME:
+            hint = "1.05 continuous grain flow, 1.0 free-form forged, 0.93 cast with cold rolling"
+            raise refuse(f"the text has no factor K of {self.manufacture:g}", hint, "manufacture")
 
 
 class M53(RuleOverSpeed):

@@ -59,6 +59,11 @@ ASSUMED: Mapping[Role, Detail] = {  # for a shaft whose features are not given
     "thrust": Detail(0.85, 1.10, condition="thrust collar assumed"),
     "propeller": Detail(0.55, 1.26, condition="kind of propeller mounting not given, the least favourable taken"),
 }
+OF_ROLE: Mapping[Role, frozenset[str]] = {  # features that state the factor of a role
+    "intermediate": frozenset(DETAILS),
+    "thrust": frozenset({"thrust collar", "roller bearing"}),
+    "propeller": frozenset({"propeller flange", "propeller keyless", "propeller keyed", "tube shaft"}),
+}
 STRENGTH_CAP = 600.0  # N/mm2, the greatest tensile strength that counts (rule text)
 ALLOY_STRENGTH_CAP = 800.0  # N/mm2, of intermediate and thrust shafts of alloy steel (rule text)
 LEAST_STRENGTH_IN_BARRED_RANGE = 500.0  # N/mm2, where the stress comes near tau_T (rule text)
@@ -283,10 +288,17 @@ def _conditions(
 def _details(
     shaft: ShaftRecord, role: Role, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
 ) -> tuple[tuple[str, Detail], ...]:
-    """The shaft's features with their factors; the role's usual one where none is given."""
-    if not shaft.features:
-        return (("no feature given", ASSUMED[role]),)
+    """The shaft's features with their factors, and those of its role and its notches that no feature states."""
     found: list[tuple[str, Detail]] = []
+    if not shaft.features:
+        found.append(("no feature given", ASSUMED[role]))
+    elif not set(shaft.features) & OF_ROLE[role] and role != "intermediate":
+        found.append((f"{role} shaft", ASSUMED[role]))
+    kinds = {notch.form for notch in shaft.notches}
+    if "keyway" in kinds and not any(DETAILS[feature].has_keyway for feature in shaft.features):
+        found.append(("keyway of `notches`", DETAILS["cylinder keyway"]))
+    if "hole" in kinds and "radial hole" not in shaft.features:
+        found.append(("hole of `notches`", DETAILS["radial hole"]))
     for feature in shaft.features:
         detail = DETAILS[feature]
         if feature == "slot" and name in settings.slots:

@@ -6,9 +6,9 @@ from typing import Any
 from torsion.study import CaseStates
 
 STATES = {  # last word of a key that a case sets, scales or removes: state
-    "misfire": "misfire", "cut_out": "misfire", "load": "zero pitch", "stiffness": "other stiffness",
-    "flexibility": "other stiffness",
+    "misfire": "misfire", "cut_out": "misfire", "stiffness": "other stiffness", "flexibility": "other stiffness",
 }  # fmt: skip
+LOAD = "operation.load"  # as a table of its own it is what a propeller takes at zero pitch; a law in a word is not
 
 
 def states_of_cases(body: Any) -> tuple[CaseStates, ...]:
@@ -39,6 +39,8 @@ def _own_states(case: dict[str, Any]) -> Iterator[str]:
     changes = case.get("set")
     for key, value in (changes if isinstance(changes, dict) else {}).items():
         state = STATES.get(str(key).rpartition(".")[2])
+        if str(key) == LOAD and isinstance(value, list):
+            state = "zero pitch"
         if state is not None and value not in (None, []):
             yield state
     factors = case.get("scale")
