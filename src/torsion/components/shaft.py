@@ -72,7 +72,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
         "size counted in; read by the rule `fillets`"
     )
     notches: Annotated[tuple[Notch, ...], OneOrMany] = given(
-        "{keyway: {...}}, {splines: {...}} or {hole: 8 mm}, for the stress in them; class rules count them with `features`",
+        "{keyway: {...}}, {splines: {...}} or {hole: 8 mm}, for the stress in them; class rules count them too",
         (),
     )
     hub: Annotated[tuple[Hub, ...], OneOrMany] = given(

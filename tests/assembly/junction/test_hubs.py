@@ -121,8 +121,9 @@ def test_notches_are_judged_by_their_endurance_and_lower_the_limits_of_class_rul
     assert [(line.clause, line.where, line.value) for line in lines] == [
         (line.clause, line.where, line.value) for line in plain
     ]
-    factor = {(line.clause, line.where): line.limit / before.limit for line, before in zip(lines, plain, strict=True)}
-    assert factor["tau_C", "a"] == pytest.approx(0.45, rel=1e-12)  # C_K of a cylinder keyway, of a flange 1
+    pairs = zip(lines, plain, strict=True)
+    (factor,) = {line.limit / before.limit for line, before in pairs if line.clause == "tau_C" and line.limit > 0}
+    assert factor == pytest.approx(0.45, rel=1e-12)  # C_K of a cylinder keyway, of a flange 1
     own = [line for line in found.need(Checks).lines if line.clause == "endurance"]
     for one, line in zip(found.need(Fillets).each, own, strict=True):
         torque = found.need(Synthesis).half_range[:, one.spans].max()
