@@ -58,7 +58,8 @@ def test_columns_of_inertias_are_each_train_by_itself(
         for name in ("angle", "torque", "amplification"):
             one, other = getattr(found, name)[..., k], getattr(alone, name)[..., 0]
             assert np.abs(one - other).max() <= 1e-13 * np.abs(other).max() * alone.amplification[0], name
-        assert max(found.residual[k], alone.residual[0]) < 1e-13
+        # Near an undamped resonance the residual grows with the answer.
+        assert max(found.residual[k], alone.residual[0]) < 1e-13 * max(1.0, alone.amplification[0])
 
 
 def test_columns_are_the_response_in_forty_digits() -> None:
