@@ -13,10 +13,11 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
-from torsion.fields import Declared, given
+from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, Curve, RuleOverSpeed, curve_of
+from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 
 
-class CouplingSettings(Declared):
+class CouplingSettings(RuleSettings):
     """Settings of `coupling-maker`."""
 
     continuous: Continuous | None = given("speeds of continuous use, for T_KW and P_KW: {from, to} (default: all)")

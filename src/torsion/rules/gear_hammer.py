@@ -10,12 +10,12 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import FloatArray, IntArray
 from torsion.components.lowering import Part
 from torsion.errors import Fault
-from torsion.fields import Declared, Quantity, given
+from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.reached_speeds import coverage
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
+from torsion.rules.verdict_line import TO_BE_VERIFIED, RuleSettings, Standing
 from torsion.study import Study
 
 USUAL_SHARE = 0.35  # K_A - 1 with the usual application factor 1.35 (to be verified)
@@ -35,7 +35,7 @@ class Mesh:
     rated: float  # magnitude; 0 where it carries nothing
 
 
-class GearHammerSettings(Declared):
+class GearHammerSettings(RuleSettings):
     """Settings of `gear-hammer`."""
 
     limit: Annotated[float, Quantity("1", above=0, usual="limit of tooth separation")] | None = given(
@@ -50,6 +50,7 @@ class GearHammer(RuleOverSpeed):
     """The rule, as the study reads it."""
 
     name = "gear-hammer"
+    edition = "application factor of ISO 6336-1"
     settings = GearHammerSettings
     is_pointwise = True
 

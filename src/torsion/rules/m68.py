@@ -39,6 +39,7 @@ class M68(ShaftStress):
     """The rule, as the study reads it, and base of those of societies that take its formulas for line shafts."""
 
     name = "iacs-m68"
+    edition = "IACS UR M68 as in KR Rules 2025 Pt 5 Ch 4"
     is_pointwise = True
     settings: type[M68Settings] = M68Settings
     title = "IACS UR M68"

@@ -16,16 +16,17 @@ from torsion.analyses.response.synthesis import half_range
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.components.lowering import Part
 from torsion.errors import Fault, nearest
-from torsion.fields import Declared, Quantity, given
+from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 
 RPM = 30.0 / math.pi
 
 
-class NoiseSettings(Declared):
+class NoiseSettings(RuleSettings):
     """Settings of `nvh`."""
 
     at: str | None = given("name of the component; of a link its driving end, of a gear its driving wheel")

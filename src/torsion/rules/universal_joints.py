@@ -11,10 +11,10 @@ from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound
 from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
-from torsion.fields import Declared, Number, Quantity, given
+from torsion.fields import Number, Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar, Constraint, Spring
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, Standing, verdict_of
 from torsion.study import Study
 from torsion.train import Train
 
@@ -103,7 +103,7 @@ def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
         last = reached[last.driving]
 
 
-class JointRuleSettings(Declared):
+class JointRuleSettings(RuleSettings):
     """Settings of `universal-joints`."""
 
     unevenness: Annotated[float, Quantity("1", above=0, usual="fluctuation")] = given(
@@ -125,6 +125,7 @@ class UniversalJoints(Rule):
     """The rule, as the study reads it."""
 
     name = RULE
+    edition = "published practice of joint makers (Elbe, Spicer, Dana)"
     settings = JointRuleSettings
     needs = ("joints",)
 
