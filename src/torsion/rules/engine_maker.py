@@ -54,5 +54,5 @@ class EngineMaker(RuleOverSpeed):
         for number, part, _ in with_role(evidence.study.train, "crank"):
             spans, stress = nominal_stress(evidence.system, number, evidence.need(Synthesis).half_range)
             curve, notes = curve_of(response, stress, most * PA), (in_use, MOSTLY)
-            what = "synthesis stress amplitude"
+            what = "Nominal torsional stress amplitude of the crankshaft"
             yield Clause("tau_N", part.name, what, "maker", curve, use, "N/mm2", notes, spans)

@@ -63,6 +63,6 @@ class FilletEndurance(RuleOverSpeed):
                 MOSTLY,
             )
             yield Clause(
-                "endurance", one.shaft, f"vibratory shear stress in the {one.words}", "setting",
+                "endurance", one.shaft, f"Shear stress amplitude in the {one.words}", "setting",
                 curve_of(response, stress, 1e-6 * one.endurance), use, "N/mm2", notes, spans,
             )  # fmt: skip

@@ -112,7 +112,9 @@ def _line(
     part: Part, limit: tuple[str, float], values: dict[str, float], notes: tuple[str, ...], *, is_sound: bool
 ) -> Check:
     """The check of one part, by its value in every motion; a value that is not known (NaN) is never a pass."""
-    what, unit = ("shear stress at the greatest torque in ice", "N/mm2") if part.is_bar else ("torque in ice", "N m")
+    what, unit = (
+        ("Shear stress at the greatest torque in ice", "N/mm2") if part.is_bar else ("Greatest torque in ice", "N m")
+    )
     is_known = bool(values) and bool(np.isfinite(list(values.values())).all())
     words, worst = max(values.items(), key=lambda pair: pair[1]) if is_known else ("", math.inf)
     standing: Standing = TO_BE_VERIFIED if part.is_bar else "maker"

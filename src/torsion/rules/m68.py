@@ -158,7 +158,7 @@ class M68(ShaftStress):
         diameter, least = max(ends, key=lambda end: end[1] / end[0])
         used = f"F {factor:g} (drive: {settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
         return Check(
-            self.name, "minimum diameter", shaft.name, "outer diameter, at least", diameter, least, "mm",
+            self.name, "minimum diameter", shaft.name, "Outer diameter", diameter, least, "mm",
             verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,
             at_least=True,
         )  # fmt: skip

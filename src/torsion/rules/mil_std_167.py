@@ -86,9 +86,13 @@ class MilStd167(RuleOverSpeed):
             assumed = " (none stated: the least of shaft steel assumed)" if given_strength is None else ""
             notes = f"sigma_B {strength:.4g} N/mm2{assumed}", MOSTLY
             limit = strength * SHARE_OF_STRENGTH
-            for clause, times, judged, where in (("S_v", 1.0, ~below, in_use), ("S_v below", BELOW, below, "")):
+            ranges = (
+                ("S_v", "operating range", 1.0, ~below, in_use),
+                ("S_v below", "below the operating range", BELOW, below, ""),
+            )
+            for clause, speeds, times, judged, where in ranges:
                 curve = curve_of(response, stress, times * limit)
-                what = "synthesis stress amplitude"
+                what = f"Torsional stress amplitude, {speeds}"
                 yield Clause(clause, part.name, what, TO_BE_VERIFIED, curve, judged, "N/mm2", (where, *notes), spans)
         if not any(train.of_kind("gear")) or judgement.rated_torque(evidence) is None:
             return

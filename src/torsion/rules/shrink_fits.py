@@ -81,7 +81,7 @@ class ShrinkFits(RuleOverSpeed):
             )
             standing = TO_BE_VERIFIED if settings.safety is None else "setting"
             yield Clause(
-                "slip", bar.name, f"greatest torque in the fit of the hub at its {hub.end} end, mean and vibration",
+                "slip", bar.name, f"Greatest torque in the fit, {hub.end} end",
                 standing, curve_of(response, torque, capacity / safety), np.ones(len(torque), dtype=bool), "N m", notes,
                 spans,
             )  # fmt: skip

@@ -181,7 +181,7 @@ class SocietyRule(M68):
                 is_above = speed / rated > (first + MAJORS_TO) / 2.0
                 limit = MAJORS_TO if is_above else first
                 is_kept = speed / rated >= limit if is_above else speed / rated <= limit
-                what = f"critical speed of order {order} and mode {mode + 1} / rated speed"
+                what = f"Major critical speed of order {order} / rated speed"
                 yield Check(
                     self.name, MAJOR, f"mode {mode + 1}", what, speed / rated, limit, "1",
                     verdict_of(is_kept, self.society.crank_mark), self.society.crank_mark, speed, order,
