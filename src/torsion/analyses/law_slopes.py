@@ -23,9 +23,19 @@ def driven_by_law(train: Train) -> list[tuple[Part, DriveLaw]]:
     return [(part, part.machine.drive) for part in train.parts if part.machine is not None and part.machine.drive]
 
 
-def drives_without_lag(train: Train) -> list[str]:
-    """Return the names of the machines that drive by a law with a slope, and without a lag."""
-    return [part.name for part, law in driven_by_law(train) if law.law is None and law.lag is None]
+def mean_speed_slopes(study: Study) -> dict[str, str]:
+    """Return who drives or absorbs by a slope that acts on the mean speed alone, each with the key that it lacks."""
+    found = {part.name: "lag" for part, law in driven_by_law(study.train) if law.law is None and law.lag is None}
+    if not study.has_mean_torque:
+        return found
+    damped = {damper.station for damper in study.train.dampers}
+    for load in power_balance(study.train, study.operation).loads:
+        if load.law.has_slope:
+            stations = (station for station, _ in load.stations if station not in damped)
+            found |= {
+                study.train.parts[study.train.stations[station].part].name: "damping: law" for station in stations
+            }
+    return found
 
 
 def load_slopes(balance: Balance, ratio: FloatArray, speed: FloatArray) -> FloatArray:
@@ -113,20 +123,17 @@ def drive_faults(study: Study) -> list[Fault]:
     return found
 
 
-def slopes_without_vibration(study: Study) -> list[tuple[str, float]]:
-    """Return the machines whose stated law has a slope that does not act in vibration, with it (N m s/rad)."""
-    operation = study.operation
+def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
+    """Return the machines whose stated law has a slope that does not act in vibration, with it and the key it lacks.
+
+    The slope is in N m s/rad at own speed.
+    """
+    operation, lacking = study.operation, mean_speed_slopes(study)
     if not study.has_mean_torque or operation.speed is None:
         return []
     balance, speed = power_balance(study.train, operation), np.array([operation.speed])
     ratio = np.array([float(station.ratio) for station in study.train.stations])
-    drive = drive_slopes(study.train, operation, balance, ratio, speed)[:, 0]
-    load = load_slopes(balance, ratio, speed)[:, 0]
-    damped = {damper.station for damper in study.train.dampers}
-    found = [(part.name, float(drive[part.stations[0]])) for part, law in driven_by_law(study.train)]
-    found += [
-        (part.name, float(load[part.stations[0]]))
-        for part in study.train.parts
-        if part.machine is not None and part.machine.load is not None and part.stations[0] not in damped
-    ]
-    return [(name, slope) for name, slope in found if slope]
+    slopes = drive_slopes(study.train, operation, balance, ratio, speed) + load_slopes(balance, ratio, speed)
+    stated = [part for part in study.train.parts if part.machine and (part.machine.drive or part.machine.load)]
+    found = [(part.name, float(slopes[part.stations[0], 0])) for part in stated if part.name in lacking]
+    return [(name, slope, lacking[name]) for name, slope in found if slope]

@@ -136,10 +136,10 @@ def test_first_order_response_loses_the_torque_of_the_oracle():
         assert lost == pytest.approx(torque, rel=4e-4)
 
 
-@pytest.mark.parametrize(("load", "key"), [("constant", "quadratic_without"), ("quadratic", "quadratic_with")])
-def test_slope_of_a_quadratic_load_acts_on_the_drift(load, key):
+@pytest.mark.parametrize(("laws", "key"), [("none", "quadratic_without"), ("all", "quadratic_with")])
+def test_slope_of_a_quadratic_load_acts_on_the_drift(laws, key):
     ask = search(load="quadratic")
-    ask.at = replace(ask.at, has_slopes=load == "quadratic")
+    ask.at = replace(ask.at, laws=laws)
     for speed, drift in DRIFT[key]["rows"]:
         assert ask.drift(speed * RPM) == pytest.approx(drift, abs=1e-9)
 
@@ -194,8 +194,9 @@ analyses: {stability: MAP}
 """
 
 
-def unstable(drive: str = "", stability_map: str = "{}") -> Findings:
-    return torsion.run(torsion.parse(UNSTABLE.replace("DRIVE", drive).replace("MAP", stability_map), "unstable.yaml"))
+def unstable(drive: str = "", stability_map: str = "{}", load: str = "constant") -> Findings:
+    whole = UNSTABLE.replace("DRIVE", drive).replace("MAP", stability_map).replace("load: constant", f"load: {load}")
+    return torsion.run(torsion.parse(whole, "unstable.yaml"))
 
 
 @pytest.mark.parametrize("drive", ["{droop: 4 %}", "{slip: 1 %}", "{torque: [[0 rpm, 114286], [592.8 rpm, 0]]}"])
@@ -206,6 +207,26 @@ def test_slope_without_a_lag_does_not_damp_a_torsional_instability(drive):
     assert sloped.growth[sloped.requested] == pytest.approx(bare.growth[bare.requested], rel=1e-9)
     assert verdict(found, "stability").verdict == "fail"
     assert "slope of 'motor' without `lag`: it acts on the mean speed only" in verdict(found, "stability").note
+
+
+def test_slope_of_a_load_acts_in_the_stability_only_where_its_damping_is_by_the_law():
+    """At the rated speed the torques of both laws are the same; the quadratic one has 2 T/omega."""
+    at_rated = [unstable(load=load).need(Stability).growth[-1] for load in ("constant", "quadratic")]
+    assert at_rated[1] == pytest.approx(at_rated[0], rel=1e-9)
+    slope = 2.0 * 40e3 / (570 * RPM / 9.1)
+    acting = [f"quadratic, damping: {damping}" for damping in ("law", f"{slope!r}")]
+    by_law, by_value = (unstable(load=load).need(Stability).growth[-1] for load in acting)
+    assert by_law == pytest.approx(by_value, rel=1e-6)
+    assert by_law < at_rated[0] - 0.05
+    words = "slope of 'drum' without `damping: law`: it acts on the mean speed only"
+    assert words in verdict(unstable(load="quadratic"), "stability").note
+
+
+@pytest.mark.parametrize("load", ["quadratic", "{exponent: 1}"])
+def test_map_has_no_slope_of_a_load(load):
+    over = "{map: {over: damping, from: 1, to: 2, steps: 2}}"
+    slope, free = (unstable(stability_map=over, load=one).need(StabilityMap) for one in (load, "constant"))
+    assert slope.growth[-1] == pytest.approx(free.growth[-1], rel=1e-9)
 
 
 def test_map_has_no_slope_of_a_drive_without_a_lag():
@@ -287,8 +308,10 @@ def two_masses(load: str, *, drive: str = "", analyses: str = "modes: ") -> str:
     return TWO_MASSES.replace("DRIVE", drive).replace("LOAD", load).replace("ANALYSES", analyses)
 
 
-def test_load_of_constant_power_lets_the_speed_run_away_by_its_negative_slope():
-    study = torsion.parse(two_masses(CONSTANT_POWER))
+@pytest.mark.parametrize("damping", ["", ", damping: law"])
+def test_load_of_constant_power_lets_the_speed_run_away_by_its_negative_slope(damping):
+    """`damping: law` says that the slope acts in vibration too; it acts once."""
+    study = torsion.parse(two_masses(CONSTANT_POWER.replace("constant-power", f"constant-power{damping}")))
     _, found = growth_search(study, assemble(study.train))(1500 * RPM)
     _, growth, torsional = ORACLES["constant_power_load"]["eigenvalues"]
     assert found.drift == pytest.approx(growth[0], abs=1e-10)
