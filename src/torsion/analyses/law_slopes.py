@@ -93,27 +93,20 @@ def drive_faults(study: Study) -> list[Fault]:
     except InputError:  # which the faults of the power report
         return []
     for part, law in driven_by_law(study.train):
-        ratio = abs(float(part.ratio))
         try:
-            rated_point(part, operation, balance)
+            _, rated_torque = rated_point(part, operation, balance)
         except InputError as error:
             found += error.faults
             continue
-        if law.law_table is None:
-            continue
-        about = Fault((*part.path, "drive", "torque"), f"the table of the drive of '{part.name}'")
-        ends = [] if operation.speeds is None else [operation.speeds.first * ratio, operation.speeds.last * ratio]
-        rated = [] if operation.rated is None else [operation.rated.speed * ratio]
-        if faults := uncovered(law.law_table, np.array([*ends, *rated]), about):
-            found += faults
-        elif rated:
-            needed = float(balance.applied(part.stations[0], np.array(rated) / ratio)[0]) / ratio
-            given = float(interpolated(law.law_table, np.array(rated), about)[0])
-            if abs(given - needed) > SAME_TORQUE * abs(needed):
-                message = f"{about.message} gives {given:.6g} N m at the rated speed, the loads take {needed:.6g} N m"
-                found.append(
-                    Fault(about.path, message, "correct the table or the loads; they have to agree within 1 %")
-                )
+        kloss = law.rated_torque()
+        if law.law_table is not None:
+            found += _table_faults(part, law.law_table, operation, balance)
+        elif kloss is not None and abs(kloss - rated_torque) > SAME_TORQUE * abs(rated_torque):
+            message = f"the law of the drive of '{part.name}' gives {kloss:.6g} N m at its slip at the rated speed"
+            hint = "correct slip, pull-out torque or the loads; they have to agree within 1 %"
+            found.append(
+                Fault((*part.path, "drive", "slip"), f"{message}, the loads take {rated_torque:.6g} N m", hint)
+            )
     transient = study.setting("analyses", "transient") is not None
     for part, law in driven_by_law(study.train):
         if transient and law.law != "torque":
@@ -121,6 +114,26 @@ def drive_faults(study: Study) -> list[Fault]:
             hint = "write it as an event with a torque over speed, or leave one of both out"
             found.append(Fault((*part.path, "drive"), message, hint))
     return found
+
+
+def _table_faults(
+    part: Part, table: tuple[tuple[float, float], ...], operation: Operation, balance: Balance
+) -> list[Fault]:
+    """Why a table of torque over own speed cannot be the law of a drive."""
+    ratio = abs(float(part.ratio))
+    about = Fault((*part.path, "drive", "torque"), f"the table of the drive of '{part.name}'")
+    ends = [] if operation.speeds is None else [operation.speeds.first * ratio, operation.speeds.last * ratio]
+    rated = [] if operation.rated is None else [operation.rated.speed * ratio]
+    if faults := uncovered(table, np.array([*ends, *rated]), about):
+        return faults
+    if not rated:
+        return []
+    needed = float(balance.applied(part.stations[0], np.array(rated) / ratio)[0]) / ratio
+    given = float(interpolated(table, np.array(rated), about)[0])
+    if abs(given - needed) <= SAME_TORQUE * abs(needed):
+        return []
+    message = f"{about.message} gives {given:.6g} N m at the rated speed, the loads take {needed:.6g} N m"
+    return [Fault(about.path, message, "correct the table or the loads; they have to agree within 1 %")]
 
 
 def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:

@@ -17,6 +17,7 @@ from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.steady import steady
 from torsion.assembly import assemble
+from torsion.components.drive_law import DriveLaw
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Check, Checks
@@ -291,6 +292,27 @@ def test_steady_holds_the_slopes_at_own_speed():
     assert mean.drive_slope[0] == pytest.approx(ORACLES["slopes"]["slip_1_percent"], rel=1e-12)
 
 
+KLOSS = {float(slip): slope for slip, slope in ORACLES["slopes"]["kloss_3200_N_m_at_8_percent_50_Hz_4_poles"].items()}
+
+
+@pytest.mark.parametrize("slip", KLOSS)
+def test_slope_of_an_asynchronous_machine_with_a_pull_out_torque_is_that_of_kloss(slip):
+    """50 Hz and 4 poles: 1500 rpm without slip; slip 0 is the limit of a small one."""
+    stated = max(slip, 1e-12)
+    law = DriveLaw(slip=stated, pull_out="3200 N*m", at_slip="8 %")
+    rated_speed = (1.0 - stated) * 1500 * RPM
+    assert law.slope_at_rated(0.0, rated_speed) == pytest.approx(KLOSS[slip], rel=1e-10, abs=1e-9)
+
+
+def test_slope_of_kloss_acts_on_the_drift_of_a_file():
+    """787.6923 N m at 1 % of slip, below which the drive falls by 486.03 N m s/rad."""
+    fan = "fan: {inertia: 30, torque: 787.6923 N*m, load: constant}"
+    drive = ", drive: {slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}"
+    study = torsion.parse(two_masses(fan, drive=drive).replace("rated: {speed: 1500 rpm}", "rated: {speed: 1485 rpm}"))
+    mean = steady(study.train, assemble(study.train), study.operation, np.array([1485 * RPM]))
+    assert mean.drive_slope[0, 0] == pytest.approx(KLOSS[0.01], rel=1e-10)
+
+
 TWO_MASSES = """
 name: converter
 operation: {rated: {speed: 1500 rpm}, speeds: {from: 300 rpm, to: 1500 rpm, steps: 25}}
@@ -364,6 +386,13 @@ def test_slope_that_does_not_act_in_vibration_is_said_in_the_plan_with_its_size(
         ("{law: speed, lag: 0.3 s}", "`lag` without a slope"),
         ("{slip: 1 %, lag: 0.3 s}", "`lag` needs the `power` or `torque` of the machine and its `speed`"),
         ("{torque: [[0 rpm, 1300], [1000 rpm, 1250]]}", "the table of the drive of 'motor' covers 0 rpm to 1000 rpm"),
+        ("{slip: 1 %, pull_out: 3200 N*m}", "`pull_out` without `at_slip`"),
+        ("{droop: 4 %, pull_out: 3200 N*m, at_slip: 8 %}", "`pull_out` without `slip`"),
+        ("{slip: 9 %, pull_out: 3200 N*m, at_slip: 8 %, lag: 1 s}", "`lag` beyond the pull-out torque"),
+        (
+            "{slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}",
+            "gives 787.692 N m at its slip at the rated speed, the loads take 1273.24",
+        ),
         ("{torque: [[0 rpm, 1300], [1500 rpm, 1250]]}", "gives 1250 N m at the rated speed, the loads take 1273.24"),
     ],
 )
