@@ -10,7 +10,7 @@ import numpy as np
 
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.analyses.lateral.tilt_stability import Tilting
-from torsion.analyses.law_slopes import drives_without_lag
+from torsion.analyses.law_slopes import mean_speed_slopes
 from torsion.analyses.motion.mean_speed import SLOW
 from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
@@ -85,9 +85,12 @@ def mean_speed_check(found: Stability, study: Study) -> Check:
 
 
 def slope_words(study: Study) -> str:
-    """Return which slopes of drives do not damp torsional vibration; empty where there are none."""
-    names = ", ".join(f"'{name}'" for name in drives_without_lag(study.train))
-    return f"slope of {names} without `lag`: it acts on the mean speed only" if names else ""
+    """Return which slopes of drive and load do not damp torsional vibration; empty where there are none."""
+    by_key = dict[str, list[str]]()
+    for name, key in mean_speed_slopes(study).items():
+        by_key.setdefault(key, []).append(f"'{name}'")
+    rows = (f"slope of {', '.join(names)} without `{key}`" for key, names in by_key.items())
+    return "; ".join(f"{row}: it acts on the mean speed only" for row in rows)
 
 
 def mean_speed_words(found: Stability, study: Study) -> str:
