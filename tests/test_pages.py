@@ -26,7 +26,7 @@ PAGES = tuple(
     for path in sorted(DOCS.rglob("*.md"))
     if re.search(r"^```(?:sh|python)$", path.read_text(encoding="utf-8"), re.MULTILINE)
 )
-FENCE = re.compile(r"(?:^<!-- ([\w.]+\.csv) -->\n)?^```(yaml|csv|sh|python|text)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(r"(?:^<!-- ([\w.]+\.csv) -->\n)?^```([a-z]*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+\.yaml)\n")  # first line of a block: the file that it is
 COMMAND = re.compile(r"torsion (.*?)(?:  # exit status (\d))?")
 
@@ -91,13 +91,10 @@ def test_what_was_not_printed_is_found() -> None:
 
 
 def renewed(shown: str, printed: str) -> str:
-    """The output that a page shows, each line that was not printed replaced by the most similar printed line."""
+    """The output that a page shows, each line replaced by the most similar printed line, in the order of printing."""
     lines = {" ".join(line.split()): line.rstrip() for line in printed.splitlines() if line.strip()}
-    missing = lacking(shown, printed)
-    return "".join(
-        f"{lines[difflib.get_close_matches(line, lines, 1, 0.0)[0]] if ' '.join(line.split()) in missing else line}\n"
-        for line in shown.splitlines()
-    )
+    similar = {difflib.get_close_matches(" ".join(line.split()), lines, 1, 0.0)[0] for line in shown.splitlines()}
+    return "".join(f"{line}\n" for key, line in lines.items() if key in similar)
 
 
 def renew(page: str) -> None:
