@@ -12,7 +12,10 @@ from typer.testing import CliRunner
 from torsion.cli import app
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGES = ("tutorial", "python", "cardan_line", "ship_cpp", "pump_train", "motor_start", "wind_gearbox")
+PAGES = (
+    "tutorials/first-report", "tutorials/pump-train-api", "python", "how-to/drives/cardan-shaft",
+    "how-to/drives/ship-cpp", "how-to/drives/motor-start", "how-to/drives/wind-turbine-gearbox",
+)  # fmt: skip
 FENCE = re.compile(r"^```(yaml|sh|python|text)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+\.yaml)\n")  # first line of a block: the file that it is
 COMMAND = re.compile(r"torsion (.*?)(?:  # exit status (\d))?")

@@ -232,7 +232,8 @@ def _beside_response(study: Study) -> frozenset[str]:
 def _not_computed(check: Check, end: str, why: str) -> Check:
     """The row of the speeds that a rule demands and that have no answer."""
     what = "Torsional stress amplitude above the computed speeds"
-    return unjudged(check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing)
+    row = unjudged(check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing)
+    return replace(row, basis=check.basis)
 
 
 def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError | SolveError) -> Unanswered:
@@ -274,6 +275,12 @@ def _judge(work: Work) -> None:
             step.method = ", ".join(name for name, _ in work.study.rules)
             step.size = f"{len(found)} checks"
         checks += found
+        for rule, settings in rules.of_study(work.study):
+            clauses = dict.fromkeys(check.clause for check in found if check.rule == rule.name)
+            for clause in (settings.verified.clauses or ()) if settings.verified else ():
+                if clause not in clauses:
+                    reason = f"its clauses are {', '.join(clauses)}"
+                    work.log.without(f"{rule.name}: verified clause '{clause}'", reason)
         for what, why in rules.not_judged(work.study):
             work.log.without(what, why)
     work.put(checks=Checks(checks))

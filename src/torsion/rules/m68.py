@@ -39,6 +39,7 @@ class M68(ShaftStress):
     """The rule, as the study reads it, and base of those of societies that take its formulas for line shafts."""
 
     name = "iacs-m68"
+    edition = "IACS UR M68 as in KR Rules 2025 Pt 5 Ch 4"
     is_pointwise = True
     settings: type[M68Settings] = M68Settings
     title = "IACS UR M68"
@@ -157,7 +158,7 @@ class M68(ShaftStress):
         diameter, least = max(ends, key=lambda end: end[1] / end[0])
         used = f"F {factor:g} (drive: {settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
         return Check(
-            self.name, "minimum diameter", shaft.name, "outer diameter, at least", diameter, least, "mm",
+            self.name, "minimum diameter", shaft.name, "Outer diameter", diameter, least, "mm",
             verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,
             at_least=True,
         )  # fmt: skip
