@@ -23,7 +23,7 @@ from torsion.kernels.tree_response import Status
 from torsion.primitives import Torque
 from torsion.rules import needed as read_by_rules
 from torsion.rules import of_study
-from torsion.rules.reached_speeds import demanded_study, distinct, in_rpm, with_reach
+from torsion.rules.reached_speeds import BARRED_BELOW, demanded_study, distinct, in_rpm, with_reach
 from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
 from torsion.study import Operation, Range, Study
 
@@ -72,6 +72,8 @@ class RuleOverSpeed(Rule):
 
     needs: tuple[str, ...] = ("steady", "response")
     scope: float = 1.0  # speed ratio up to which it is to be judged
+    begin: float = BARRED_BELOW  # speed ratio from which it is to be judged
+    has_limits_outside_use = False  # of the same values, so that a range of continuous use leaves none out
 
     def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
         """What it judges."""
@@ -86,8 +88,9 @@ class RuleOverSpeed(Rule):
         found, use = list[Check](), getattr(settings, "continuous", None)
         for clause in self.clauses(evidence, settings):
             line, speed = judge(self.name, clause, evidence), clause.curve.speed
+            cut = None if clause.within.all() or self.has_limits_outside_use else use
             if line is not None:
-                found += with_reach(line, evidence.study, self.scope, speed, None if clause.within.all() else use)
+                found += with_reach(line, evidence.study, self.scope, speed, cut, begin=self.begin)
         return distinct(found)
 
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:

@@ -26,7 +26,8 @@ from torsion.rules.m68_shafts import (
     tau_c,
     tau_t,
 )
-from torsion.rules.shaft_limits import BARRED_BELOW, ROUNDING, LimitCurve, LimitedShaft, Piece
+from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.shaft_limits import ROUNDING, LimitCurve, LimitedShaft, Piece
 from torsion.rules.shaft_stress import ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study

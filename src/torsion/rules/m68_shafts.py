@@ -16,7 +16,8 @@ from torsion import fields
 from torsion.arrays import FloatArray
 from torsion.components.lowering import Part, ShaftRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
-from torsion.rules.shaft_limits import BARRED_BELOW, MM, PA, ROUNDING, Mark, diameters, with_role
+from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.shaft_limits import MM, PA, ROUNDING, Mark, diameters, with_role
 from torsion.study import Study
 from torsion.train import Train
 

@@ -15,6 +15,7 @@ from torsion.assembly.system import System
 from torsion.components.lowering import Part, ShaftRecord
 from torsion.kernels.round_sections import section_modulus
 from torsion.rules.judgement import spans_of
+from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.train import Train
 
 PA = 1e-6  # N/mm2
@@ -22,7 +23,6 @@ MM = 1e3  # mm/m
 Mark = Literal["rule text", "to be verified"]
 Limit = Callable[[FloatArray], FloatArray]  # of speed ratios (speeds,)
 
-BARRED_BELOW = 0.8  # no barred range reaches this speed ratio in normal firing
 ROUNDING = 1e-9  # relative: a speed ratio this near to a bound is at the bound
 
 

@@ -27,9 +27,8 @@ from torsion.rules.judgement import (
     worst_of,
 )
 from torsion.rules.over_tolerances import over_tolerances
-from torsion.rules.reached_speeds import distinct, in_rpm, restricted, with_reach
+from torsion.rules.reached_speeds import BARRED_BELOW, START, distinct, in_rpm, restricted, with_reach
 from torsion.rules.shaft_limits import (
-    BARRED_BELOW,
     ROUNDING,
     LimitedShaft,
     Mark,
@@ -82,6 +81,7 @@ class ShaftStress(RuleOverSpeed):
 
     title = ""  # as reports cite it
     mark: Mark = "rule text"  # of where its limits end
+    begin = START
 
     def shafts(self, study: Study, settings: Any) -> Iterator[LimitedShaft]:
         """Every shaft that is judged, with its limits."""
@@ -140,7 +140,9 @@ class ShaftStress(RuleOverSpeed):
         found = list[Check]()
         for one in self.stressed(evidence, settings):
             for line in self.stresses(evidence, one, settings):
-                found += with_reach(conditioned(line, one.shaft), evidence.study, self.scope, subject=SUBJECT)
+                found += with_reach(
+                    conditioned(line, one.shaft), evidence.study, self.scope, subject=SUBJECT, begin=self.begin
+                )
         return distinct((*found, *super().check(evidence, settings)))
 
     def stresses(self, evidence: Results, one: Stressed, settings: Any) -> Iterator[Check]:
