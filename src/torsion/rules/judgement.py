@@ -122,21 +122,30 @@ def curve_of(found: Response | Steady, value: FloatArray, limit: float | FloatAr
 
 
 def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
-    """The check at the worst of the speeds that are judged; None where there is no speed."""
+    """The check at the worst of the speeds that are judged; None where there is no speed.
+
+    A singular response fails. A value that is missing for another reason is not judged.
+    """
     curve = clause.curve
     if not np.any(clause.within):
         return None
     share = np.where(clause.within, curve.utilisation(), -np.inf)
+    is_missing = (curve.status == Status.OK) & ~np.isfinite(curve.value)
+    is_exceeded = ~is_missing & (share > 1.0)
+    if np.any(is_exceeded):  # a limit that is exceeded somewhere fails whatever is missing elsewhere
+        share = np.where(is_exceeded, share, -np.inf)
     at = worst_of(share, curve.value)
-    is_known = curve.status[at] == Status.OK and np.isfinite(curve.value[at])
+    is_known = curve.status[at] == Status.OK and not is_missing[at]
     main = main_component(evidence, at, clause.spans, clause.size)
     said = "" if main is None else f"{MOSTLY} {main.words}"
     notes = [*(said if note == MOSTLY else note for note in clause.notes), *_exact_words(evidence, clause, at)]
     doubt = _doubt(evidence, clause)
     return Check(
         rule, clause.clause, clause.where, clause.what,
-        value=float(curve.value[at]) if is_known else math.inf, limit=float(curve.limit[at]), unit=clause.unit,
-        verdict=verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known and not doubt else "fail",
+        value=float(curve.value[at]) if is_known else math.nan if is_missing[at] else math.inf,
+        limit=float(curve.limit[at]), unit=clause.unit,
+        verdict="not judged" if is_missing[at]
+        else verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known and not doubt else "fail",
         standing=clause.standing, speed=float(curve.speed[at]), order=None if main is None else main.order,
         note="; ".join(note for note in (_status_words(curve, at), *notes, doubt) if note),
     )  # fmt: skip
