@@ -13,7 +13,7 @@ from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.rules import judgement, m68_shafts
-from torsion.rules.demanded_states import misfire_row, zero_pitch_rows
+from torsion.rules.demanded_states import misfire_row, unjudged, zero_pitch_rows
 from torsion.rules.judgement import Clause, Curve, rated_speed
 from torsion.rules.m68_shafts import (
     FLAT_FROM,
@@ -33,6 +33,8 @@ from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
 
 NOT_ROUND = "its section is a mesh; limits, factors and least diameters of the rule are those of round shafts"
+DIAMETER = "outer diameter, at least"
+NO_POWER = "the rated power is not given: write `power` of `operation.rated`"
 KW_PER_RPM = 2.0 * math.pi / 60.0 / 1e3  # power in kW per rpm of a torque of 1 N m
 
 
@@ -81,8 +83,6 @@ class M68(ShaftStress):
             found.append(
                 (f"{self.name}: shafts of another role", f"limits of {limits_of} are known: {', '.join(others)}")
             )
-        if not study.has_mean_torque:
-            found.append((f"{self.name}: least diameters", "the rated power is not given"))
         return tuple(found)
 
     def shafts(self, study: Study, settings: M68Settings) -> Iterator[LimitedShaft]:
@@ -109,6 +109,11 @@ class M68(ShaftStress):
             for shaft in m68_shafts.classed_shafts(study, settings)
             if shaft.stated is not None and shaft.stated < LEAST_STRENGTH * (1 - ROUNDING)
         ]  # fmt: skip
+        if not study.has_mean_torque:
+            rows += [
+                unjudged(self.name, "minimum diameter", shaft.name, DIAMETER, NO_POWER, TO_BE_VERIFIED)
+                for shaft in m68_shafts.classed_shafts(study, settings)
+            ]
         roles = {part.shaft.role for part in study.train.parts if part.shaft is not None}
         if "generator" not in roles or "propeller" in roles:  # a generator set has no propulsion
             rows += misfire_row(self.name, study, self.source)
@@ -158,7 +163,7 @@ class M68(ShaftStress):
         diameter, least = max(ends, key=lambda end: end[1] / end[0])
         used = f"F {factor:g} (drive: {settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
         return Check(
-            self.name, "minimum diameter", shaft.name, "outer diameter, at least", diameter, least, "mm",
+            self.name, "minimum diameter", shaft.name, DIAMETER, diameter, least, "mm",
             verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,
             at_least=True,
         )  # fmt: skip
@@ -193,5 +198,13 @@ def _limited(shaft: ClassedShaft) -> LimitedShaft:
     pieces = Piece("tau_C", FLAT_FROM, continuous), Piece("tau_C", LAST_CONTINUOUS, continuous)
     curve = LimitCurve(pieces, Piece("tau_T", BARRED_BELOW, partial(tau_t, *made_of)))
     return LimitedShaft(
-        shaft.part, shaft.name, curve, shaft.standing, shaft.notes, shaft.keyways, shaft.restrictions, shaft.doubts
+        shaft.part,
+        shaft.name,
+        curve,
+        shaft.standing,
+        shaft.notes,
+        shaft.keyways,
+        shaft.restrictions,
+        shaft.doubts,
+        shaft.near_limit,
     )

@@ -72,6 +72,7 @@ NEAR_TRANSIENT = 0.8  # of tau_T: near it; ours, since the text has no number
 MOST_SLOT_LENGTH, MOST_SLOT_BORE, LEAST_SLOT_WIDTH = 0.8, 0.7, 0.15  # of the diameter (rule text, note 4)
 SLOT_NUMBERS = 1, 2, 3  # at 360, 180 and 120 degrees
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
+SEAT = "shrink fit of '{}': seat 1 to 2 % thicker, with a blending radius of about that change"  # (rule text, note 1)
 SMOOTH_DRIVE_FACTOR = 95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
 DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified)
 
@@ -171,6 +172,7 @@ class ClassedShaft:
     stated: float | None  # N/mm2: strength as the file gives it
     restrictions: tuple[str, ...] = ()  # conditions of the factors that the file does not answer
     broken: tuple[str, ...] = ()  # conditions that it breaks
+    near_limit: tuple[str, ...] = ()  # conditions near the limit of continuous use that the file does not answer
 
     @property
     def governing(self) -> tuple[str, Detail]:
@@ -249,6 +251,7 @@ def _classed(study: Study, settings: M68Settings, part: int, record: ShaftRecord
     return ClassedShaft(
         part, name, role, strength, details, max(outer for outer, _ in ends), ends, stated,
         () if answered else tuple(unknown), tuple(broken),
+        (SEAT.format(name),) if "shrink fit" in record.features and not answered else (),
     )  # fmt: skip
 
 

@@ -23,6 +23,7 @@ MM = 1e3  # mm/m
 Mark = Literal["rule text", "to be verified"]
 Limit = Callable[[FloatArray], FloatArray]  # of speed ratios (speeds,)
 
+NEAR_LIMIT = 0.9  # of the limit of continuous use, from which a stress is near it (ours)
 ROUNDING = 1e-9  # relative: a speed ratio this near to a bound is at the bound
 
 
@@ -95,6 +96,7 @@ class LimitedShaft:
     keyways: tuple[str, ...] = ()  # features that do not go with a barred range
     restrictions: tuple[str, ...] = ()  # conditions of its limits that the file does not answer
     doubts: tuple[str, ...] = ()  # conditions of its limits that are known to be broken
+    near_limit: tuple[str, ...] = ()  # conditions that hold for a stress near the limit of continuous use
 
 
 def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:

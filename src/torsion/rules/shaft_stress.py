@@ -29,6 +29,7 @@ from torsion.rules.judgement import (
 from torsion.rules.over_tolerances import over_tolerances
 from torsion.rules.reached_speeds import BARRED_BELOW, START, distinct, in_rpm, restricted, with_reach
 from torsion.rules.shaft_limits import (
+    NEAR_LIMIT,
     ROUNDING,
     LimitedShaft,
     Mark,
@@ -218,7 +219,9 @@ def conditioned(line: Check, shaft: LimitedShaft) -> Check:
         return line
     if shaft.doubts:
         return replace(line, verdict="not judged", note="; ".join(filter(None, (*shaft.doubts, line.note))))
-    for words in shaft.restrictions:
+    passing = shaft.curve.passing
+    is_near = (line.utilisation or 0.0) > NEAR_LIMIT or (passing is not None and line.clause == passing.clause)
+    for words in (*shaft.restrictions, *(shaft.near_limit if is_near else ())):
         line = restricted(line, words)
     return line
 

@@ -4,7 +4,7 @@ Crankshafts and generator shafts are judged by the society's own table where one
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import Annotated, Literal
@@ -16,6 +16,7 @@ from torsion import fields
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.components.lowering import ShaftRecord
+from torsion.errors import Fault, Path
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement, society_limits
@@ -33,6 +34,7 @@ from torsion.study import Study
 OTHER_ROLES = ("crank", "generator")
 MAJORS_FROM = {"propulsion": 0.8, "generator set": 0.9}  # speed ratio, up to 1.1 (KR 5-4-204)
 MAJORS_TO = 1.1
+AGREEMENT = "limits by agreement with KR, values of 202.1: 202.2 has none for `drive: {}`"
 
 
 class SocietySettings(M68Settings):
@@ -78,7 +80,11 @@ class SocietyRule(M68):
         for shaft in super().shafts(study, settings):
             standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
             notes = self.society.source(), *shaft.notes
-            yield replace(shaft, curve=_in_letters(shaft.curve, self.society), standing=standing, notes=notes)
+            by_agreement = () if settings.drive == "other" or self.name != "kr" else (AGREEMENT.format(settings.drive),)
+            yield replace(
+                shaft, curve=_in_letters(shaft.curve, self.society), standing=standing, notes=notes,
+                restrictions=(*shaft.restrictions, *by_agreement),
+            )  # fmt: skip
         for part, _, record in with_role(study.train, *OTHER_ROLES):
             if record.role in self.has_limits_of:
                 yield self._other(study, settings, part, record)
@@ -106,6 +112,24 @@ class SocietyRule(M68):
         factor = min(strength, yields)
         curve = society_limits.set_curve(rows, factor)
         return LimitedShaft(part, name, curve, society.crank_mark, (source, about, f"f_m {factor:.4g}"))
+
+    def _settings_faults(
+        self, study: Study, settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path
+    ) -> list[Fault]:
+        """Those of M68, and settings of an engine that no engine of the file has."""
+        found = super()._settings_faults(study, settings, shafts, where)
+        engines = [part.engine for part in study.train.parts if part.engine is not None]
+        if not engines or not isinstance(settings, CrankSettings):
+            return found
+        stated = {
+            "strokes": (settings.strokes, [2 * engine.revolutions for engine in engines]),
+            "cylinders": (settings.cylinders, [len(engine.cylinders) for engine in engines]),
+        }
+        for key, (value, values) in stated.items():
+            if value is not None and value not in values:
+                message = f"`{key}` {value} of {self.name} contradicts the engine of the file, which has {values[0]}"
+                found.append(Fault((*where, self.name, key), message, f"{key}: {values[0]}, or leave it out"))
+        return found
 
     def clauses(self, evidence: Results, settings: M68Settings) -> Iterator[Clause]:
         """Vibratory torque of gears, where the society limits it."""
