@@ -11,7 +11,7 @@ from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import NORMAL, Findings, Plan, PlanLine, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.demanded_states import unjudged
+from torsion.rules.demanded_states import unjudged, unjudged_variants
 from torsion.rules.reached_speeds import demanded_study, in_rpm
 from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, worst_checks
 from torsion.schema.scene_reader import located
@@ -273,7 +273,7 @@ def _judge(work: Work) -> None:
             found = rules.verdicts(work)
             step.method = ", ".join(name for name, _ in work.study.rules)
             step.size = f"{len(found)} checks"
-        checks += found
+        checks += (*found, *unjudged_variants(work.study))
         for what, why in rules.not_judged(work.study):
             work.log.without(what, why)
     work.put(checks=Checks(checks))
