@@ -123,3 +123,52 @@ def test_settings_that_contradict_the_engine_of_the_file_are_refused(rule, key, 
     assert fault.line == text.count("\n", 0, text.index("rules: [")) + 1
     agreed = named.replace(f"{key}: {value}", f"{key}: {right}")
     assert torsion.parse(agreed, str(SCENE)).rules
+
+
+@pytest.mark.parametrize(
+    ("strength", "settings", "words"),
+    [(760, "", ""), (761, "", "special approval of 'line': carbon steel of 761 N/mm2, above 760"),
+     (800, ": {alloy: line}", ""),
+     (900, ": {alloy: line}", "special approval of 'line': alloy steel of 900 N/mm2, above 800"),
+     (900, ": {alloy: line, conditions: letter 7}", "")],
+)  # fmt: skip
+def test_a_stronger_steel_than_the_rule_has_is_by_approval(strength, settings, words) -> None:
+    line = stress(solved(SHIP.replace("500 MPa", f"{strength} MPa"), rule=f"iacs-m68{settings}"))
+    assert line.restrictions == ((words,) if words else ())
+
+
+@pytest.mark.parametrize(("strength", "is_agreed"), [(590, True), (591, False)])
+def test_a_crankshaft_of_kr_is_stronger_than_its_table_by_agreement_alone(strength, is_agreed) -> None:
+    text = SHIP.replace("500 MPa", f"{strength} MPa").replace(", features: [FEATURE]", "")
+    line = stress(solved(text.replace("intermediate", "crank"), rule="kr"))
+    words = () if is_agreed else ("strength of 'line' above 590 N/mm2 by agreement with KR",)
+    assert line.restrictions == words
+
+
+def test_major_critical_speeds_of_unknown_cylinders_are_not_judged() -> None:
+    text = SHIP.replace(", features: [FEATURE]", "").replace("intermediate", "crank")
+    for settings, verdicts in (("", ["not judged"]), (": {cylinders: 6, strokes: 2}", ["pass"]),
+                               (": {arrangement: V60, strokes: 4}", [])):  # fmt: skip
+        lines = solved(text, rule=f"kr{settings}").need(Checks).lines
+        assert [line.verdict for line in lines if line.clause == "major critical speed"] == verdicts
+
+
+@pytest.mark.parametrize(
+    ("duty", "role", "right"),
+    [("propulsion", "generator", "generator set"), ("generator set", "propeller", "propulsion")],
+)
+def test_a_duty_that_contradicts_what_is_driven_is_refused(duty, role, right) -> None:
+    """The table of a generator set permits 90 N/mm2 below 0.9, that of a main engine 34 at 1.05, in place of 21."""
+    text = SHIP.replace(", features: [FEATURE]", "").replace("role: intermediate", "role: crank")
+    text = text.replace("- propeller", f"- shaft: {{name: end, length: 0.5, diameter: 200 mm, role: {role}, "
+                        "material: steel}\n- propeller")  # fmt: skip
+    with pytest.raises(torsion.InputError, match=f"`duty` {duty} of kr contradicts the shaft of role {role}"):
+        solved(text, rule=f"kr: {{duty: {duty}}}")
+    solved(text, rule=f"kr: {{duty: {right}}}")
+
+
+def test_a_train_that_runs_above_the_last_limit_is_not_judged_there_wherever_its_speeds_end() -> None:
+    found = solved(SHIP.replace("operation: {", "operation: {highest: 110 rpm, "))
+    (above,) = [line for line in found.need(Checks).lines if line.what.endswith("above the last speed with a limit")]
+    assert (above.verdict, found.exit_status) == ("not judged", 1)
+    assert above.speed <= 110 * math.pi / 30 * (1 + 1e-9)

@@ -98,11 +98,14 @@ def use_words(use: Range | None, study: Study) -> str:
 
 
 def demanded_speed(study: Study, scope: float) -> tuple[float, str]:
-    """rad/s up to which a rule demands, and in words what of the file keeps it below `scope` of the rated speed."""
+    """rad/s up to which a rule demands, and in words what of the file keeps it below `scope` of the rated speed.
+
+    A train that can run above that share is judged up to its `highest` speed.
+    """
     operation = study.operation
     whole = scope * (0.0 if operation.rated is None else operation.rated.speed)
     if operation.highest is None or operation.highest >= whole * (1 - SAME_SPEED):
-        return whole, ""
+        return max(whole, operation.highest or 0.0), ""
     return operation.highest, f"speed limited to {in_rpm(operation.highest)} by {_keeper(operation.by)}"
 
 
