@@ -94,3 +94,10 @@ def test_margins_over_a_range_that_lacks_the_rated_speed_are_a_restriction_witho
     rule = "api-617: " + GRID.replace("FROM", "100").replace("TO", "110")
     lines = torsion.run(torsion.parse(text.replace("RULE", rule))).need(Checks).lines
     assert {one.verdict for one in lines} == {"restricted"}
+
+
+@pytest.mark.parametrize(("first", "verdict"), [(100, "pass"), (120, "pass"), (121, "restricted")])
+def test_an_operating_range_of_type_iii_holds_the_rated_speed(first, verdict) -> None:
+    """Below the range 1.75 times the limit holds, which the rated speed does not have."""
+    rule = f"mil-std-167: {{continuous: {{from: {first} rpm, to: 126 rpm}}}}"
+    assert {line.verdict for line in rows(rule, 24)} == {verdict}

@@ -73,7 +73,7 @@ class RuleOverSpeed(Rule):
     needs: tuple[str, ...] = ("steady", "response")
     scope: float = 1.0  # speed ratio up to which it is to be judged
     begin: float = BARRED_BELOW  # speed ratio from which it is to be judged
-    has_limits_outside_use = False  # of the same values, so that a range of continuous use leaves none out
+    has_limits_outside_use = False  # of the same values, so that continuous use at the rated speed leaves none out
 
     def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
         """What it judges."""
@@ -85,10 +85,11 @@ class RuleOverSpeed(Rule):
 
     def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """A verdict for every clause that has a speed."""
-        found, use = list[Check](), getattr(settings, "continuous", None)
+        found, use, rated = list[Check](), getattr(settings, "continuous", None), evidence.study.operation.rated
+        has_rated = use is not None and rated is not None and bool(within(use, np.array([rated.speed]))[0])
         for clause in self.clauses(evidence, settings):
             line, speed = judge(self.name, clause, evidence), clause.curve.speed
-            cut = None if clause.within.all() or self.has_limits_outside_use else use
+            cut = None if clause.within.all() or (self.has_limits_outside_use and has_rated) else use
             if line is not None:
                 found += with_reach(line, evidence.study, self.scope, speed, cut, begin=self.begin)
         return distinct(found)

@@ -28,7 +28,7 @@ from torsion.rules.m68_shafts import (
 )
 from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.rules.shaft_limits import ROUNDING, LimitCurve, LimitedShaft, Piece
-from torsion.rules.shaft_stress import ShaftStress
+from torsion.rules.shaft_stress import SUBJECT, ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
 
@@ -74,10 +74,6 @@ class M68(ShaftStress):
                 found.append((f"{self.name} for {part.name}", "the shaft has no `role`"))
             elif part.shaft is not None and part.shaft.role not in self.has_limits_of:
                 others.append(part.name)
-        judged = {part.name for part, _ in m68_shafts.judged(study.train, self.has_limits_of)}
-        for bar in study.train.bars:
-            if study.train.shaft(bar).role in self.has_limits_of and bar.name not in judged:
-                found.append((f"{self.name} for {bar.name}", NOT_ROUND))
         if others:
             limits_of = ", ".join(self.has_limits_of)
             found.append(
@@ -114,6 +110,12 @@ class M68(ShaftStress):
                 unjudged(self.name, "minimum diameter", shaft.name, DIAMETER, NO_POWER, TO_BE_VERIFIED)
                 for shaft in m68_shafts.classed_shafts(study, settings)
             ]
+        round_shafts = {part.name for part, _ in m68_shafts.judged(study.train, self.has_limits_of)}
+        rows += [
+            unjudged(self.name, "section", bar.name, f"{SUBJECT}, section that is not round", NOT_ROUND)
+            for bar in study.train.bars
+            if study.train.shaft(bar).role in self.has_limits_of and bar.name not in round_shafts
+        ]
         roles = {part.shaft.role for part in study.train.parts if part.shaft is not None}
         if "generator" not in roles or "propeller" in roles:  # a generator set has no propulsion
             rows += misfire_row(self.name, study, self.source)
