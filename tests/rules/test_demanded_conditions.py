@@ -172,3 +172,10 @@ def test_a_train_that_runs_above_the_last_limit_is_not_judged_there_wherever_its
     (above,) = [line for line in found.need(Checks).lines if line.what.endswith("above the last speed with a limit")]
     assert (above.verdict, found.exit_status) == ("not judged", 1)
     assert above.speed <= 110 * math.pi / 30 * (1 + 1e-9)
+
+
+def test_a_generator_set_without_propulsion_has_no_least_diameters_of_propulsion_shafts() -> None:
+    text = SHIP.replace(", power: 50 kW", "").replace("- propeller: {inertia: 1000, pitch: fixed}", (
+        "- shaft: {name: end, length: 0.5, diameter: 200 mm, role: generator, material: steel}\n- disc: {inertia: 1000}"
+    ))  # fmt: skip
+    assert "minimum diameter" not in {line.clause for line in solved(text).need(Checks).lines}

@@ -74,6 +74,8 @@ class M68(ShaftStress):
                 found.append((f"{self.name} for {part.name}", "the shaft has no `role`"))
             elif part.shaft is not None and part.shaft.role not in self.has_limits_of:
                 others.append(part.name)
+        if not study.has_mean_torque and _is_generator_set(study):
+            found.append((f"{self.name}: least diameters", NO_POWER))
         if others:
             limits_of = ", ".join(self.has_limits_of)
             found.append(
@@ -105,7 +107,7 @@ class M68(ShaftStress):
             for shaft in m68_shafts.classed_shafts(study, settings)
             if shaft.stated is not None and shaft.stated < LEAST_STRENGTH * (1 - ROUNDING)
         ]  # fmt: skip
-        if not study.has_mean_torque:
+        if not study.has_mean_torque and not _is_generator_set(study):
             rows += [
                 unjudged(self.name, "minimum diameter", shaft.name, DIAMETER, NO_POWER, TO_BE_VERIFIED)
                 for shaft in m68_shafts.classed_shafts(study, settings)
@@ -116,8 +118,7 @@ class M68(ShaftStress):
             for bar in study.train.bars
             if study.train.shaft(bar).role in self.has_limits_of and bar.name not in round_shafts
         ]
-        roles = {part.shaft.role for part in study.train.parts if part.shaft is not None}
-        if "generator" not in roles or "propeller" in roles:  # a generator set has no propulsion
+        if not _is_generator_set(study):
             rows += misfire_row(self.name, study, self.source)
         return (*rows, *zero_pitch_rows(self.name, study, self.source))
 
@@ -169,6 +170,12 @@ class M68(ShaftStress):
             verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,
             at_least=True,
         )  # fmt: skip
+
+
+def _is_generator_set(study: Study) -> bool:
+    """The train has no propulsion, whose misfire and least diameters the rule demands."""
+    roles = {part.shaft.role for part in study.train.parts if part.shaft is not None}
+    return "generator" in roles and "propeller" not in roles
 
 
 def _in_barred_range(
