@@ -25,6 +25,7 @@ from torsion.rules import judgement, m53_factors
 from torsion.rules.demanded_states import misfire_row, unjudged
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.m53_factors import RANGES, Throw
+from torsion.rules.reached_speeds import START
 from torsion.rules.shaft_limits import MM, PA, with_role
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study
@@ -113,6 +114,7 @@ class M53(RuleOverSpeed):
     name = "iacs-m53"
     edition = "IACS UR M53 as in KR Guidance 2025 Pt 5 Annex 5-3"
     settings = M53Settings
+    begin = START
 
     def faults(self, study: Study, settings: M53Settings) -> list[Fault]:
         """What the file lacks for this rule."""
