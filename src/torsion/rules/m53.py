@@ -22,8 +22,8 @@ from torsion.rules.demanded_states import misfire_row, unjudged
 from torsion.rules.judgement import MOSTLY, Clause, RuleOverSpeed, curve_of
 from torsion.rules.m53_factors import RANGES
 from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
-from torsion.rules.reached_speeds import restricted
-from torsion.rules.shaft_limits import MM, PA, ROUNDING, diameters, with_role
+from torsion.rules.reached_speeds import in_rpm, restricted
+from torsion.rules.shaft_limits import BARRED_BELOW, MM, PA, ROUNDING, diameters, with_role
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
 
@@ -94,7 +94,8 @@ class M53(RuleOverSpeed):
             factor = f"Q = {LEAST_Q * line.limit / line.value:.4g}" if line.value and math.isfinite(line.limit) else ""
             checks.append(replace(line, note="; ".join(filter(None, (factor, line.note)))))
             if line.verdict in ("pass", "restricted"):
-                for words in _restrictions(settings, line.clause, sections[line.where][0] * MM):
+                left_out = _left_out_speeds(evidence.study, settings)
+                for words in (*_restrictions(settings, line.clause, sections[line.where][0] * MM), *left_out):
                     checks[-1] = restricted(checks[-1], words)
         return (*checks, *self.demanded_rows(evidence.study, settings))
 
@@ -114,6 +115,16 @@ class M53(RuleOverSpeed):
                 note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
                 rows.append(unjudged(self.name, "orders", part.name, "Orders of the synthesis", note))
         return (*rows, *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"))
+
+
+def _left_out_speeds(study: Study, settings: M53Settings) -> Iterator[str]:
+    """Slow speeds of the operation that `continuous` leaves out, as a restriction; from 0.8 on none may be barred."""
+    use, speeds, rated = settings.continuous, study.operation.speeds, study.operation.rated
+    if use is None or speeds is None or use.first <= speeds.first * (1 + ROUNDING):
+        return
+    is_high = rated is not None and use.first > BARRED_BELOW * rated.speed * (1 + ROUNDING)
+    about = "; the rule accepts no barred range from 0.8 of the rated speed on" if is_high else ""
+    yield f"no continuous operation below {in_rpm(use.first)}{about}"
 
 
 def _stated_places(settings: M53Settings) -> tuple[str, ...]:
