@@ -144,7 +144,8 @@ def _integrals_of_rigid(term: Term, time: FloatArray) -> tuple[ComplexArray, Com
     # integrals of I0 = (exp(p t) - 1)/p and I1 = (t exp(p t) - I0)/p
     of_one = (one - time) / divisor
     of_ramp = (ramp - of_one) / divisor
-    small, late = rate * time[near], time[near]
-    of_one[near] = late**2 * (_series(small, 0) - _series(small, 1))
-    of_ramp[near] = late**3 * (_series(small, 1) - _series(small, 2))
+    if near.any():
+        small, late = rate * time[near], time[near]
+        of_one[near] = late**2 * (_series(small, 0) - _series(small, 1))
+        of_ramp[near] = late**3 * (_series(small, 1) - _series(small, 2))
     return term.level * one + term.slope * ramp, term.level * of_one + term.slope * of_ramp
