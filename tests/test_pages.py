@@ -9,14 +9,21 @@ import io
 import re
 import shlex
 import shutil
+import sys
 import tempfile
+from collections.abc import Iterator
 from contextlib import redirect_stdout
 from pathlib import Path
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
+from torsion.analyses import ANALYSES
 from torsion.cli import app
+from torsion.components import KINDS
+from torsion.output.renderers import OUTPUTS
+from torsion.rules import RULES
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -27,7 +34,7 @@ PAGES = tuple(
     if re.search(r"^```(?:sh|python)$", path.read_text(encoding="utf-8"), re.MULTILINE)
 )
 FENCE = re.compile(r"(?:^<!-- ([\w.]+\.csv) -->\n)?^```([a-z]*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-FILE = re.compile(r"# ([\w.]+\.yaml)\n")  # first line of a block: the file that it is
+FILE = re.compile(r"# ([\w.]+\.(?:yaml|py))\n")  # first line of a block: the file that it is
 COMMAND = re.compile(r"torsion (.*?)(?:  # exit status (\d))?")
 
 
@@ -66,7 +73,7 @@ def outputs(page: str) -> list[tuple[str, str]]:
     for table, language, text in FENCE.findall((DOCS / f"{page}.md").read_text(encoding="utf-8")):
         if table:
             Path(table).write_text(text, encoding="utf-8")
-        elif language == "yaml" and (named := FILE.match(text)):
+        elif language in ("yaml", "python") and (named := FILE.match(text)):
             Path(named[1]).write_text(text, encoding="utf-8")
         elif language == "sh":
             printed = "".join(map(command, text.splitlines()))
@@ -77,11 +84,26 @@ def outputs(page: str) -> list[tuple[str, str]]:
     return shown
 
 
+@contextlib.contextmanager
+def registries_restored() -> Iterator[None]:
+    """The pages of docs/develop add an entry to a registry; it goes when they end."""
+    registries: tuple[dict[str, Any], ...] = (KINDS, RULES, ANALYSES, OUTPUTS)
+    before = [dict(registry) for registry in registries]
+    try:
+        yield
+    finally:
+        for registry, entries in zip(registries, before, strict=True):
+            registry.clear()
+            registry.update(entries)
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    for text, printed in outputs(page):
-        assert not lacking(text, printed), printed
+    monkeypatch.syspath_prepend(tmp_path)
+    with registries_restored():
+        for text, printed in outputs(page):
+            assert not lacking(text, printed), printed
 
 
 def test_what_was_not_printed_is_found() -> None:
@@ -100,7 +122,8 @@ def renewed(shown: str, printed: str) -> str:
 def renew(page: str) -> None:
     """Write a page anew with the output of today, and print what is to be read again."""
     path = DOCS / f"{page}.md"
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), registries_restored():
+        sys.path.insert(0, folder)
         shown = outputs(page)
     text = path.read_text(encoding="utf-8")
     for old, printed in shown:
