@@ -12,7 +12,7 @@ import typer
 import torsion
 from torsion.command_endings import end, print_report, refusals, refuse_with_json, show_progress, stop
 from torsion.errors import BAD_INPUT
-from torsion.exchange_commands import compare, import_
+from torsion.exchange_commands import compare, export, import_
 from torsion.lasting_output import make_streams_last, say
 
 if TYPE_CHECKING:
@@ -210,6 +210,7 @@ def report(
 
 app.command()(compare)
 app.command("import")(import_)
+app.command()(export)
 
 
 @app.command()

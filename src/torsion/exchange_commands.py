@@ -60,3 +60,23 @@ def import_(
     except OSError as error:
         stop(f"{out} cannot be written: {error.strerror}", BAD_INPUT)
     say(f"{out} written; add `operation` and `rules`, then: torsion solve {out}")
+
+
+def export(
+    file: Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Train.mo (Modelica), or .npz or .mat (state space).")],
+    rpm: Annotated[float | None, typer.Option("--rpm", help="Reference speed (default: the rated speed).")] = None,
+    order: Annotated[str | None, typer.Option("--order", help="Modelica: one order only, as 2 or 1/2.")] = None,
+    at: Annotated[float | None, typer.Option("--at", help="State space: Hz at which loss factors are exact.")] = None,
+    inputs: Annotated[str, typer.Option("--inputs", help="State space: stations with a torque, by commas.")] = "",
+    outputs: Annotated[str, typer.Option("--outputs", help="State space: stations with a speed, by commas.")] = "",
+    case: Annotated[str | None, typer.Option("--case", help="One case of the file.")] = None,
+) -> None:
+    """Write the lumped train as a Modelica model, or as a state space for Python or MATLAB.
+
+    Exit status: 0, or 2 if the train has no counterpart there.
+    """
+    from torsion.exchange.export_command import export as write
+
+    with refusals(file):
+        say(write(file, out, rpm=rpm, order=order, at=at, inputs=inputs, outputs=outputs, case=case))

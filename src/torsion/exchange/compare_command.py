@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from torsion.errors import Fault, InputError, printable
+from torsion.errors import printable, refusal
 from torsion.exchange.comparison import compare_results, read_results
 from torsion.exchange.comparison_page import comparison_data, comparison_document
 from torsion.lasting_output import say
@@ -26,7 +26,7 @@ def compare(before: Path, after: Path, page: Path | None = None, *, as_json: boo
         try:
             page.write_text(render_page(document), encoding="utf-8")
         except OSError as error:
-            raise InputError([Fault((), f"{printable(str(page))} cannot be written: {error.strerror}")]) from None
+            raise refusal(f"{printable(str(page))} cannot be written: {error.strerror}") from None
         if not as_json:
             say(f"Comparison: {printable(str(page))}")
     return comparison.is_changed

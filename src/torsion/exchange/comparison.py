@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, InputError, printable
+from torsion.errors import InputError, printable, refusal
 from torsion.rules.verdict_line import WORDS
 from torsion.user_files import LARGEST_RESULTS, read_file
 
@@ -138,7 +138,7 @@ def read_results(path: str | Path) -> dict[str, Any]:
 
 
 def _refused(file: Path, why: str) -> InputError:
-    return InputError([Fault((), f"{printable(str(file))} {why}", "write it with `torsion solve FILE -o FOLDER`")])
+    return refusal(f"{printable(str(file))} {why}", "write it with `torsion solve FILE -o FOLDER`")
 
 
 def compare_results(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comparison:

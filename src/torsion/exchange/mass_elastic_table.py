@@ -11,7 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from torsion import units
-from torsion.errors import Fault, InputError, printable, without_controls
+from torsion.errors import Fault, printable, refusal, without_controls
 from torsion.schema.csv_numbers import is_number, numbers_of, unit_fault
 from torsion.schema.csv_text import Cell, rows_of, table_text
 from torsion.schema.fault_text import Source, input_error
@@ -81,7 +81,7 @@ def import_table(path: str | Path, *, referred: bool = False) -> str:
     try:
         text, fault = table_text(path)
     except OSError as error:
-        raise InputError([Fault((), f"{printable(str(path))} cannot be read: {error.strerror}")]) from None
+        raise refusal(f"{printable(str(path))} cannot be read: {error.strerror}") from None
     source = Source(without_controls(str(path)), text)
     if fault is not None:
         raise input_error([fault], source)
