@@ -15,6 +15,26 @@ include_patterns = [
 ]  # fmt: skip
 exclude_patterns = [".*", "build", "src", "tests", "benchmarks"]
 extensions = ["myst_parser", "equations", "gallery", "entrance"]
+moved_pages = {  # addresses before 0.1.0
+    "tutorial": "tutorials/first-report",
+    "pump_train": "tutorials/pump-train-api",
+    "from_the_drawing": "how-to/model/shaft-from-drawing",
+    "cardan_line": "how-to/drives/cardan-shaft",
+    "ship_cpp": "how-to/drives/ship-cpp",
+    "generator_set": "how-to/drives/diesel-generator",
+    "diesel_misfire": "how-to/drives/diesel-misfire",
+    "reciprocating_compressor": "how-to/drives/reciprocating-compressor",
+    "wind_gearbox": "how-to/drives/wind-turbine-gearbox",
+    "motor_start": "how-to/drives/motor-start",
+    "cases": "how-to/study/load-cases",
+    "tolerances": "how-to/study/tolerances",
+    "sweeps": "how-to/study/parameter-study",
+    "design": "how-to/study/optimisation",
+    "fit": "how-to/study/model-updating",
+    "live": "how-to/study/live-page",
+    "many_machines": "how-to/study/cluster",
+    "validation": "validation/index",
+}
 myst_heading_anchors = 3
 highlight_language = "none"
 

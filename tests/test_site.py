@@ -87,6 +87,10 @@ def test_the_first_page_is_where_a_browser_looks(site: Path) -> None:
     assert "docs/index.html" in (site / "index.html").read_text(encoding="utf-8")
 
 
+def test_an_old_address_leads_to_its_page(site: Path) -> None:
+    assert 'href="tutorials/first-report.html"' in (site / "docs" / "tutorial.html").read_text(encoding="utf-8")
+
+
 def test_the_example_of_an_equation_holds() -> None:
     module = ROOT / "docs" / "site" / "equations.py"
     done = subprocess.run([sys.executable, "-m", "doctest", str(module)], capture_output=True, text=True, check=False)

@@ -49,6 +49,11 @@ class InputError(TorsionError):
         return type(self), (self.faults, str(self))
 
 
+def refusal(message: str, hint: str = "") -> InputError:
+    """Return the error for input that is no part of a model file, such as an option or a folder."""
+    return InputError([Fault((), message, hint)], f"{message} ({hint})" if hint else message)
+
+
 class SolveError(TorsionError):
     """No answer to the promised accuracy: the cause, what to try, and the place of the file that it is about."""
 

@@ -13,7 +13,7 @@ from torsion.findings import NORMAL, Findings, Plan, PlanLine, Progress, Unanswe
 from torsion.rules import judgement
 from torsion.rules.demanded_states import unjudged, unjudged_variants
 from torsion.rules.reached_speeds import demanded_study, in_rpm
-from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, worst_checks
+from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, with_basis, worst_checks
 from torsion.schema.scene_reader import located
 from torsion.schema.study_faults import study_faults
 from torsion.study import Study, bytes_of
@@ -232,7 +232,8 @@ def _beside_response(study: Study) -> frozenset[str]:
 def _not_computed(check: Check, end: str, why: str) -> Check:
     """The row of the speeds that a rule demands and that have no answer."""
     what = "Torsional stress amplitude above the computed speeds"
-    return unjudged(check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing)
+    row = unjudged(check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing)
+    return replace(row, basis=check.basis)
 
 
 def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError | SolveError) -> Unanswered:
@@ -273,7 +274,13 @@ def _judge(work: Work) -> None:
             found = rules.verdicts(work)
             step.method = ", ".join(name for name, _ in work.study.rules)
             step.size = f"{len(found)} checks"
-        checks += (*found, *unjudged_variants(work.study))
+        checks += (*found, *(with_basis(check, "") for check in unjudged_variants(work.study)))
+        for rule, settings in rules.of_study(work.study):
+            clauses = dict.fromkeys(check.clause for check in found if check.rule == rule.name)
+            for clause in (settings.verified.clauses or ()) if settings.verified else ():
+                if clause not in clauses:
+                    reason = f"its clauses are {', '.join(clauses)}"
+                    work.log.without(f"{rule.name}: verified clause '{clause}'", reason)
         for what, why in rules.not_judged(work.study):
             work.log.without(what, why)
     work.put(checks=Checks(checks))

@@ -78,7 +78,7 @@ def test_a_verdict_names_whose_limit_it_is_what_was_compared_and_the_resulting_a
     assert len(found) == 3, "nothing about speed times angle without a limit"
     angle = judge(CROSSED, 70.0, speed_angle=1e9)["n b", "joint-1"]
     assert (angle.value, angle.unit, angle.speed) == (pytest.approx(70 / RPM * 5), "deg/min", 70.0)
-    assert (angle.note, angle.what) == ("setting `speed_angle`", "speed times angle")
+    assert (angle.note, angle.what) == ("setting `speed_angle`", "Speed times angle")
 
 
 def test_acceleration_behind_the_second_of_three_joints_is_its_own(judge) -> None:

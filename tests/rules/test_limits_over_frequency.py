@@ -78,7 +78,7 @@ rules: [coupling-maker]
     (plain,), (alone, together) = lines("vibratory_torque: 900"), lines("vibratory_torque: [[0 Hz, 900], [99 Hz, 900]]")
     assert (together.value, together.limit) == pytest.approx((plain.value, 900.0), rel=1e-12)
     assert alone.value < together.value
-    assert together.what == "vibratory torque, synthesis of the components weighted by T_KW(f)"
+    assert together.what == "Vibratory torque of all components, weighted by frequency"
     assert "each component times T_KW(0 Hz) / T_KW(f)" in together.note
     (heat,), (shares,) = lines("heat_limit: 90"), lines("heat_limit: [[0 Hz, 90], [99 Hz, 90]]")
     assert (shares.value, shares.limit, shares.clause) == pytest.approx((heat.value, 90.0, "P_KW(f)"))
@@ -125,7 +125,7 @@ def test_the_heat_in_misfire_has_the_limit_of_the_misfire_and_its_time() -> None
     (plain,), (misfire,) = (one.need(Checks).lines for one in (fires, fails))
     assert (plain.clause, plain.limit) == ("P_KW", 30.0)
     assert (misfire.clause, misfire.limit) == ("P_KW misfire", 120e3)
-    assert misfire.what == "power loss in misfire"
+    assert misfire.what == "Heat in misfire"
     assert "for 30 min at most" in misfire.note
     assert (misfire.value > 30.0, misfire.verdict) == (True, "pass")
     left = [what for what, _ in not_judged(fires.study)]

@@ -42,7 +42,11 @@ def judged(study, evidence):
 
 def test_note_of_the_continuous_limit_without_a_barred_range(judged) -> None:
     check = judged({900: 0.7})["tau_C"]
-    assert (check.rule, check.where, check.what) == ("iacs-m68", "line", "synthesis stress amplitude")
+    assert (check.rule, check.where, check.what) == (
+        "iacs-m68",
+        "line",
+        "Torsional stress amplitude, continuous operation",
+    )
     assert (check.note, check.standing) == (f"{MOSTLY}; {FACTORS}", "rule text")
 
 
@@ -61,7 +65,11 @@ def test_notes_of_two_barred_ranges_say_both_with_the_tolerance_of_the_tachomete
         np.array(ends) * RPM, rel=1e-12
     )
     assert [one.order for one in passing.barred] == [4, 4]
-    assert (passing.what, passing.unit, passing.where) == ("stress amplitude in the barred range", "N/mm2", "line")
+    assert (passing.what, passing.unit, passing.where) == (
+        "Torsional stress amplitude, passing a barred range",
+        "N/mm2",
+        "line",
+    )
 
 
 def test_a_tachometer_without_a_tolerance_is_said_to_be_exact(judged) -> None:
@@ -116,7 +124,7 @@ def test_least_diameter_is_that_of_the_piece_with_the_greatest_torque(study, evi
     (check,) = [one for one in found if one.clause == "minimum diameter"]
     assert check.limit == pytest.approx(factor * 1.1 * (0.3 * 560 / 760) ** (1 / 3), rel=1e-12)
     assert check.note == f"F {factor} (drive: {drive}), k 1.1, 0.3 kW per rpm"
-    assert (check.what, check.where, check.speed) == ("outer diameter, at least", "line", pytest.approx(1000 * RPM))
+    assert (check.what, check.where, check.speed) == ("Outer diameter", "line", pytest.approx(1000 * RPM))
 
 
 def test_a_shaft_of_its_least_diameter_passes(study, evidence) -> None:

@@ -119,7 +119,7 @@ def test_the_fastest_growth_within_the_operation_is_stated(growth, ranges, value
 def test_a_check_says_what_it_compares_with_0():
     check = stability_check(found([-1.0] * 5), OPERATED)
     assert (check.rule, check.clause, check.where, check.unit) == ("stability", "stability", "whole train", "1/s")
-    assert (check.what, check.at_least, check.note) == ("growth rate of small deviations", False, "")
+    assert (check.what, check.at_least, check.note) == ("Growth of small vibrations", False, "")
     assert (check.standing, check.limit) == ("by definition", 0.0)
 
 

@@ -47,7 +47,7 @@ def test_the_least_decrement_within_the_operation_is_compared_with_0() -> None:
     assert (check.rule, check.clause, check.where) == ("stability", "whirl", "tail")
     assert (check.value, check.limit, check.speed, check.verdict, check.at_least) == (0.2, 0.0, 130.0, "pass", True)
     assert (check.note, check.unit, check.standing) == ("", "", "by definition")
-    assert check.what == "logarithmic decrement of its whirl"
+    assert check.what == "Damping of the whirl (logarithmic decrement)"
 
 
 @pytest.mark.parametrize(("row", "column"), [(1, 0), (2, 1), (3, 0), (3, 1)])
@@ -108,7 +108,7 @@ def test_the_fastest_growth_of_the_tilt_within_the_operation_is_compared_with_0(
     check = tilted([9.0, -2.0, -0.7, -3.0, 8.0])
     assert (check.clause, check.where, check.unit, check.at_least) == ("tilting", "tail", "1/s", False)
     assert (check.value, check.limit, check.speed, check.verdict, check.note) == (-0.7, 0.0, 130.0, "pass", "")
-    assert check.what == "growth rate of its tilt by the couple of hinge"
+    assert check.what == "Growth of the tilt by the couple of hinge"
     alone = tilted([9.0, -2.0, -0.7, -3.0, 8.0], operation=Operation(), zones=((80.0, 90.0, 80.0, 9.0),))
     assert (alone.value, alone.speed, alone.verdict) == (9.0, 80.0, "fail")
 

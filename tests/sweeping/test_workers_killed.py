@@ -106,7 +106,7 @@ def test_workers_of_this_machine_listen_to_it_only_and_warn_of_no_port(tmp_path:
 
 def test_no_command_of_the_documentation_opens_a_dashboard_to_the_network() -> None:
     root = Path(__file__).parents[2]
-    pages = (root / "docs" / "many_machines.md",)
+    pages = (root / "docs" / "how-to" / "study" / "cluster.md",)
     commands = [line for page in pages for line in page.read_text(encoding="utf-8").splitlines()]
     commands = [line for line in commands if line.startswith(("dask scheduler ", "dask worker "))]
     assert len(commands) == 2

@@ -1,4 +1,4 @@
-"""Deviation of the program from published cases: `python -m tests.validation.published` writes docs/validation.md anew.
+"""Deviation from published cases: `python -m tests.validation.published` writes docs/validation/index.md anew.
 
 published.json gives for every case its source, the published numbers, and the relative deviation that the digits of
 these allow (`within`). A motion deviates by the greatest difference of a speed over the greatest value of that signal.
@@ -18,18 +18,44 @@ from torsion.findings import Findings
 from torsion.output.results_json import results
 
 FOLDER = Path(__file__).parent
-PAGE = FOLDER.parents[1] / "docs" / "validation.md"
+PAGE = FOLDER.parents[1] / "docs" / "validation" / "index.md"
 CASES: dict[str, dict[str, Any]] = json.loads((FOLDER / "published.json").read_text(encoding="utf-8"))
 ROUNDING = 1e-12  # smaller deviations are those of floating-point sums, and unlike on another processor
 HEAD = """# Validation: published cases
 
 Every case is a model file in `tests/validation` with its published values, and a test compares them at each change of
 the program. A deviation is relative; the allowed one follows from the published digits, or from the
-stated error of the reference. Time histories deviate by the greatest difference of a speed over its greatest value.
-The reference histories of the Modelica Standard Library stand with their licence in `tests/validation/NOTICE.md`.
+stated error of the reference. The deviation of a
+time history is the largest difference of a speed over its largest value.
+The licence of the reference histories of the Modelica Standard Library is in `tests/validation/NOTICE.md`.
 
 | case | source | quantity | deviation | allowed |
 |---|---|---|---|---|
+"""
+TAIL = """
+```{toctree}
+:maxdepth: 1
+
+your-case
+```
+
+Other programs and reference solutions are compared in the studies below. The scripts of `benchmarks/` write them.
+
+```{toctree}
+:caption: Studies
+:maxdepth: 1
+:glob:
+
+../../reports/*
+```
+
+```{toctree}
+:caption: Published papers computed again
+:maxdepth: 1
+:glob:
+
+../../reports/papers/*
+```
 """
 
 
@@ -106,7 +132,7 @@ def write_page() -> str:
         deviation = largest_deviation(case, solve_case(case))
         size = f"{deviation.size:.1e}" if deviation.size > ROUNDING else f"below {ROUNDING:.0e}"
         rows.append(f"| `{case}` | {published['source']} | {deviation.quantity} | {size} | {published['within']:.0e} |")
-    return HEAD + "\n".join(rows) + "\n"
+    return HEAD + "\n".join(rows) + "\n" + TAIL
 
 
 if __name__ == "__main__":

@@ -23,9 +23,19 @@ def driven_by_law(train: Train) -> list[tuple[Part, DriveLaw]]:
     return [(part, part.machine.drive) for part in train.parts if part.machine is not None and part.machine.drive]
 
 
-def drives_without_lag(train: Train) -> list[str]:
-    """Return the names of the machines that drive by a law with a slope, and without a lag."""
-    return [part.name for part, law in driven_by_law(train) if law.law is None and law.lag is None]
+def mean_speed_slopes(study: Study) -> dict[str, str]:
+    """Return who drives or absorbs by a slope that acts on the mean speed alone, each with the key that it lacks."""
+    found = {part.name: "lag" for part, law in driven_by_law(study.train) if law.law is None and law.lag is None}
+    if not study.has_mean_torque:
+        return found
+    damped = {damper.station for damper in study.train.dampers}
+    for load in power_balance(study.train, study.operation).loads:
+        if load.law.has_slope:
+            stations = (station for station, _ in load.stations if station not in damped)
+            found |= {
+                study.train.parts[study.train.stations[station].part].name: "damping: law" for station in stations
+            }
+    return found
 
 
 def load_slopes(balance: Balance, ratio: FloatArray, speed: FloatArray) -> FloatArray:
@@ -83,27 +93,20 @@ def drive_faults(study: Study) -> list[Fault]:
     except InputError:  # which the faults of the power report
         return []
     for part, law in driven_by_law(study.train):
-        ratio = abs(float(part.ratio))
         try:
-            rated_point(part, operation, balance)
+            _, rated_torque = rated_point(part, operation, balance)
         except InputError as error:
             found += error.faults
             continue
-        if law.law_table is None:
-            continue
-        about = Fault((*part.path, "drive", "torque"), f"the table of the drive of '{part.name}'")
-        ends = [] if operation.speeds is None else [operation.speeds.first * ratio, operation.speeds.last * ratio]
-        rated = [] if operation.rated is None else [operation.rated.speed * ratio]
-        if faults := uncovered(law.law_table, np.array([*ends, *rated]), about):
-            found += faults
-        elif rated:
-            needed = float(balance.applied(part.stations[0], np.array(rated) / ratio)[0]) / ratio
-            given = float(interpolated(law.law_table, np.array(rated), about)[0])
-            if abs(given - needed) > SAME_TORQUE * abs(needed):
-                message = f"{about.message} gives {given:.6g} N m at the rated speed, the loads take {needed:.6g} N m"
-                found.append(
-                    Fault(about.path, message, "correct the table or the loads; they have to agree within 1 %")
-                )
+        kloss = law.rated_torque()
+        if law.law_table is not None:
+            found += _table_faults(part, law.law_table, operation, balance)
+        elif kloss is not None and abs(kloss - rated_torque) > SAME_TORQUE * abs(rated_torque):
+            message = f"the law of the drive of '{part.name}' gives {kloss:.6g} N m at its slip at the rated speed"
+            hint = "correct slip, pull-out torque or the loads; they have to agree within 1 %"
+            found.append(
+                Fault((*part.path, "drive", "slip"), f"{message}, the loads take {rated_torque:.6g} N m", hint)
+            )
     transient = study.setting("analyses", "transient") is not None
     for part, law in driven_by_law(study.train):
         if transient and law.law != "torque":
@@ -113,20 +116,37 @@ def drive_faults(study: Study) -> list[Fault]:
     return found
 
 
-def slopes_without_vibration(study: Study) -> list[tuple[str, float]]:
-    """Return the machines whose stated law has a slope that does not act in vibration, with it (N m s/rad)."""
-    operation = study.operation
+def _table_faults(
+    part: Part, table: tuple[tuple[float, float], ...], operation: Operation, balance: Balance
+) -> list[Fault]:
+    """Why a table of torque over own speed cannot be the law of a drive."""
+    ratio = abs(float(part.ratio))
+    about = Fault((*part.path, "drive", "torque"), f"the table of the drive of '{part.name}'")
+    ends = [] if operation.speeds is None else [operation.speeds.first * ratio, operation.speeds.last * ratio]
+    rated = [] if operation.rated is None else [operation.rated.speed * ratio]
+    if faults := uncovered(table, np.array([*ends, *rated]), about):
+        return faults
+    if not rated:
+        return []
+    needed = float(balance.applied(part.stations[0], np.array(rated) / ratio)[0]) / ratio
+    given = float(interpolated(table, np.array(rated), about)[0])
+    if abs(given - needed) <= SAME_TORQUE * abs(needed):
+        return []
+    message = f"{about.message} gives {given:.6g} N m at the rated speed, the loads take {needed:.6g} N m"
+    return [Fault(about.path, message, "correct the table or the loads; they have to agree within 1 %")]
+
+
+def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
+    """Return the machines whose stated law has a slope that does not act in vibration, with it and the key it lacks.
+
+    The slope is in N m s/rad at own speed.
+    """
+    operation, lacking = study.operation, mean_speed_slopes(study)
     if not study.has_mean_torque or operation.speed is None:
         return []
     balance, speed = power_balance(study.train, operation), np.array([operation.speed])
     ratio = np.array([float(station.ratio) for station in study.train.stations])
-    drive = drive_slopes(study.train, operation, balance, ratio, speed)[:, 0]
-    load = load_slopes(balance, ratio, speed)[:, 0]
-    damped = {damper.station for damper in study.train.dampers}
-    found = [(part.name, float(drive[part.stations[0]])) for part, law in driven_by_law(study.train)]
-    found += [
-        (part.name, float(load[part.stations[0]]))
-        for part in study.train.parts
-        if part.machine is not None and part.machine.load is not None and part.stations[0] not in damped
-    ]
-    return [(name, slope) for name, slope in found if slope]
+    slopes = drive_slopes(study.train, operation, balance, ratio, speed) + load_slopes(balance, ratio, speed)
+    stated = [part for part in study.train.parts if part.machine and (part.machine.drive or part.machine.load)]
+    found = [(part.name, float(slopes[part.stations[0], 0])) for part in stated if part.name in lacking]
+    return [(name, slope, lacking[name]) for name, slope in found if slope]

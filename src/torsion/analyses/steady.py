@@ -197,10 +197,9 @@ def run(work: Work) -> None:
         work.put(mean=mean, machines=PowerBalance(tuple(machines)))
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
-    for name, slope in slopes_without_vibration(study):
-        why = f"its {slope:.6g} N m s/rad act on the mean speed, those of a load in the stability too; "
-        why += "`lag` of a drive or `damping: law`"
-        work.log.without(f"slope of '{name}' in vibration", f"{why} of a load lets it damp vibration too")
+    for name, slope, key in slopes_without_vibration(study):
+        why = f"its {slope:.6g} N m s/rad act on the mean speed alone; `{key}` lets it damp vibration too"
+        work.log.without(f"slope of '{name}' in vibration", why)
 
 
 def balance_of(balance: Balance, system: System, mean: Steady, speed: float) -> Iterator[MachinePower]:

@@ -61,6 +61,11 @@ class LoadLaw:
         return np.asarray(rated_torque / rated_speed * rise)
 
     @property
+    def has_slope(self) -> bool:
+        """Its torque changes with the speed."""
+        return len({torque for _, torque in self.table}) > 1 if self.table else self.exponent != 0
+
+    @property
     def words(self) -> str:
         """The law in words, for tables."""
         if self.table:

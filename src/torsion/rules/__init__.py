@@ -2,14 +2,12 @@
 
 from collections.abc import Iterator
 from importlib import import_module
-from typing import TYPE_CHECKING
-
-from torsion.fields import Declared
+from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
     from torsion.errors import Fault
     from torsion.findings import Results
-    from torsion.rules.verdict_line import Check, Rule
+    from torsion.rules.verdict_line import Check, Rule, RuleSettings
     from torsion.study import Study
 
 RULES = {  # name in the file: class, and what it is made with
@@ -56,14 +54,14 @@ def _made(place: str) -> "Rule":
     return found
 
 
-def settings(name: str) -> type[Declared]:
+def settings(name: str) -> type["RuleSettings"]:
     """The class of a rule's settings; raises KeyError for a word that is no rule."""
     return rule(name).settings
 
 
-def of_study(study: "Study") -> "Iterator[tuple[Rule, Declared]]":
+def of_study(study: "Study") -> "Iterator[tuple[Rule, RuleSettings]]":
     """The rules that the study names, with their settings, in its order."""
-    return ((rule(name), given) for name, given in study.rules)
+    return ((rule(name), cast("RuleSettings", given)) for name, given in study.rules)
 
 
 def needed(study: "Study") -> frozenset[str]:
@@ -94,11 +92,20 @@ def verdicts(evidence: "Results") -> tuple["Check", ...]:
     return _judged(evidence)
 
 
-def _judged(evidence: "Results") -> tuple["Check", ...]:
-    return tuple(line for one, given in of_study(evidence.study) for line in one.check(evidence, given))
-
-
 def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
     """The checks of the rules that hold wherever there is something for them to judge."""
-    judged = [place for name, place in STANDING.items() if evidence.results.get(name) is not None]
-    return tuple(line for place in judged for line in _made(place).check(evidence, None))
+    judged = [_made(place) for name, place in STANDING.items() if evidence.results.get(name) is not None]
+    return tuple(check for judging in judged for check in _checks(judging, evidence, None))
+
+
+def _judged(evidence: "Results") -> tuple["Check", ...]:
+    return tuple(check for judging, given in of_study(evidence.study) for check in _checks(judging, evidence, given))
+
+
+def _checks(judging: "Rule", evidence: "Results", given: "RuleSettings | None") -> "Iterator[Check]":
+    """The checks of one rule, each with the basis of its limit."""
+    from torsion.rules.verdict_line import with_basis
+
+    verified = None if given is None else given.verified
+    for check in judging.check(evidence, given):
+        yield with_basis(check, judging.edition_of(check, evidence.study), verified)

@@ -13,10 +13,11 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
-from torsion.fields import Declared, given
+from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, Curve, RuleOverSpeed, curve_of
+from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 
 
-class CouplingSettings(Declared):
+class CouplingSettings(RuleSettings):
     """Settings of `coupling-maker`."""
 
     continuous: Continuous | None = given("speeds of continuous use, for T_KW and P_KW: {from, to} (default: all)")
@@ -88,7 +89,7 @@ class CouplingMaker(RuleOverSpeed):
             spans = judgement.spans_of(evidence.system, number)  # (1,): a coupling is one spring
             if ratings.rated_torque is not None and steady is not None:
                 mean = curve_of(steady, np.abs(steady.torque[spans[0]]), ratings.rated_torque)
-                yield Clause("T_KN", part.name, "mean torque", "maker", mean, np.ones(len(mean.speed), dtype=bool))
+                yield Clause("T_KN", part.name, "Mean torque", "maker", mean, np.ones(len(mean.speed), dtype=bool))
             if ratings.limit_vibration:
                 yield from _vibration(evidence, part, ratings, spans, settings)
             yield from _warm(evidence, part, settings)
@@ -108,7 +109,7 @@ def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator
     limit = np.full(speed.shape, part.warming.highest - part.warming.now)
     curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
     use, in_use = judgement.within(settings.continuous, speed), judgement.in_use(settings.continuous)
-    what = "rise of its temperature by its own heat, highest equilibrium"
+    what = "Temperature rise by its own heat"
     yield Clause("ΔT", part.name, what, "maker", curve, use, "K", (why, in_use, MOSTLY))
 
 
@@ -165,7 +166,7 @@ def _vibration(
         return Clause(name, part.name, what, "maker", curve, judged, unit, (where, MOSTLY, words, varied), spans, *size)
 
     if (limit := ratings.vibratory_torque) is not None:
-        yield clause("T_KW", "vibratory torque, synthesis", "N m", curve_of(response, half_range, limit), use, in_use)
+        yield clause("T_KW", "Vibratory torque", "N m", curve_of(response, half_range, limit), use, in_use)
     if ratings.vibratory_over_frequency is not None:
         for curve, what, words, size in _over_frequency(evidence, ratings.vibratory_over_frequency, spans):
             yield clause("T_KW(f)", what, "N m", curve, use, in_use, words, size)
@@ -179,7 +180,7 @@ def _vibration(
         )
     if (limit := ratings.max_torque) is not None:
         curve = curve_of(response, peak, limit)
-        yield clause("T_Kmax", "greatest torque, mean and vibration", "N m", curve, use | True, "")
+        yield clause("T_Kmax", "Greatest torque in steady operation", "N m", curve, use | True, "")
 
 
 def _heat_limit(study: Study, ratings: CouplingRatings) -> "tuple[str, str, float | OverFrequency, str] | None":
@@ -189,14 +190,14 @@ def _heat_limit(study: Study, ratings: CouplingRatings) -> "tuple[str, str, floa
         time = ratings.heat_in_misfire.time
         most = "" if time is None else f"for {time / 60.0:.4g} min at most"
         words = "; ".join(filter(None, (most, case)))
-        return "P_KW misfire", "power loss in misfire", ratings.heat_in_misfire.power, words
+        return "P_KW misfire", "Heat in misfire", ratings.heat_in_misfire.power, words
     words = f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation" * misfires(study)
     if ratings.heat_over_frequency is not None:
-        what = "power loss, each harmonic component times the least P_KW / P_KW at its frequency"
+        what = "Heat, weighted by frequency"
         return "P_KW(f)", what, ratings.heat_over_frequency, words
     if ratings.heat_limit is None:
         return None
-    return "P_KW", "power loss, sum of all harmonic components", ratings.heat_limit, words
+    return "P_KW", "Heat", ratings.heat_limit, words
 
 
 def _over_frequency(
@@ -213,13 +214,13 @@ def _over_frequency(
     share = _nonlinear(evidence, spans, np.abs(phasors)) / own
     at, rows = np.argmax(np.nan_to_num(share, nan=np.inf), axis=1), np.arange(len(share))
     alone = curve_of(response, (share * own)[rows, at], own[rows, at])
-    yield alone, "vibratory torque, the harmonic component nearest to T_KW at its frequency", "", share
+    yield alone, "Vibratory torque of one harmonic component", "", share
     weighted = phasors * (known[1] / own)
     squares = np.sqrt(np.sum(np.abs(weighted) ** 2, axis=1))
     value = np.maximum(half_range_of(response, weighted), squares)
     together = curve_of(response, _nonlinear(evidence, spans, value), known[1])
     words = f"each component times T_KW({known[0]:g} Hz) / T_KW(f)"
-    yield together, "vibratory torque, synthesis of the components weighted by T_KW(f)", words, share
+    yield together, "Vibratory torque of all components, weighted by frequency", words, share
 
 
 def misfires(study: Study) -> bool:

@@ -5,17 +5,18 @@ from typing import Annotated
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import Fault
-from torsion.fields import Declared, Quantity, given
+from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.shaft_limits import PA, nominal_stress, with_role
+from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 
 Stress = Annotated[float, Quantity("Pa", above=0, usual="permissible stress")]
 
 
-class EngineMakerSettings(Declared):
+class EngineMakerSettings(RuleSettings):
     """Settings of `engine-maker`."""
 
     crank_stress: Stress | None = given("greatest torsional stress amplitude of the crankshaft, by the engine's maker")
@@ -53,5 +54,5 @@ class EngineMaker(RuleOverSpeed):
         for number, part, _ in with_role(evidence.study.train, "crank"):
             spans, stress = nominal_stress(evidence.system, number, evidence.need(Synthesis).half_range)
             curve, notes = curve_of(response, stress, most * PA), (in_use, MOSTLY)
-            what = "synthesis stress amplitude"
+            what = "Nominal torsional stress amplitude of the crankshaft"
             yield Clause("tau_N", part.name, what, "maker", curve, use, "N/mm2", notes, spans)

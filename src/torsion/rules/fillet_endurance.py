@@ -8,17 +8,17 @@ import numpy as np
 from torsion.analyses.fillet_stresses import has_judged, stated_fillets, unjudged
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import Fault
-from torsion.fields import Declared, given
+from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
-from torsion.rules.verdict_line import Check
+from torsion.rules.verdict_line import Check, RuleSettings
 from torsion.study import Study
 
 UNKNOWN = "no fillet is stated there, and no K_t is known"
 
 
-class FilletEnduranceSettings(Declared):
+class FilletEnduranceSettings(RuleSettings):
     """Settings of `fillets`."""
 
     continuous: Continuous | None = given("speeds of continuous use: {from, to} (default: all)")
@@ -63,6 +63,6 @@ class FilletEndurance(RuleOverSpeed):
                 MOSTLY,
             )
             yield Clause(
-                "endurance", one.shaft, f"vibratory shear stress in the {one.words}", "setting",
+                "endurance", one.shaft, f"Shear stress amplitude in the {one.words}", "setting",
                 curve_of(response, stress, 1e-6 * one.endurance), use, "N/mm2", notes, spans,
             )  # fmt: skip

@@ -10,16 +10,17 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import FloatArray, IntArray
 from torsion.components.lowering import Part
 from torsion.errors import Fault
-from torsion.fields import Declared, Quantity, given
+from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.reached_speeds import coverage
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
+from torsion.rules.verdict_line import TO_BE_VERIFIED, RuleSettings, Standing
 from torsion.study import Study
 
 USUAL_SHARE = 0.35  # K_A - 1 with the usual application factor 1.35 (to be verified)
-VIBRATORY = "vibratory mesh torque, synthesis"
+VIBRATORY = "Vibratory torque in the mesh"
+REVERSAL = f"{VIBRATORY} against the mean torque"
 NO_LOAD = 1e-9  # a mesh with a smaller share of the train's greatest mean torque is unloaded
 
 
@@ -35,7 +36,7 @@ class Mesh:
     rated: float  # magnitude; 0 where it carries nothing
 
 
-class GearHammerSettings(Declared):
+class GearHammerSettings(RuleSettings):
     """Settings of `gear-hammer`."""
 
     limit: Annotated[float, Quantity("1", above=0, usual="limit of tooth separation")] | None = given(
@@ -50,6 +51,7 @@ class GearHammer(RuleOverSpeed):
     """The rule, as the study reads it."""
 
     name = "gear-hammer"
+    edition = "application factor of ISO 6336-1"
     settings = GearHammerSettings
     is_pointwise = True
 
@@ -75,14 +77,14 @@ class GearHammer(RuleOverSpeed):
         for mesh in meshes(evidence):
             share, origin, standing = _share(mesh.part, settings)
             if mesh.rated > 0:
-                curve, what = curve_of(response, mesh.vibratory, share * mesh.rated), VIBRATORY
+                curve = curve_of(response, mesh.vibratory, share * mesh.rated)
                 notes = f"{share:.4g} ({origin}) x {mesh.rated:.5g} N m", reach, MOSTLY
                 yield Clause(
-                    "(K_A - 1) T_rated", mesh.name, what, standing, curve, use | True, "N m", notes, mesh.spans
+                    "(K_A - 1) T_rated", mesh.name, VIBRATORY, standing, curve, use | True, "N m", notes, mesh.spans
                 )
-            curve, what = curve_of(response, mesh.vibratory, mesh.mean), "vibratory against mean mesh torque"
+            curve = curve_of(response, mesh.vibratory, mesh.mean)
             notes = "" if mesh.rated > 0 else "the mesh carries no mean torque", in_use, MOSTLY
-            yield Clause("torque reversal", mesh.name, what, TO_BE_VERIFIED, curve, use, "N m", notes, mesh.spans)
+            yield Clause("torque reversal", mesh.name, REVERSAL, TO_BE_VERIFIED, curve, use, "N m", notes, mesh.spans)
 
 
 def meshes(evidence: Results) -> Iterator[Mesh]:

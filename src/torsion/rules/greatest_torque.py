@@ -57,23 +57,25 @@ def _lines(evidence: Results, found: TransientMotion, number: int, mark: str) ->
         note = "the larger of two motions that impacts set apart, and their difference added"
     judged = list[tuple[str, str, float, float]]()
     if (rated := part.greatest_torque(is_rare=found.is_rare)) is not None:
-        judged.append((rated[0], "greatest torque of", float(found.peak[spans].max()), rated[1]))
+        judged.append((rated[0], "Greatest torque over time", float(found.peak[spans].max()), rated[1]))
     widest = None if part.ratings is None or found.is_rare else part.ratings.max_torque_range
     if widest is not None:
-        judged.append(("dT_max", "range of the torque in", float(found.range[spans].max()), widest))
+        judged.append(("dT_max", "Range of torque over time", float(found.range[spans].max()), widest))
     for clause, of, torque, limit in judged:
-        what, verdict = (
-            f"{of} the motion over time {found.name}".rstrip(),
-            verdict_of(is_sound and torque <= limit, "maker"),
-        )
+        what, verdict = _named(of, found), verdict_of(is_sound and torque <= limit, "maker")
         lines.append(
             Check("transient", clause + mark, part.name, what, torque, limit, "N m", verdict, "maker", note=note)
         )
     if found.damage is not None and spans.size and not np.isnan(found.damage[spans]).all():
-        what = f"damage (Miner) by the motion over time {found.name}".rstrip()
+        what = _named("Damage of one event", found)
         damage = float(found.damage[spans].max())
         verdict = verdict_of(is_sound and damage < WHOLE_LIFE, "setting")
         lines.append(
             Check("transient", f"D{mark}", part.name, what, damage, WHOLE_LIFE, "1", verdict, "setting", note=note)
         )
     return lines
+
+
+def _named(what: str, motion: TransientMotion) -> str:
+    """What a check compares, with the name of the motion if it has one."""
+    return f"{what}: {motion.name}" if motion.name else what

@@ -17,11 +17,11 @@ from torsion.analyses.transient.transient_settings import TransientSettings, cas
 from torsion.analyses.undamped_modes import Modes
 from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
-from torsion.fields import Declared, Quantity, given
+from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules.judgement import RATED, spans_of
 from torsion.rules.reached_speeds import in_rpm
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, Standing, verdict_of
 from torsion.study import Study
 
 PA = 1e-6  # N/mm2
@@ -33,7 +33,7 @@ UNDRIVEN = "the torque of the drive is not known, and the rule ice judges it tog
 Factor = Annotated[float, Quantity("1", at_least=1)]
 
 
-class IceSettings(Declared):
+class IceSettings(RuleSettings):
     """Settings of `ice`."""
 
     factor: Factor = given("safety factor of the shafts against yield (to be verified)", 1.3)
@@ -64,6 +64,7 @@ class IcePeaks(Rule):
     """The rule, as the study reads it."""
 
     name = "ice"
+    edition = "Finnish-Swedish ice class rules 2017"
     settings = IceSettings
     needs = ("transient",)
 
@@ -111,7 +112,9 @@ def _line(
     part: Part, limit: tuple[str, float], values: dict[str, float], notes: tuple[str, ...], *, is_sound: bool
 ) -> Check:
     """The check of one part, by its value in every motion; a value that is not known (NaN) is never a pass."""
-    what, unit = ("shear stress at the greatest torque in ice", "N/mm2") if part.is_bar else ("torque in ice", "N m")
+    what, unit = (
+        ("Shear stress at the greatest torque in ice", "N/mm2") if part.is_bar else ("Greatest torque in ice", "N m")
+    )
     is_known = bool(values) and bool(np.isfinite(list(values.values())).all())
     words, worst = max(values.items(), key=lambda pair: pair[1]) if is_known else ("", math.inf)
     standing: Standing = TO_BE_VERIFIED if part.is_bar else "maker"

@@ -17,7 +17,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import excited_orders
 from torsion.arrays import FloatArray
 from torsion.errors import Fault
-from torsion.fields import Declared, Quantity, given, refuse
+from torsion.fields import Quantity, given, refuse
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.results import listed
@@ -27,7 +27,7 @@ from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, c
 from torsion.rules.m53_factors import RANGES, Throw
 from torsion.rules.reached_speeds import START
 from torsion.rules.shaft_limits import MM, PA, with_role
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study
 
 LEAST_Q = 1.15
@@ -47,7 +47,7 @@ MANUFACTURE, SAME = (1.05, 1.0, 0.93), 1e-9  # factors K of UR M53; rounding of 
 Stress = Annotated[float, Quantity("Pa", at_least=0, usual="stress")]
 
 
-class M53Settings(Declared):
+class M53Settings(RuleSettings):
     """Settings of `iacs-m53`: a throw, solid or with bores and recesses."""
 
     pin: fields.Across | None = given("diameter D of the crank pin")
@@ -112,6 +112,7 @@ class M53(RuleOverSpeed):
     """The rule, as the study reads it."""
 
     name = "iacs-m53"
+    edition = "IACS UR M53 as in KR Guidance 2025 Pt 5 Annex 5-3"
     settings = M53Settings
     begin = START
 

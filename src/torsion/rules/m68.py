@@ -33,7 +33,7 @@ from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
 
 NOT_ROUND = "its section is a mesh; limits, factors and least diameters of the rule are those of round shafts"
-DIAMETER = "outer diameter, at least"
+DIAMETER = "Outer diameter"
 NO_POWER = "the rated power is not given: write `power` of `operation.rated`"
 KW_PER_RPM = 2.0 * math.pi / 60.0 / 1e3  # power in kW per rpm of a torque of 1 N m
 
@@ -42,6 +42,7 @@ class M68(ShaftStress):
     """The rule, as the study reads it, and base of those of societies that take its formulas for line shafts."""
 
     name = "iacs-m68"
+    edition = "IACS UR M68 as in KR Rules 2025 Pt 5 Ch 4"
     is_pointwise = True
     settings: type[M68Settings] = M68Settings
     title = "IACS UR M68"

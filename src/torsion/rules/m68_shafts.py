@@ -18,6 +18,7 @@ from torsion.components.lowering import Part, ShaftRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.rules.shaft_limits import MM, PA, ROUNDING, Mark, diameters, with_role
+from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 from torsion.train import Train
 
@@ -141,7 +142,7 @@ class Slot(Declared):
         return self
 
 
-class M68Settings(Declared):
+class M68Settings(RuleSettings):
     """Settings of `iacs-m68`."""
 
     alloy: Annotated[tuple[str, ...], OneOrMany] = given("shafts of alloy steel; others are carbon or C-Mn steel", ())

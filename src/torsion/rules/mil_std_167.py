@@ -13,7 +13,7 @@ from torsion.arrays import FloatArray
 from torsion.components.lowering import ROLES
 from torsion.components.material import STEEL
 from torsion.errors import Fault
-from torsion.fields import Declared, given
+from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.gear_hammer import VIBRATORY, meshes
@@ -21,16 +21,15 @@ from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, c
 from torsion.rules.m68_shafts import LEAST_STRENGTH
 from torsion.rules.reached_speeds import START, in_rpm
 from torsion.rules.shaft_limits import PA, nominal_stress, with_role
-from torsion.rules.verdict_line import TO_BE_VERIFIED
+from torsion.rules.verdict_line import TO_BE_VERIFIED, RuleSettings
 from torsion.study import Study
 
 SHARE_OF_STRENGTH = 1.0 / 25.0
 BELOW = 1.75  # times the limit, below the operating range
 MESH_OF_MEAN, MESH_OF_RATED = 0.75, 0.25
-SOURCE = "MIL-STD-167 type III (from memory, to be verified against the edition in force)"
 
 
-class MilSettings(Declared):
+class MilSettings(RuleSettings):
     """Settings of `mil-std-167`."""
 
     continuous: Continuous | None = given("operating range: {from, to} (default: all speeds)")
@@ -40,6 +39,7 @@ class MilStd167(RuleOverSpeed):
     """The rule, as the study reads it."""
 
     name = "mil-std-167"
+    edition = "MIL-STD-167 type III"
     settings = MilSettings
     begin = START
     has_limits_outside_use = True
@@ -86,18 +86,22 @@ class MilStd167(RuleOverSpeed):
             given_strength = train.materials[shaft.material].tensile_strength
             strength = LEAST_STRENGTH if given_strength is None else given_strength * PA
             assumed = " (none stated: the least of shaft steel assumed)" if given_strength is None else ""
-            notes = f"sigma_B {strength:.4g} N/mm2{assumed}", SOURCE, MOSTLY
+            notes = f"sigma_B {strength:.4g} N/mm2{assumed}", MOSTLY
             limit = strength * SHARE_OF_STRENGTH
-            for clause, times, judged, where in (("S_v", 1.0, ~below, in_use), ("S_v below", BELOW, below, "")):
+            ranges = (
+                ("S_v", "operating range", 1.0, ~below, in_use),
+                ("S_v below", "below the operating range", BELOW, below, ""),
+            )
+            for clause, speeds, times, judged, where in ranges:
                 curve = curve_of(response, stress, times * limit)
-                what = "synthesis stress amplitude"
+                what = f"Torsional stress amplitude, {speeds}"
                 yield Clause(clause, part.name, what, TO_BE_VERIFIED, curve, judged, "N/mm2", (where, *notes), spans)
         if not any(train.of_kind("gear")) or judgement.rated_torque(evidence) is None:
             return
         for mesh in meshes(evidence):
             most: FloatArray = np.minimum(MESH_OF_MEAN * mesh.mean, MESH_OF_RATED * mesh.rated)
             text = f"the smaller of {MESH_OF_MEAN:g} of the mean torque and {MESH_OF_RATED:g} x {mesh.rated:.5g} N m"
-            curve, notes = curve_of(response, mesh.vibratory, most), (text, SOURCE, MOSTLY)
+            curve, notes = curve_of(response, mesh.vibratory, most), (text, MOSTLY)
             yield Clause(
                 "gears", mesh.name, VIBRATORY, TO_BE_VERIFIED, curve, ~below, "N m", (in_use, *notes), mesh.spans
             )

@@ -16,16 +16,17 @@ from torsion.analyses.response.synthesis import half_range
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.components.lowering import Part
 from torsion.errors import Fault, nearest
-from torsion.fields import Declared, Quantity, given
+from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 
 RPM = 30.0 / math.pi
 
 
-class NoiseSettings(Declared):
+class NoiseSettings(RuleSettings):
     """Settings of `nvh`."""
 
     at: str | None = given("name of the component; of a link its driving end, of a gear its driving wheel")
@@ -79,14 +80,14 @@ class NoiseLimits(RuleOverSpeed):
         system, circular = response.system, 2.0 * math.pi * response.frequency
         spans = np.flatnonzero((system.driving == station) | (system.driven == station))
         velocity = 1j * circular * response.angle[:, :, station]
-        acceleration, words, ratio = 1j * circular * velocity, "all orders together", system.stations[station].ratio
+        acceleration, words, ratio = 1j * circular * velocity, "", system.stations[station].ratio
         if settings.order is not None:
             alone = np.array([line.order == settings.order * ratio for line in response.lines], dtype=bool)
-            acceleration, words = np.where(alone, acceleration, 0.0), f"order {settings.order} of its own speed"
+            acceleration, words = np.where(alone, acceleration, 0.0), f", order {settings.order} of its own speed"
         use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
         rows: tuple[tuple[str, str, ComplexArray, float | None, float, str], ...] = (
-            ("acceleration", f"angular acceleration, {words}", acceleration, settings.acceleration, 1.0, "rad/s2"),
-            ("fluctuation", "speed fluctuation (max - min)/2", velocity, settings.fluctuation, RPM, "rpm"),
+            ("acceleration", f"Angular acceleration{words}", acceleration, settings.acceleration, 1.0, "rad/s2"),
+            ("fluctuation", "Speed fluctuation", velocity, settings.fluctuation, RPM, "rpm"),
         )
         for clause, what, phasors, limit, unit, name in rows:
             if limit is not None:

@@ -24,7 +24,7 @@ from torsion.findings import Results
 from torsion.rules.judgement import Continuous
 from torsion.rules.over_tolerances import margin_words
 from torsion.rules.reached_speeds import distinct, in_rpm, with_reach
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, rank, verdict_of
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, rank, verdict_of
 from torsion.study import Study
 from torsion.train import Train
 
@@ -75,7 +75,7 @@ def _read_line_frequency(value: Any) -> Any:
 Grid = Annotated[LineFrequency, BeforeValidator(_read_line_frequency, float | str | LineFrequency)]
 
 
-class MarginSettings(Declared):
+class MarginSettings(RuleSettings):
     """Settings of the separation margins."""
 
     continuous: Continuous | None = given("operating range: {from, to} (default: all of `operation.speeds`)")
@@ -109,6 +109,7 @@ class SeparationMargins(Rule):
 
     def __init__(self, name: str) -> None:
         self.name, self.standard = name, STANDARDS[name]
+        self.edition = self.standard.edition
 
     def faults(self, study: Study, settings: MarginSettings) -> list[Fault]:
         """What the file lacks for this rule."""
@@ -171,7 +172,6 @@ class SeparationMargins(Rule):
         else:
             words.append(_in_hertz(excitation))
         words += within_tolerances
-        words.append(f"{self.standard.edition}, from memory, to be verified against the edition in force")
         if near.size:
             words.append(f"modes {', '.join(str(mode + 1) for mode in near.tolist())}: {STRESS_ANALYSIS}")
         is_known = known_to >= excitation.reach * (1.0 - ROUNDING)

@@ -40,7 +40,8 @@ from torsion.rules.shaft_limits import (
 from torsion.rules.verdict_line import BarredRange, Check, Verdict
 from torsion.study import Study
 
-STRESS = "synthesis stress amplitude"
+STRESS = "Torsional stress amplitude, continuous operation"
+PASSING = "Torsional stress amplitude, passing a barred range"
 SUBJECT = "Torsional stress amplitude"  # of the rows about speeds that were not computed
 
 
@@ -202,7 +203,7 @@ class ShaftStress(RuleOverSpeed):
         times = barred_time.barred_times(evidence, barred.permitted)
         notes = *reasons, passed, tachometer, MOSTLY, barred_time.words(times)
         limit = limits_of(evidence, shaft).tau_t
-        line = judged(shaft.curve.passing.clause, "stress amplitude in the barred range", limit, barred.passed, *notes)
+        line = judged(shaft.curve.passing.clause, PASSING, limit, barred.passed, *notes)
         if line is None:
             return None
         spans = judgement.spans_of(evidence.system, shaft.part)

@@ -9,19 +9,19 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.components.shaft_details import Hub
 from torsion.errors import Fault
-from torsion.fields import Declared, Quantity, given
+from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar
 from torsion.rules import judgement
 from torsion.rules.judgement import MOSTLY, RATED, Clause, RuleOverSpeed, curve_of
-from torsion.rules.verdict_line import TO_BE_VERIFIED
+from torsion.rules.verdict_line import TO_BE_VERIFIED, RuleSettings
 from torsion.study import Study
 from torsion.train import Train
 
 USUAL_SAFETY = 2.0  # against slip, of shrunk couplings in class rules (from memory, to be verified)
 
 
-class ShrinkFitSettings(Declared):
+class ShrinkFitSettings(RuleSettings):
     """Settings of `shrink-fits`."""
 
     safety: Annotated[float, Quantity("1", at_least=1, usual="safety")] | None = given(
@@ -33,6 +33,7 @@ class ShrinkFits(RuleOverSpeed):
     """The rule, as the study reads it."""
 
     name = "shrink-fits"
+    edition = "usual safety of class rules for shrink fits"
     settings = ShrinkFitSettings
 
     def speeds(self, study: Study, settings: ShrinkFitSettings) -> tuple[float, ...]:
@@ -80,7 +81,7 @@ class ShrinkFits(RuleOverSpeed):
             )
             standing = TO_BE_VERIFIED if settings.safety is None else "setting"
             yield Clause(
-                "slip", bar.name, f"greatest torque in the fit of the hub at its {hub.end} end, mean and vibration",
+                "slip", bar.name, f"Greatest torque in the fit, {hub.end} end",
                 standing, curve_of(response, torque, capacity / safety), np.ones(len(torque), dtype=bool), "N m", notes,
                 spans,
             )  # fmt: skip

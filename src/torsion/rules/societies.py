@@ -35,6 +35,7 @@ from torsion.study import Study
 OTHER_ROLES = ("crank", "generator")
 MAJORS_FROM = {"propulsion": 0.8, "generator set": 0.9}  # speed ratio, up to 1.1 (KR 5-4-204)
 MAJORS_TO = 1.1
+MAJOR = "major critical speed"  # clause
 DUTIES: Mapping[str | None, Duty] = {
     "propeller": "propulsion",
     "generator": "generator set",
@@ -80,14 +81,19 @@ class SocietyRule(M68):
         elif self.society.crank:
             self.has_limits_of = (*M68.has_limits_of, "crank")
 
+    def edition_of(self, check: Check, study: Study) -> str:
+        """Return the text of the society that limits line shafts, or that of crankshafts and generator shafts."""
+        others = {study.train.parts[part].name for part, _, _ in with_role(study.train, *OTHER_ROLES)}
+        is_other = check.where in others or check.clause == MAJOR
+        return self.society.crank_edition if is_other and self.society.crank_edition else self.society.edition
+
     def shafts(self, study: Study, settings: M68Settings) -> Iterator[LimitedShaft]:
         """Line shafts by the formulas of M68, others by the society's own table."""
         for shaft in super().shafts(study, settings):
             standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
-            notes = self.society.source(), *shaft.notes
             by_agreement = () if settings.drive == "other" or self.name != "kr" else (AGREEMENT.format(settings.drive),)
             yield replace(
-                shaft, curve=_in_letters(shaft.curve, self.society), standing=standing, notes=notes,
+                shaft, curve=_in_letters(shaft.curve, self.society), standing=standing,
                 restrictions=(*shaft.restrictions, *by_agreement),
             )  # fmt: skip
         for part, _, record in with_role(study.train, *OTHER_ROLES):
@@ -97,11 +103,11 @@ class SocietyRule(M68):
     def _other(self, study: Study, settings: M68Settings, part: int, record: ShaftRecord) -> LimitedShaft:
         """A crankshaft or generator shaft."""
         name, whole, society = study.train.parts[part].name, study.train.parts[part].whole, self.society
-        ends, source = diameters(study.train, part), society.crank_source()
+        ends = diameters(study.train, part)
         if not isinstance(settings, CrankSettings):  # a table by diameter alone, which the greatest limits most
             diameter = max(outer for outer, _ in ends) * MM
             curve = society_limits.crank_curve(society_limits.CCS_CRANK, society.letters, diameter)
-            return LimitedShaft(part, name, curve, society.crank_mark, (source, f"diameter {diameter:.4g} mm"))
+            return LimitedShaft(part, name, curve, society.crank_mark, (f"diameter {diameter:.4g} mm",))
         material = study.train.materials[record.material]
         known = [None if one is None else one * PA for one in (material.tensile_strength, material.yield_strength)]
         is_alloy = not {name, whole}.isdisjoint(settings.alloy)
@@ -115,13 +121,13 @@ class SocietyRule(M68):
         if record.role == "crank" and settings.duty == "propulsion":
             table = society_limits.KR_IN_LINE if is_better else society_limits.KR_OTHER
             curve = society_limits.crank_curve(table, society.letters, 0.0, strength, yields)
-            notes = source, engine, f"f_m {strength:.4g}, of tau_2 {yields:.4g}", "without a calculation by IACS UR M53"
+            notes = engine, f"f_m {strength:.4g}, of tau_2 {yields:.4g}", "without a calculation by IACS UR M53"
             return LimitedShaft(part, name, curve, society.crank_mark, notes, restrictions=agreed)
         rows = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
         rows, about = (rows, engine) if record.role == "crank" else (society_limits.KR_SET_SHAFT, "generator shaft")
         factor = min(strength, yields)
         curve = society_limits.set_curve(rows, factor)
-        about_set = source, about, f"f_m {factor:.4g}"
+        about_set = about, f"f_m {factor:.4g}"
         return LimitedShaft(part, name, curve, society.crank_mark, about_set, restrictions=agreed)
 
     def _settings_faults(
@@ -159,7 +165,7 @@ class SocietyRule(M68):
         for mesh in meshes(evidence):
             if mesh.rated > 0:
                 curve = curve_of(response, mesh.vibratory, self.society.mesh * mesh.rated)
-                notes = f"{self.society.mesh:.4g} x {mesh.rated:.5g} N m", self.society.source(), reach, MOSTLY
+                notes = f"{self.society.mesh:.4g} x {mesh.rated:.5g} N m", reach, MOSTLY
                 within = np.ones(len(curve.speed), dtype=bool)
                 yield Clause("gears", mesh.name, VIBRATORY, TO_BE_VERIFIED, curve, within, "N m", notes, mesh.spans)
 
@@ -226,12 +232,11 @@ class SocietyRule(M68):
                 is_above = speed / rated > (first + MAJORS_TO) / 2.0
                 limit = MAJORS_TO if is_above else first
                 is_kept = speed / rated >= limit if is_above else speed / rated <= limit
-                what = f"critical speed of order {order} and mode {mode + 1} / rated speed"
-                words = f"not within {first:g} to {MAJORS_TO:g}", self.society.crank_source()
+                what = f"Major critical speed of order {order} / rated speed"
                 yield Check(
-                    self.name, "major critical speed", f"mode {mode + 1}", what, speed / rated, limit, "1",
+                    self.name, MAJOR, f"mode {mode + 1}", what, speed / rated, limit, "1",
                     verdict_of(is_kept, self.society.crank_mark), self.society.crank_mark, speed, order,
-                    "; ".join(words), at_least=is_above,
+                    f"not within {first:g} to {MAJORS_TO:g}", at_least=is_above,
                 )  # fmt: skip
 
 

@@ -75,19 +75,6 @@ class Society:
     scope: float = 1.05  # speed ratio up to which stresses are to be reported
     not_judged: tuple[tuple[str, str], ...] = ()  # what, why
 
-    def source(self) -> str:
-        """Of its limits of line shafts: edition and standing in words."""
-        return _source(self.edition, self.mark)
-
-    def crank_source(self) -> str:
-        """The same of its limits of crankshafts and generator shafts."""
-        return _source(self.crank_edition or self.edition, self.crank_mark)
-
-
-def _source(edition: str, mark: Mark) -> str:
-    standing = "from memory, to be verified against the edition in force"
-    return f"{edition} ({mark if mark == 'rule text' else standing})"
-
 
 _CCS = "CCS Part 3 Ch. 12"
 _M68 = "formulas of IACS UR M68 as {} has them"

@@ -10,7 +10,7 @@ import numpy as np
 
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.analyses.lateral.tilt_stability import Tilting
-from torsion.analyses.law_slopes import drives_without_lag
+from torsion.analyses.law_slopes import mean_speed_slopes
 from torsion.analyses.motion.mean_speed import SLOW
 from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.arrays import FloatArray
@@ -78,16 +78,19 @@ def mean_speed_check(found: Stability, study: Study) -> Check:
         notes.append(NOT_DISTINGUISHED)
     elif growth == -np.inf and inside.any():
         notes.append("the mean speed has no slow exponent of its own at any speed")
-    line = _check("mean speed", WHOLE, "growth of the mean speed", growth, "1/s", speed, notes, kept=kept)
+    line = _check("mean speed", WHOLE, "Growth of the mean speed", growth, "1/s", speed, notes, kept=kept)
     if growth == -np.inf:
         line = replace(line, value=np.nan, speed=None)
     return _unless_doubtful(line, found, first, last)
 
 
 def slope_words(study: Study) -> str:
-    """Return which slopes of drives do not damp torsional vibration; empty where there are none."""
-    names = ", ".join(f"'{name}'" for name in drives_without_lag(study.train))
-    return f"slope of {names} without `lag`: it acts on the mean speed only" if names else ""
+    """Return which slopes of drive and load do not damp torsional vibration; empty where there are none."""
+    by_key = dict[str, list[str]]()
+    for name, key in mean_speed_slopes(study).items():
+        by_key.setdefault(key, []).append(f"'{name}'")
+    rows = (f"slope of {', '.join(names)} without `{key}`" for key, names in by_key.items())
+    return "; ".join(f"{row}: it acts on the mean speed only" for row in rows)
 
 
 def mean_speed_words(found: Stability, study: Study) -> str:
@@ -142,7 +145,7 @@ def stability_check(found: Stability, operation: Operation) -> Check:
     if found.doubtful is not None and found.doubtful.size:
         notes.append(NOT_DISTINGUISHED)
     kept = is_whole and not (unstable or bare)
-    line = _check("stability", WHOLE, "growth rate of small deviations", growth, "1/s", speed, notes, kept=kept)
+    line = _check("stability", WHOLE, "Growth of small vibrations", growth, "1/s", speed, notes, kept=kept)
     return _unless_doubtful(line, found, first, last)
 
 
@@ -236,7 +239,7 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
     _, _, is_whole = _operated(speed, operation)
     known = np.where(within(operation.speeds, speed)[:, None] & np.isfinite(decrement), decrement, np.inf)
     row = int(known.min(axis=1).argmin())
-    least, what = float(known[row].min()), "logarithmic decrement of its whirl"
+    least, what = float(known[row].min()), "Damping of the whirl (logarithmic decrement)"
     notes = ["nothing damps it"] if abs(least) <= ROUNDING else []
     value = 0.0 if notes else least
     notes += [] if is_whole else [PART]
@@ -247,7 +250,7 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
 
 def _tilting(name: str, found: Tilting, operation: Operation) -> Check:
     """The fastest growth of the tilt within the operation against 0."""
-    speed, what = found.speed, f"growth rate of its tilt by the couple of {found.joint}"
+    speed, what = found.speed, f"Growth of the tilt by the couple of {found.joint}"
     first, last, is_whole = _operated(speed, operation)
     grows = np.where(within(operation.speeds, speed), found.growth, -np.inf)
     at = int(np.argmax(grows))

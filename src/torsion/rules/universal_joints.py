@@ -11,10 +11,10 @@ from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound
 from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.errors import Fault
-from torsion.fields import Declared, Number, Quantity, given
+from torsion.fields import Number, Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar, Constraint, Spring
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, Standing, verdict_of
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, Standing, verdict_of
 from torsion.study import Study
 from torsion.train import Train
 
@@ -103,7 +103,7 @@ def _path(train: Train, start: int, end: int) -> Iterator[Spring | Bar]:
         last = reached[last.driving]
 
 
-class JointRuleSettings(Declared):
+class JointRuleSettings(RuleSettings):
     """Settings of `universal-joints`."""
 
     unevenness: Annotated[float, Quantity("1", above=0, usual="fluctuation")] = given(
@@ -125,6 +125,7 @@ class UniversalJoints(Rule):
     """The rule, as the study reads it."""
 
     name = RULE
+    edition = "published practice of joint makers (Elbe, Spicer, Dana)"
     settings = JointRuleSettings
     needs = ("joints",)
 
@@ -156,7 +157,7 @@ class UniversalJoints(Rule):
             for joint in found.joints:
                 value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)  # as its maker counts it
                 rows.append(
-                    _verdict("n b", joint.name, "speed times angle", value, "deg/min", limit, speed, (joint.part,))
+                    _verdict("n b", joint.name, "Speed times angle", value, "deg/min", limit, speed, (joint.part,))
                 )
         for tube in tubes(evidence.study.train):
             if not tube.lacks:
@@ -171,14 +172,18 @@ def _of_line(found: Joints, line: LineFound, settings: JointRuleSettings, speed:
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
     limit, most = _published(settings, "unevenness"), sorted(joints, key=lambda joint: -joint.unevenness)
     parts = tuple(joint.part for joint in most)
-    yield _verdict("U", where, "non-uniformity tan b sin b", line.index, "1", limit, None, parts, before=bend)
-    what, value = "acceleration of the driven side by all joints", _steepest(joints[-1], speed)
+    yield _verdict("U", where, "Non-uniformity of the line", line.index, "1", limit, None, parts, before=bend)
+    what, value = "Angular acceleration of the driven side", _steepest(joints[-1], speed)
     yield _verdict("torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed, parts)
 
 
 def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
     """Acceleration of every shaft between two joints, each once, the driving shaft of the line turning evenly."""
-    checks, limit, what = dict[int, Check](), _published(settings, "inertial"), "acceleration of the shaft behind it"
+    checks, limit, what = (
+        dict[int, Check](),
+        _published(settings, "inertial"),
+        "Angular acceleration of the shaft behind the joint",
+    )
     for line in found.lines:
         for position in line.joints[:-1]:
             joint = found.joints[position]
@@ -210,7 +215,17 @@ def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> It
     words = f"{share:.3g} x critical bending speed {critical:.5g} rpm ({origin})"
     couple = f"the secondary couple turns at twice the speed, {2.0 * own:.5g} rpm, and {twice}"
     limit = share * critical, standing, words
-    yield _verdict("n_crit", tube.name, "speed of the tube", own, "rpm", limit, speed, tube.parts, after=couple)
+    yield _verdict(
+        "n_crit",
+        tube.name,
+        "Speed against the critical bending speed",
+        own,
+        "rpm",
+        limit,
+        speed,
+        tube.parts,
+        after=couple,
+    )
 
 
 def _verdict(

@@ -4,14 +4,16 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from datetime import date
 from fractions import Fraction
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
-from torsion.fields import Declared
+from torsion.fields import Declared, given, required
 from torsion.findings import Results
 from torsion.results import derived, reported, result
 from torsion.study import Study
@@ -29,11 +31,21 @@ WORDS: Mapping[Verdict, str] = {  # what a reader sees, from the worst
 }  # fmt: skip
 Standing = Literal[
     "rule text",  # compared with the published text of the rule
-    "to be verified",  # from memory or a handbook: against the edition in force
+    "confirmed",  # the user states in `verified` that it was compared with an edition
+    "to be verified",  # published practice of the rule, not compared with the edition in force
     "maker",  # rated or published by a maker
     "setting",  # set in the file
     "by definition",  # of stability: that nothing grows
 ]
+Kind = Literal["text", "confirmed", "unconfirmed", "maker", "user", "definition"]
+KINDS: Mapping[Standing, Kind] = {
+    "rule text": "text",
+    "confirmed": "confirmed",
+    "to be verified": "unconfirmed",
+    "maker": "maker",
+    "setting": "user",
+    "by definition": "definition",
+}
 TO_BE_VERIFIED: Standing = "to be verified"
 
 
@@ -87,6 +99,56 @@ class Reach:
     demanded: float = result("rad/s", (), "speed up to which the rule is to be judged; 0: lower speeds lack")
 
 
+class Verified(Declared):
+    """The statement of a user that limits were compared with an edition of their rule."""
+
+    edition: str = required('edition that the limits were compared with: "9th ed. 2022"', min_length=1)
+    by: str = required("who compared them", min_length=1)
+    on: date | str | None = given("day of the comparison")
+    clauses: Annotated[tuple[str, ...], Field(min_length=1)] | None = given(
+        "clauses that were compared, as the column Clause shows them (default: all)"
+    )
+
+
+class RuleSettings(Declared):
+    """Base of the settings of all rules."""
+
+    verified: Verified | None = given(
+        "the limits were compared with an edition of the rule: {edition, by, on, clauses}; changes no limit"
+    )
+
+
+@reported
+class Basis:
+    """What a limit is based on."""
+
+    kind: Kind = result(
+        "", (),
+        "text (compared with the text of the rule), confirmed (by a user), unconfirmed (published practice, edition "
+        "not confirmed), maker, user (stated in the file) or definition",
+    )  # fmt: skip
+    edition: str = result("", (), "rule and edition", default="")
+    clause: str = result("", (), "clause of the rule", default="")
+    by: str = result("", (), "who confirmed the limit", default="")
+    on: str = result("", (), "day of the confirmation", default="")
+
+    @property
+    def words(self) -> str:
+        """The column Basis of the table of checks."""
+        match self.kind:
+            case "maker" | "definition":
+                return {"maker": "maker", "definition": "by definition"}[self.kind]
+            case "user":
+                return "stated by user"
+            case "unconfirmed":
+                return f"{self.edition}, edition not confirmed"
+            case "confirmed":
+                who = ", ".join(word for word in (self.by, self.on) if word)
+                return f"{self.edition}, {self.clause}: confirmed by {who}"
+            case "text":
+                return f"{self.edition}, {self.clause}"
+
+
 @reported
 class Check:
     """One line of the verdict table."""
@@ -105,7 +167,7 @@ class Check:
         "judged); the exit status is 1 for the last three",
     )  # fmt: skip
     standing: Standing = result(
-        "", (), "where the limit is from: rule text, to be verified, maker, setting or by definition"
+        "", (), "where the limit is from: rule text, confirmed, to be verified, maker, setting or by definition"
     )
     speed: float | None = result("rad/s", (), "reference speed of the worst value, or null", default=None)
     order: Fraction | None = result(
@@ -128,6 +190,7 @@ class Check:
         "", (), "what must be met too for the check to be met, in words; barred ranges stand in their own list",
         default=(),
     )  # fmt: skip
+    basis: Basis | None = result("", (), "what the limit is based on", default=None)
     parts: tuple[int, ...] = ()  # positions of the components it is about, the worst first; none: that of the name
 
     @property
@@ -147,6 +210,17 @@ class Check:
             return math.inf
         used, whole = (self.limit, self.value) if self.at_least else (self.value, self.limit)
         return used / whole if used >= 0 and whole > 0 and self.limit > 0 else None
+
+
+def with_basis(check: Check, edition: str, verified: Verified | None = None) -> Check:
+    """Return the check with the basis of its limit: that of the rule, or what a user confirms."""
+    clauses = () if verified is None else verified.clauses or (check.clause,)
+    if verified is None or check.standing != TO_BE_VERIFIED or check.clause not in clauses:
+        return replace(check, basis=Basis(KINDS[check.standing], edition, check.clause))
+    day = "" if verified.on is None else str(verified.on)
+    verdict: Verdict = "fail" if check.verdict == "not kept" else check.verdict
+    basis = Basis("confirmed", f"{edition}, {verified.edition}", check.clause, verified.by, day)
+    return replace(check, standing="confirmed", verdict=verdict, basis=basis)
 
 
 def worst_verdict(checks: "Iterable[Check]") -> Verdict:
@@ -206,9 +280,14 @@ class Rule:
     """
 
     name: str = ""  # in the file
-    settings: type[Declared] = Declared
+    settings: type[RuleSettings] = RuleSettings
+    edition: str = ""  # of the text that its limits follow
     needs: tuple[str, ...] = ()  # analyses that it reads
     is_pointwise = False  # its clauses judge each speed by itself, and it says nothing else of what keeps them
+
+    def edition_of(self, check: Check, study: Study) -> str:
+        """Return rule and edition of the text that the limit of a check follows."""
+        return self.edition or self.name
 
     def path(self, study: Study, settings: Any) -> Path:
         """Where the rule with these settings stands in the file."""

@@ -17,6 +17,7 @@ from torsion.analyses.motion.stability_over_speed import Stability
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.steady import steady
 from torsion.assembly import assemble
+from torsion.components.drive_law import DriveLaw
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Check, Checks
@@ -136,10 +137,10 @@ def test_first_order_response_loses_the_torque_of_the_oracle():
         assert lost == pytest.approx(torque, rel=4e-4)
 
 
-@pytest.mark.parametrize(("load", "key"), [("constant", "quadratic_without"), ("quadratic", "quadratic_with")])
-def test_slope_of_a_quadratic_load_acts_on_the_drift(load, key):
+@pytest.mark.parametrize(("laws", "key"), [("none", "quadratic_without"), ("all", "quadratic_with")])
+def test_slope_of_a_quadratic_load_acts_on_the_drift(laws, key):
     ask = search(load="quadratic")
-    ask.at = replace(ask.at, has_slopes=load == "quadratic")
+    ask.at = replace(ask.at, laws=laws)
     for speed, drift in DRIFT[key]["rows"]:
         assert ask.drift(speed * RPM) == pytest.approx(drift, abs=1e-9)
 
@@ -194,8 +195,9 @@ analyses: {stability: MAP}
 """
 
 
-def unstable(drive: str = "", stability_map: str = "{}") -> Findings:
-    return torsion.run(torsion.parse(UNSTABLE.replace("DRIVE", drive).replace("MAP", stability_map), "unstable.yaml"))
+def unstable(drive: str = "", stability_map: str = "{}", load: str = "constant") -> Findings:
+    whole = UNSTABLE.replace("DRIVE", drive).replace("MAP", stability_map).replace("load: constant", f"load: {load}")
+    return torsion.run(torsion.parse(whole, "unstable.yaml"))
 
 
 @pytest.mark.parametrize("drive", ["{droop: 4 %}", "{slip: 1 %}", "{torque: [[0 rpm, 114286], [592.8 rpm, 0]]}"])
@@ -206,6 +208,26 @@ def test_slope_without_a_lag_does_not_damp_a_torsional_instability(drive):
     assert sloped.growth[sloped.requested] == pytest.approx(bare.growth[bare.requested], rel=1e-9)
     assert verdict(found, "stability").verdict == "fail"
     assert "slope of 'motor' without `lag`: it acts on the mean speed only" in verdict(found, "stability").note
+
+
+def test_slope_of_a_load_acts_in_the_stability_only_where_its_damping_is_by_the_law():
+    """At the rated speed the torques of both laws are the same; the quadratic one has 2 T/omega."""
+    at_rated = [unstable(load=load).need(Stability).growth[-1] for load in ("constant", "quadratic")]
+    assert at_rated[1] == pytest.approx(at_rated[0], rel=1e-9)
+    slope = 2.0 * 40e3 / (570 * RPM / 9.1)
+    acting = [f"quadratic, damping: {damping}" for damping in ("law", f"{slope!r}")]
+    by_law, by_value = (unstable(load=load).need(Stability).growth[-1] for load in acting)
+    assert by_law == pytest.approx(by_value, rel=1e-6)
+    assert by_law < at_rated[0] - 0.05
+    words = "slope of 'drum' without `damping: law`: it acts on the mean speed only"
+    assert words in verdict(unstable(load="quadratic"), "stability").note
+
+
+@pytest.mark.parametrize("load", ["quadratic", "{exponent: 1}"])
+def test_map_has_no_slope_of_a_load(load):
+    over = "{map: {over: damping, from: 1, to: 2, steps: 2}}"
+    slope, free = (unstable(stability_map=over, load=one).need(StabilityMap) for one in (load, "constant"))
+    assert slope.growth[-1] == pytest.approx(free.growth[-1], rel=1e-9)
 
 
 def test_map_has_no_slope_of_a_drive_without_a_lag():
@@ -270,6 +292,27 @@ def test_steady_holds_the_slopes_at_own_speed():
     assert mean.drive_slope[0] == pytest.approx(ORACLES["slopes"]["slip_1_percent"], rel=1e-12)
 
 
+KLOSS = {float(slip): slope for slip, slope in ORACLES["slopes"]["kloss_3200_N_m_at_8_percent_50_Hz_4_poles"].items()}
+
+
+@pytest.mark.parametrize("slip", KLOSS)
+def test_slope_of_an_asynchronous_machine_with_a_pull_out_torque_is_that_of_kloss(slip):
+    """50 Hz and 4 poles: 1500 rpm without slip; slip 0 is the limit of a small one."""
+    stated = max(slip, 1e-12)
+    law = DriveLaw(slip=stated, pull_out="3200 N*m", at_slip="8 %")
+    rated_speed = (1.0 - stated) * 1500 * RPM
+    assert law.slope_at_rated(0.0, rated_speed) == pytest.approx(KLOSS[slip], rel=1e-10, abs=1e-9)
+
+
+def test_slope_of_kloss_acts_on_the_drift_of_a_file():
+    """787.6923 N m at 1 % of slip, below which the drive falls by 486.03 N m s/rad."""
+    fan = "fan: {inertia: 30, torque: 787.6923 N*m, load: constant}"
+    drive = ", drive: {slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}"
+    study = torsion.parse(two_masses(fan, drive=drive).replace("rated: {speed: 1500 rpm}", "rated: {speed: 1485 rpm}"))
+    mean = steady(study.train, assemble(study.train), study.operation, np.array([1485 * RPM]))
+    assert mean.drive_slope[0, 0] == pytest.approx(KLOSS[0.01], rel=1e-10)
+
+
 TWO_MASSES = """
 name: converter
 operation: {rated: {speed: 1500 rpm}, speeds: {from: 300 rpm, to: 1500 rpm, steps: 25}}
@@ -287,8 +330,10 @@ def two_masses(load: str, *, drive: str = "", analyses: str = "modes: ") -> str:
     return TWO_MASSES.replace("DRIVE", drive).replace("LOAD", load).replace("ANALYSES", analyses)
 
 
-def test_load_of_constant_power_lets_the_speed_run_away_by_its_negative_slope():
-    study = torsion.parse(two_masses(CONSTANT_POWER))
+@pytest.mark.parametrize("damping", ["", ", damping: law"])
+def test_load_of_constant_power_lets_the_speed_run_away_by_its_negative_slope(damping):
+    """`damping: law` says that the slope acts in vibration too; it acts once."""
+    study = torsion.parse(two_masses(CONSTANT_POWER.replace("constant-power", f"constant-power{damping}")))
     _, found = growth_search(study, assemble(study.train))(1500 * RPM)
     _, growth, torsional = ORACLES["constant_power_load"]["eigenvalues"]
     assert found.drift == pytest.approx(growth[0], abs=1e-10)
@@ -341,6 +386,13 @@ def test_slope_that_does_not_act_in_vibration_is_said_in_the_plan_with_its_size(
         ("{law: speed, lag: 0.3 s}", "`lag` without a slope"),
         ("{slip: 1 %, lag: 0.3 s}", "`lag` needs the `power` or `torque` of the machine and its `speed`"),
         ("{torque: [[0 rpm, 1300], [1000 rpm, 1250]]}", "the table of the drive of 'motor' covers 0 rpm to 1000 rpm"),
+        ("{slip: 1 %, pull_out: 3200 N*m}", "`pull_out` without `at_slip`"),
+        ("{droop: 4 %, pull_out: 3200 N*m, at_slip: 8 %}", "`pull_out` without `slip`"),
+        ("{slip: 9 %, pull_out: 3200 N*m, at_slip: 8 %, lag: 1 s}", "`lag` beyond the pull-out torque"),
+        (
+            "{slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}",
+            "gives 787.692 N m at its slip at the rated speed, the loads take 1273.24",
+        ),
         ("{torque: [[0 rpm, 1300], [1500 rpm, 1250]]}", "gives 1250 N m at the rated speed, the loads take 1273.24"),
     ],
 )

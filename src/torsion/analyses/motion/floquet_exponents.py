@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from torsion.analyses.law_slopes import drives_without_lag
+from torsion.analyses.law_slopes import mean_speed_slopes
 from torsion.analyses.motion.equations_of_motion import damper_matrices, entries, mean_angle, state, torque_rates
 from torsion.analyses.motion.mean_speed import SLOW, agrees, drift_slope
 from torsion.analyses.motion.mechanism import Layout, gathered
@@ -222,7 +222,7 @@ class Search:
     reduced: Basis | None
     method: Method = "monodromy"
     known: dict[float, tuple[Orbit, Multipliers] | None] = field(default_factory=dict)
-    unhelped: "Search | None" = None  # the same train without the slopes of drives that have no lag
+    unhelped: "Search | None" = None  # the same train without the slopes that damp its mean speed alone
 
     def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
         """Orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
@@ -236,8 +236,8 @@ class Search:
     def exponents(self, orbit: Orbit, method: Method, most: int = MOST_HILL) -> Multipliers:
         """By one of the methods; raises SolveError where Hill's matrix has more than `most` rows.
 
-        A drive does not follow a torsional vibration as it follows the mean speed: of the torsional exponents with and
-        without the slopes of drives that have no lag the worse ones count. The drift is that with all slopes.
+        Drive and load do not follow a torsional vibration as they follow the mean speed: of the torsional exponents
+        with and without the slopes that act on the mean speed alone the worse ones count. The drift is that with all.
         """
         found = self._exponents(orbit, method, most)
         without = None if self.unhelped is None else self.unhelped(orbit.now.loading.speed)
@@ -287,7 +287,7 @@ class Search:
 
     @property
     def loses(self) -> bool:
-        """Something damps; the slope of a drive without a lag does not."""
+        """Something damps; a slope that acts on the mean speed alone does not."""
         if self.unhelped is not None:
             return self.unhelped.loses
         if self.at.system.damps and self.at.damping > 0:
@@ -302,8 +302,8 @@ def growth_search(study: Study, system: System, *, method: Method = "monodromy",
     fewer = None if modes is None else reduced(at.layout, shapes, shapes.rigid + modes)
     lossy = damped(at, fewer or shapes)
     search = Search(lossy, shapes, fewer, method)
-    if drives_without_lag(study.train):
-        search.unhelped = Search(replace(lossy, drives_damp=False), shapes, fewer, method)
+    if mean_speed_slopes(study):
+        search.unhelped = Search(replace(lossy, laws="negative"), shapes, fewer, method)
     return search
 
 

@@ -6,6 +6,7 @@ one mean torque keeps the mean speed. With it goes one condition, the mean angle
 
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from typing import Literal
 
 import numpy as np
 
@@ -35,8 +36,7 @@ class Scene:
     mean: float = 1.0  # factor on the mean torque
     damping: float = 1.0  # factor on the damping to ground; that of the springs stands in the layout
     slopes: FloatArray = field(default_factory=lambda: np.zeros(1))  # (stations,) N m s/rad at the reference, added
-    has_slopes: bool = False  # the slopes of the laws of drive and load act too
-    drives_damp: bool = True  # among them those of drives without `lag`; where False, only negative ones
+    laws: Literal["none", "negative", "all"] = "none"  # which slopes of the laws of drive and load act too
 
 
 def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
@@ -55,7 +55,8 @@ def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
         raise SolveError("a mesh that excites is not built in the exact motion", "leave it out of this file")
     order = common_order([*(order for order, _ in found), *whole.orders]) or Fraction(1)
     still = np.zeros(len(system.stations))
-    return Scene(study, system, whole, order, tuple(found), slopes=still, has_slopes=not vibratory)
+    laws: Literal["none", "all"] = "none" if vibratory else "all"
+    return Scene(study, system, whole, order, tuple(found), slopes=still, laws=laws)
 
 
 @dataclass(frozen=True)
@@ -77,12 +78,13 @@ def operating(at: Scene, speed: float) -> Operating:
     ratio = system.speed_ratio
     ground, beside = at.damping * ground_damping(system, speeds, known)[:, 0] * ratio**2, 0.0
     damping = ground + at.slopes
-    if at.has_slopes and known is not None and known.load_slope is not None and known.drive_slope is not None:
+    if at.laws != "none" and known is not None and known.load_slope is not None and known.drive_slope is not None:
         # A damping of the file acts in vibration in place of the slope; on the mean speed a machine acts by its law.
+        stated = np.isin(np.arange(len(ratio)), [damper.station for damper in system.dampers])
         load = known.load_slope[:, 0] * ratio**2
-        drive = known.drive_slope[:, 0] * ratio**2
-        damping += np.where(ground > 0, 0.0, load) + (drive if at.drives_damp else np.minimum(drive, 0.0))
-        beside = float((load - ground)[(ground > 0) & _absorbing(at)].sum())
+        for slope in (np.where(stated, 0.0, load), known.drive_slope[:, 0] * ratio**2):
+            damping += slope if at.laws == "all" else np.minimum(slope, 0.0)
+        beside = float((load - ground)[stated & _absorbing(at)].sum())
     applied, twist = np.zeros(len(ratio)), np.zeros(whole.bodies)
     if known is not None:
         applied = at.mean * known.applied[:, 0] * ratio

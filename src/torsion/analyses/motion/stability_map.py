@@ -69,7 +69,7 @@ def stability_map(
     progress: Progress = silent,
 ) -> StabilityMap:  # fmt: skip
     """Growth rates at ascending reference speeds (speeds,) rad/s and values (values,): angles in rad, or factors."""
-    at = replace(scene(study, system, vibratory=False), drives_damp=False)
+    at = replace(scene(study, system, vibratory=False), laws="negative")
     if not at.layout.steps:
         raise SolveError("a stability map needs a joint; nothing else varies with the angle")
     harmonics_at_least(at)  # raises SolveError before anything is computed
