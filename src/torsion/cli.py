@@ -50,6 +50,9 @@ def solve(
     *,
     case: Case = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
+    full: Annotated[
+        bool, typer.Option("--full", help="Add appendices: all mode shapes, Holzer tables, angles, engine harmonics.")
+    ] = False,
     matrices: Annotated[
         Path | None, typer.Option("--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed.")
     ] = None,
@@ -70,10 +73,10 @@ def solve(
     """
     from torsion import commands
 
-    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--matrices": matrices, "-o": out})
+    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--full": full, "--matrices": matrices, "-o": out})
     also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv)
     solved = partial(commands.solved, file, case=case, memory=memory)
-    _report("solve", file, out, solved, also, as_json=json, matrices=matrices)
+    _report("solve", file, out, solved, also, as_json=json, matrices=matrices, is_full=full)
 
 
 @app.command()
@@ -295,7 +298,7 @@ def _refusals(file: Path) -> Iterator[None]:
 
 def _report(
     report: str, file: Path, out: Path | None, solve: Callable[..., "Findings"], also: tuple[str, ...] = (), *,
-    as_json: bool, matrices: Path | None = None,
+    as_json: bool, matrices: Path | None = None, is_full: bool = False,
 ) -> NoReturn:  # fmt: skip
     """Solve, write the files of a report and print it, or print its results as JSON alone; end with its exit status.
 
@@ -315,7 +318,7 @@ def _report(
             from torsion.output.terminal import show
 
             folder = commands.folder_of(file, out, findings.study.case)
-            show(commands.write(findings, folder, report, also=also), folder)
+            show(commands.write(findings, folder, report, also=also, is_full=is_full), folder)
         if matrices is not None:
             say(commands.write_matrices(findings, matrices))
     _end(findings.without_answer, findings.exit_status)

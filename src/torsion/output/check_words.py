@@ -14,9 +14,13 @@ from torsion.output.numbers import NONE, given, given_rpm, number, order, symbol
 from torsion.output.reported_values import reference
 from torsion.results import listed
 from torsion.rules.reached_speeds import BEGINS, reach_words
-from torsion.rules.verdict_line import WORDS, Check, Checks, Verdict
+from torsion.rules.verdict_line import WORDS, Check, Checks, Standing, Verdict
 
 SIGNS: Mapping[Verdict, str] = {"pass": "✓", "restricted": "!", "not judged": "?", "fail": "✗", "not kept": "✗"}
+BASIS: Mapping[Standing, str] = {
+    "rule text": "rule text", "to be verified": "edition not confirmed", "maker": "manufacturer",
+    "setting": "stated by user", "by definition": "by definition",
+}  # fmt: skip
 STRESS, TORQUE = "N/mm2", "N m"  # units of the checks of a stress and of a torque
 GRADES: tuple[tuple[float, Grade], ...] = ((0.5, "low"), (0.8, "middle"), (math.inf, "high"))  # of a pass, below
 NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none over it reads 100 %
@@ -54,13 +58,29 @@ def value(check: Check) -> str:
     """The worst value, in words where there is none."""
     if np.isnan(check.value):
         return NONE
-    nothing = "no answer" if check.clause == "stability" else "no finite value"
+    nothing = "no solution" if check.clause == "stability" else "no finite value"
     return nothing if np.isinf(check.value) else number(check.value)
 
 
 def limit(check: Check) -> str:
     """The limit, of a least value with its sign."""
     return "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit)
+
+
+def against(check: Check) -> str:
+    """Return value and limit in words: "90.0 mm, required 98.7 mm or more" or "45.1, permissible 33.2 N/mm²"."""
+    in_unit = f" {unit(check)}".rstrip()
+    words = value(check) + in_unit * bool(np.isfinite(check.value))
+    if np.isnan(check.limit):
+        return f"{words}, no limit"
+    if check.at_least:
+        return f"{words}, required {given(check.limit)}{in_unit} or more"
+    return f"{words}, permissible {given(check.limit)}{in_unit}"
+
+
+def basis(check: Check) -> str:
+    """Return where the limit is from, in words."""
+    return BASIS[check.standing]
 
 
 def percent(used: float) -> str:

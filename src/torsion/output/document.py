@@ -19,9 +19,8 @@ from torsion.output.scene import checksum
 from torsion.output.stored_data import BY_NAME, NOT_KEPT
 
 DISCLAIMER = (
-    "This report was computed from the figures in the input file, which is part of it; it is as good as they are. "
-    "Limits marked “to be verified” are to be compared with the edition in force before the report is submitted. "
-    "It does not replace the approval of a classification society or measurements on the plant."
+    "The results are as accurate as the input data, which the appendix reproduces. The report does not replace the "
+    "approval of a classification society or measurements on the plant."
 )
 
 
@@ -102,11 +101,11 @@ class Document:
 
 def document(
     findings: Findings, today: date | None = None, report: Report = REPORTS["solve"],
-    before: Sequence[Block] = (),
+    before: Sequence[Block] = (), *, is_full: bool = False,
 ) -> Document:  # fmt: skip
-    """Return the report of the findings, with the blocks `before` at its begin."""
+    """Return the report of the findings, with the blocks `before` at its begin and, if full, all its appendices."""
     body, beside = list[Numbered](), dict[str, Callable[[], str]]()
-    for item in numbered([*before, *chapters(findings, report)]):
+    for item in numbered([*before, *chapters(findings, report, is_full=is_full)]):
         block, files = shortened(item.block, item.number, report.stem)
         body.append(Numbered(block, item.number))
         beside.update(files)

@@ -145,8 +145,8 @@ def test_a_small_stress_has_a_plot_of_its_own_and_a_large_one_not() -> None:
     small, large = KINDS["small stress"], KINDS["stress"]
     assert len(large.plots) == 1
     both, alone = small.plots
-    assert list(named(both)) == ["stress (synthesis)", "limit τ_{C}, continuous"]
-    assert list(named(alone)) == ["stress (synthesis)", "order 2"]
+    assert list(named(both)) == ["total stress", "limit τ_{C}, continuous"]
+    assert list(named(alone)) == ["total stress", "order 2"]
     assert both.x == alone.x
 
 
