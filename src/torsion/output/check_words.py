@@ -24,6 +24,8 @@ BASIS: Mapping[Standing, str] = {
 STRESS, TORQUE = "N/mm2", "N m"  # units of the checks of a stress and of a torque
 GRADES: tuple[tuple[float, Grade], ...] = ((0.5, "low"), (0.8, "middle"), (math.inf, "high"))  # of a pass, below
 NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none over it reads 100 %
+LEAST_LISTED, FEWEST_ROWS = 0.1, 5  # utilisation of the listed checks that pass; so many rows are listed anyway
+SMALL = f"{100 * LEAST_LISTED:g} % of the limit"
 NOT_JUDGED = Use("not judged", "", (3.0, 0.0))
 
 
@@ -37,6 +39,12 @@ def rank(check: Check) -> tuple[float, ...]:
     if used is None:
         used = math.inf if check.fails else -math.inf
     return order, -used, -excess if math.isinf(used) and not math.isnan(excess) else 0.0
+
+
+def is_listed(check: Check, row: int) -> bool:
+    """It stands in the table of checks, in this row of the ranked checks; a small utilisation does not."""
+    small = check.utilisation is not None and check.utilisation < LEAST_LISTED
+    return row < FEWEST_ROWS or check.verdict != "pass" or not small
 
 
 def is_judged(check: Check) -> bool:

@@ -19,8 +19,7 @@ from torsion.output.scene import checksum
 from torsion.output.stored_data import BY_NAME, NOT_KEPT
 
 DISCLAIMER = (
-    "The results are as accurate as the input data, which the appendix reproduces. The report does not replace the "
-    "approval of a classification society or measurements on the plant."
+    "The results are as accurate as the input data. The report does not replace class approval or measurements."
 )
 
 
@@ -128,7 +127,6 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
     facts = [
         ("Document", ", ".join(label)),
         *((words, stated.get(key, "")) for key, words in FRONT_MATTER.items()),
-        ("Description", study.description.strip()),
         ("Input file", study.shown_file),
         ("Input SHA-256", sha),
         ("Operation", operation_words(findings)),

@@ -12,7 +12,7 @@ from torsion.output.chapters.case_verdict import Row, side_by_side
 from torsion.output.figures import case_curves
 from torsion.output.figures.figure import Figure
 from torsion.output.headline import Cases
-from torsion.output.numbers import NONE, RPM, exact, number, rpm, symbols
+from torsion.output.numbers import NONE, RPM, counted, exact, number, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
 from torsion.output.selection import elements, highest, torques
 from torsion.rules import RULES
@@ -61,9 +61,10 @@ def _changes(findings: Findings) -> tuple[Change, ...]:
     return () if findings.study.case is None else findings.study.case.changes
 
 
-def _checks(cases: Cases) -> Iterator[Table]:
+def _checks(cases: Cases) -> Iterator[Block]:
     """Rows are checks, columns cases, the last the worst case; of many cases several tables."""
-    rows = side_by_side(cases)
+    ranked = side_by_side(cases)
+    rows = [row for place, row in enumerate(ranked) if check_words.is_listed(row.check, place)]
     if not rows:
         return
     for shown, part in _columns(cases):
@@ -72,8 +73,10 @@ def _checks(cases: Cases) -> Iterator[Table]:
             tuple(columns), [_cells(cases, row, shown) for row in rows],
             "Checks by case, worst first: value, speed of the reference and, in brackets, the order with the largest "
             f"contribution; value / limit if the limit differs by case{part}",
-            marks=[row.each[row.worst].verdict for row in rows],
+            marks=[row.check.verdict for row in rows],
         )  # fmt: skip
+    if omitted := len(ranked) - len(rows):
+        yield Paragraph(f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json.")
 
 
 def _columns(cases: Cases) -> Iterator[tuple[list[str], str]]:

@@ -30,11 +30,8 @@ from torsion.rules.verdict_line import Check, Checks
 MOST_BESIDE = 3  # failed checks of components that are not drawn, in words
 MOST_CRITICAL = 5  # critical speeds that are drawn
 MOST_SHARES = 5  # checks that are drawn as bars
-HEIGHT = 160.0  # px from the lowest to the highest axis of the sketch, at most
-KEY = (
-    "Train with the utilisation (value / limit) of stress or torque. An outline with a sign marks a component with a "
-    "failed check. Not to scale"
-)
+HEIGHT = 130.0  # px from the lowest to the highest axis of the sketch, at most
+KEY = "Train with the utilisation of stress or torque; an outline with a sign marks a failed check. Not to scale"
 
 
 def blocks(findings: Findings) -> Iterator[Block]:

@@ -29,6 +29,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         words = [part.source or NOT_STATED, *([part.note or ""] if noted else [])]
         rows.append((position, part.name, part.kind, part.ratio, *own, *words))
     yield Heading("The plant")
+    if description := findings.study.description.strip():
+        yield Paragraph(description)
     yield Paragraph(f"Speed ratio: speed / speed of {reference(findings)}; for a gear, at the driving wheel.")
     speeds, notes = "Rated speed [rpm] | " if speed is not None else "", " | < Note" if noted else ""
     titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the data{notes}"

@@ -15,7 +15,6 @@ from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, BarredRange, Check, Checks
 
 MOST_NAMED = 12  # components without a source that are named
-LEAST_LISTED, FEWEST_ROWS = 0.1, 5  # utilisation of the listed checks that pass; so many rows are listed anyway
 UNCONFIRMED = (
     "Limits with 'edition not confirmed' follow the published practice of the rule named. Compare them with the "
     "edition in force."
@@ -47,18 +46,10 @@ def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
     if not checks:
         return
     yield from heading
-    listed_checks = [
-        check
-        for row, check in enumerate(checks)
-        if row < FEWEST_ROWS
-        or check.verdict != "pass"
-        or check.utilisation is None
-        or check.utilisation >= LEAST_LISTED
-    ]
+    listed_checks = [check for row, check in enumerate(checks) if check_words.is_listed(check, row)]
     yield _checks(findings, listed_checks)
     if omitted := len(checks) - len(listed_checks):
-        below = f"{100 * LEAST_LISTED:g} % of the limit"
-        yield Paragraph(f"{counted(omitted, 'more check')} below {below} in results.json.")
+        yield Paragraph(f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json.")
     if any(check.standing == TO_BE_VERIFIED for check in checks):
         yield Paragraph(UNCONFIRMED)
     yield from barred_ranges(findings)

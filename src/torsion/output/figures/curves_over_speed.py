@@ -189,7 +189,7 @@ def stability(
         levels,
         ranges + missing,
         marks,
-        height=150.0,
+        height=200.0,
     )
     return Figure(name, caption, (panel,))
 
