@@ -56,7 +56,7 @@ def test_least_diameters_are_not_judged_without_the_rated_power() -> None:
     (line,) = [one for one in found.need(Checks).lines if one.clause == "minimum diameter"]
     assert (line.where, line.verdict, found.exit_status) == ("line", "not judged", 1)
     assert "write `power` of `operation.rated`" in line.note
-    assert headline(found)[0][1].startswith("NOT JUDGED: Outer diameter, line")
+    assert headline(found)[0][1].startswith(f"NOT JUDGED: {line.what}, line")
 
 
 GEARED = """

@@ -118,16 +118,6 @@ def test_a_pass_states_the_conditions_that_the_file_does_not_answer(rows, withou
     assert {clause for clause, row in found.items() if any(words in one for one in row.restrictions)} == set(places)
 
 
-@pytest.mark.parametrize(
-    ("first", "words"),
-    [("100 rpm", []), ("700 rpm", ["judged in continuous use only, 700 rpm to 1200 rpm"])],
-)
-def test_slow_speeds_that_are_left_out_are_a_restriction(rows, first, words) -> None:
-    """The speeds of the file begin at 100 rpm, and 1000 rpm are rated."""
-    pin = rows(continuous={"from": first, "to": "1200 rpm"})["pin fillet"]
-    assert [one for one in pin.restrictions if "continuous use" in one] == words
-
-
 def test_conditions_that_the_file_answers_are_no_restriction(rows) -> None:
     text = "; ".join(words for row in rows().values() for words in row.restrictions)
     assert not [word for word in ("one piece", "cold rolling", "radially", "of the train") if word in text]

@@ -80,7 +80,7 @@ def _in_short(table: Table) -> Grid:
         if column.align == "left" and table.marks and k == kept[-1]:
             made.add_column(column.short, overflow="fold", width=floors[k])
         elif column.align == "left":
-            made.add_column(column.short, overflow="ellipsis", min_width=floors[k])
+            made.add_column(column.short, overflow="fold" if table.marks else "ellipsis", min_width=floors[k])
         else:
             made.add_column(column.short, justify="right", no_wrap=True, overflow="fold")
     for row, mark in zip_longest(table.rows[:MOST_ROWS], table.marks[:MOST_ROWS], fillvalue=""):
@@ -104,7 +104,7 @@ def _least_widths(table: Table, kept: list[int]) -> dict[int, int]:
     is_cut = {k: table.columns[k].align == "left" and not (table.marks and k == kept[-1]) for k in kept}
     for longest in range(LONGEST_WORD, SHORTEST_WORD - 1, -1):
         floors = {k: min(width, longest) if is_cut[k] else width for k, width in widths.items()}
-        if sum(floors.values()) + GAP * len(floors) <= WIDTH:
+        if sum(floors.values()) + GAP * len(floors) - 1 <= WIDTH:
             break
     return floors
 
