@@ -34,6 +34,8 @@ moved_pages = {  # addresses before 0.1.0
     "live": "how-to/study/live-page",
     "many_machines": "how-to/study/cluster",
     "validation": "validation/index",
+    "theory": "explanation/theory/index",
+    "conventions": "reference/conventions",
 }
 myst_heading_anchors = 3
 highlight_language = "none"

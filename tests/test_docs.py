@@ -21,8 +21,11 @@ SCENES = ROOT / "shafting_specs"  # whose files examples name
 PAGES = [ROOT / "README.md", ROOT / "shafting_specs" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 LINKED = [*PAGES, ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "reports").glob("*.md")),
           *sorted((ROOT / "reports" / "papers").glob("*.md"))]  # fmt: skip
-THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
-EQUATION = re.compile(r"\(T(\d+)\)")
+THEORY = "\n".join(page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs/explanation/theory").glob("*.md")))
+EQUATION = re.compile(r"\((T\d+[a-z]?)\)")
+NUMBERED = re.findall(
+    r"^    .*\S +\(T(\d+)([a-z]?)\)$", THEORY, re.MULTILINE
+)  # number and letter, in the order of files
 AROUND = """
 name: example
 operation: {{speeds: {{from: 300 rpm, to: 1800 rpm}}, rated: {{speed: 1500 rpm, power: 100 kW}}}}
@@ -78,10 +81,11 @@ def test_documents_hold_scenes() -> None:
 
 
 def test_equations_are_numbered_once_and_without_gaps() -> None:
-    numbers = [
-        int(line.rpartition("(T")[2].rstrip(")")) for line in THEORY.splitlines() if re.search(r"\S +\(T\d+\)$", line)
-    ]
+    numbers = sorted(int(number) for number, letter in NUMBERED if not letter)
     assert numbers == list(range(1, len(numbers) + 1))
+    for number in {number for number, letter in NUMBERED if letter}:
+        letters = sorted(letter for other, letter in NUMBERED if letter and other == number)
+        assert letters == list("abcdefghijklmnop"[: len(letters)]), number
 
 
 @pytest.mark.parametrize("feature", DETAILS)
@@ -92,7 +96,7 @@ def test_the_factors_of_a_feature_are_those_of_the_rule(feature: str) -> None:
 
 
 def test_equations_that_are_cited_exist() -> None:
-    known = set(EQUATION.findall(THEORY))
+    known = {f"T{number}{letter}" for number, letter in NUMBERED}
     cited = {path: set(EQUATION.findall(path.read_text("utf-8"))) for path in [*PAGES, *(ROOT / "src").rglob("*.py")]}
     assert not {path.name: equations - known for path, equations in cited.items() if equations - known}
 

@@ -66,14 +66,19 @@ def test_no_page_names_a_place_of_this_machine(site: Path) -> None:
 
 
 def test_every_numbered_equation_is_a_place_that_is_linked(site: Path) -> None:
-    theory = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
-    numbers = re.findall(r"^    .*\S +\(([AT]\d+[a-z]?)\)$", theory, re.MULTILINE)
-    page = (site / "docs" / "theory.html").read_text(encoding="utf-8")
-    assert numbers
-    assert {number for number in numbers if f'class="equation" id="{number}"' not in page} == set()
-    assert 'href="#T6"' in page
-    assert "Z<sub>i</sub> is the dynamic stiffness" in page
-    assert 'href="theory.html#T35"' in (site / "docs" / "conventions.html").read_text(encoding="utf-8")
+    theory = "docs/explanation/theory/natural-frequencies"
+    for name in (theory, "docs/explanation/theory/class-rules", "docs/tutorials/two-discs-by-hand"):
+        text = (ROOT / f"{name}.md").read_text(encoding="utf-8")
+        numbers = re.findall(r"^    .*\S +\(([AT]\d+[a-z]?)\)$", text, re.MULTILINE)
+        page = (site / f"{name}.html").read_text(encoding="utf-8")
+        assert numbers
+        assert {number for number in numbers if f'class="equation" id="{number}"' not in page} == set()
+
+    page = (site / f"{theory}.html").read_text(encoding="utf-8")
+    assert 'href="#T3"' in page
+    assert "Z<sub>i</sub> is the" in page
+    conventions = (site / "docs" / "reference" / "conventions.html").read_text(encoding="utf-8")
+    assert 'href="../explanation/theory/joints.html#T35"' in conventions
 
 
 def test_the_gallery_has_sketch_figure_and_verdict_of_every_scene(site: Path) -> None:

@@ -3,11 +3,12 @@
 import re
 from collections.abc import Iterator
 from html import escape
+from pathlib import Path
 
 from docutils import nodes
 from sphinx.application import Sphinx
 
-THEORY = "docs/theory"
+PAGES = "docs/explanation/theory", "docs/tutorials/two-discs-by-hand"  # a folder, and a page
 NUMBER = re.compile(r"\(([AT]\d+[a-z]?)\)")  # (T12), (A1), (T115a)
 SYMBOL = re.compile(
     r"(?<=[A-Za-zα-ωΑ-Ω])_(\([^()]*\)|\{[^}]*\}|[A-Za-z0-9]+)(?![\w_])"
@@ -41,26 +42,48 @@ UPRIGHT = {
     "Π",
     "Δ",
 }
+_page_of: dict[str, str] = {}  # number of an equation: page
 LONGEST_SYMBOL = 2  # Latin letters beside each other that are a product; more are a word or a function
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Acts on every page that is written."""
+    app.connect("builder-inited", _locate)
     app.connect("doctree-resolved", _resolved)
     return {"parallel_read_safe": True}
+
+
+def _locate(app: Sphinx) -> None:
+    """Find the page that defines each equation."""
+    global _page_of
+    _page_of = page_of_equations(Path(app.srcdir))
+
+
+def page_of_equations(root: Path) -> dict[str, str]:
+    """Return the page, as Sphinx names it, that defines each equation; `root` is that of the repository."""
+    files = [path for name in PAGES for path in (*sorted((root / name).glob("*.md")), root / f"{name}.md")]
+    return {
+        match[2]: path.relative_to(root).with_suffix("").as_posix()
+        for path in files
+        if path.exists()
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if line.startswith("    ") and (match := NUMBERED.search(line))
+    }
 
 
 def _resolved(app: Sphinx, doctree: nodes.document, page: str) -> None:
     if app.builder.format != "html":
         return
+    has_equations = page.startswith(PAGES)
     defined = set[str]()
     for block in [*doctree.findall(nodes.literal_block)]:
-        if page == THEORY and block.get("language", "none") in ("none", "default"):
+        if has_equations and block.get("language", "none") in ("none", "default"):
             block.replace_self(nodes.raw("", rendered(block.astext(), defined), format="html"))
-    target = "" if page == THEORY else app.builder.get_relative_uri(page, THEORY)
+
+    targets = {name: "" if of == page else app.builder.get_relative_uri(page, of) for name, of in _page_of.items()}
     for text in [*doctree.findall(nodes.Text)]:
         if isinstance(text.parent, nodes.TextElement) and not _is_verbatim(text):
-            made = [*_linked(str(text), target, has_symbols=page == THEORY)]
+            made = [*_linked(str(text), targets, has_symbols=has_equations)]
             if len(made) > 1:
                 text.parent.replace(text, made)
 
@@ -74,14 +97,15 @@ def _is_verbatim(text: nodes.Text) -> bool:
     return False
 
 
-def _linked(text: str, page: str, *, has_symbols: bool) -> Iterator[nodes.Node]:
+def _linked(text: str, targets: dict[str, str], *, has_symbols: bool) -> Iterator[nodes.Node]:
     """Text, in which the numbers of equations lead to these, and symbols have their indices."""
-    found = [*NUMBER.finditer(text), *(SYMBOL.finditer(text) if has_symbols else ())]
+    numbers = (match for match in NUMBER.finditer(text) if match[1] in targets)
+    found = [*numbers, *(SYMBOL.finditer(text) if has_symbols else ())]
     place = 0
     for one in sorted(found, key=lambda match: match.start()):
         yield nodes.Text(text[place : one.start()])
         if one.re is NUMBER:
-            yield nodes.reference("", one[0], refuri=f"{page}#{one[1]}", internal=True)
+            yield nodes.reference("", one[0], refuri=f"{targets[one[1]]}#{one[1]}", internal=True)
         else:
             yield nodes.subscript("", one[1].strip("(){}"))
         place = one.end()

@@ -2,7 +2,7 @@
 
 A spring that begins at a twist b carries k max(u - b, 0). Of u = u0 + A cos(phi) the ramp max(u - b, 0) is above zero
 while |phi| < theta, cos(theta) = -(u0 - b)/A; its mean is A (sin - theta cos)/pi, its fundamental A share,
-share = (theta - sin cos)/pi (theory, T115a). Damping that acts in contact has the same share of its own fundamental.
+share = (theta - sin cos)/pi (T115a). Damping that acts in contact has the same share of its own fundamental.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Play, dry friction and stages in the steady vibration, by harmonic balance at the amplitude that is found.
 
 A coupling twisted by a mean and a vibration answers at the order of the vibration as a share of its own spring and
-damper with a complex stiffness beside it (kernels.describing_functions; theory, T115 to T115d). The reciprocal of the
+damper with a complex stiffness beside it (kernels.describing_functions; (T115) to (T115d)). The reciprocal of the
 twist in one span is linear in its dynamic stiffness K, 1/u = a + b K, so two answers of the linear train give
 A |a + b K(A)| = 1, of which all solutions are found and the largest is taken. The largest harmonic component of the
 span sets its amplitude for all of them.

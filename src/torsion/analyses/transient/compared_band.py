@@ -1,7 +1,7 @@
 """How many modes exact motions beside a response have, and how much work they may be.
 
 A band holds all modes up to some multiple of what is excited and of the couplings' own frequencies, and as many more as
-cost little; the others are a compliance (theory, T114). Work is counted and not timed, so that a result is the same on
+cost little; the others are a compliance (T114). Work is counted and not timed, so that a result is the same on
 every machine.
 """
 

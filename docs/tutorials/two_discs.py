@@ -1,11 +1,11 @@
-"""The figure of theory.md, chapter 0: python docs/two_discs.py writes two_discs.svg from the chapter's closed forms."""
+"""Draw two_discs.svg from the closed forms of the tutorial: python docs/tutorials/two_discs.py."""
 
 from math import pi, sqrt
 from pathlib import Path
 
 MOTOR, PROPELLER = 0.8, 0.2  # inertias, kg m2
 STIFFNESS, LOSS_FACTOR = 14400.0, 0.1  # of the spring, N m/rad
-TORQUE, ORDER = 25.0, 2  # at the propeller: half range, N m
+TORQUE, ORDER = 25.0, 2  # at the propeller: amplitude, N m
 SLOW, FAST = 300.0, 1800.0  # operation, rpm
 NATURAL = sqrt(STIFFNESS * (1 / MOTOR + 1 / PROPELLER))  # (A3), rad/s
 INK, GREY, BLUE, RED = "#222222", "#888888", "#0b5fa5", "#c0392b"
@@ -15,7 +15,7 @@ Scale = tuple[float, float, float, float]  # a value and its place in px, twice
 
 
 def spring_torque(speed: float) -> float:
-    """Half range of the torque in the spring at a speed in rpm, N m: (A7) with a loss factor and F at the propeller."""
+    """Return the amplitude of the torque in the spring at a speed in rpm, N m: (A7) with a loss factor and F at the propeller."""
     ratio = (ORDER * speed * pi / 30 / NATURAL) ** 2
     return TORQUE * MOTOR / (MOTOR + PROPELLER) / abs(1 - ratio / (1 + 1j * LOSS_FACTOR))
 
@@ -90,7 +90,7 @@ def response() -> list[str]:
     x, y = (SLOW, 570.0, FAST, 770.0), (0.0, BOTTOM, 220.0, TOP)
     critical = 30 * NATURAL / pi / ORDER
     speeds = sorted({*(SLOW + 10 * k for k in range(int((FAST - SLOW) / 10) + 1)), critical})
-    names = (f"torque in the spring, order {ORDER}", "speed, rpm", "N m, half range")
+    names = (f"torque in the spring, order {ORDER}", "speed, rpm", "N m, amplitude")
     return [
         *axes(x, y, names, ([300, 800, 1300, 1800], [0, 50, 100, 150, 200])),
         path([(at(critical, x), BOTTOM), (at(critical, x), TOP)], GREY, 1, "4 3"),
