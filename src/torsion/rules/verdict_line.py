@@ -216,7 +216,8 @@ def with_basis(check: Check, edition: str, verified: Verified | None = None) -> 
     """Return the check with the basis of its limit: that of the rule, or what a user confirms."""
     clauses = () if verified is None else verified.clauses or (check.clause,)
     if verified is None or check.standing != TO_BE_VERIFIED or check.clause not in clauses:
-        return replace(check, basis=Basis(KINDS[check.standing], edition, check.clause))
+        kind = KINDS[check.standing]
+        return replace(check, basis=Basis(kind, edition if kind in ("text", "unconfirmed") else "", check.clause))
     day = "" if verified.on is None else str(verified.on)
     verdict: Verdict = "fail" if check.verdict == "not kept" else check.verdict
     basis = Basis("confirmed", f"{edition}, {verified.edition}", check.clause, verified.by, day)
