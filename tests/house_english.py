@@ -43,7 +43,8 @@ OPENINGS = {  # at the start of a sentence
     r"(?:Of|Beside|Behind|Beyond) |(?:So|Nor|Neither) (?:is|are|do|does|has|have|a|the)\b": "open with the subject",
     r"(?:In|On|At|From|With|Between|Under|By|To|For)(?: [\w`’'-]+){1,4} (?<!it )(?<!there )(?<!they )"
     r"(?:is|are|stands?|lies?|comes?|goes) (?:the|a|an|no|every|each|all|only|what|that)\b"
-    r"|(?:Proven|Refused|Computed|Given|Counted|Named|Judged|Outlined|Missing|Kept|Left out|Known|Inside|Outside) (?:is|are|was|by|in|with)\b": "subject before verb",
+    r"|(?:Proven|Refused|Computed|Given|Counted|Named|Judged|"
+    r"Outlined|Missing|Kept|Left out|Known|Inside|Outside) (?:is|are|was|by|in|with)\b": "subject before verb",
     r"What (?!.*\?)|(?:Where|Whether|Whatever|Whose) (?!.*\?)": "open with the subject, or with If or When",
     r"(?:That|Those|Both|One|Each|Such|None|All|More|Others?) (?:of|that|which|with|by|in|are|is)\b": "name the thing",
     r"[^.?!]{25,}; (?:of|so|what|that|those|nor|neither|with|in|else) ": "two sentences",
