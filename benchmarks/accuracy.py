@@ -1,4 +1,4 @@
-"""Error against run time on three lines of shafts, openTorsion beside: `python -m benchmarks.accuracy [--quick]`.
+"""Error against run time on three lines of shafts, openTorsion next to: `python -m benchmarks.accuracy [--quick]`.
 
 Writes reports/accuracy.md and its figures in under five minutes; `--quick` takes half a minute, prints, and writes only
 with `--out`.

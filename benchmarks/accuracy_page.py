@@ -34,8 +34,8 @@ closed-form two-ports in mpmath with 60 digits, every frequency proven to 40 by 
 
 Time: assembly and solution of one call, the median of the calls after one to warm up, in which the methods take turns
 (what takes long is called once more); it is the processor's time of the one thread, which other load lengthens only
-through shared caches and memory. The scene's text is read, and openTorsion's elements are listed, outside the time.
-torsion gives frequencies, shapes, torques and enclosures; openTorsion `undamped_modal_analysis` and
+through shared caches and memory. The model file's text is read, and openTorsion's elements are listed, outside the
+time. torsion gives frequencies, shapes, torques and enclosures; openTorsion `undamped_modal_analysis` and
 `vibratory_torque`."""
 
 
@@ -50,7 +50,7 @@ class Study:
 
 
 def parts(studies: Sequence[Study], stepped: Sequence[TimedRow]) -> list[str]:
-    """Of the page; its figures lie beside it under `figure_name`."""
+    """Of the page; its figures lie next to it under `figure_name`."""
     made = [HOW]
     for study in studies:
         made += [f"## {study.name.capitalize()}", f"![{study.name}]({figure_name(study)})", _reading(study)]
@@ -104,7 +104,7 @@ def _best(rows: Sequence[TimedRow]) -> str:
 
 
 def _unanswered(rows: Sequence[TimedRow]) -> list[str]:
-    """One line of the rows without an answer, where there are any."""
+    """One line of the rows without a result, where there are any."""
     lacking: dict[str, list[str]] = {}
     for row in rows:
         if not np.isfinite(row.error):
@@ -121,8 +121,8 @@ def _verdicts(rows: Sequence[TimedRow]) -> str:
     at_least = fine.total.least / exact.total.least
     tenth = fastest(_of(rows, "fem, degree 10"), SHARE_OF_ERROR * coarse.error)
     lines = [
-        f"- exact against 500 elements, times faster: {faster:.3g} by the medians, {at_least:.3g} by the least times, "
-        f"both meant >= {FASTER:g}: " + verdict(min(faster, at_least) >= FASTER),
+        f"- exact against 500 elements, times faster: {faster:.3g} by the medians, {at_least:.3g} by the smallest "
+        f"times, both meant >= {FASTER:g}: " + verdict(min(faster, at_least) >= FASTER),
         f"- exact against 500 elements, times more accurate: {closer:.2g}, meant >= {MORE_ACCURATE:g}: "
         + verdict(closer >= MORE_ACCURATE),
     ]

@@ -1,7 +1,7 @@
 """What the whole command costs: `python -m benchmarks.command [--quick]`.
 
-`torsion solve` of scenes beside `torsion solve --json` of the same, which draws and writes nothing, in turn; where the
-time of each goes; and `--json` beside the bare imports. Every run is a fresh process. Writes reports/command.md;
+`torsion solve` of examples next to `torsion solve --json` of the same, which draws and writes nothing, in turn; where
+the time of each goes; and `--json` next to the bare imports. Every run is a fresh process. Writes reports/command.md;
 `--quick` takes half a minute, fewer runs, and prints without writing. Long trains are on scale.md.
 """
 
@@ -28,12 +28,12 @@ MOST, HEAVIEST = 1.6, 450.0  # of solve / --json, and kB of the first scene's pa
 IMPORTS, BARE = "import numpy, scipy.linalg, pydantic, yaml, pint", 1.5  # and the ratio of --json to them
 
 HOW = """\
-Times are of whole processes, from start to end, in s: the least of the runs, which take turns (`solve`, `--json`,
+Times are of whole processes, from start to end, in s: the smallest of the runs, which take turns (`solve`, `--json`,
 `solve`, ...), and in brackets the processor's. `solve` draws every figure and writes the page, the tables and
 results.json; `--json` solves the same and prints results.json. A ratio above its target is MISSED."""
 PARTS = """\
 Where the time goes, ms of one process: the median of the runs. `read` holds the import of the schema, `solve` that of
-the analyses which the scene needs; `blocks` are tables and figures as data, `page` draws and renders them."""
+the analyses which the model file needs; `blocks` are tables and figures as data, `page` draws and renders them."""
 
 
 def main() -> None:
@@ -49,14 +49,14 @@ def main() -> None:
         HOW, table(HEAD, map(_row, pairs)), _scene_verdicts(pairs),
         "## Where it goes", PARTS, table(("scene", *parts[0]), _part_rows(parts)),
     ]  # fmt: skip
-    report.publish("The command", [*sections, "## Beside the bare imports", bare])
+    report.publish("The command", [*sections, "## Next to the bare imports", bare])
 
 
 HEAD = ("scene", "solve", "--json", "ratio", "solve - json", "page kB", "results kB")
 
 
 def _pair(file: Path, folder: Path, runs: int) -> dict[str, Any]:
-    """Least seconds of both forms of the command, which take turns, and the weight of what the report holds."""
+    """Smallest seconds of both forms of the command, which take turns, and the weight of what the report holds."""
     out = folder / file.stem
     forms = {"solve": ["solve", str(file), "-o", str(out)], "json": ["solve", str(file), "--json"]}
     times = [{name: _run(words) for name, words in forms.items()} for _ in range(runs)]
@@ -67,7 +67,7 @@ def _pair(file: Path, folder: Path, runs: int) -> dict[str, Any]:
 
 
 def _run(words: Sequence[str]) -> tuple[float, float]:
-    """Seconds by the clock and of the processor; a failed check (status 1) and no answer (3) are answers too."""
+    """Seconds by the clock and of the processor; a failed check (status 1) and no result (3) are answers too."""
     start, before = perf_counter(), os.times()
     done = subprocess.run([sys.executable, "-m", "torsion", *words], capture_output=True, text=True, check=False)
     seconds, after = perf_counter() - start, os.times()
@@ -108,7 +108,7 @@ def _part_rows(parts: Sequence[dict[str, float]]) -> list[tuple[str, ...]]:
 
 
 def _beside_imports(folder: Path, runs: int) -> str:
-    """`--json` of six discs beside an interpreter that imports the libraries it needs and ends."""
+    """`--json` of six discs next to an interpreter that imports the libraries it needs and ends."""
     file = scene(cases.undamped(cases.chain(6, stiff=False)), folder)
     pairs = []
     for _ in range(runs):

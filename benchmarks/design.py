@@ -1,4 +1,4 @@
-"""A design of mixed figures beside an enumeration: `python -m benchmarks.design` writes reports/design.md."""
+"""A design of mixed figures next to an enumeration: `python -m benchmarks.design` writes reports/design.md."""
 
 import time
 from pathlib import Path
@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[1]
 SCENE = ROOT / "shafting_specs" / "design_coupling.yaml"
 SEEDS, MOST, SIDE = range(5), 400, 13  # evaluations of a search; values of each range in the enumeration
 RANGES = {"hub.inertia": ("0.05", "0.4", ""), "intermediate shaft.diameter": ("55", "70", " mm")}
-FILES = "coupling of a catalogue (6 sizes), inertia of the hub, diameter of the shaft, with the conditions of the scene"
+FILES = "coupling of a catalogue (6 sizes), inertia of the hub, diameter of the shaft, with its constraints"
 
 
 def design(text: str, *, seed: int = 1, steps: int = 0, evaluations: int = MOST) -> tuple[Design, float]:
@@ -45,9 +45,9 @@ def main() -> None:
     limit = (true.best[0].margin or 0.0) - 0.01
     good = sum((one.best[(one.chosen or 1) - 1].margin or 0.0) >= limit for one, _ in every)
     lines = [
-        "# Design: the search beside an enumeration", "", f"{SCENE.name}: {FILES}.",
+        "# Design: the search next to an enumeration", "", f"{SCENE.name}: {FILES}.",
         "Written by `python -m benchmarks.design`; time of the process, one thread.", "",
-        "| method | smallest margin | choice | solved by itself | evaluations | s |", "|---|---|---|---|---|---|",
+        "| method | smallest margin | choice | solved again | evaluations | s |", "|---|---|---|---|---|---|",
         *rows,
         "", f"Within 0.01 of the best of the grid, or better: {good} of {len(every)} seeds.", "",
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""A train with a clearance and friction from event to event, beside integrators: `python -m benchmarks.events`.
+"""A train with a clearance and friction from event to event, next to integrators: `python -m benchmarks.events`.
 
 It writes reports/events.md in three minutes. The reference is a Taylor series of extended precision in the angles of
 the stations, with a march of its own from event to event.
@@ -24,7 +24,7 @@ TIMES = np.arange(1, SAMPLES + 1) * (DURATION / SAMPLES)
 MORE_ACCURATE, FASTER = 1e6, 20.0  # than Newmark at the same time, than DOP853 at USEFUL
 USEFUL = 1e-4  # tolerance, or error
 WHAT = """\
-Ten stations, a clearance of 0.01 rad (1e5 N m/rad, 20 N m s/rad) in the middle, friction of 5 N m (5e4 N m/rad) beside
+Ten stations, a clearance of 0.01 rad (1e5 N m/rad, 20 N m s/rad) in the middle, friction of 5 N m (5e4 N m/rad) next to
 a span, a torque that oscillates and decays against a steady load of 30 N m, from rest. Error: of the torques of both
 at 200 times, of their peak, up to 0.25, 0.5, 1 and 2 s. Time: processor time, median of runs of all methods in turn.
 Newmark: average acceleration with Newton on both torques, in modal coordinates; DOP853: the same coordinates, its own
@@ -43,7 +43,7 @@ def main() -> None:
     parts = [WHAT]
     for name, chosen in TRAINS.items():
         parts += [f"## {name}", *measured(*chosen, report.chosen.calls)]
-    report.publish("Play and friction from event to event", parts)
+    report.publish("Backlash and friction from event to event", parts)
 
 
 def measured(ratio: float, load: float, rate: complex, calls: int) -> tuple[str, str]:

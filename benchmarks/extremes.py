@@ -92,7 +92,7 @@ def _pen(method: str) -> int:
 
 
 def _size(error: float) -> str:
-    return f"{error:.1e}" if np.isfinite(error) else "beyond all bounds (no answer)"
+    return f"{error:.1e}" if np.isfinite(error) else "beyond all bounds (no result)"
 
 
 def ends_table(sweep: Sweep) -> str:

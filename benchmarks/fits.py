@@ -37,11 +37,11 @@ MEASURED = {  # figures that vary, whether both frequencies, and which torsiogra
     "frequencies, torque of the soft coupling": (tuple(PRIOR), True, (("soft", 2, "torque"),)),
 }
 UNITS = {"angle": "rad", "torque": "N*m"}
-WORDS = """A geared drive of three inertias and two couplings. Of every fit the true figures are drawn from what the
+WORDS = """A geared drive of three inertias and two couplings. Of every fit the true values are drawn from what the
 file states of them (log-normal: 15 % of the soft coupling's stiffness, 25 % of its psi, 10 % of the stiff one, 5 % of
 the pump's inertia), the true drive is solved the ordinary way, what is measured is scattered by its stated deviation
 (0.5 % of a frequency, 5 % of each of 30 amplitudes), and the fit starts from the file. Counted are the 95 % intervals
-that hold the true figure, with the 95 % error of that share; where there are other minima they reach over all. Time is
+that hold the true value, with the 95 % error of that share; where there are other minima they reach over all. Time is
 that of the process, the fitted file and its curves included."""
 
 

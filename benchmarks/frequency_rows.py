@@ -26,7 +26,7 @@ LARGEST_OF_PLAIN = 100  # stations; the time of one-sided rotations grows with t
 
 
 def compare(damped_case: Case, effort: Effort, folder: Path) -> Row:
-    """Errors and times of all frequencies, dampers left out; the peers' assembly is timed apart from their analysis."""
+    """Errors and times of all frequencies, dampers omitted; the peers' assembly is timed apart from their analysis."""
     case = undamped(damped_case)
     modes = _chosen(case.size - 1, effort.modes)
     exact = references.frequencies(case, modes)

@@ -47,7 +47,7 @@ A train from rest for {DURATION:g} s: 100 N m on its first disc, rising in 20 ms
 likewise. Every mode has a damping ratio of {RATIO:g}. Error: the largest over the spans and 200 times, of the span's
 own largest torque; the reference is the closed form of every mode in mpmath with {DIGITS} digits. Time, of one
 processor: the matrices or modes, the march and the torques, once. The step-by-step methods march as one matrix of
-numbers a step, which is the least that they can cost; their torques are stiffness times twist. DOP853 and Radau
+numbers a step, which is the smallest that they can cost; their torques are stiffness times twist. DOP853 and Radau
 (scipy) run on the certified modes, anew at every kink of the torques; DOP853, whose steps follow the fastest mode, not
 beyond {STIFF:g} rad/s. *Modes, exact* is what `transient` does: its samples are no steps, and its torques are sums of
 modal torques."""
@@ -95,7 +95,7 @@ def main() -> None:
         cells = [(row.method, row.setting, f"{row.seconds:.3g}", shown_error(row.error)) for row in measured]
         head = ("method", "step or tolerance", "time, s", "error")
         parts += [f"## {case.name}", about, f"![{case.name}]({_file(case)})", table(head, cells)]
-    parts += ["## Size", _sizes(), "## What it was to show", _verdicts(found)]
+    parts += ["## Size", _sizes(), "## Targets", _verdicts(found)]
     figures = {_file(case): _drawn(case.name, measured) for case, measured in found.items()}
     report.publish("Integration over time: error against run time", parts, figures)
 

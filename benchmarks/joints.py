@@ -17,7 +17,7 @@ from torsion.kinematics.line import Line, line_of, motion
 ANGLES, JOINTS, TARGET = 1_000_000, 6, 2.0  # the last in s
 CHECKED = 200  # angles composed again
 WHAT = f"""\
-Angle, speed and acceleration behind each of six cross joints (5 to 89 degrees, planes and phases random) at
+Angle, speed and acceleration downstream of each of six cross joints (5 to 89 degrees, planes and phases random) at
 {ANGLES} driving angles in one call. An angle of up to 100 rad is stored to 1.4e-14 rad by double precision;
 steep joints magnify that."""
 
@@ -39,7 +39,7 @@ def main() -> None:
 
 
 def _errors(driving: np.ndarray, line: Line, found: Transfer) -> dict[str, float]:
-    """Worst error of what stands behind the last joint, against the same composition in 40 digits."""
+    """Worst error of what stands after the last joint, against the same composition in 40 digits."""
     worst = {"angle, rad": 0.0, "speed, relative": 0.0}
     with mp.workdps(40):
         for place, turned in enumerate(driving.tolist()):
@@ -64,7 +64,7 @@ def _lines(times: list[float], errors: dict[str, float]) -> Iterator[str]:
         f"{TARGET:g} s: {verdict(middle < TARGET)}"
     )
     for what, size in errors.items():
-        yield f"- worst error of {CHECKED} angles behind the last joint, {what}: {size:.1e}"
+        yield f"- worst error of {CHECKED} angles after the last joint, {what}: {size:.1e}"
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 """How soon `torsion live` shows what has changed: `python -m benchmarks.live [--quick]`; needs the extra `browser`.
 
-A chain of 20 stations, and scenes, in a Chromium without a screen: from the start of the command to the first picture,
-from the moment a file is written to the picture of it, and from a slider's event to its picture, each when the frame
-has been painted. Writes reports/live.md; `--quick` takes half a minute, and prints without writing.
+A chain of 20 stations, and examples, in a Chromium without a screen: from the start of the command to the first
+picture, from the moment a file is written to the picture of it, and from a slider's event to its picture, each when the
+frame has been painted. Writes reports/live.md; `--quick` takes half a minute, and prints without writing.
 """
 
 import re

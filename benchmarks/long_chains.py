@@ -1,4 +1,4 @@
-"""Lowest 20 modes of chains of 1e5 to 1e6 stations beside `eigsh`: `python -m benchmarks.long_chains [--quick]`.
+"""Lowest 20 modes of chains of 1e5 to 1e6 stations next to `eigsh`: `python -m benchmarks.long_chains [--quick]`.
 
 Every run is a fresh process, so that its peak of memory is its own; the programs take turns. Writes
 reports/long_chains.md; `--quick` takes two minutes, smaller chains, and prints without writing.
@@ -205,7 +205,7 @@ def _summary(answers: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _best_peer(row: dict[str, Any]) -> tuple[str, dict[str, Any]] | None:
-    """The shift with the least time, and its summary."""
+    """The shift with the smallest time, and its summary."""
     found = {name: _summary(answers) for name, answers in row["answers"].items() if name != "torsion"}
     good = {name: its for name, its in found.items() if "fault" not in its}
     return min(good.items(), key=lambda item: float(item[1]["seconds"])) if good else None

@@ -1,6 +1,6 @@
 """A motor start of ten discs, error against run time: `python -m benchmarks.motor_start` writes reports/motor_start.md.
 
-Exponential collocation beside the integrators of scipy, which work on the same certified modes in well-scaled
+Exponential collocation next to the integrators of scipy, which work on the same certified modes in well-scaled
 coordinates (speeds, and frequencies times places) and, where they are implicit, with the exact Jacobian.
 """
 

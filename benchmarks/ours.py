@@ -40,7 +40,7 @@ def plain(bare: Tree) -> Any:
 
 
 def frequencies_of_chain(case: Case) -> Callable[[], np.ndarray]:
-    """What gives all elastic frequencies alone, rad/s, from the arrays of inertia and stiffness."""
+    """What gives all elastic frequencies only, rad/s, from the arrays of inertia and stiffness."""
     inertia, stiffness = np.array(case.inertia), np.array(case.stiffness[1:])
     return lambda: chain_frequencies(inertia, stiffness)
 

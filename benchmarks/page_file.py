@@ -1,4 +1,4 @@
-"""A study as a command: its options, the machine that it runs on, and its page with figures beside it."""
+"""A study as a command: its options, the machine that it runs on, and its page with figures next to it."""
 
 import argparse
 import warnings

@@ -1,4 +1,4 @@
-"""torsion beside openTorsion and ROSS: `python -m benchmarks.peers` writes reports/peers.md in about six minutes.
+"""torsion next to openTorsion and ROSS: `python -m benchmarks.peers` writes reports/peers.md in about six minutes.
 
 Its last section is put by `python -m benchmarks.peers_engines`, to be run after it.
 `--quick` takes a minute, leaves the largest trains out and prints without writing.
@@ -21,7 +21,7 @@ def main() -> None:
     effort = QUICK if report.chosen.quick else FULL
     with tempfile.TemporaryDirectory() as folder:
         frequencies = _progress(_frequency_rows(effort, Path(folder)))
-    report.publish("torsion beside openTorsion and ROSS", parts(frequencies, _progress(_response_rows(effort))))
+    report.publish("torsion next to openTorsion and ROSS", parts(frequencies, _progress(_response_rows(effort))))
 
 
 def _frequency_rows(effort: Effort, folder: Path) -> Iterator[Row]:

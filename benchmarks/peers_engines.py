@@ -1,4 +1,4 @@
-"""torsion beside the figures that others published of engines: `python -m benchmarks.peers_engines`.
+"""torsion next to the figures that others published of engines: `python -m benchmarks.peers_engines`.
 
 It puts the last section of reports/peers.md anew in some seconds; all before it stays as it was measured.
 """
@@ -22,15 +22,15 @@ ROOT = Path(__file__).parents[1]
 ORACLES = ROOT / "tests" / "kernels" / "engine" / "oracles.json"
 HEAD = "## Engine trains: published figures"
 WHAT = """\
-This section was put by `python -m benchmarks.peers_engines`, which runs {name} beside torsion; what is called printed
+This section was put by `python -m benchmarks.peers_engines`, which runs {name} next to torsion; what is called printed
 is as its authors print it.
 
 The six-cylinder engine of Mendes et al. (2008), with the harmonics of openTorsion's digitised pressure, at 2000 rpm.
 `vibratory_torque` of openTorsion, with the loss factor by its `C_func`, adds the magnitudes of all orders, which no
-moment of the cycle reaches, of the elastic share of the torque alone: the whole torque is |1 + 0.035 i| times that, by
+moment of the cycle reaches, of the elastic share of the torque only: the whole torque is |1 + 0.035 i| times that, by
 the loss factor of the crank. torsion sums the orders as phasors over the cycle; half of what lies between its extremes
-is the half range that a rule compares, and the sum of magnitudes is given as a bound. The scene has its harmonics in
-nine digits."""
+is the amplitude that a rule compares, and the sum of magnitudes is given as a bound. The model file has its harmonics
+in nine digits."""
 HENDRIKSE = (
     "[disc: {{inertia: 0.15}}, coupling: {{stiffness: {}}}, disc: {{inertia: 0.02}}, coupling: {{stiffness: 5000}}, "
     "disc: {{inertia: 0.05}}]"
@@ -60,7 +60,7 @@ def main() -> None:
 
 
 def engine() -> str:
-    """Sums and half ranges of the first and the last span."""
+    """Sums and amplitudes of the first and the last span."""
     known = json.loads(ORACLES.read_text(encoding="utf-8"))["six_cylinder_mendes_pressure"]
     at_speed = known["by rpm"]["2000"]
     sums = sums_of_magnitudes(known["train"], np.array(at_speed["C re, im, orders 0..12"]) @ [1.0, 1.0j])
@@ -76,8 +76,8 @@ def engine() -> str:
             f"{bound / WHOLE / printed - 1:.1e}", f"{bound:.4f}", f"{half:.4f}", f"{dense:.4f}", f"{bound / half:.3f}",
         ])  # fmt: skip
     head = ["span", "openTorsion, sum, N m", "torsion, sum, elastic share, N m", "difference", "torsion, sum, N m",
-            "torsion, half range, N m",
-            "dense solution of 7200 samples, half range, N m", "sum / half range"]  # fmt: skip
+            "torsion, amplitude, N m",
+            "dense solution of 7200 samples, amplitude, N m", "sum / amplitude"]  # fmt: skip
     return table(head, rows)
 
 
@@ -100,7 +100,7 @@ def sums_of_magnitudes(train: dict[str, Any], harmonics: ComplexArray) -> FloatA
 
 
 def frequencies() -> str:
-    """Natural frequencies beside those printed."""
+    """Natural frequencies next to those printed."""
     rows = []
     for title, (train, printed) in PAIRS.items():
         found = torsion.run(torsion.parse(f"name: x\ntrain: {train}\n"), only=("modes",)).results["modes"].frequency

@@ -1,4 +1,4 @@
-"""The page of the peer benchmark: tables in Markdown, every ratio beside what it was meant to be."""
+"""The page of the peer benchmark: tables in Markdown, every ratio next to what it was meant to be."""
 
 import math
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ how many of a train's modes have a reference, "enclosed" how many of these lie i
 Times are of one process and one thread, the programs taken in turn (A B A B ...); the best call is given, and the
 number of calls in brackets; an assembly and its analysis are a sum. A ratio is peer over torsion, of the best calls
 and, after the stroke, of the median calls. A call that takes more than a fifth of the
-time allowed is made once. Nothing is left out because it was wrong.
+time allowed is made once. Nothing is omitted because it was wrong.
 """
 MODES_NOTE = """\
 The frequencies of a program are sorted and compared by rank, a peer's lowest being taken for the rigid motion; where
@@ -52,7 +52,7 @@ Chain frequencies and trees with vectors: kernel, from the lists of inertias and
 `undamped_modal_analysis` of matrices assembled beforehand; then with `Assembly`, which openTorsion needs to begin from
 the same lists; then against `Assembly` and `modal_analysis`, the analysis that its manual begins with. Whole call:
 `torsion.assemble` and `torsion.modes` with shapes and certificate, against the last two. The peers always find all
-modes; where torsion finds the lowest 20 alone, the line says so. `plain_modes` is one decomposition without
+modes; where torsion finds only the lowest 20, the line says so. `plain_modes` is one decomposition without
 certificate. A verdict that does not hold for all columns names those it holds for.
 """
 RESPONSE_NOTE = """\
@@ -162,7 +162,7 @@ def _ratio(
     ratios = [f"{_figures(t[0] / own[0])} / {_figures(t[1] / own[1])}" if t else "-" for t in peers]
     holds = {place: t[0] / own[0] >= target for place, t in enumerate(peers, 1) if t}
     met = [str(place) for place, good in holds.items() if good]
-    verdict = f"met against ({') and ('.join(met)}) alone" if met else "MISSED"
+    verdict = f"met only against ({') and ('.join(met)})" if met else "MISSED"
     if len(met) == len(holds):
         verdict = "met"
     return [*head, *ratios, f">= {target}", verdict]

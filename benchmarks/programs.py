@@ -58,7 +58,7 @@ class Row:
     faults: tuple[str, ...] = ()
 
     def least(self, name: str) -> tuple[float, float] | None:
-        """Least and median seconds of a program's answer to one frequency, what it stands on taken as given."""
+        """Smallest and median seconds of a program's answer to one frequency, what it stands on taken as given."""
         found = self.timed.get(name)
         return None if found is None else _times(found.solve_spread, found.size)
 

@@ -1,4 +1,4 @@
-"""`torsion solve` beside `--json` on trains of very many components: `python -m benchmarks.scale [--quick]`.
+"""`torsion solve` next to `--json` on trains of very many components: `python -m benchmarks.scale [--quick]`.
 
 Writes reports/scale.md: the report is to be below 2 MB and to take at most 5 s beyond the solving; `--quick` takes the
 trains of 1,000 stations and fewer, one run each, and prints without writing.
@@ -21,7 +21,7 @@ RATED = "rated: {speed: 1500 rpm, power: 100 kW}"
 USV = Path(__file__).parents[1] / "shafting_specs" / "usv.yaml"
 LARGE = 1_000  # stations; larger trains are no part of a quick run
 HOW = f"""\
-Time is that of the processor, user and system, of a fresh process, the least of the runs: a wall clock of a machine
+Time is that of the processor, user and system, of a fresh process, the smallest of the runs: a wall clock of a machine
 that others use says little. `--json` prints the results, which no cap shortens and which are written into a pipe; of
 very many numbers that takes far longer than the report, which keeps them in series.npz. Meant: report.html below
 {MOST_BYTES / 1e6:g} MB, and at most {MOST_SECONDS:g} s beyond `--json`."""
@@ -95,7 +95,7 @@ def main() -> None:
                 file.write_text(scene(), encoding="utf-8")
                 rows.append(_measured(name, file, Path(folder) / "report", runs))
     head = ("train", "--json s", "with report s", "beyond s", "report.html kB", "results.json MB", "series.npz MB",
-            "tables and input beside it MB", "meant")  # fmt: skip
+            "tables and input next to it MB", "meant")  # fmt: skip
     report.publish("Reports of very long trains", [HOW, f"- Runs of each: {runs}", table(head, rows)])
 
 
@@ -110,7 +110,7 @@ def _measured(name: str, file: Path, folder: Path, runs: int) -> list[Any]:
 
 
 def _seconds(options: list[str], file: Path) -> float:
-    """Processor time of `torsion solve`; raises RuntimeError where it has no answer."""
+    """Processor time of `torsion solve`; raises RuntimeError where it has no result."""
     before = getrusage(RUSAGE_CHILDREN)
     command = [sys.executable, "-m", "torsion", "solve", str(file), *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as running:

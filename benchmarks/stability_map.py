@@ -56,7 +56,7 @@ def _parts(found: StabilityMap, stations: int, wall: float, processor: float) ->
         f"- time: {wall:.0f} s by the clock, {processor:.0f} s of one processor; meant < {TARGET:g} s on two cores: "
         + verdict(wall < TARGET),
         f"- largest difference to the whole train at the points that were checked: {found.error:.1e} 1/s",
-        f"- points without an answer: {int(np.isnan(growth).sum())} of {growth.size}",
+        f"- points without a result: {int(np.isnan(growth).sum())} of {growth.size}",
         f"- unstable points: {int((growth > 0).sum())}; fastest growth {np.nanmax(growth):.3f} 1/s",
     )
     return what, "\n".join(lines)

@@ -1,7 +1,7 @@
 """Steps and fillets of round shafts by finite elements: `python -m benchmarks.steps` writes reports/steps.md.
 
-Error against run time of a junction, its excess length beside the handbook's, stress in fillets beside the classical
-fits, and a line of eight sections beside an axisymmetric model of the whole. Takes half a minute.
+Error against run time of a junction, its excess length next to the handbook's, stress in fillets next to the classical
+fits, and a line of eight sections next to an axisymmetric model of the whole. Takes half a minute.
 """
 
 import math
@@ -38,16 +38,16 @@ STEPS = {
 WHAT = """\
 The excess length of a junction is the length of the smaller shaft, in units of its diameter, whose twist the junction
 has beyond that of both shafts each as if it were long. Bounds are those of energy and of complementary energy on one
-mesh; figures from memory are to be verified."""
+mesh; coefficients are to be verified."""
 
 STRESS = """\
 K_t is the largest shear stress in the fillet over 16 T/(pi d^3). Fits: Peterson's (Pilkey 1997, chart 3.12, for
-0.25 <= h/r <= 4) and A (r/d)^b (Shigley, from memory); both read charts of electrical analogues, to be verified. They
-lie above the elements by up to 3.2 % and 7.5 %, and the second below them where fillets are large. The meshes here are
-divided until the two fields, and two meshes one after another, agree to 1e-4: the 3.2 % are not those of the elements.
-"""
+0.25 <= h/r <= 4) and A (r/d)^b (Shigley, to be verified); both read charts of electrical analogues, to be verified.
+They lie above the elements by up to 3.2 % and 7.5 %, and the second below them where fillets are large. The meshes here
+are divided until the two fields, and two meshes one after another, agree to 1e-4: the 3.2 % are not those of the
+elements. """
 KEYWAY = """\
-A keyway d/4 wide with flanks of d/8. The fit is that of Peterson's chart 5.2 (from memory, to be verified), of
+A keyway d/4 wide with flanks of d/8. The fit is that of Peterson's chart 5.2 (to be verified), of
 photoelastic tests. The meshes do not explain its difference: they converge from left to right, on a round groove the
 same code is within 7e-6 of Weber's closed form, and charges in the groove (no mesh) agree within 3e-4 up to r/d 1/48.
 """
@@ -71,7 +71,7 @@ def main() -> None:
     report = Report(__doc__, "steps")
     parts = [WHAT]
     for title, lines in (
-        ("Error against run time", _times()), ("Excess length beside the handbook's", _handbook()),
+        ("Error against run time", _times()), ("Excess length next to the handbook's", _handbook()),
         ("The table", _table()), ("Stress in a fillet", _stress()), ("Stress in a keyway", _keyway()),
         ("A shaft in a hub", _hub()), ("A line of eight sections", _line()),
     ):  # fmt: skip
@@ -92,7 +92,7 @@ def _times() -> Iterator[str]:
 
 
 def _handbook() -> Iterator[str]:
-    yield "Sharp corners, solid. The handbook's figures (from memory, to be verified) are low for large steps.\n"
+    yield "Sharp corners, solid. The handbook's figures (to be verified) are low for large steps.\n"
     yield "| D/d | lower bound | upper bound | handbook | handbook / ours - 1 |"
     yield "|---:|---:|---:|---:|---:|"
     for larger in SHARP:
@@ -102,7 +102,7 @@ def _handbook() -> Iterator[str]:
         off = f"{100 * (known / found.excess_length - 1):+.0f} %" if known else ""
         low, high = (f"{abs(one) if larger == 1.0 else one:.7f}" for one in found.excess)
         yield f"| {larger:g} | {low} | {high} | {'' if known is None else f'{known:g}'} | {off} |"
-    yield f"\nThe last handbook figure is its limit for a very large step, beside D/d {SHARP[-1]:g}."
+    yield f"\nThe last handbook figure is its limit for a very large step, next to D/d {SHARP[-1]:g}."
 
 
 def _table() -> Iterator[str]:

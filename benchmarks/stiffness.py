@@ -20,12 +20,12 @@ from benchmarks.page_file import Report
 LENGTHS = (20, 50, 100, 300, 1000, 3000, 10_000, 100_000, 1_000_000)
 
 HOW = f"""\
-Each sweep makes one figure of the train extreme and leaves all else benign. Errors are relative, against references in
-60 digits and more ({references.ARITHMETIC} for frequencies and torques, mpmath for damped roots and joints); where a
-frequency has a reference, counts prove it to {references.PROVEN} digits. Every program is given the same doubles. An
-answer is called useful up to an error of {USEFUL:g}. Crosses at the top of a figure are answers that failed or
-were not finite. openTorsion, and numpy and scipy (eigh, eigsh, solve, eig) on assembled matrices, stand for what is in
-use; full matrices are not used for long chains. `plain_modes` gives no certificate and takes no massless stations."""
+Each sweep makes one parameter of the train extreme. Errors are relative, against references of at least 60 digits:
+{references.ARITHMETIC} for frequencies and torques, mpmath for damped roots and joints. Counts prove the reference
+frequencies to {references.PROVEN} digits. Every program gets the same doubles. A result is useful up to
+an error of {USEFUL:g}. Crosses at the top of a figure are results that failed or were not finite. For comparison:
+openTorsion, and numpy and scipy (eigh, eigsh, solve, eig) on assembled matrices, without long chains. `plain_modes`
+gives no certificate and accepts no massless stations."""
 
 
 def main() -> None:

@@ -41,7 +41,7 @@ def damping(scales: Sequence[float]) -> tuple[Sweep, Sweep]:
             decay.add(name, scale, lambda run=program, case=case, want=exact: nearest(run(case), want, real=True))
         known_from.setdefault(len(exact) - len(oscillating), scale)
     words = ", ".join(f"{count} from {scale:.2g}" for count, scale in known_from.items())
-    swinging.remarks.append(f"Real roots (the one at 0 left out) by scale of the dampers: {words}.")
+    swinging.remarks.append(f"Real roots (the one at 0 omitted) by scale of the dampers: {words}.")
     return swinging, decay
 
 

@@ -1,4 +1,4 @@
-"""Many trains of one layout side by side, beside a loop over them: `python -m benchmarks.sweeps [--quick]`.
+"""Many trains of one layout side by side, next to a loop over them: `python -m benchmarks.sweeps [--quick]`.
 
 Writes reports/sweeps.md; `--quick` takes a fifth of the trains and prints without writing.
 """
@@ -32,8 +32,8 @@ HOW = """\
 Every train of a case has its own inertias (±5 %) and stiffnesses (±15 %, uniform, one seed). Side by side:
 `variant_modes`, the lowest modes of all trains with the counts that prove each; a loop: `tree_modes` of torsion, and
 `Assembly` with `undamped_modal_analysis` of openTorsion, which finds all modes with their shapes. Times are of the
-processor in one process and one thread, the programs in turn, the least of the runs, per train. Errors are against 60
-digits, the largest of all modes of the trains compared; "alone" are frequencies that were found train by train."""
+processor in one process and one thread, the programs in turn, the smallest of the runs, per train. Errors are against
+60 digits, the largest of all modes of the trains compared; "alone" are frequencies that were found train by train."""
 HEAD = (
     "stations", "train", "modes", "side by side µs", "loop of torsion µs", "ratio", "openTorsion µs", "ratio", "meant",
     "error", "openTorsion's error", "alone of",
@@ -43,7 +43,7 @@ NETWORKS = ((6, 1, 4), (10, 1, 6), (10, 2, 6), (20, 1, 6), (6, 0, 4), (10, 0, 6)
 OF_NETWORKS = """\
 Chains with one chord from the second station to the last but one, or with one from end to end besides, varied in the
 same way, and without chords with every second span a distributed shaft as heavy as 1 % of the lightest station:
-`network_modes`, every mode proven by counts, beside a loop over `graph_modes` or `tree_modes`. The difference is the
+`network_modes`, every mode proven by counts, next to a loop over `graph_modes` or `tree_modes`. The difference is the
 largest between both; width is that of the widest bounds."""
 NETWORK_HEAD = (
     "stations", "chords", "shafts", "modes", "side by side µs", "one by one µs", "ratio", "difference", "width",
@@ -146,7 +146,7 @@ def _variant(case: Case, inertia: np.ndarray, stiffness: np.ndarray) -> Case:
 
 
 def _in_turn(*programs: Callable[[], object]) -> tuple[list[float], list]:
-    """Least processor time of each, and its answer."""
+    """Smallest processor time of each, and its answer."""
     best, answers = [np.inf] * len(programs), [None] * len(programs)
     for _ in range(RUNS):
         for k, program in enumerate(programs):

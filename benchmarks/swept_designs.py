@@ -40,7 +40,7 @@ rules: [coupling-maker]
 """
 CATALOGUE, DIAMETER = "rubber: {catalogue: rows.csv}", "tail.diameter: {from: 40 mm, to: 75 mm}"
 PHASE = "motor.ripple.1.phase: {from: -90 deg, to: 90 deg}"
-HEAD = "problem", "choices tried", "method", "smallest margin", "chosen", "solved by itself", "s"
+HEAD = "problem", "choices tried", "method", "smallest margin", "chosen", "solved again", "s"
 
 
 def designs(*, quick: bool = False) -> list[str]:
@@ -108,7 +108,7 @@ def _mixed(folder: Path) -> tuple[list[tuple[float, tuple[str, ...]]], float, st
     alone = (process_time() - begin) / len(grid[::500])
     words = (
         f"Mixed: coupling of {FEW} rows, diameter and phase. The truth: all of {FEW} by {GRID[0]} by {GRID[1]}, "
-        f"{len(grid):,} in {seconds:.1f} s ({len(grid) / seconds:,.0f} a second, {bench.alone} of them by themselves; "
+        f"{len(grid):,} in {seconds:.1f} s ({len(grid) / seconds:,.0f} a second, {bench.alone} of them one by one; "
         f"one by one {1 / alone:.0f} a second): {true[at]:.5f} at r{grid[at, 0]:.0f}, {grid[at, 1]:.4g} mm, "
         f"{grid[at, 2]:.4g} deg, where the margins are {', '.join(f'{one:.3f}' for one in every[:, at])}."
     )

@@ -52,7 +52,7 @@ def responses(quick: bool) -> list[str]:
 
 
 def _verdicts(count: int) -> str:
-    """The scene of the toleranced drive, judged side by side and one by one."""
+    """The model file of the toleranced drive, judged side by side and one by one."""
     _swept(COMPARED)  # libraries are imported
     many, few = _swept(count), _swept(COMPARED)
     with patch.object(sweep_run, "judged_together", lambda *given: (None, "timed")):
@@ -63,9 +63,9 @@ def _verdicts(count: int) -> str:
     gap = max(float(np.abs(one.utilisation / other.utilisation - 1.0).max()) for one, other in pairs)
     return (
         f"`toleranced_drive`, whose eight figures vary, judged by `coupling-maker`: {1.0 / side_by_side:.0f} "
-        f"variants/s side by side (those near the limit solved by themselves once more), {1.0 / by_itself:.0f} one by "
+        f"variants/s side by side (those near the limit solved again one by one), {1.0 / by_itself:.0f} one by "
         f"one, a ratio of {by_itself / side_by_side:.0f}. Of {COMPARED} variants found both ways {differ} verdicts "
-        f"differ, and shares of limits by {gap:.1e} at most."
+        f"differ, and utilisations by {gap:.1e} at most."
     )
 
 

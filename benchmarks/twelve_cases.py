@@ -1,4 +1,4 @@
-"""An engine train of twenty stations in twelve cases beside one: `python -m benchmarks.twelve_cases`.
+"""An engine train of twenty stations in twelve cases next to one: `python -m benchmarks.twelve_cases`.
 
 It writes reports/twelve_cases.md in two minutes.
 """
@@ -86,12 +86,12 @@ TWELVE = (
 )
 WHAT = """\
 Twenty stations: damper, flange, six cylinders with a closed Wiebe cycle, flywheel, rubber coupling, gearbox, shafts and
-propeller; 66 speeds and the peaks between them, two rule sets. Twelve cases: as it stands, soft and stiff by the
+propeller; 66 speeds and the peaks between them, two rule sets. Twelve cases: nominal, soft and stiff by the
 tolerance of the coupling, warm, misfires, a worn and a seized damper, part load, zero pitch; seven trains differ in
 more than their excitation. The command is `torsion solve` in a fresh process with all that it writes: the page over
-all cases, that of every case, results.json and series.npz. Beside it, in one process, reading, `torsion.run` and the
-page over all cases. Processor time, medians of runs in turn. The superposed misfires of the file as it stands are found
-with the page, which alone reads them. Every case has a response and a synthesis of its own, at its own speeds: their
+all cases, that of every case, results.json and series.npz. Next to it, in one process, reading, `torsion.run` and the
+page over all cases. Processor time, medians of runs in turn. The superposed misfires of the nominal case are found
+with the page, which alone reads them. Every case has a response and a total of its own, at its own speeds: their
 results are those of a file of its own, bit for bit."""
 
 
@@ -126,7 +126,7 @@ def main() -> None:
         f"- to read them takes {read:.2f} times, to solve them {solved:.2f}, to write their page {written:.2f} times",
         f"- the page weighs {size / 1e6:.3f} MB, meant < {BYTES / 1e6:g}: {verdict(size < BYTES)}",
     )
-    report.publish("Twelve cases beside one", [WHAT, "\n".join([head, *rows]), "\n".join(lines)])
+    report.publish("Twelve cases next to one", [WHAT, "\n".join([head, *rows]), "\n".join(lines)])
 
 
 def measured(text: str) -> tuple[list[float], Findings, int]:

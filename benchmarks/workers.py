@@ -26,12 +26,12 @@ BY_ITSELF = (
 )
 PORT = 8799
 HOW = """\
-`torsion sweep` of the scene toleranced_drive in processes of its own; eight figures vary. Judged: verdicts
-side by side by the rule of the scene, and, with the rule `nvh` too, each variant read, solved and judged as a file of
-its own. Frequencies alone: three modes of every variant side by side, each proven.
+`torsion sweep` of the model file toleranced_drive in processes of its own; eight figures vary. Judged: verdicts
+side by side by the rule of the model file, and, with the rule `nvh` too, each variant read, solved and judged as a file
+of its own. Frequencies only: three modes of every variant side by side, each proven.
 Wall time is that of the sweep in the plan of the report, with the start of the workers, reading and writing of the
 parts; the rate after the first part leaves the start out. Processor time is that of the whole command with all of its
-processes. The machine is shared with other work: where its load, printed beside them, is near the number of processors
+processes. The machine is shared with other work: where its load, printed next to them, is near the number of processors
 or above, two workers share what one has without them, and wall times say nothing of a quiet machine."""
 
 
@@ -49,7 +49,7 @@ def main() -> None:
         parts = [
             HOW,
             _times(
-                {"judged side by side": together, "judged by themselves": judged, "frequencies alone": frequencies},
+                {"judged side by side": together, "judged one by one": judged, "frequencies only": frequencies},
                 folder,
             ),
             _ended(ended, folder),
@@ -153,7 +153,7 @@ def _ended(scene: Path, folder: Path) -> str:
         "at a third of the parts",
         "exit status",
         "parts left",
-        "of them kept by the same command",
+        "of them resumed by the same command",
         "then equal",
         "says",
     )

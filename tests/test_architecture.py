@@ -18,7 +18,8 @@ FLOORS = {
     "rules": 7,
     "schema": 8,
     "output": 9,
-    "runner": 10, "commands": 11, "live": 12, "sweeping": 12, "lasting_output": 12, "cli": 13, "__main__": 14,
+    "runner": 10, "lasting_output": 10, "commands": 11, "live": 12, "sweeping": 12, "exchange": 12,
+    "command_endings": 12.5, "exchange_commands": 12.6, "cli": 13, "__main__": 14,
 }  # fmt: skip
 DOORS = {
     "yaml": ("schema/yaml_source.py",),
@@ -28,7 +29,7 @@ DOORS = {
     "matplotlib": (),
     "jinja2": ("output/",),
     "typst": ("output/",),
-    "typer": ("cli.py",),
+    "typer": ("cli.py", "command_endings.py", "exchange_commands.py"),
     "dask": ("sweeping/cluster.py",),
     "distributed": ("sweeping/cluster.py",),
     "pyarrow": ("sweeping/parts.py",),

@@ -88,3 +88,52 @@ def test_a_file_whose_name_is_not_utf_8_is_solved_and_reported(command: str, sce
         assert CliRunner().invoke(app, ["report", str(target)]).exit_code == done.exit_code
     else:
         assert done.exit_code in (SOLVED, 1, BAD_INPUT)
+
+
+REORDERING = ("\u202e", "\u2066", "\u200f", "\u061c", "\u2028", "\u200b", "\u2060", "\u00ad", "\U000e0041")
+
+
+@pytest.mark.parametrize("sign", REORDERING)
+@pytest.mark.parametrize("old", ["name: pair", "name: rubber", "disc:", "train:"])
+def test_a_character_that_reorders_or_hides_text_is_refused_where_it_stands(old: str, sign: str) -> None:
+    """Both as itself, also within a comment, and as an escape in quotes."""
+    key, _, value = old.partition(": ")
+    escape = f"\\U{ord(sign):08x}"
+    raw = f"{key}: {value}{sign}x" if value else f"# {sign}\n{old}" if old == "train:" else f'"disc{sign}":'
+    quoted = f'{key}: "{value}{escape}x"' if value else f'"{key.rstrip(":")}{escape}":'
+    for text in (PAIR.replace(old, raw, 1), PAIR.replace(old, quoted, 1)):
+        with pytest.raises(torsion.InputError) as caught:
+            parse(text)
+        fault = caught.value.faults[0]
+        assert fault.message == f"the character U+{ord(sign):04X} is not allowed"
+        assert fault.line is not None
+        assert sign not in str(caught.value)
+
+
+def test_a_character_that_reorders_text_is_refused_in_a_table_too(tmp_path: Path) -> None:
+    (tmp_path / "rows.csv").write_text("kind,name,inertia [kg*m**2]\ndisc,a\u202eb,1\n", encoding="utf-8")
+    (tmp_path / "scene.yaml").write_text("name: x\ntrain: {table: rows.csv}\n", encoding="utf-8")
+    with pytest.raises(torsion.InputError, match="U\\+202E is not allowed") as caught:
+        torsion.read(tmp_path / "scene.yaml")
+    assert (caught.value.faults[0].line, caught.value.faults[0].column) == (2, 7)
+
+
+@pytest.mark.parametrize("sign", ["\\n", "\\t", "\\x85"])
+@pytest.mark.parametrize("old", ["name: pair", "name: rubber", "disc:"])
+def test_a_name_and_a_key_stand_on_one_line(old: str, sign: str) -> None:
+    key, _, value = old.partition(": ")
+    with pytest.raises(torsion.InputError, match="is not allowed") as caught:
+        parse(PAIR.replace(old, f'{key}: "{value}{sign}PASS"' if value else f'"disc{sign}":', 1))
+    assert caught.value.faults[0].line is not None
+
+
+def test_a_break_of_a_line_in_a_cell_is_a_blank(tmp_path: Path) -> None:
+    (tmp_path / "rows.csv").write_text('kind,name,inertia [kg*m**2]\ndisc,"a\nPASS",1\n', encoding="utf-8")
+    (tmp_path / "scene.yaml").write_text("name: x\ntrain: {table: rows.csv}\n", encoding="utf-8")
+    assert torsion.read(tmp_path / "scene.yaml").train.parts[0].name == "a PASS"
+
+
+def test_words_of_scripts_that_join_letters_are_names() -> None:
+    """Persian, Hebrew and Indic words keep their letters and their joiners."""
+    for word in ("\u0645\u06cc\u200c\u0634\u0648\u062f", "\u05e9\u05dc\u05d5\u05dd", "\u0915\u094d\u200d\u0937"):
+        assert parse(PAIR.replace("name: rubber", f"name: {word}")).train.parts[1].name == word

@@ -44,6 +44,7 @@ def blocks(page: Path, language: str) -> list[str]:
 def scenes() -> list[tuple[str, str]]:
     """Page and text of every block that is a whole scene."""
     found = [(page.name, text) for page in PAGES for text in blocks(page, "yaml")]
+    found = [(page, text) for page, text in found if not re.match(r"# [\w.]+\.yaml\n", text)]  # test_pages runs these
     return [(page, text) for page, text in found if isinstance(yaml.safe_load(text), dict) and "\ntrain:" in text]
 
 

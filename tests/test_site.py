@@ -85,7 +85,14 @@ def test_the_gallery_has_sketch_figure_and_verdict_of_every_scene(site: Path) ->
     page = (site / "docs" / "gallery.html").read_text(encoding="utf-8")
     assert page.count('<img class="drawing"') == 2 * SCENES
     assert len(re.findall(r'<a href="\.\./scenes/\w+\.yaml">', page)) == SCENES
-    assert page.count("No rule is requested.") + page.count("Verdict of ") == SCENES
+    assert len(re.findall(r"No rule is requested\.|<p>(?:PASS|FAIL|NOT JUDGED)", page)) == SCENES
+
+
+def test_the_gallery_links_full_reports(site: Path) -> None:
+    page = (site / "docs" / "gallery.html").read_text(encoding="utf-8")
+    reports = re.findall(r'<a href="\.\./(full/\w+/report\.html)">', page)
+    assert len(reports) == SCENES
+    assert all("Appendix" in (site / report).read_text(encoding="utf-8") for report in reports)
 
 
 def test_the_first_page_is_where_a_browser_looks(site: Path) -> None:

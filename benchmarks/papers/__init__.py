@@ -1,1 +1,1 @@
-"""Papers rebuilt: their numbers, figures and misprints, beside this program."""
+"""Papers rebuilt: their numbers, figures and misprints, next to this program."""

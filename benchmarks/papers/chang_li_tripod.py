@@ -29,7 +29,7 @@ def page() -> Page:
         name=NAME,
         title="Chang, Li: tripod universal joint with single and twin radial bearings",
         reference="Chang, Li, article on the tripod universal joint with single and twin radial bearings (journal, "
-        "year and pages are not recorded in the copy at hand).",
+        "year and pages are not recorded in the available copy).",
         what="The paper finds the motion of the spider of a tripod joint and the couples that a driving torque puts on "
         "both shafts. It compares a single radial bearing, whose couple varies three times a revolution, with twin "
         "bearings, whose couple stands still.",
@@ -43,11 +43,11 @@ def page() -> Page:
         misprints=_misprints(),
         missing=(
             (
-                "The values of the curves in figures 5 and 6 are not at hand: both are drawn from the data, without a "
-                "comparison, and which curve it shows in which of the two is our reading."
+                "The values of the curves in figures 5 and 6 are not available: both are drawn from the data, without "
+                "a comparison, and which curve it shows in which of the two is our reading."
             ),
             (
-                "(9) is known to be wrong in the copy at hand, its exact print is not; it is taken with the sign "
+                "(9) is known to be wrong in the available copy, its exact print is not; it is taken with the sign "
                 "that (10) has."
             ),
             "Friction and the sliding of the bearings are not in the paper's model, nor in ours.",
@@ -100,14 +100,14 @@ def _checks() -> str:
     return (
         "The exact mechanism was compared with three arms that meet three lines in space, found by a general solver, "
         f"with three contact forces and the pivot's moment in balance: torques and couples within {limits[0]} over a "
-        "half revolution at every angle. The corrected equations are its first order in lambda/L: their greatest M1 is "
-        f"{_short(10)} (10°) to {_short(40)} (40°) away from it. The scene's couple at 40° is that of the exact "
+        "half revolution at every angle. The corrected equations are its first order in lambda/L: their largest M1 is "
+        f"{_short(10)} (10°) to {_short(40)} (40°) away from it. The model file's couple at 40° is that of the exact "
         f"mechanism within {near}."
     )
 
 
 def _short(degrees: int) -> str:
-    """Relative distance of the first order's greatest couple from the exact one."""
+    """Relative distance of the first order's largest couple from the exact one."""
     exact = tripod.exact_statics(TURN, np.radians(degrees), RADIUS, ARM, TORQUE).couple
     return f"{abs(couple(degrees).max() / exact.max() - 1.0):.1e}"
 

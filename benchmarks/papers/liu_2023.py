@@ -23,7 +23,7 @@ UNEVEN = (0.6, 30, 120)  # rad, degrees, degrees: joint angle and phases at whic
 
 @cache
 def at(degrees: int) -> Joints:
-    """The scene with both joints at an angle."""
+    """The model file with both joints at an angle."""
     return joints(NAME, ("angle: 8 deg", f"angle: {degrees} deg"))
 
 
@@ -33,9 +33,9 @@ def page() -> Page:
         name=NAME,
         title="Liu et al. 2023: unmanned boat shafting with universal joints",
         reference="Liu et al., *Ship Science and Technology* 45(2), 2023, from page 80.",
-        what="The paper derives angle, speed and acceleration behind one cross joint and behind two, and the couples "
-        "that bend the two shafts of a joint. It then sets up six inertias and two bending supports and computes "
-        "spectra of a boat's line.",
+        what="The paper derives angle, speed and acceleration downstream of one cross joint and of two, and the "
+        "couples that bend the two shafts of a joint. It then sets up six inertias and two bending supports and "
+        "computes spectra of a boat's line.",
         notation="`r` joint angle, `a` driving angle, `b` driven angle, `phi` fork angles, `T1` driving torque, `M1`, "
         "`M2` couples on driving and driven shaft. N: `a` counts from the normal of the shafts' plane; P: from the "
         "plane. N and P are 90° apart.",
@@ -46,7 +46,7 @@ def page() -> Page:
         missing=(
             (
                 "Figures 6 and 7 point by point: the given data determine their curves, but the values plotted in the "
-                "paper are not at hand to compare with, and which curve it shows in which of the two is our reading."
+                "paper are not available to compare with, and which curve it shows in which of the two is our reading."
             ),
             (
                 "Table 1 and the data behind figures 9 and 10 (inertias, stiffnesses, supports) are missing: the lines "
@@ -60,15 +60,15 @@ def page() -> Page:
 def _numbers() -> Iterator[tuple[str, ...]]:
     yield stated("driving speed, printed as 3600 rad/min", SPEED, "rad/s", "60 rad/s")
     least, greatest = cross.transfer(np.array([0.0, np.pi / 2.0]), np.radians(8.0), "N").ratio
-    yield compared("fig. 4, r = 8°: greatest less mean speed", "0.6", SPEED * (greatest - 1.0), "rad/s")
-    yield compared("fig. 4, r = 8°: mean less least speed", "0.6", SPEED * (1.0 - least), "rad/s")
+    yield compared("fig. 4, r = 8°: largest less mean speed", "0.6", SPEED * (greatest - 1.0), "rad/s")
+    yield compared("fig. 4, r = 8°: mean less smallest speed", "0.6", SPEED * (1.0 - least), "rad/s")
     for angle in ANGLES:
         first = at(angle).joints[0]
         speeds = SPEED * first.speed_ratio
-        yield stated(f"fig. 4, r = {angle}°: least and greatest speed", _range(speeds), "rad/s")
-        yield stated(f"fig. 4, r = {angle}°: greatest acceleration", SPEED**2 * first.steepest, "rad/s²")
+        yield stated(f"fig. 4, r = {angle}°: smallest and largest speed", _range(speeds), "rad/s")
+        yield stated(f"fig. 4, r = {angle}°: largest acceleration", SPEED**2 * first.steepest, "rad/s²")
     yield stated(
-        "phases 0°, 60°, 120° of one joint, r = 8°: least and greatest speed, all three", _of_phases(), "rad/s"
+        "phases 0°, 60°, 120° of one joint, r = 8°: smallest and largest speed, all three", _of_phases(), "rad/s"
     )
     yield stated("phi2 − phi1 = 90°, r = 8°: index of fluctuation", f"{_index(90):.0e} or less", "", "0 (constant)")
     yield stated("phi2 − phi1 = 0°, r = 8°: index of fluctuation (the worst)", _index(0), "", "not said")
@@ -76,8 +76,8 @@ def _numbers() -> Iterator[tuple[str, ...]]:
         driving, driven = at(angle).joints[0].couples
         carried = TORQUE * at(angle).joints[0].torque_ratio
         size = f"{np.abs(driving.yoke).max():.9f}, {np.abs(driven.yoke).max():.9f}"
-        yield stated(f"fig. 7, r = {angle}°: greatest M1, M2", size, "N m")
-        yield stated(f"fig. 7, r = {angle}°: least and greatest T2", _range(carried), "N m")
+        yield stated(f"fig. 7, r = {angle}°: largest M1, M2", size, "N m")
+        yield stated(f"fig. 7, r = {angle}°: smallest and largest T2", _range(carried), "N m")
 
 
 def _range(values: np.ndarray) -> str:
@@ -109,8 +109,8 @@ def _checks() -> str:
         f"equations: speed within {bound(ours.ratio, body.ratio, '1e-14')}, acceleration within "
         f"{bound(ours.curvature, body.curvature, '1e-12')}, torque within "
         f"{bound(bent.driven_torque, TORQUE * body.driven_torque, '1e-14')} and couples within "
-        f"{bound(bent.driven.yoke, TORQUE * body.driven_couple, '1e-13')} of their greatest value at 721 angles of a "
-        "revolution. The scene gives the same numbers as the joint formulas."
+        f"{bound(bent.driven.yoke, TORQUE * body.driven_couple, '1e-13')} of their largest value at 721 angles of a "
+        "revolution. The model file gives the same numbers as the joint formulas."
     )
 
 
@@ -121,7 +121,7 @@ def _speed() -> Picture:
     gains = [(label, SPEED**2 * one.acceleration) for label, one in zip(LABELS, first, strict=True)]
     panels = [Panel("driven speed, rad/s", speeds), Panel("acceleration, rad/s²", gains)]
     svg = curves("liu_2023_fig_4", degrees, "driving angle a from the plane of the shafts, degrees", panels)
-    return Picture("liu_2023_fig_4", "Figure 4: speed and acceleration behind one joint driven at 60 rad/s.", svg)
+    return Picture("liu_2023_fig_4", "Figure 4: speed and acceleration after one joint driven at 60 rad/s.", svg)
 
 
 def _phases() -> Picture:
@@ -174,7 +174,7 @@ def _kinematic_misprints() -> tuple[Misprint, ...]:
             "`b' = cos r/(1 − sin²r cos²a) a'` as derivative of (4)",
             "`b' = cos r/(1 − sin²r sin²a) a'`; the printed form belongs to (3), P",
             f"velocities in space: right form within {bound(paper.ratio_right(r, TURN), body.ratio, '1e-14')}, printed "
-            f"form {apart(ratio, body.ratio)} away: least and greatest change places",
+            f"form {apart(ratio, body.ratio)} away: smallest and largest change places",
         ),
         Misprint(
             "(6)",
@@ -241,7 +241,7 @@ def _other_misprints() -> tuple[Misprint, ...]:
             "`T2 = T1 (1 − sin²r sin²a)/cos r`",
             f"statics in space within {bound(right, TORQUE * body.driven_torque, '1e-14')}; printed form "
             f"{apart(paper.driven_torque_printed(r, TURN, TORQUE), right)} away, and against the paper's own text (T2 "
-            "greatest where M2 is least, at a = 0)",
+            "largest where M2 is smallest, at a = 0)",
         ),
         Misprint(
             "(14), torsion",

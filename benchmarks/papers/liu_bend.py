@@ -69,7 +69,7 @@ def spectrum(values: Array) -> tuple[Array, Array]:
 
 
 def peak(values: Array, near: float, within: float = 2.0) -> tuple[float, float]:
-    """Frequency and amplitude of the greatest line near a frequency."""
+    """Frequency and amplitude of the largest line near a frequency."""
     at, size = spectrum(values)
     inside = np.flatnonzero(np.abs(at - near) <= within)
     best = inside[size[inside].argmax()]
@@ -101,7 +101,7 @@ def _found() -> Iterator[tuple[str, ...]]:
     twice = STIFF.speed / np.pi
     for name in LINES:
         size = f"{1e3 * np.abs(twist(name)).max():.1f}"
-        yield stated(f"greatest twist of the intermediate shaft, {name}", size, "mrad")
+        yield stated(f"largest twist of the intermediate shaft, {name}", size, "mrad")
     for name in LINES:
         line, size = peak(run(name)[8], twice)
         words = f"{1e6 * size:.0f} µm at {line:.0f} Hz (2 × speed: {twice:.2f} Hz)"
@@ -133,8 +133,8 @@ def _checks() -> str:
         f"with the joint torques as unknowns: within {bound(worst + 1.0, 1.0, '1e-10')} at states all along the "
         "motion. Without damping and torque, from shafts twisted by 10 mrad, energy stays within "
         f"{bound(energies, energies[0], '1e-10')} over more than half a revolution. Dormand and Prince's method "
-        f"(order 8) and Radau IIA differ by {bound(other, own, '1e-6')} of the greatest value. The natural "
-        f"frequencies are those that the program finds in the scene, "
+        f"(order 8) and Radau IIA differ by {bound(other, own, '1e-6')} of the largest value. The natural "
+        f"frequencies are those that the program finds in the model file, "
         f"within {bound(model.frequencies(STIFF), modes, '1e-12')}."
     )
 

@@ -92,7 +92,7 @@ def turning(boat: Boat, state: Array) -> Turning:
 
 
 def forces(boat: Boat, moving: Turning) -> tuple[float, float, float, float]:
-    """N of the shaft on the bearing beside each joint, front (y, z) and rear (y, z): couple of the joint / span.
+    """N of the shaft on the bearing next to each joint, front (y, z) and rear (y, z): couple of the joint / span.
 
     y is along the normal of the plane of the shafts, z square to it and to the shaft. The couples are those of a cross
     without friction: on the driving shaft of the first joint -T tan/2 sin 2x about y, T tan/2 (1 + cos 2x) about z; on

@@ -1,6 +1,6 @@
 """The same train as six bodies with two constraint torques each joint has in space: nothing is eliminated by hand.
 
-Ratios and their slopes come from the pins of `space.cross`, joint torques are unknowns beside the six accelerations.
+Ratios and their slopes come from the pins of `space.cross`, joint torques are unknowns next to the six accelerations.
 """
 
 import numpy as np

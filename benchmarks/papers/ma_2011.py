@@ -24,12 +24,12 @@ ALONG = "driving angle x1 from the plane of the first joint, degrees"
 
 @cache
 def at(degrees: int) -> Joints:
-    """The scene with the second joint at a phase."""
+    """The model file with the second joint at a phase."""
     return joints(NAME, ("phase: 55 deg", f"phase: {degrees} deg"))
 
 
 def output(degrees: int) -> LineFound:
-    """The whole line of the scene at a phase."""
+    """The whole line of the model file at a phase."""
     return at(degrees).lines[0]
 
 
@@ -52,8 +52,8 @@ def page() -> Page:
         misprints=_misprints(),
         missing=(
             (
-                "The points that the paper plots are not at hand: figures 3, 5 and 6 are drawn from the data, without "
-                "a comparison, and which curve it shows in which of them is our reading."
+                "The points that the paper plots are not available: figures 3, 5 and 6 are drawn from the data, "
+                "without a comparison, and the assignment of curves is our reading."
             ),
             (
                 "The equations are restored from each other and from the examples, (3) as `x2 = x1 + dx + 90° + phi − "
@@ -67,17 +67,17 @@ def _numbers() -> Iterator[tuple[str, ...]]:
     best, worst, middle = (output(degrees) for degrees in (10, 100, 55))
     optimum = output(55).optimum
     if optimum is None:
-        raise ValueError("the scene requests no best phase")
+        raise ValueError("the model file requests no best phase")
     yield compared("best phase", "10", float(np.degrees(optimum.best[0])), "°", DIGITS)
     yield compared("phi = 10°: index of fluctuation", "0.055", best.index, "", DIGITS)
-    yield compared("phi = 10°: greatest speed", "61.68", SPEED * best.greatest.speed_ratio, "deg/s", DIGITS)
-    yield compared("phi = 10°: least speed", "58.37", SPEED * best.least.speed_ratio, "deg/s", DIGITS)
-    yield compared("phi = 100°: greatest speed", "66.10", SPEED * worst.greatest.speed_ratio, "deg/s", DIGITS)
-    yield compared("phi = 100°: least speed", "64.64", SPEED * worst.least.speed_ratio, "deg/s", DIGITS)
+    yield compared("phi = 10°: largest speed", "61.68", SPEED * best.greatest.speed_ratio, "deg/s", DIGITS)
+    yield compared("phi = 10°: smallest speed", "58.37", SPEED * best.least.speed_ratio, "deg/s", DIGITS)
+    yield compared("phi = 100°: largest speed", "66.10", SPEED * worst.greatest.speed_ratio, "deg/s", DIGITS)
+    yield compared("phi = 100°: smallest speed", "64.64", SPEED * worst.least.speed_ratio, "deg/s", DIGITS)
     yield stated("phi = 100°: index of fluctuation", worst.index, "", "curve only", DIGITS)
-    yield stated("phi = 55°: greatest speed", SPEED * middle.greatest.speed_ratio, "deg/s", "curve only", DIGITS)
+    yield stated("phi = 55°: largest speed", SPEED * middle.greatest.speed_ratio, "deg/s", "curve only", DIGITS)
     yield stated("phi = 55°: at the driving angle", float(np.degrees(middle.greatest.at)), "°", "curve only", DIGITS)
-    yield stated("phi = 55°: least speed", SPEED * middle.least.speed_ratio, "deg/s", "curve only", DIGITS)
+    yield stated("phi = 55°: smallest speed", SPEED * middle.least.speed_ratio, "deg/s", "curve only", DIGITS)
     yield stated("phi = 55°: index of fluctuation", middle.index, "", "curve only", DIGITS)
     yield stated("index if the best phase is 1° off", optimum.sensitivity[0], "", "not said")
     yield stated("one joint that does the same, phi = 10°", float(np.degrees(best.resultant)), "°", "not said")
@@ -94,7 +94,7 @@ def _checks() -> str:
     return (
         f"Ours and (1) to (5) agree with two joints placed in space within {limits[0]} of the speed at 721 angles of a "
         "revolution, for all three phases. The index needs no search: with `p = ln sec alpha`, `q = ln sec beta` it is "
-        "`2 sinh R`, `cosh R = cosh p cosh q − sinh p sinh q cos 2psi`, least at `psi = 0`, there "
+        "`2 sinh R`, `cosh R = cosh p cosh q − sinh p sinh q cos 2psi`, smallest at `psi = 0`, there "
         f"`|cos alpha/cos beta − cos beta/cos alpha|` = {abs(_left()):.13g}; the product of disk maps, which the "
         "program uses, agrees within 1e-12."
     )
@@ -131,7 +131,7 @@ def _indices() -> Picture:
     marks = [(degrees, output(degrees).index, f"{output(degrees).index:.4f} at {degrees}°") for degrees in PHASES]
     panel = Panel("index of fluctuation", [("closed form", values)], marks)
     svg = curves("ma_2011_fig_5", phases, "phase phi, degrees", [panel], height=2.8)
-    return Picture("ma_2011_fig_5", "Figure 5: index of fluctuation over the phase; least at phi = gamma = 10°.", svg)
+    return Picture("ma_2011_fig_5", "Figure 5: index of fluctuation over the phase; minimum at phi = gamma = 10°.", svg)
 
 
 def _extreme() -> Picture:
@@ -153,8 +153,8 @@ def _misprints() -> tuple[Misprint, ...]:
             "5.2, phi = 100°",
             "least speed 64.64",
             "54.46, exactly `60 cos 15° cos 20°` = 54.4604022714221 deg/s",
-            f"least of the line in space within {bound(body.min(), closed, '1e-14')} of it at x1 = 90°; 64.64 is above "
-            "the driving speed, which a least speed cannot be",
+            f"minimum of the line in space within {bound(body.min(), closed, '1e-14')} of it at x1 = 90°; 64.64 is "
+            "above the driving speed, which a minimum cannot be",
         ),
         Misprint(
             "text after (2)",
@@ -174,7 +174,7 @@ def _misprints() -> tuple[Misprint, ...]:
             "5.1",
             "60 r/min (60 deg/s)",
             "60 deg/s = 10 r/min",
-            f"60 r/min is 360 deg/s and would give a greatest speed of {turned:.2f} deg/s, not 61.68",
+            f"60 r/min is 360 deg/s and would give a largest speed of {turned:.2f} deg/s, not 61.68",
         ),
         Misprint(
             "5.2",

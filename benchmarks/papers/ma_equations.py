@@ -27,7 +27,7 @@ def output(a: float, b: float, phase: float, plane: float, x: ArrayLike) -> Arra
 
 
 def index(speeds: ArrayLike) -> float:
-    """(6): (greatest - least)/driving speed."""
+    """(6): (largest - smallest)/driving speed."""
     return float(np.ptp(np.asarray(speeds)))
 
 

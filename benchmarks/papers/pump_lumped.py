@@ -1,4 +1,4 @@
-"""The page of the lumped pump train: the article's steps beside the program's tree elimination."""
+"""The page of the lumped pump train: the article's steps next to the program's tree elimination."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -34,27 +34,27 @@ class Answer:
 
 @cache
 def found() -> Findings:
-    """The scene as the program solves it."""
+    """The model file as the program solves it."""
     return solved(NAME)
 
 
 def frequencies_of(findings: Findings) -> np.ndarray:
     """(frequencies,) Hz of the response."""
     if findings.get(FrequencyResponse) is None:
-        raise ValueError("the scene requests no response over frequency")
+        raise ValueError("the model file requests no response over frequency")
     return findings.need(FrequencyResponse).frequency
 
 
 def modes_of(findings: Findings) -> Modes:
     """The natural frequencies."""
     if findings.get(Modes) is None:
-        raise ValueError("the scene requests no modes")
+        raise ValueError("the model file requests no modes")
     return findings.need(Modes)
 
 
 @cache
 def chain() -> Chain:
-    """The article's figures, taken from the scene's train before any assembly."""
+    """The article's figures, taken from the model file's train before any assembly."""
     train = found().study.train
     discs = [part.stations[0] for _, part in train.of_kind("disc")]
     damping, moment = np.zeros(len(discs)), np.zeros(len(discs), dtype=complex)
@@ -75,7 +75,7 @@ def program(findings: Findings) -> Answer:
     """The program's answer at discs and sections."""
     train, sweep, spans = findings.study.train, findings.need(FrequencyResponse), findings.system.spans
     if sweep is None:
-        raise ValueError("the scene requests no response over frequency")
+        raise ValueError("the model file requests no response over frequency")
     discs = [part.stations[0] for _, part in train.of_kind("disc")]
     links = [part.name for _, part in train.of_kind("coupling")]
     places = [next(k for k, span in enumerate(spans) if span.name == name) for name in links]
@@ -127,12 +127,12 @@ def page() -> Page:
         name=NAME,
         title="Lumped torsional calculation of a 1200 kW pump train",
         reference="Article on the lumped torsional calculation of a 1200 kW pump train (authors, journal, year and "
-        "pages are not recorded in the copy at hand).",
+        "pages are not recorded in the available copy).",
         what="The article reduces a motor, gears and a pump to discs and springs and solves for complex amplitudes at "
         "one frequency, first as complex equations, then as twice as many real ones. Angles, phases and section "
         "torques follow.",
         notation="`J`, `C`, `K` inertias, dampings, stiffnesses; `A*` complex angles, `M*` complex moments, "
-        "`R* = K − w²J + i w C`. All eighteen equations are missing in the copy at hand and are restored from the "
+        "`R* = K − w²J + i w C`. All eighteen equations are missing in the available copy and are restored from the "
         "text; the numbering (11) to (14) is a guess. The figures of the train are ours.",
         numbers=tuple(_numbers()),
         checks=_checks(),
@@ -141,7 +141,7 @@ def page() -> Page:
         missing=(
             (
                 "Every number of the article: its tables of inertias, stiffnesses and moments and its figures are "
-                "missing. The scene has the ratings of the plant and estimates for the rest."
+                "missing. The model file has the ratings of the plant and estimates for the rest."
             ),
             "The article's other parts, a truck's driveline and integration in time, are on [their page](shafting.md).",
         ),
@@ -214,7 +214,7 @@ def _amplitudes() -> Picture:
         )
     )
     svg = curves("pump_lumped_amplitudes", frequencies, "frequency, Hz", [angles, torques], height=2.4)
-    words = "Amplitudes over frequency, half range: the program's curves and points of (15)."
+    words = "Amplitudes over frequency, amplitude: the program's curves and points of (15)."
     return Picture("pump_lumped_amplitudes", words, svg)
 
 
@@ -236,9 +236,9 @@ def _misprints() -> tuple[Misprint, ...]:
         Misprint("(1)", "`T_t(t)` on the right", "`T_k(t)`, one moment a disc", "the index of the disc"),
         Misprint(
             "finite differences (part 3)",
-            "no limit of the time step in the copy at hand",
+            "no limit of the time step in the available copy",
             "stable only for `dt < 2/w_max`",
-            f"200 steps of the highest mode: greatest angle grows by {calm:.3g} at 1.99/w_max, by {wild:.1e} at "
+            f"200 steps of the highest mode: largest angle grows by {calm:.3g} at 1.99/w_max, by {wild:.1e} at "
             "2.01/w_max",
         ),
         Misprint(
@@ -251,7 +251,7 @@ def _misprints() -> tuple[Misprint, ...]:
 
 
 def _lack() -> str:
-    """Greatest share of a section's torque that (18) leaves out."""
+    """Largest share of a section's torque that (18) leaves out."""
     frequencies = np.linspace(1.0, 200.0, 400)
     share = 0.0
     for w in 2.0 * np.pi * frequencies:

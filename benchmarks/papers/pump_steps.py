@@ -1,6 +1,6 @@
 """The lumped calculation of the pump train in its own steps: matrices, complex amplitudes, time, section torques.
 
-All equations of the article are missing in the copy at hand; (1) to (18) are restored from its text.
+All equations of the article are missing in the available copy; (1) to (18) are restored from its text.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The papers' scenes, solved by the program, as they stand or with a few words changed."""
+"""The papers' examples, solved by the program, as they stand or with a few words changed."""
 
 from pathlib import Path
 

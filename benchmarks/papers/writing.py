@@ -62,7 +62,7 @@ class Page:
             *figures,
             "## Misprints and gaps of the paper",
             table(("where", "printed", "right", "how it was checked"), faults),
-            "## What could not be rebuilt",
+            "## Limits of the reproduction",
             "\n".join(f"- {what}" for what in self.missing),
             (
                 f"Rebuilt by `{COMMAND}` {f'with {self.computed_by}' if self.computed_by else scene}; the numbers and "
@@ -96,7 +96,7 @@ def stated(
 
 
 def bound(found: ArrayLike, expected: ArrayLike, limit: str) -> str:
-    """The limit as text, after making sure that the greatest difference, relative to the greatest value, is below it.
+    """The limit as text, after making sure that the largest difference, relative to the largest value, is below it.
 
     A page quotes bounds, not roundings: it reads the same wherever it is built.
     """
@@ -107,7 +107,7 @@ def bound(found: ArrayLike, expected: ArrayLike, limit: str) -> str:
 
 
 def apart(found: ArrayLike, expected: ArrayLike) -> str:
-    """Greatest difference relative to the greatest value, two digits: how wrong a printed equation is."""
+    """Largest difference relative to the largest value, two digits: how wrong a printed equation is."""
     difference = np.abs(np.asarray(found) - np.asarray(expected)).max()
     return f"{100.0 * difference / np.abs(np.asarray(expected)).max():.2g} %"
 

@@ -38,7 +38,7 @@ def page() -> Page:
         name=NAME,
         title="Zhu and Wang: combination resonance of a misaligned shaft driven by a universal joint",
         reference="Zhu and Wang, on the combination resonance of a misaligned shaft driven by a universal joint "
-        "(journal, year and pages are not recorded in the copy at hand).",
+        "(journal, year and pages are not recorded in the available copy).",
         what="A rigid shaft is carried by a universal joint and lies in an elastic bearing at its other end. The "
         "couple that the joint puts on it follows the shaft's own two angles, so that its stiffness varies at twice "
         "the speed. The paper linearises, expands by multiple scales to the first order, and computes one example at "
@@ -54,15 +54,15 @@ def page() -> Page:
         misprints=faults(),
         missing=(
             (
-                "Figures 4 to 7 point by point: the paper's curves are not at hand. That 4 and 5 are the damped, 6 and "
-                "7 the undamped cases is our reading; notes on the paper name figure 5 alone, 26.2 rad/s damped."
+                "Figures 4 to 7 point by point: the paper's curves are not available. That 4 and 5 are the damped, 6 "
+                "and 7 the undamped cases is our reading; notes on the paper name figure 5 alone, 26.2 rad/s damped."
             ),
             (
-                "T0, Kx, Ky and l are not recorded in the copy at hand: they were found from w10, w20, Gamma, C11 and "
-                "J0 of the example. The radius 2.4 mm and the density 7830 kg/m³ were chosen so that 1.5 R²/l² is the "
-                "recorded 4.083e-5 and J0 comes out as printed: the rows of J0 and kappa are no independent check. The "
-                "form of (22) given above was found from its recorded half width; all other printed forms are quoted "
-                "from notes on the paper."
+                "T0, Kx, Ky and l are not recorded in the available copy: they were found from w10, w20, Gamma, C11 "
+                "and J0 of the example. The radius 2.4 mm and the density 7830 kg/m³ were chosen so that 1.5 R²/l² is "
+                "the recorded 4.083e-5 and J0 comes out as printed: the rows of J0 and kappa are no independent check. "
+                "The form of (22) given above was found from its recorded half width; all other printed forms are "
+                "quoted from notes on the paper."
             ),
         ),
         computed_by="`torsion.analyses.lateral.misaligned_shaft`",
@@ -133,7 +133,7 @@ def _boundaries() -> Iterator[tuple[str, ...]]:
         if not one.kind.startswith("sum"):
             said = "never unstable" if one.kind.startswith("difference") else "not mentioned"
             words = f"{one.lower:.9f} .. {one.upper:.9f}"
-            yield stated(f"{one.kind}, (7) corrected, greatest growth {one.rate:.8f} 1/s", words, "rad/s", said)
+            yield stated(f"{one.kind}, (7) corrected, largest growth {one.rate:.8f} 1/s", words, "rad/s", said)
 
 
 def _around(middle: float, half: float) -> str:
@@ -145,14 +145,14 @@ def _curves() -> Iterator[tuple[str, ...]]:
         for damped in (True, False):
             _, angles = linear(shaft(damped=damped), speed, int(LAST * speed / np.pi))
             what = (
-                f"alpha, greatest from {LAST - 1:g} to {LAST:g} s, {speed} rad/s, C = {1e-3 if damped else 0:g}, linear"
+                f"alpha, largest from {LAST - 1:g} to {LAST:g} s, {speed} rad/s, C = {1e-3 if damped else 0:g}, linear"
             )
             number = angles.shape[1] // int(LAST)
             yield stated(what, np.abs(angles[0, -number:]).max(), "rad", digits=2)
     _, angles = linear(SHAFT, 26.2, int(300.0 * 26.2 / np.pi))
     yield stated("the same at 26.2 rad/s, C = 1e-3, after 300 s", np.abs(angles[0, -600:]).max(), "rad", "stable", 2)
     for damped in (True, False):
-        what = f"alpha, greatest within {LAST:g} s, 25.9 rad/s, C = {1e-3 if damped else 0:g}, exact equations"
+        what = f"alpha, largest within {LAST:g} s, 25.9 rad/s, C = {1e-3 if damped else 0:g}, exact equations"
         yield stated(what, np.abs(exact(25.9, damped, LAST, POINTS)[1][0]).max(), "rad", digits=2)
 
 
@@ -172,10 +172,10 @@ def _checks() -> str:
     )
     return (
         f"Growth by the monodromy matrix (collocation of order 13) and by Hill's matrix differ by at most "
-        f"{bound(found, other, '1e-10')} of the greatest at 8 speeds from 3 to 40 rad/s, with and without damping, "
+        f"{bound(found, other, '1e-10')} of the largest at 8 speeds from 3 to 40 rad/s, with and without damping, "
         "for both matrices. The exact equations in two angles were compared with the shaft as a body in space, its "
         "direction and angular momentum in fixed axes and the couple square to both pins: "
-        f"{bound(run.y[:2], angles, '1e-7')} of the greatest angle. The corrected (7) is the derivative of that "
+        f"{bound(run.y[:2], angles, '1e-7')} of the largest angle. The corrected (7) is the derivative of that "
         "couple; the tests also compare it with integration in time and statics."
     )
 

@@ -25,7 +25,7 @@ def frozen(turned: ArrayLike, tilt: float) -> Array:
 
 
 def printed(turned: ArrayLike, tilt: float) -> Array:
-    """(7) as printed: csc phi in both entries beside the diagonal."""
+    """(7) as printed: csc phi in both entries next to the diagonal."""
     matrix = frozen(turned, tilt)
     matrix[..., [0, 1], [1, 0]] /= np.tan(tilt)
     return matrix

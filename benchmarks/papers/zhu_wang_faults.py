@@ -61,7 +61,7 @@ def _matrix() -> tuple[Misprint, ...]:
     return (
         Misprint(
             "(7)",
-            "`csc phi` in the entries beside the diagonal",
+            "`csc phi` in the entries next to the diagonal",
             "`sec phi`: csc has no limit for phi → 0",
             f"as printed the growth at both speeds would be {rates[0]:.2f} and {rates[1]:.2f} 1/s, against all curves",
         ),
@@ -154,7 +154,7 @@ def _simple(which: int) -> float:
 
 def _figures() -> tuple[Misprint, ...]:
     return (
-        Misprint("example", "`w20² = 3.563e3`", "3.563e2", "w20 = 18.875 rad/s is printed beside it as 18.876"),
+        Misprint("example", "`w20² = 3.563e3`", "3.563e2", "w20 = 18.875 rad/s is printed next to it as 18.876"),
         Misprint(
             "example",
             "`kappa = 3.96e-5`",

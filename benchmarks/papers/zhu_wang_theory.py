@@ -1,4 +1,4 @@
-"""What the study of Zhu and Wang needs beside the program: exact couple, motion in time, response, spinning modes."""
+"""What the study of Zhu and Wang needs next to the program: exact couple, motion in time, response, spinning modes."""
 
 from dataclasses import dataclass, replace
 

@@ -1,5 +1,6 @@
-"""The gallery: behind its introduction every scene, solved as the site is built: sketch, one figure, verdict."""
+"""The gallery, solved as the site is built: full reports of some examples; sketch, one figure and verdict of each."""
 
+import contextlib
 import logging
 import re
 import shutil
@@ -12,16 +13,29 @@ from sphinx.util.display import status_iterator
 
 import torsion
 from torsion.findings import Findings
-from torsion.output.numbers import number
 from torsion.output.report_figures import ReportFigure
-from torsion.rules.verdict_line import Check, Checks
+from torsion.output.write import write
+from torsion.rules.verdict_line import WORDS, Checks, worst_verdict
 
 PAGE, FOLDER = "docs/gallery", "shafting_specs"
 ROW = re.compile(r"^\| `(\w+)` \| (.*?) \| (.*?) \|", re.MULTILINE)  # name, source, what it shows
+FULL = ("usv", "haixun_06402", "v12_generator_set", "two_stroke_ship", "wind_gearbox", "fan_start")
 CHOSEN = (
     "stability-map", "waterfall", "check-modes", "tilting", "stress", "torque", "motion", "sweep-torque", "joint-index",
     "joint-motion", "mode-1",
 )  # fmt: skip
+FILTER = """
+## All examples
+
+<p><label>Filter: <input type="search" id="filter" placeholder="diesel, cardan, transient ..."></label></p>
+<script>
+document.getElementById("filter").addEventListener("input", (event) => {
+  for (const entry of document.querySelectorAll("section section section")) {
+    entry.hidden = !entry.textContent.toLowerCase().includes(event.target.value.toLowerCase());
+  }
+});
+</script>
+"""
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -37,8 +51,22 @@ def _fill(app: Sphinx, page: str, source: list[str]) -> None:
         table = Path(app.srcdir, FOLDER, "README.md").read_text(encoding="utf-8")
         rows = ROW.findall(table)[: app.config.gallery_most or None]
         Path(app.outdir, "scenes").mkdir(parents=True, exist_ok=True)
-        for name, origin, shows in status_iterator(rows, "solving scenes... ", "brown", len(rows), app.verbosity):
+        subjects = {name: subject for name, _, subject in ROW.findall(table)}
+        source[0] += "\n| full report | subject |\n|---|---|\n"
+        for name in FULL[: app.config.gallery_most or None]:
+            source[0] += f"{_report(app, name)} | {subjects[name]} |\n"
+        source[0] += FILTER
+        for name, origin, shows in status_iterator(rows, "solving examples... ", "brown", len(rows), app.verbosity):
             source[0] += "\n".join(_entry(app, name, origin, shows))
+
+
+def _report(app: Sphinx, name: str) -> str:
+    """Solve an example with its cases, write its full report next to the pages, and return the row that links to it."""
+    folder = Path(app.outdir, "full", name)
+    with contextlib.chdir(app.srcdir):  # a report names its file as the command would
+        findings = torsion.run(torsion.read(f"{FOLDER}/{name}.yaml"))
+    write(findings, folder)
+    return f'| <a href="../full/{name}/report.html">{escape(findings.study.name)}</a>'
 
 
 def _entry(app: Sphinx, name: str, origin: str, shows: str) -> Iterator[str]:
@@ -48,7 +76,7 @@ def _entry(app: Sphinx, name: str, origin: str, shows: str) -> Iterator[str]:
     findings = torsion.run(torsion.read(path))
     target = Path(app.outdir, "scenes")
     shutil.copy(path, target)
-    yield f"\n## {findings.study.name}\n\n{shows[0].upper() + shows[1:]} ({origin}).\n"
+    yield f"\n### {findings.study.name}\n\n{shows[0].upper() + shows[1:]} ({origin}).\n"
     for figure in chosen(torsion.figures(findings)):
         file = target / re.sub(r"[^\w.-]", "-", f"{name}-{figure.name}.svg")
         file.write_text(f'<?xml version="1.0" encoding="UTF-8"?>\n{figure.svg}', encoding="utf-8")
@@ -64,19 +92,11 @@ def chosen(figures: dict[str, ReportFigure]) -> Iterator[ReportFigure]:
 
 
 def verdict(findings: Findings) -> str:
-    """One line."""
-    checks = findings.need(Checks).lines
-    if not checks:
+    """Return the verdict of all checks, how many have each word, and the highest utilisation."""
+    checks = findings.need(Checks)
+    if not checks.lines:
         return "No rule is requested."
-    counts = {word: sum(one.verdict == word for one in checks) for word in ("fail", "not kept", "outside", "pass")}
-    words = ", ".join(f"{count} {word}" for word, count in counts.items() if count)
-    return f"Verdict of {len(checks)} checks: {words}{_worst(checks)}."
-
-
-def _worst(checks: tuple[Check, ...]) -> str:
-    """The check that uses most of its limit."""
-    used = {one.utilisation: one for one in checks if one.utilisation is not None}
-    if not used:
-        return ""
-    share, check = max(used.items())
-    return f"; {number(100.0 * share, 3)} % of the limit used by {check.where} ({check.what})"
+    used = {check.utilisation: check for check in checks.lines if check.utilisation is not None}
+    share, check = max(used.items(), default=(None, None))
+    highest = "" if check is None else f"; highest utilisation {100.0 * share:.3g} %: {check.where} ({check.what})"
+    return f"{WORDS[worst_verdict(checks.lines)]}: {checks.counts}{highest}."

@@ -3,20 +3,20 @@
 import gc
 import signal
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import torsion
-from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError
+from torsion.command_endings import end, print_report, refusals, refuse_with_json, show_progress, stop
+from torsion.errors import BAD_INPUT
+from torsion.exchange_commands import compare, export, import_
 from torsion.lasting_output import make_streams_last, say
 
 if TYPE_CHECKING:
-    from torsion.findings import Findings, Progress
+    pass
 
 SCHEMA_FILE = "torsion.schema.json"  # beside a new scene, whose first line names it to editors
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
@@ -70,10 +70,10 @@ def solve(
     """
     from torsion import commands
 
-    _alone(json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--matrices": matrices, "-o": out})
+    refuse_with_json(json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--matrices": matrices, "-o": out})
     also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv)
     solved = partial(commands.solved, file, case=case, memory=memory)
-    _report("solve", file, out, solved, also, as_json=json, matrices=matrices)
+    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices)
 
 
 @app.command()
@@ -111,7 +111,7 @@ def sweep(
         notice=partial(say, err=True),
     )  # fmt: skip
     try:
-        _report("solve", file, out, solved, commands.outputs(pdf=pdf, figures=csv, tables=csv), as_json=False)
+        print_report("solve", file, out, solved, commands.outputs(pdf=pdf, figures=csv, tables=csv), as_json=False)
     except (KeyboardInterrupt, SystemExit) as ended:
         typer.echo("ended; the parts that are finished stay, and the same command goes on from there", err=True)
         if isinstance(ended, SystemExit):
@@ -135,8 +135,8 @@ def joint(
     """
     from torsion import commands
 
-    _alone(json, {"-o": out})
-    _report("joint", file, out, partial(commands.joint, file, turns=turns, case=case), as_json=json)
+    refuse_with_json(json, {"-o": out})
+    print_report("joint", file, out, partial(commands.joint, file, turns=turns, case=case), as_json=json)
 
 
 @app.command()
@@ -148,8 +148,8 @@ def check(file: File, out: Out = None, json: Json = False, case: Case = None) ->
     """
     from torsion import commands
 
-    _alone(json, {"-o": out})
-    _report("check", file, out, partial(commands.check, file, case=case), as_json=json)
+    refuse_with_json(json, {"-o": out})
+    print_report("check", file, out, partial(commands.check, file, case=case), as_json=json)
 
 
 @app.command()
@@ -169,9 +169,9 @@ def study(
     """
     from torsion import commands
 
-    _alone(json, {"-o": out})
-    with _refusals(file):
-        with _progress() as report_progress:
+    refuse_with_json(json, {"-o": out})
+    with refusals(file):
+        with show_progress() as report_progress:
             findings, timings = commands.study(
                 file, tolerance=tolerance, quick=quick, case=case, progress=report_progress
             )
@@ -202,10 +202,15 @@ def report(
     from torsion import commands
     from torsion.output.terminal import show
 
-    with _refusals(results):
+    with refusals(results):
         made, folder = commands.report(results, out, also=commands.outputs(pdf=pdf, figures=csv, tables=csv))
         show(made, folder)
-    _end(made.ending.unanswered, made.ending.status)
+    end(made.ending.unanswered, made.ending.status)
+
+
+app.command()(compare)
+app.command("import")(import_)
+app.command()(export)
 
 
 @app.command()
@@ -216,7 +221,7 @@ def plan(file: File, case: Case = None) -> None:
     """
     from torsion import commands
 
-    with _refusals(file):
+    with refusals(file):
         planned = commands.plan(file, case=case)
         for name, one in {"": planned, **planned.cases}.items():
             if name:
@@ -238,7 +243,7 @@ def sketch(
     """Draw the train of a scene alone, as SVG; nothing is solved. Exit status as of `plan`."""
     from torsion import commands
 
-    with _refusals(file):
+    with refusals(file):
         say(f"Sketch: {commands.sketch(file, out, case=case)}")
 
 
@@ -259,11 +264,11 @@ def live(
     from torsion.live.session import Session
 
     if not file.is_file():
-        _stop(f"{file}: this is no file", BAD_INPUT)
+        stop(f"{file}: this is no file", BAD_INPUT)
     try:
         server = Server(Session(file, case), port)
     except OSError as error:
-        _stop(f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)", BAD_INPUT)
+        stop(f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)", BAD_INPUT)
     try:
         say(f"{file} is shown at {server.address}\nCtrl-C ends it")
         sys.stdout.flush()
@@ -277,64 +282,6 @@ def live(
         pass
     finally:
         server.end()
-
-
-@contextmanager
-def _refusals(file: Path) -> Iterator[None]:
-    """End with a message and its exit status where there is no answer."""
-    try:
-        yield
-    except InputError as error:
-        _stop(str(error), BAD_INPUT)
-    except SolveError as error:
-        _stop(error.located or f"{file}: {error}", REFUSED)
-    except MemoryError as error:
-        size, change = f" ({error})" if str(error) else "", "request fewer speeds, orders, modes or segments"
-        _stop(f"{file}: this machine has too little memory for it{size}; {change}", REFUSED)
-
-
-def _report(
-    report: str, file: Path, out: Path | None, solve: Callable[..., "Findings"], also: tuple[str, ...] = (), *,
-    as_json: bool, matrices: Path | None = None,
-) -> NoReturn:  # fmt: skip
-    """Solve, write the files of a report and print it, or print its results as JSON alone; end with its exit status.
-
-    What has no answer is said on the error stream, last.
-    """
-    from torsion import commands
-
-    with _refusals(file):
-        with _progress() as report_progress:
-            findings = solve(progress=report_progress)
-        if as_json:
-            from torsion.output.reports import REPORTS
-            from torsion.output.results_json import bounded_text
-
-            typer.echo(bounded_text(findings, REPORTS[report].keys), nl=False)
-        else:
-            from torsion.output.terminal import show
-
-            folder = commands.folder_of(file, out, findings.study.case)
-            show(commands.write(findings, folder, report, also=also), folder)
-        if matrices is not None:
-            say(commands.write_matrices(findings, matrices))
-    _end(findings.without_answer, findings.exit_status)
-
-
-def _end(unanswered: Iterable[str], status: int) -> NoReturn:
-    """Say on the error stream what has no answer, and end with the exit status."""
-    for words in unanswered:
-        say(words, err=True)
-    raise typer.Exit(status)
-
-
-def _progress() -> "AbstractContextManager[Progress]":
-    """A progress indicator; what draws it is loaded only where the error stream is a terminal."""
-    if not sys.stderr.isatty():
-        return nullcontext(lambda what, share: None)
-    from torsion.output.terminal import progress
-
-    return progress()
 
 
 @app.command()
@@ -360,22 +307,10 @@ def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path(
             target.write(f"# yaml-language-server: $schema={SCHEMA_FILE}\n{template('example.yaml')}")
         file.with_name(SCHEMA_FILE).write_text(json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8")
     except FileExistsError:
-        _stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
+        stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
     except OSError as error:
-        _stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
+        stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
     say(f"{file} written; solve it with: torsion solve {file}")
-
-
-def _alone(json: bool, writing: dict[str, object]) -> None:
-    """Refuse --json beside an option that writes a file."""
-    for option, given in writing.items():
-        if json and given:
-            _stop(f"--json writes no file and {option} writes one; give one of them", BAD_INPUT)
-
-
-def _stop(message: str, status: int) -> NoReturn:
-    say(message, err=True)
-    raise typer.Exit(status)
 
 
 def main() -> None:

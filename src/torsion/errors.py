@@ -5,9 +5,11 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-CONTROLS = re.compile(
-    "[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]"
-)  # characters that a terminal obeys, or no file can hold
+_REORDERING = "\xad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f"
+CONTROLS = re.compile(  # characters that a terminal obeys, that reorder or hide text, or that no file can hold
+    f"[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff{_REORDERING}]"
+)
+REORDERING = re.compile(f"[{_REORDERING}]")
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status of the commands
 Path = tuple[str | int, ...]  # keys and list positions from the top of the file, e.g. ("train", 2, "shaft", "length")
 
@@ -47,6 +49,11 @@ class InputError(TorsionError):
     def __reduce__(self) -> tuple[type["InputError"], tuple[tuple[Fault, ...], str]]:
         """As it goes from one process to another."""
         return type(self), (self.faults, str(self))
+
+
+def refusal(message: str, hint: str = "") -> InputError:
+    """Return the error for input that is no part of a model file, such as an option or a folder."""
+    return InputError([Fault((), message, hint)], f"{message} ({hint})" if hint else message)
 
 
 class SolveError(TorsionError):

@@ -11,9 +11,9 @@ from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import NORMAL, Findings, Plan, PlanLine, Progress, Unanswered, Work, silent
 from torsion.rules import judgement
-from torsion.rules.demanded_states import unjudged
+from torsion.rules.demanded_states import unjudged, unjudged_variants
 from torsion.rules.reached_speeds import demanded_study, in_rpm
-from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, worst_checks
+from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, with_basis, worst_checks
 from torsion.schema.scene_reader import located
 from torsion.schema.study_faults import study_faults
 from torsion.study import Study, bytes_of
@@ -274,7 +274,7 @@ def _judge(work: Work) -> None:
             found = rules.verdicts(work)
             step.method = ", ".join(name for name, _ in work.study.rules)
             step.size = f"{len(found)} checks"
-        checks += found
+        checks += (*found, *(with_basis(check, "") for check in unjudged_variants(work.study)))
         for rule, settings in rules.of_study(work.study):
             clauses = dict.fromkeys(check.clause for check in found if check.rule == rule.name)
             for clause in (settings.verified.clauses or ()) if settings.verified else ():

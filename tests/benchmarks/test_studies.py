@@ -36,7 +36,7 @@ def test_page_of_accuracy_names_the_fastest_within_a_tolerance_and_what_none_bea
     assert [line.split("|")[1].strip() for line in frontier.splitlines()[2:] if line] == ["lumped", "exact"]
     assert "fem, degree 1 with 1." in text
     assert "- something was left out" in text
-    assert "times faster: 75 by the medians, 75 by the least times, both meant >= 50: met" in text
+    assert "times faster: 75 by the medians, 75 by the smallest times, both meant >= 50: met" in text
     assert "times more accurate: 1e+12, meant >= 1e+10: met" in text
     assert accuracy.figure(accuracy.Study("a line", rows, rows, ())).count(">openTorsion<") == 1
 
@@ -86,4 +86,4 @@ def test_reading_tells_the_largest_errors_of_both_sides(extremes):
     }
     words = extremes.reading(sweep)
     assert "torsion tree throughout; peer 1;" in words
-    assert words.endswith("torsion is 3.0e-16, of the others beyond all bounds (no answer).")
+    assert words.endswith("torsion is 3.0e-16, of the others beyond all bounds (no result).")

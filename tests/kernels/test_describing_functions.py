@@ -1,6 +1,7 @@
 """Mean and fundamental of piecewise linear torques of a cosine, against quadrature of 40 digits; all amplitudes."""
 
 import math
+from functools import cache
 from itertools import pairwise
 
 import mpmath
@@ -18,6 +19,8 @@ def moments(torque, breaks):
     """Mean, and the coefficients of cosine and of -sine, of torque(phi) of a whole cycle by Gauss-Legendre pieces."""
     at = sorted({mpmath.mpf(0), 2 * PI, *breaks, *(2 * PI - one for one in breaks)})
     parts = [mpmath.linspace(a, b, 4) for a, b in pairwise(at)]
+
+    torque = cache(torque)  # of the same angles for each of the three
 
     def over(factor):
         return sum(mpmath.quad(lambda phi: torque(phi) * factor(phi), part) for part in parts)

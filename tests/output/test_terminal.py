@@ -110,3 +110,17 @@ def test_progress_leaves_nothing_behind(capsys: pytest.CaptureFixture[str], monk
     assert "modes" in error
     assert error.rpartition("\x1b[2K")[2].strip() == ""  # the line is erased, and nothing comes behind it
     assert "modes" in error.rpartition("\x1b[2K")[0]
+
+
+def test_no_word_of_a_verdict_is_cut_at_80_columns(bare: Findings) -> None:
+    heads = ("Rule", "Component", "What", "Clause")
+    columns = (
+        *(Column(head, short=head, align="left") for head in heads), Column("Value", "N/mm2", short="N/mm2"),
+        Column("Limit", "N/mm2", short="limit"), Column("Verdict", short="verdict", align="left"),
+    )  # fmt: skip
+    long = "abcdefghijklmnop"
+    row = (long, long, f"{long} {long} {long}", long, "1234.5678", "2345.6789")
+    rows = ((*row, "PASS with restrictions"), (*row, "NOT JUDGED"))
+    lines = printed([Table(columns, rows, short="t", marks=("restricted", "not judged"))], bare, width=80)
+    for word in ("PASS with", "restrictions", "NOT JUDGED"):
+        assert any(line.endswith(word) for line in lines), lines

@@ -59,7 +59,7 @@ def test_what_no_exact_motion_stands_beside_does_not_pass(found: Findings, known
     checks = judged(found, *(replace(peak, exact=None) for peak in peaks if known))
     assert checks["T_KN"].verdict == "pass"
     for clause in ("T_KW", "T_Kmax"):
-        assert checks[clause].verdict == "fail"
+        assert checks[clause].verdict == "not judged"
         assert "compute the motion over time" in checks[clause].note
 
 

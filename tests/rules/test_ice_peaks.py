@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -38,7 +39,9 @@ def scene(motions: str = motion(), **changed: str) -> str:
     return SCENE.format(**{**GIVEN, "motions": motions, **changed})
 
 
+@cache
 def run(text: str) -> Findings:
+    """Solved once for each text."""
     return torsion.run(torsion.parse(text))
 
 

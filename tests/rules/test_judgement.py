@@ -218,3 +218,19 @@ def test_a_rule_without_clauses_gives_no_verdict_and_needs_no_speeds_between(see
     found = seen(np.zeros((3, 2)))
     assert Uses().check(found, Settings()) == ()
     assert Uses().speeds_between(found, Settings()).size == 0
+
+
+@pytest.mark.parametrize(
+    ("value", "status", "verdict", "speed"),
+    [
+        ([1, math.nan, 2], [0, 0, 0], "not judged", 2), ([1, math.nan, 5], [0, 0, 0], "fail", 3),
+        ([1, math.nan, 2], [0, 2, 0], "fail", 2), ([1, math.nan, math.nan], [0, 0, 2], "fail", 3),
+        ([1, math.inf, 2], [0, 0, 0], "not judged", 2), ([1, 1, 2], [0, 0, 0], "pass", 3),
+    ],
+)  # fmt: skip
+def test_a_missing_value_is_not_judged_and_a_singular_response_fails(seen, value, status, verdict, speed) -> None:
+    found = seen([(9.0, 1.0)] * 3)
+    clause = Clause("c", "rubber", "what", "maker", curve(value, 4.0, status), np.ones(3, bool), "N m")
+    line = judgement.judge("r", clause, found)
+    assert (line.verdict, line.speed) == (verdict, speed)
+    assert math.isnan(line.value) == (verdict == "not judged")

@@ -55,13 +55,13 @@ def test_equivalent_stresses_and_acceptability_are_the_reference_values(judged) 
     np.testing.assert_allclose([found[clause].limit for clause in clauses], limits, rtol=1e-11)
     for clause, quotient in zip(clauses, ("1.936", "1.818", "1.97"), strict=True):
         assert f"Q = {quotient};" in found[clause].note
-        assert found[clause].verdict == "pass"
+        assert found[clause].verdict == "restricted"
 
 
 def test_an_acceptability_below_1_15_is_not_kept(judged) -> None:
     """tau at which (alpha_B 40 + 10)^2 + 3 (alpha_T tau)^2 = (277.239/1.15)^2."""
     edge = math.sqrt(((277.2390682499 / 1.15) ** 2 - (1.7327070384 * 40 + 10) ** 2) / 3) / 2.2954436056
-    assert judged(edge * (1 - 1e-9))["pin fillet"].verdict == "pass"
+    assert judged(edge * (1 - 1e-9))["pin fillet"].verdict == "restricted"
     assert judged(edge * (1 + 1e-9))["pin fillet"].verdict == "not kept"
 
 
@@ -92,7 +92,7 @@ def test_a_crank_without_the_orders_that_the_rule_demands_is_not_judged(study, e
         given = settings("iacs-m53").model_validate({**GIVEN, "additional": 0.0})
         scene = study(line(orders), [("iacs-m53", given)], materials=STEEL)
         found = verdicts(evidence(scene, [900.0], half={"crank": 30e6 * W_P}))
-        assert {one.verdict for one in found if one.clause in PLACES} == {"pass"}
+        assert {one.verdict for one in found if one.clause in PLACES} == {"restricted"}
         rows = [one for one in found if one.clause == "orders"]
         assert [(one.what, one.verdict, "do not excite" in one.note) for one in rows] == (
             [("Orders of the synthesis", verdict, True)] if verdict else []
@@ -112,12 +112,9 @@ def test_a_crank_without_any_stress_has_no_acceptability_factor(study, evidence)
     ("change", "word"),
     [
         ({"pin": None}, "`pin`"), ({"oil_bore": 0.02, "bore_bending": None}, "`bore_bending`"),
-        ({"pin_fillet": 0.002}, "r of the pin"), ({"web_width": 0.6}, "b of the crank throw"),
-        ({"web_thickness": 0.03}, "w of the crank throw"), ({"radius": 0.05}, "s of the crank throw"),
-        ({"oil_bore": 0.05}, "d of the oil bore"),
     ],
 )  # fmt: skip
-def test_sizes_that_lack_or_are_outside_the_formulas_are_told(study, change, word) -> None:
+def test_sizes_that_lack_are_told(study, change, word) -> None:
     given = {key: value for key, value in {**GIVEN, **change}.items() if value is not None}
     found = lacking(study(line(), [("iacs-m53", settings("iacs-m53").model_validate(given))], materials=STEEL))
     assert len(found) == 1

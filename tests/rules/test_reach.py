@@ -35,7 +35,7 @@ OF_NO_RANGE = ("minimum diameter", "T_KN", "major critical speed")
 SOFT = "cases: {soft: {scale: {rubber.stiffness: 90 %}}}\n"  # societies demand another stiffness
 
 
-def solved(rule, first=400, last=1500, load="constant", more=""):
+def solved(rule, first=240, last=1500, load="constant", more=""):
     scene = SCENE if "engine-maker" in rule else SCENE.replace(", role: crank", "")  # which demands a misfire
     if rule in ("lr", "ccs", "kr"):
         more = SOFT
@@ -53,7 +53,7 @@ def test_a_rule_over_speeds_that_end_below_the_rated_one_does_not_pass(rule, sco
         assert one.what.endswith(" above the computed speeds")
         assert one.note.count("judged up to 800 rpm only") == 1
         reach = one.reach.first / RPM, one.reach.last / RPM, one.reach.demanded / RPM
-        assert reach == pytest.approx((400, 800, 1200 * scope), rel=1e-12)
+        assert reach == pytest.approx((240, 800, 1200 * scope), rel=1e-12)
     (sign, words), kind = headline(found)
     assert (sign, words.startswith(f"NOT JUDGED: {lines[0].what}, "), kind) == ("?", True, "note")
     assert found.exit_status == 1

@@ -76,7 +76,7 @@ def test_a_crankshaft_fails_above_its_limit(study, evidence, name, given, ratio,
         parts = train(shaft("crank", "crank", material="m"))
         scene = study(parts, [(name, settings(name).model_validate(given))], materials=soft)
         found = verdicts(evidence(scene, [1000.0 * ratio], half={"crank": stress([share * limit])}))
-        (check,) = [check for check in found if check.where == "crank" and check.clause != "misfire"]
+        (check,) = [check for check in found if check.where == "crank" and check.unit == "N/mm2"]
         assert (check.clause, check.limit) == (clause, pytest.approx(limit, rel=1e-11))
         assert check.verdict == ("pass" if kept else "fail" if name == "kr" else "not kept")
 
@@ -98,7 +98,7 @@ def test_nothing_is_barred_for_a_generator_set(study, evidence) -> None:
     found = judged(
         study, evidence, "kr", train(shaft("crank", "crank")), rpm, {"crank": stress(tau)}, duty="generator set"
     )
-    assert set(found) == {("crank", "tau_1"), ("crank", "tau_2")}
+    assert {key for key, line in found.items() if line.unit} == {("crank", "tau_1"), ("crank", "tau_2")}
     assert found["crank", "tau_2"].verdict == "fail"
     assert found["crank", "tau_2"].limit == 90.0
 
@@ -113,7 +113,7 @@ def test_a_crankshaft_of_a_main_engine_may_be_barred_below_0_8(study, evidence) 
         [16 * 500 / 17.5, 17.5 * 500 / 16], rel=1e-12
     )
     assert (passing.verdict, passing.limit) == ("restricted", pytest.approx(2 * (45 - 29 * 0.25), rel=1e-13))
-    assert found["crank", "tau_1"].verdict == "pass"
+    assert found["crank", "tau_1"].verdict == "restricted"  # from 300 rpm, and 600 N/mm2 above the 590 of the table
 
 
 def test_a_resonance_at_the_rated_speed_is_not_barred_but_fails(study, evidence) -> None:
@@ -158,9 +158,10 @@ def test_states_and_other_rules_are_named_where_they_are_not_judged(study) -> No
     for name in NAMES:
         scene = study(parts, [(name, settings(name)())])
         rows = {row.clause: row.verdict for row in rule(name).demanded_rows(scene, scene.rules[0][1])}
-        assert rows == dict.fromkeys(("misfire", "zero pitch", "other stiffness"), "not judged")
+        states = ("misfire", "zero pitch", "other stiffness", *(["major critical speed"] if name == "kr" else []))
+        assert rows == dict.fromkeys(states, "not judged")
     kr = dict(not_judged(study(parts, [("kr", settings("kr")())])))
-    wanted = {"gears", "couplings", "major critical speeds"}
+    wanted = {"gears", "couplings"}
     assert {f"kr: {word}" for word in wanted} <= set(kr)
     others = [(name, settings(name)()) for name in ("kr", "gear-hammer", "coupling-maker")]
     kr = dict(not_judged(study(parts, others)))

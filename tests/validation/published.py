@@ -25,13 +25,20 @@ HEAD = """# Validation: published cases
 
 Every case is a model file in `tests/validation` with its published values, and a test compares them at each change of
 the program. A deviation is relative; the allowed one follows from the published digits, or from the
-stated error of the reference. Time histories deviate by the greatest difference of a speed over its greatest value.
-The reference histories of the Modelica Standard Library stand with their licence in `tests/validation/NOTICE.md`.
+stated error of the reference. The deviation of a
+time history is the largest difference of a speed over its largest value.
+The licence of the reference histories of the Modelica Standard Library is in `tests/validation/NOTICE.md`.
 
 | case | source | quantity | deviation | allowed |
 |---|---|---|---|---|
 """
 TAIL = """
+```{toctree}
+:maxdepth: 1
+
+your-case
+```
+
 Other programs and reference solutions are compared in the studies below. The scripts of `benchmarks/` write them.
 
 ```{toctree}

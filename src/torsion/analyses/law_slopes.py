@@ -110,8 +110,8 @@ def drive_faults(study: Study) -> list[Fault]:
     transient = study.setting("analyses", "transient") is not None
     for part, law in driven_by_law(study.train):
         if transient and law.law != "torque":
-            message = f"the law of `drive` of '{part.name}' does not act in a motion over time yet"
-            hint = "write it as an event with a torque over speed, or leave one of both out"
+            message = f"the `drive` of '{part.name}' follows the mean speed and does not act in a motion over time"
+            hint = "an event `start` with its torque over speed follows the vibration too; else leave `drive` out"
             found.append(Fault((*part.path, "drive"), message, hint))
     return found
 

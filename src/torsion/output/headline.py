@@ -48,7 +48,8 @@ def _clause(findings: Findings, word: Verdict) -> str:
     checks = sorted(findings.need(Checks).lines, key=check_words.rank)
     first = next((check for check in checks if WORDS[check.verdict] == WORDS[word]), None)
     sweep = findings.get(Sweep)
-    if first is None and sweep is not None and (sweep.fails or (word == "restricted" and sweep.is_partial)):
+    partial_pass = word == "restricted" and sweep is not None and sweep.is_partial
+    if sweep is not None and (partial_pass or (first is None and sweep.fails)):
         return failing_share(sweep)
     if first is None and word == "fail":
         return "the comparison of the models, or the fit to measurements"

@@ -49,5 +49,6 @@ REPORTS = {
         "Models of a shaft train compared", ("model_comparison", "provenance:steps", "provenance:input_file"), "check",
         keys=("check",),
     ),
+    "compare": Report("Two calculations compared", (), "compare"),
     "study": Report("Error against run time", ("provenance:input_file",), "study"),  # behind the run times
 }  # fmt: skip

@@ -31,7 +31,8 @@ COLOURS = {
     "note": "yellow",
 }
 MOST_ROWS = 12
-LONGEST_WORD = 12  # letters that a column of words keeps on a narrow terminal
+LONGEST_WORD, SHORTEST_WORD = 12, 4  # letters that a column of words keeps on a narrow terminal
+WIDTH, GAP = 80, 3  # columns of a narrow terminal; between two columns of a table
 
 
 def show(document: Document, folder: Path | None = None, console: Console | None = None) -> None:
@@ -74,11 +75,12 @@ def _in_short(table: Table) -> Grid:
     """A table of the report in its short form; marks colour the last cell of their row."""
     made = Grid(title=_plain(table.short), title_justify="left", title_style="italic", box=SIMPLE, pad_edge=False)
     kept = [k for k, column in enumerate(table.columns) if column.short]
+    floors = _least_widths(table, kept)
     for k, column in ((k, table.columns[k]) for k in kept):
-        if column.align == "left":
-            words = [word for row in table.rows[:MOST_ROWS] for word in row[k].split()]
-            longest = len(max(words, key=len, default=""))
-            made.add_column(column.short, overflow="ellipsis", min_width=min(longest, LONGEST_WORD))
+        if column.align == "left" and table.marks and k == kept[-1]:
+            made.add_column(column.short, overflow="fold", width=floors[k])
+        elif column.align == "left":
+            made.add_column(column.short, overflow="fold" if table.marks else "ellipsis", min_width=floors[k])
         else:
             made.add_column(column.short, justify="right", no_wrap=True, overflow="fold")
     for row, mark in zip_longest(table.rows[:MOST_ROWS], table.marks[:MOST_ROWS], fillvalue=""):
@@ -87,6 +89,24 @@ def _in_short(table: Table) -> Grid:
     if len(table.rows) > MOST_ROWS:
         made.caption = f"and {len(table.rows) - MOST_ROWS} more rows in the report"
     return made
+
+
+def _least_widths(table: Table, kept: list[int]) -> dict[int, int]:
+    """Letters that each column keeps: numbers are never cut, and no word of a last column with verdicts.
+
+    Other words keep fewer than LONGEST_WORD where the table does not fit into WIDTH otherwise.
+    """
+    widths = dict[int, int]()
+    for k in kept:
+        cells = [table.columns[k].short, *(row[k] for row in table.rows[:MOST_ROWS])]
+        words = cells if table.columns[k].align != "left" else [word for cell in cells for word in cell.split()]
+        widths[k] = max(map(len, words), default=0)
+    is_cut = {k: table.columns[k].align == "left" and not (table.marks and k == kept[-1]) for k in kept}
+    for longest in range(LONGEST_WORD, SHORTEST_WORD - 1, -1):
+        floors = {k: min(width, longest) if is_cut[k] else width for k, width in widths.items()}
+        if sum(floors.values()) + GAP * len(floors) - 1 <= WIDTH:
+            break
+    return floors
 
 
 def _plain(text: str) -> str:

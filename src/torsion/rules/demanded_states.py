@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.rules.verdict_line import Check, Standing
 from torsion.study import Study
 
@@ -47,6 +48,31 @@ def zero_pitch_rows(rule: str, study: Study, source: str, standing: Standing = "
                 rule, ZERO_PITCH, part.name, "Zero pitch", math.nan, math.nan, "", "restricted", standing,
                 note=words, restrictions=(words,),
             )  # fmt: skip
+
+
+def unjudged_variants(study: Study) -> Iterator[Check]:
+    """Yield a restriction if no rule of the file judges the variants of a sweep, or stiffnesses within tolerances."""
+    if not study.rules:
+        return
+    sweep = study.analyses.get("sweep")
+    judged = sweep if isinstance(sweep, SweepSettings) and sweep.judges(study) else None
+    if sweep is not None and judged is None:
+        words = "variants of the sweep not judged: write `results: [checks]` of the sweep"
+        yield _restriction(study.rules[0][0], "variants", "sweep", "Variants of the sweep", words)
+    has_corners = study.varies_tolerances or any(STIFFNESS in case.states for case in study.case_states)
+    names = [part.name for part in study.train.parts if part.kind == "coupling" and part.stiffness_tolerance]
+    if judged is not None:  # one that names no figures varies all within their tolerances
+        names = [name for name in names if judged.vary and f"{name}.stiffness" not in judged.vary]
+    if names and study.has_tolerances and not has_corners:
+        words = f"tolerances of {', '.join(map(repr, names))} not judged: write `cases: {{from: tolerances}}`"
+        yield _restriction(study.rules[0][0], "tolerances", names[0], "Stiffness within the tolerances", words)
+
+
+def _restriction(rule: str, clause: str, where: str, what: str, words: str) -> Check:
+    return Check(
+        rule, clause, where, what, math.nan, math.nan, "", "restricted", "by definition", note=words,
+        restrictions=(words,),
+    )  # fmt: skip
 
 
 def stiffness_row(rule: str, study: Study, standing: Standing) -> Iterator[Check]:

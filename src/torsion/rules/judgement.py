@@ -23,7 +23,7 @@ from torsion.kernels.tree_response import Status
 from torsion.primitives import Torque
 from torsion.rules import needed as read_by_rules
 from torsion.rules import of_study
-from torsion.rules.reached_speeds import demanded_study, distinct, in_rpm, with_reach
+from torsion.rules.reached_speeds import BARRED_BELOW, demanded_study, distinct, in_rpm, with_reach
 from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
 from torsion.study import Operation, Range, Study
 
@@ -72,6 +72,8 @@ class RuleOverSpeed(Rule):
 
     needs: tuple[str, ...] = ("steady", "response")
     scope: float = 1.0  # speed ratio up to which it is to be judged
+    begin: float = BARRED_BELOW  # speed ratio from which it is to be judged
+    has_limits_outside_use = False  # of the same values, so that continuous use at the rated speed leaves none out
 
     def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
         """What it judges."""
@@ -83,11 +85,13 @@ class RuleOverSpeed(Rule):
 
     def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """A verdict for every clause that has a speed."""
-        found, use = list[Check](), getattr(settings, "continuous", None)
+        found, use, rated = list[Check](), getattr(settings, "continuous", None), evidence.study.operation.rated
+        has_rated = use is not None and rated is not None and bool(within(use, np.array([rated.speed]))[0])
         for clause in self.clauses(evidence, settings):
             line, speed = judge(self.name, clause, evidence), clause.curve.speed
+            cut = None if clause.within.all() or (self.has_limits_outside_use and has_rated) else use
             if line is not None:
-                found += with_reach(line, evidence.study, self.scope, speed, None if clause.within.all() else use)
+                found += with_reach(line, evidence.study, self.scope, speed, cut, begin=self.begin)
         return distinct(found)
 
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
@@ -119,21 +123,30 @@ def curve_of(found: Response | Steady, value: FloatArray, limit: float | FloatAr
 
 
 def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
-    """The check at the worst of the speeds that are judged; None where there is no speed."""
+    """The check at the worst of the speeds that are judged; None where there is no speed.
+
+    A singular response fails. A value that is missing for another reason is not judged.
+    """
     curve = clause.curve
     if not np.any(clause.within):
         return None
     share = np.where(clause.within, curve.utilisation(), -np.inf)
+    is_missing = (curve.status == Status.OK) & ~np.isfinite(curve.value)
+    is_exceeded = ~is_missing & (share > 1.0)
+    if np.any(is_exceeded):  # a limit that is exceeded somewhere fails whatever is missing elsewhere
+        share = np.where(is_exceeded, share, -np.inf)
     at = worst_of(share, curve.value)
-    is_known = curve.status[at] == Status.OK and np.isfinite(curve.value[at])
+    is_known = curve.status[at] == Status.OK and not is_missing[at]
     main = main_component(evidence, at, clause.spans, clause.size)
     said = "" if main is None else f"{MOSTLY} {main.words}"
     notes = [*(said if note == MOSTLY else note for note in clause.notes), *_exact_words(evidence, clause, at)]
     doubt = _doubt(evidence, clause)
     return Check(
         rule, clause.clause, clause.where, clause.what,
-        value=float(curve.value[at]) if is_known else math.inf, limit=float(curve.limit[at]), unit=clause.unit,
-        verdict=verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known and not doubt else "fail",
+        value=float(curve.value[at]) if is_known else math.nan if is_missing[at] else math.inf,
+        limit=float(curve.limit[at]), unit=clause.unit,
+        verdict="not judged" if is_missing[at]
+        else verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known and not doubt else "fail",
         standing=clause.standing, speed=float(curve.speed[at]), order=None if main is None else main.order,
         note="; ".join(note for note in (_status_words(curve, at), *notes, doubt) if note),
     )  # fmt: skip

@@ -8,103 +8,38 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Literal
 
-import numpy as np
-
-from torsion import fields
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import excited_orders
 from torsion.arrays import FloatArray
+from torsion.components.lowering import Part
 from torsion.errors import Fault
-from torsion.fields import Quantity, given, refuse
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.results import listed
 from torsion.rules import judgement, m53_factors
 from torsion.rules.demanded_states import misfire_row, unjudged
-from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
-from torsion.rules.m53_factors import RANGES, Throw
-from torsion.rules.shaft_limits import MM, PA, with_role
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
+from torsion.rules.judgement import MOSTLY, Clause, RuleOverSpeed, curve_of
+from torsion.rules.m53_factors import RANGES
+from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
+from torsion.rules.reached_speeds import START, restricted
+from torsion.rules.shaft_limits import MM, PA, ROUNDING, diameters, with_role
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
 
 LEAST_Q = 1.15
-AXIAL, MISALIGNMENT = 20.0, 10.0  # N/mm2 of additional bending, of crosshead engines; misalignment of trunk pistons too
+LEAST_STRENGTH = 400.0  # N/mm2, ours: below it sigma_DW comes near the tensile strength itself
 PIN, JOURNAL, BORE = "pin fillet", "journal fillet", "oil bore"  # clauses
+OF_FILLETS = "s", "w", "b", "d of the bore of the pin", "d of the bore of the journal"
+RATIOS = {  # that the factors of a place have
+    PIN: (*OF_FILLETS, "r of the pin"), JOURNAL: (*OF_FILLETS, "r of the journal"), BORE: ("d of the oil bore",),
+}  # fmt: skip
 MOST_ORDERS = 6  # stated one by one
 LAST_ORDER = {4: 12, 2: 15}  # of the crankshaft, up to which the rule wants the synthesis
-SIZES = (
-    "pin", "journal", "pin_fillet", "journal_fillet", "web_thickness", "web_width", "radius", "bending", "shear",
-    "strokes",
-)  # fmt: skip
 EXAMPLE = (
     "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm, web_thickness: 70 mm, "
     "web_width: 260 mm, radius: 140 mm, bending: 40 MPa, shear: 5 MPa, strokes: 4}"
 )
-MANUFACTURE, SAME = (1.05, 1.0, 0.93), 1e-9  # factors K of UR M53; rounding of one
-Stress = Annotated[float, Quantity("Pa", at_least=0, usual="stress")]
-
-
-class M53Settings(RuleSettings):
-    """Settings of `iacs-m53`: a throw, solid or with bores and recesses."""
-
-    pin: fields.Across | None = given("diameter D of the crank pin")
-    journal: fields.Across | None = given("diameter D_G of the journals")
-    pin_fillet: fields.Across | None = given("radius R_H of the fillet of the pin")
-    journal_fillet: fields.Across | None = given("radius R_G of the fillet of the journal")
-    web_thickness: fields.Across | None = given("W, along the shaft")
-    web_width: fields.Across | None = given("B")
-    radius: fields.Across | None = given("E, of the crank: half the stroke")
-    oil_bore: fields.Across | None = given("diameter D_O of the oil bore in the pin (default: no bore is judged)")
-    pin_bore: fields.Bore = given("diameter D_BH of the bore of the pin (default: solid)", 0.0)
-    journal_bore: fields.Bore = given("diameter D_BG of the bore of the journals (default: solid)", 0.0)
-    pin_recess: fields.Bore = given("depth T_H of the recess of the pin's fillet (default: none)", 0.0)
-    journal_recess: fields.Bore = given("depth T_G of the recess of the journal's fillet (default: none)", 0.0)
-    bending: Stress | None = given("nominal alternating bending stress of the web, by the engine's maker")
-    shear: Stress | None = given("nominal alternating shear stress of the web, by the engine's maker")
-    bore_bending: Stress | None = given("nominal alternating bending stress at the oil bore, by the engine's maker")
-    engine: Literal["crosshead", "trunk piston"] = given(
-        "kind of the engine, for the additional bending stress: crosshead 30 MPa (axial vibration 20, "
-        "misalignment 10), trunk piston 10 MPa", "crosshead",
-    )  # fmt: skip
-    axial: Stress | None = given(
-        "calculated bending stress by axial vibration of the whole system, in place of the 20 MPa of a crosshead engine"
-    )
-    additional: Stress | None = given("additional bending stress in place of that of `engine` and `axial`")
-    manufacture: Annotated[float, Quantity("1", above=0, at_most=1.2)] = given(
-        "factor K: 1.05 continuous grain flow, 1.0 free-form forged, 0.93 cast", 0.93
-    )
-    strokes: Literal[2, 4] | None = given("strokes of a cycle, for the orders that the synthesis must have")
-    continuous: Continuous | None = given("speeds without the barred ranges: {from, to} (default: all)")
-
-    @property
-    def throw(self) -> Throw:
-        """In mm; raises ValueError where a size is missing."""
-        sizes = [getattr(self, key) for key in SIZES[:7]]
-        if None in sizes:
-            raise ValueError("a size of the throw is missing")
-        bores = self.oil_bore or 0.0, self.pin_bore, self.journal_bore, self.pin_recess, self.journal_recess
-        return Throw(*(size * MM for size in (*sizes, *bores)))
-
-    @property
-    def added_bending(self) -> tuple[float, str]:
-        """Additional bending stress, N/mm2, and where it is from, in words (KR A5-3 4)."""
-        if self.additional is not None:
-            return self.additional * PA, "stated by user"
-        if self.engine == "trunk piston":
-            return MISALIGNMENT, "trunk piston engine"
-        if self.axial is not None:
-            return self.axial * PA + MISALIGNMENT, "crosshead engine, axial vibration stated by user"
-        return AXIAL + MISALIGNMENT, "crosshead engine"
-
-    def refuse_clashes(self) -> None:
-        if self.axial is not None and (self.engine != "crosshead" or self.additional is not None):
-            message = "`axial` stands for the 20 MPa of a crosshead engine alone"
-            raise refuse(message, "leave out `axial`, or `additional`", "axial")
-        if min(abs(self.manufacture - factor) for factor in MANUFACTURE) > SAME:
-            hint = "1.05 continuous grain flow, 1.0 free-form forged, 0.93 cast with cold rolling"
-            raise refuse(f"the text has no factor K of {self.manufacture:g}", hint, "manufacture")
 
 
 class M53(RuleOverSpeed):
@@ -113,6 +48,7 @@ class M53(RuleOverSpeed):
     name = "iacs-m53"
     edition = "IACS UR M53 as in KR Guidance 2025 Pt 5 Annex 5-3"
     settings = M53Settings
+    begin = START
 
     def faults(self, study: Study, settings: M53Settings) -> list[Fault]:
         """What the file lacks for this rule."""
@@ -127,28 +63,13 @@ class M53(RuleOverSpeed):
                 hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 800 MPa}}}}"
                 found.append(Fault((*part.path, "material"), message, hint))
         missing = [key for key in SIZES if getattr(settings, key) is None]
-        if settings.oil_bore is not None and settings.bore_bending is None:
+        if settings.oil_bore and settings.bore_bending is None:
             missing.append("bore_bending")
         if missing:
             words = ", ".join(f"`{key}`" for key in missing)
-            return [
-                *found,
-                Fault(where, f"{words} of {self.name} {'is' if len(missing) == 1 else 'are'} missing", EXAMPLE),
-            ]
-        for name, ratio in settings.throw.ratios.items():
-            least, most = RANGES[name]
-            if not least <= ratio <= most:
-                words = f"at most {most:g}" if least == -np.inf else f"{least:g} to {most:g}"
-                message = f"{name} of the crank throw is {ratio:.4g}, for which the factors of M53 do not hold"
-                found.append(Fault(where, message, f"{words} (over the diameter of the pin)"))
-        return found
-
-    def left_out(self, study: Study, settings: M53Settings) -> tuple[tuple[str, str], ...]:
-        """What it does not judge, and why."""
-        found = [(f"{self.name}: shrink fits of semi-built cranks", "the rule is not offered for them")]
-        if settings.oil_bore is None:
-            found.append((f"{self.name}: outlet of the oil bore", "`oil_bore` is not given"))
-        return tuple(found)
+            message = f"{words} of {self.name} {'is' if len(missing) == 1 else 'are'} missing"
+            found.append(Fault(where, message, EXAMPLE))
+        return [*dict.fromkeys(found), *contradictions(study, settings, (*where, self.name))]
 
     def clauses(self, evidence: Results, settings: M53Settings) -> Iterator[Clause]:
         """Equivalent stress against fatigue strength / 1.15, of every crank span at both fillets and the oil bore."""
@@ -159,27 +80,90 @@ class M53(RuleOverSpeed):
             torque = evidence.need(Synthesis).half_range[:, spans].max(axis=1)
             strength = (train.materials[shaft.material].tensile_strength or 0.0) * PA
             for place, stress, fatigue in _places(settings, torque, strength):
+                if place not in _stated_places(settings) or any(_doubts(settings, place, strength)):
+                    continue
                 curve = curve_of(response, stress, fatigue / LEAST_Q)
                 notes = f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}", in_use, MOSTLY, *_notes(settings, place)
                 what = f"Equivalent alternating stress, {place}"
                 yield Clause(place, part.name, what, TO_BE_VERIFIED, curve, use, "N/mm2", notes, spans)
 
     def check(self, evidence: Results, settings: M53Settings) -> tuple[Check, ...]:
-        """With the acceptability factor of each, and a row NOT JUDGED of the orders that the synthesis lacks."""
-        found = list[Check]()
-        for one in super().check(evidence, settings):
-            factor = f"Q = {LEAST_Q * one.limit / one.value:.4g}" if one.value and math.isfinite(one.limit) else ""
-            found.append(replace(one, note="; ".join(filter(None, (factor, one.note)))))
-        return (*found, *self.demanded_rows(evidence.study, settings))
+        """With the acceptability factor of each, its restrictions, and rows NOT JUDGED of what the rule demands."""
+        train = evidence.study.train
+        sections = {part.name: diameters(train, number)[0] for number, part, _ in with_role(train, "crank")}
+        checks = list[Check]()
+        for line in super().check(evidence, settings):
+            factor = f"Q = {LEAST_Q * line.limit / line.value:.4g}" if line.value and math.isfinite(line.limit) else ""
+            checks.append(replace(line, note="; ".join(filter(None, (factor, line.note)))))
+            if line.verdict in ("pass", "restricted"):
+                for words in _restrictions(settings, line.clause, sections[line.where][0] * MM):
+                    checks[-1] = restricted(checks[-1], words)
+        return (*checks, *self.demanded_rows(evidence.study, settings))
 
     def demanded_rows(self, study: Study, settings: M53Settings) -> tuple[Check, ...]:
-        """Orders that nothing excites, and a misfire that neither the file nor a case of it has."""
+        """Places without factors, shrink fits, orders that nothing excites, and a misfire that no case has."""
         rows = list[Check]()
-        if lacking := _lacking(study, settings):
-            note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
-            for _, part, _ in with_role(study.train, "crank"):
+        for number, part, shaft in with_role(study.train, "crank"):
+            strength = (study.train.materials[shaft.material].tensile_strength or 0.0) * PA
+            for place in _stated_places(settings):
+                if doubts := tuple(_doubts(settings, place, strength)):
+                    what = f"Equivalent alternating stress, {place}"
+                    rows.append(unjudged(self.name, place, part.name, what, "; ".join(doubts)))
+            if settings.built == "semi-built":
+                note = "section 8 of the rule: the program does not judge shrink fits of crankshafts"
+                rows.append(unjudged(self.name, "shrink fits", part.name, "Shrink fits of the crankshaft", note))
+            if lacking := _lacking(study, settings, number, part):
+                note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
                 rows.append(unjudged(self.name, "orders", part.name, "Orders of the synthesis", note))
         return (*rows, *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"))
+
+
+def _stated_places(settings: M53Settings) -> tuple[str, ...]:
+    """Places that the crankshaft has: a semi-built one has no fillet of the journal."""
+    journal = () if settings.built == "semi-built" else (JOURNAL,)
+    return (PIN, *journal, *(() if settings.oil_bore == 0.0 else (BORE,)))
+
+
+def _doubts(settings: M53Settings, place: str, strength: float) -> Iterator[str]:
+    """Why the rule has no value for a place, in words; strength: N/mm2."""
+    if settings.manufacture == "cast":
+        yield "the rule has no factor K for a cast crankshaft without approved cold rolling"
+    if strength < LEAST_STRENGTH * (1 - ROUNDING):
+        yield f"tensile strength {strength:.4g} N/mm2, below {LEAST_STRENGTH:g} (ours)"
+    if place == BORE and settings.oil_bore is None:
+        yield "`oil_bore` is not stated: write its diameter, or `oil_bore: none`"
+    if place == BORE and settings.drilling == "other":
+        yield "the factors are those of a radial oil bore"
+    if place == BORE and settings.built == "semi-built":
+        yield "the factors are those of a solid crankshaft"
+    for name in RATIOS[place]:
+        ratio, (least, most) = settings.throw.ratios[name], RANGES[name]
+        if not least - ROUNDING <= ratio <= most + ROUNDING:
+            words = f"at most {most:g}" if least == -math.inf else f"{least:g} to {most:g}"
+            yield f"outside the range of the factors: {name} {ratio:.4g}, {words}"
+
+
+def _restrictions(settings: M53Settings, place: str, outer: float) -> Iterator[str]:
+    """Conditions of a pass that the file does not answer, in words; outer: diameter of the crank in the train, mm."""
+    throw = settings.throw
+    if settings.built is None:
+        yield "crankshaft in one piece (`built` is not stated)"
+    if settings.manufacture is None or abs(settings.factor - CAST) < ROUNDING:
+        source = " (`manufacture` is not stated)" if settings.manufacture is None else ""
+        yield f"crankshaft forged, or cast with approved cold rolling{source}"
+    smaller = min(throw.pin, throw.journal)
+    if outer < smaller * (1 - SAME_SIZE):
+        yield f"pin and journals as large as the rule has them: the crank of the train has {outer:.4g} mm"
+    if place != BORE:
+        yield "fillets smooth; surface treatment only with approval"
+        return
+    yield "outlet and oil bore smooth down to 1.5 times its diameter; surface treatment only with approval"
+    if settings.drilling is None:
+        yield "oil bore drilled radially (`drilling` is not stated)"
+    if throw.journal >= throw.pin:
+        yield "journal oil bores formed as those of the pin, or with separate evidence"
+    else:
+        yield "journal oil bores with separate evidence: the journal is smaller than the pin"
 
 
 def _notes(settings: M53Settings, place: str) -> Iterator[str]:
@@ -191,14 +175,21 @@ def _notes(settings: M53Settings, place: str) -> Iterator[str]:
             yield "overlap below -0.5: factors at -0.5, that of shear too"
 
 
-def _lacking(study: Study, settings: M53Settings) -> list[Fraction]:
-    """Orders of the crankshaft that the rule wants in the synthesis, and that nothing excites."""
-    cranks = list(with_role(study.train, "crank"))
-    if not cranks or settings.strokes is None:
+def _lacking(study: Study, settings: M53Settings, crank: int, part: Part) -> list[Fraction]:
+    """Orders of a crankshaft that the rule wants in the synthesis, and that nothing excites.
+
+    Of an engine only its gas counts: moving masses have nearly every order, and loads may have the missing ones.
+    """
+    if settings.strokes is None:
         return []
     step = Fraction(2, settings.strokes)  # an order a cycle of the engine
-    excited = {order / abs(cranks[0][1].ratio) for order in excited_orders(study.train)}
     wanted = [step * k for k in range(1, int(LAST_ORDER[settings.strokes] / step) + 1)]
+    engines = (other.engine for other in study.train.parts if other.engine is not None)
+    engine = next((record for record in engines if crank in record.cranks), None)
+    if engine is None:
+        excited = {order / abs(part.ratio) for order in excited_orders(study.train)}
+    else:
+        excited = set() if engine.gas is None else set(engine.gas_orders)
     return [order for order in wanted if order not in excited]
 
 
@@ -209,14 +200,14 @@ def _places(settings: M53Settings, torque: FloatArray, strength: float) -> Itera
     of_pin, of_journal = (torque / section_modulus(outer / MM, bore / MM) * PA for outer, bore in sections)
     bending, shear = (settings.bending or 0.0) * PA, (settings.shear or 0.0) * PA
     local = factors.alpha_b(throw) * bending + add
-    fatigue = factors.fatigue_strength(strength, throw.pin, throw.pin_fillet, settings.manufacture)
+    fatigue = factors.fatigue_strength(strength, throw.pin, throw.pin_fillet, settings.factor)
     yield PIN, factors.of_fillet(local, factors.alpha_t(throw) * of_pin), fatigue
     local = factors.beta_b(throw) * bending + factors.beta_q(throw) * shear + add
-    fatigue = factors.fatigue_strength(strength, throw.journal, throw.journal_fillet, settings.manufacture)
+    fatigue = factors.fatigue_strength(strength, throw.journal, throw.journal_fillet, settings.factor)
     torsion = factors.alpha_t(throw, journal=True) * of_journal
     yield JOURNAL, factors.of_fillet(local, torsion), fatigue
     if throw.oil_bore:
         local = factors.gamma_b(throw) * (settings.bore_bending or 0.0) * PA
-        manufacture = min(settings.manufacture, 1.0)  # grain flow does not help at the bore
+        manufacture = min(settings.factor, 1.0)  # grain flow does not help at the bore
         fatigue = factors.fatigue_strength(strength, throw.pin, throw.oil_bore / 2.0, manufacture)
         yield BORE, factors.of_bore(local, factors.gamma_t(throw) * of_pin), fatigue

@@ -13,7 +13,7 @@ from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.rules import judgement, m68_shafts
-from torsion.rules.demanded_states import misfire_row, zero_pitch_rows
+from torsion.rules.demanded_states import misfire_row, unjudged, zero_pitch_rows
 from torsion.rules.judgement import Clause, Curve, rated_speed
 from torsion.rules.m68_shafts import (
     FLAT_FROM,
@@ -26,12 +26,15 @@ from torsion.rules.m68_shafts import (
     tau_c,
     tau_t,
 )
-from torsion.rules.shaft_limits import BARRED_BELOW, ROUNDING, LimitCurve, LimitedShaft, Piece
-from torsion.rules.shaft_stress import ShaftStress
+from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.shaft_limits import ROUNDING, LimitCurve, LimitedShaft, Piece
+from torsion.rules.shaft_stress import SUBJECT, ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
 
 NOT_ROUND = "its section is a mesh; limits, factors and least diameters of the rule are those of round shafts"
+DIAMETER = "Outer diameter"
+NO_POWER = "the rated power is not given: write `power` of `operation.rated`"
 KW_PER_RPM = 2.0 * math.pi / 60.0 / 1e3  # power in kW per rpm of a torque of 1 N m
 
 
@@ -72,17 +75,13 @@ class M68(ShaftStress):
                 found.append((f"{self.name} for {part.name}", "the shaft has no `role`"))
             elif part.shaft is not None and part.shaft.role not in self.has_limits_of:
                 others.append(part.name)
-        judged = {part.name for part, _ in m68_shafts.judged(study.train, self.has_limits_of)}
-        for bar in study.train.bars:
-            if study.train.shaft(bar).role in self.has_limits_of and bar.name not in judged:
-                found.append((f"{self.name} for {bar.name}", NOT_ROUND))
+        if not study.has_mean_torque and _is_generator_set(study):
+            found.append((f"{self.name}: least diameters", NO_POWER))
         if others:
             limits_of = ", ".join(self.has_limits_of)
             found.append(
                 (f"{self.name}: shafts of another role", f"limits of {limits_of} are known: {', '.join(others)}")
             )
-        if not study.has_mean_torque:
-            found.append((f"{self.name}: least diameters", "the rated power is not given"))
         return tuple(found)
 
     def shafts(self, study: Study, settings: M68Settings) -> Iterator[LimitedShaft]:
@@ -109,8 +108,18 @@ class M68(ShaftStress):
             for shaft in m68_shafts.classed_shafts(study, settings)
             if shaft.stated is not None and shaft.stated < LEAST_STRENGTH * (1 - ROUNDING)
         ]  # fmt: skip
-        roles = {part.shaft.role for part in study.train.parts if part.shaft is not None}
-        if "generator" not in roles or "propeller" in roles:  # a generator set has no propulsion
+        if not study.has_mean_torque and not _is_generator_set(study):
+            rows += [
+                unjudged(self.name, "minimum diameter", shaft.name, DIAMETER, NO_POWER, TO_BE_VERIFIED)
+                for shaft in m68_shafts.classed_shafts(study, settings)
+            ]
+        round_shafts = {part.name for part, _ in m68_shafts.judged(study.train, self.has_limits_of)}
+        rows += [
+            unjudged(self.name, "section", bar.name, f"{SUBJECT}, section that is not round", NOT_ROUND)
+            for bar in study.train.bars
+            if study.train.shaft(bar).role in self.has_limits_of and bar.name not in round_shafts
+        ]
+        if not _is_generator_set(study):
             rows += misfire_row(self.name, study, self.source)
         return (*rows, *zero_pitch_rows(self.name, study, self.source))
 
@@ -158,10 +167,16 @@ class M68(ShaftStress):
         diameter, least = max(ends, key=lambda end: end[1] / end[0])
         used = f"F {factor:g} (drive: {settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
         return Check(
-            self.name, "minimum diameter", shaft.name, "Outer diameter", diameter, least, "mm",
+            self.name, "minimum diameter", shaft.name, DIAMETER, diameter, least, "mm",
             verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,
             at_least=True,
         )  # fmt: skip
+
+
+def _is_generator_set(study: Study) -> bool:
+    """The train has no propulsion, whose misfire and least diameters the rule demands."""
+    roles = {part.shaft.role for part in study.train.parts if part.shaft is not None}
+    return "generator" in roles and "propeller" not in roles
 
 
 def _in_barred_range(
@@ -193,5 +208,13 @@ def _limited(shaft: ClassedShaft) -> LimitedShaft:
     pieces = Piece("tau_C", FLAT_FROM, continuous), Piece("tau_C", LAST_CONTINUOUS, continuous)
     curve = LimitCurve(pieces, Piece("tau_T", BARRED_BELOW, partial(tau_t, *made_of)))
     return LimitedShaft(
-        shaft.part, shaft.name, curve, shaft.standing, shaft.notes, shaft.keyways, shaft.restrictions, shaft.doubts
+        shaft.part,
+        shaft.name,
+        curve,
+        shaft.standing,
+        shaft.notes,
+        shaft.keyways,
+        shaft.restrictions,
+        shaft.doubts,
+        shaft.near_limit,
     )

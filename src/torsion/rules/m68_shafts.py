@@ -16,7 +16,8 @@ from torsion import fields
 from torsion.arrays import FloatArray
 from torsion.components.lowering import Part, ShaftRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
-from torsion.rules.shaft_limits import BARRED_BELOW, MM, PA, ROUNDING, Mark, diameters, with_role
+from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.shaft_limits import MM, PA, ROUNDING, Mark, diameters, with_role
 from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 from torsion.train import Train
@@ -67,11 +68,13 @@ OF_ROLE: Mapping[Role, frozenset[str]] = {  # features that state the factor of 
 }
 STRENGTH_CAP = 600.0  # N/mm2, the greatest tensile strength that counts (rule text)
 ALLOY_STRENGTH_CAP = 800.0  # N/mm2, of intermediate and thrust shafts of alloy steel (rule text)
+MOST_CARBON_STRENGTH = 760.0  # N/mm2 of carbon and C-Mn steel (rule text, M68.3)
 LEAST_STRENGTH_IN_BARRED_RANGE = 500.0  # N/mm2, where the stress comes near tau_T (rule text)
 NEAR_TRANSIENT = 0.8  # of tau_T: near it; ours, since the text has no number
 MOST_SLOT_LENGTH, MOST_SLOT_BORE, LEAST_SLOT_WIDTH = 0.8, 0.7, 0.15  # of the diameter (rule text, note 4)
 SLOT_NUMBERS = 1, 2, 3  # at 360, 180 and 120 degrees
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
+SEAT = "shrink fit of '{}': seat 1 to 2 % thicker, with a blending radius of about that change"  # (rule text, note 1)
 SMOOTH_DRIVE_FACTOR = 95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
 DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified)
 
@@ -171,6 +174,7 @@ class ClassedShaft:
     stated: float | None  # N/mm2: strength as the file gives it
     restrictions: tuple[str, ...] = ()  # conditions of the factors that the file does not answer
     broken: tuple[str, ...] = ()  # conditions that it breaks
+    near_limit: tuple[str, ...] = ()  # conditions near the limit of continuous use that the file does not answer
 
     @property
     def governing(self) -> tuple[str, Detail]:
@@ -241,14 +245,20 @@ def _classed(study: Study, settings: M68Settings, part: int, record: ShaftRecord
     given_strength = study.train.materials[record.material].tensile_strength
     stated = None if given_strength is None else given_strength * PA
     steel = LEAST_STRENGTH if stated is None else stated
-    strength = used_strength(steel, role, alloy=not {name, whole}.isdisjoint(settings.alloy))
+    is_alloy = not {name, whole}.isdisjoint(settings.alloy)
+    strength = used_strength(steel, role, alloy=is_alloy)
     ends = cast(Ends, tuple((outer * MM, bore * MM) for outer, bore in diameters(study.train, part)))
     details = _details(record, role, name, ends, settings)
     unknown, broken = _conditions(record, name, ends, settings)
+    most = ALLOY_STRENGTH_CAP if is_alloy else MOST_CARBON_STRENGTH
+    if stated is not None and stated > most * (1 + ROUNDING):
+        kind = "alloy" if is_alloy else "carbon"
+        unknown.append(f"special approval of '{name}': {kind} steel of {stated:.4g} N/mm2, above {most:g}")
     answered = settings.conditions is not None
     return ClassedShaft(
         part, name, role, strength, details, max(outer for outer, _ in ends), ends, stated,
         () if answered else tuple(unknown), tuple(broken),
+        (SEAT.format(name),) if "shrink fit" in record.features and not answered else (),
     )  # fmt: skip
 
 

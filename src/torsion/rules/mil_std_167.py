@@ -19,7 +19,7 @@ from torsion.rules import judgement
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.m68_shafts import LEAST_STRENGTH
-from torsion.rules.reached_speeds import in_rpm
+from torsion.rules.reached_speeds import START, in_rpm
 from torsion.rules.shaft_limits import PA, nominal_stress, with_role
 from torsion.rules.verdict_line import TO_BE_VERIFIED, RuleSettings
 from torsion.study import Study
@@ -41,6 +41,8 @@ class MilStd167(RuleOverSpeed):
     name = "mil-std-167"
     edition = "MIL-STD-167 type III"
     settings = MilSettings
+    begin = START
+    has_limits_outside_use = True
 
     def faults(self, study: Study, settings: MilSettings) -> list[Fault]:
         """What the file lacks for this rule."""

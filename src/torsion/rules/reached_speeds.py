@@ -4,60 +4,108 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+from torsion import fields
 from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.arrays import FloatArray
+from torsion.fields import required
 from torsion.rules import of_study
 from torsion.rules.demanded_states import unjudged
 from torsion.rules.verdict_line import Check, Reach
 from torsion.study import Range, SpeedRange, Study
 
-BEGINS = "judged from"  # a speed above the rated one
+BEGINS = "judged from"  # the first speed of a judgement that lacks lower ones
+BARRED_BELOW = 0.8  # speed ratio below which barred ranges lie: who begins there, or above, looked at none of them
+START = 0.2  # speed ratio: a judgement from there on has the start of the train (ours, the texts begin at 0): by the
+# propeller law excitations are 4 % of the rated ones there, and UR M68 permits twice the stress
+
+
+class SpeedsAbove(SpeedRange):
+    """The speeds that rules demand above those of an operation."""
+
+    begin: fields.Speed = required("lowest speed of the operation")
 
 
 def with_reach(
     check: Check, study: Study, scope: float = 1.0, speed: FloatArray | None = None, use: Range | None = None,
-    subject: str = "Vibration",
+    subject: str = "Vibration", *, begin: float = 1.0,
 ) -> Iterator[Check]:  # fmt: skip
-    """Yield the check, and a row NOT JUDGED where its rule demands speeds that were not computed.
+    """Yield the check, and a row NOT JUDGED for either end at which its rule demands speeds that were not computed.
 
     The speeds of the operation, and those (speeds,) rad/s that were looked at, hold the rated speed; up to a share
     `scope` of it `demanded_study` computes. A case with speeds of its own has all or is not judged there. A statement
     of the file that the train does not run there makes a pass one with restrictions: `operation.highest`, a setting
-    `use` of the rule, and of a rule up to the rated speed also speeds of its own of a case.
+    `use` of the rule, and of a rule up to the rated speed also speeds of its own of a case. So do speeds that begin
+    above the share `begin` of the rated speed; that share is START for limits that hold while the train starts, which
+    are not judged if the speeds begin where no barred range may lie.
     """
     rated, speeds = study.operation.rated, study.operation.speeds
+    cut = use_words(use, study)
     if rated is None or speeds is None:
-        yield check
+        yield restricted(check, cut) if cut else check
         return
+
     demanded, limited = demanded_speed(study, scope)
     is_own = study.case is not None and study.case.has_own_speeds
+    computed = [speeds.first, speeds.last, *([] if speed is None else speed.tolist())]
+    first, last = min(computed), max(computed)
+    if isinstance(speeds, SpeedsAbove):
+        first = speeds.begin
+    reach, rows = Reach(first, last, demanded), list[Check]()
+
     needed = demanded if is_own else min(demanded, rated.speed)
-    ends = [speeds.first, speeds.last, *([] if speed is None else speed.tolist())]
-    is_whole = min(ends) <= rated.speed * (1 + SAME_SPEED) and not coverage(max(ends), needed)
-    if is_whole and not limited and use is not None and coverage(use.last, rated.speed):
-        reach = Reach(use.first, use.last, rated.speed)
-        words = reach_words(reach, rated.speed)
-        yield restricted(check, words, reach) if check.verdict in ("pass", "restricted") else check
-    elif is_whole:
-        yield restricted(check, limited) if limited and check.verdict in ("pass", "restricted") else check
-    else:
-        reach = Reach(min(ends), max(ends), demanded)
-        words = reach_words(reach, rated.speed)
+    if coverage(last, rated.speed, needed / rated.speed):
         if is_own and scope <= 1.0:
-            yield restricted(check, words, reach) if check.verdict in ("pass", "restricted") else check
+            check = restricted(check, reach_words(reach, rated.speed), reach)
         else:
-            yield check
-            end = "below" if words.startswith(BEGINS) else "above"
-            what = f"{subject} {end} the computed speeds"
-            yield replace(unjudged(check.rule, "speeds", check.where, what, words, check.standing), reach=reach)
+            rows.append(_uncomputed(check, f"{subject} above", reach, rated.speed))
+    elif use is not None and coverage(use.last, rated.speed):
+        reach = Reach(use.first, use.last, rated.speed)
+        check = restricted(check, reach_words(reach, rated.speed), reach)
+    if limited:
+        check = restricted(check, limited)
+    if cut:
+        check = restricted(check, cut)
+
+    if first > begin * rated.speed * (1 + SAME_SPEED):
+        from_start = Reach(first, last, 0.0)
+        has_rated = first <= rated.speed * (1 + SAME_SPEED)
+        lacks_barred = begin < BARRED_BELOW and first >= BARRED_BELOW * rated.speed * (1 - SAME_SPEED)
+        is_stated = is_own and (has_rated or scope <= 1.0)
+        if is_stated or (has_rated and not lacks_barred):
+            check = restricted(check, reach_words(from_start, rated.speed))
+        else:
+            rows.append(_uncomputed(check, f"{subject} below", from_start, rated.speed))
+    yield check
+    yield from rows
+
+
+def _uncomputed(check: Check, what: str, reach: Reach, rated: float) -> Check:
+    """Return the row of speeds that a rule demands and that were not computed."""
+    words, what = reach_words(reach, rated), f"{what} the computed speeds"
+    return replace(unjudged(check.rule, "speeds", check.where, what, words, check.standing), reach=reach)
+
+
+def use_words(use: Range | None, study: Study) -> str:
+    """Which speeds of the operation a setting of the rule leaves out, in words; empty where it leaves none out."""
+    rated, speeds = study.operation.rated, study.operation.speeds
+    ends = [] if speeds is None else [speeds.first, speeds.last]
+    ends += [] if rated is None else [rated.speed]
+    if use is None or not ends:
+        return ""
+    if use.first <= min(ends) * (1 + SAME_SPEED) and use.last >= max(ends) * (1 - SAME_SPEED):
+        return ""
+    return f"judged in continuous use only, {in_rpm(use.first)} to {in_rpm(use.last)}"
 
 
 def demanded_speed(study: Study, scope: float) -> tuple[float, str]:
-    """rad/s up to which a rule demands, and in words what of the file keeps it below `scope` of the rated speed."""
+    """rad/s up to which a rule demands, and in words what of the file keeps it below `scope` of the rated speed.
+
+    A train that can run above that share is judged up to its `highest` speed.
+    """
     operation = study.operation
     whole = scope * (0.0 if operation.rated is None else operation.rated.speed)
     if operation.highest is None or operation.highest >= whole * (1 - SAME_SPEED):
-        return whole, ""
+        return max(whole, operation.highest or 0.0), ""
     return operation.highest, f"speed limited to {in_rpm(operation.highest)} by {_keeper(operation.by)}"
 
 
@@ -81,9 +129,8 @@ def demanded_study(study: Study) -> Study | None:
         return None
     step = (speeds.last - speeds.first) / (speeds.steps - 1)
     end = max(short.values())
-    above = SpeedRange.model_construct(
-        first=rated.speed, last=end, steps=max(2, math.ceil((end - rated.speed) / step) + 1)
-    )
+    steps = max(2, math.ceil((end - rated.speed) / step) + 1)
+    above = SpeedsAbove.model_construct(first=rated.speed, last=end, steps=steps, begin=speeds.first)
     operation = study.operation.model_copy(update={"speeds": above})
     rules = tuple((name, settings) for name, settings in study.rules if name in short)
     return replace(study, operation=operation, rules=rules, variations={}, cases={})
@@ -94,7 +141,9 @@ def _keeper(by: str | None) -> str:
 
 
 def restricted(check: Check, words: str, reach: Reach | None = None) -> Check:
-    """Return a check that is met as one that is met with a restriction, in words."""
+    """Return a check that is met as one that is met with a restriction, in words; another check as it is."""
+    if check.verdict not in ("pass", "restricted"):
+        return check
     return replace(check, verdict="restricted", restrictions=(*check.restrictions, words), reach=reach or check.reach)
 
 
@@ -107,7 +156,7 @@ def reach_words(reach: Reach | None, rated: float) -> str:
     """Which speeds were judged, where the rule demands more; empty where it does not."""
     if reach is None:
         return ""
-    if reach.first > rated * (1 + SAME_SPEED):
+    if reach.demanded < reach.first:
         return f"{BEGINS} {in_rpm(reach.first)} only, {reach.first / rated:.3g} of the rated speed"
     return coverage(reach.last, rated, reach.demanded / rated)
 

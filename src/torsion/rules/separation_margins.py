@@ -128,17 +128,9 @@ class SeparationMargins(Rule):
 
     def left_out(self, study: Study, settings: MarginSettings) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
-        train, omitted = study.train, []
-        toothless = [mesh.name for mesh in train.constraints if _is_mesh(train, mesh.part) and not mesh.meshings]
-        if toothless:
-            omitted.append((f"{self.name}: gear mesh of {in_runs(toothless)}", "its `teeth` are not given"))
-        bladeless = [part.name for part in train.parts if part.propeller is not None and not part.propeller.blades]
-        if bladeless:
-            omitted.append((f"{self.name}: blade passing of {in_runs(bladeless)}", "its `blades` are not given"))
         other = "judged where the file excites the train by their orders, and not otherwise"
         stress = "it is the rules' about stress"
         return (
-            *omitted,
             (f"{self.name}: vane passing, harmonics of converters", other),
             (f"{self.name}: stress analysis of what is not apart", stress),
         )
@@ -159,7 +151,7 @@ class SeparationMargins(Rule):
             check = self._judge(excitation, frequency, known_to, words)
             worst[check.what] = max(worst.get(check.what, check), check, key=rank)
         study, use = evidence.study, settings.continuous
-        checks = [*worst.values(), *self._missing_line(study.train, settings)]
+        checks = [*worst.values(), *self._missing_line(study.train, settings), *self._uncounted(study.train)]
         return distinct(row for check in checks for row in with_reach(check, study, use=use, subject="Separation"))
 
     def _judge(
@@ -201,6 +193,19 @@ class SeparationMargins(Rule):
             yield Check(
                 self.name, CLAUSE, WHERE, "Separation from 1 x line frequency", math.nan, self.standard.first, "1",
                 "not judged", TO_BE_VERIFIED, note=note, at_least=True,
+            )  # fmt: skip
+
+    def _uncounted(self, train: Train) -> Iterator[Check]:
+        """Yield a restriction for each gear without its teeth, and for each machine without its blades."""
+        meshes = [mesh.name for mesh in train.constraints if _is_mesh(train, mesh.part) and not mesh.meshings]
+        bladed = [part.name for part in train.parts if part.impeller is not None and not part.impeller.blades]
+        counts = [(name, "gear mesh", "teeth") for name in meshes]
+        counts += [(name, "blade passing", "blades") for name in bladed]
+        for name, passing, key in counts:
+            words = f"{passing} frequency of '{name}' not judged: its `{key}` are not given"
+            yield Check(
+                self.name, CLAUSE, name, f"Separation from {passing}", math.nan, math.nan, "1", "restricted",
+                TO_BE_VERIFIED, note=words, restrictions=(words,), at_least=True,
             )  # fmt: skip
 
 
@@ -249,8 +254,8 @@ def _of_teeth_and_blades(train: Train, standard: Margins) -> Iterator[tuple[Frac
             order = mesh.meshings * abs(train.stations[mesh.driving].ratio)
             yield order, f"gear mesh of {mesh.name}", standard.first
     for part in train.parts:
-        if part.propeller is not None and part.propeller.blades:
-            yield part.propeller.blades * abs(part.ratio), f"blade passing of {part.name}", standard.first
+        if part.impeller is not None and part.impeller.blades:
+            yield part.impeller.blades * abs(part.ratio), f"blade passing of {part.name}", standard.first
 
 
 def _name_shaft(train: Train, ratio: Fraction) -> str:

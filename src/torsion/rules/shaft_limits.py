@@ -15,6 +15,7 @@ from torsion.assembly.system import System
 from torsion.components.lowering import Part, ShaftRecord
 from torsion.kernels.round_sections import section_modulus
 from torsion.rules.judgement import spans_of
+from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.train import Train
 
 PA = 1e-6  # N/mm2
@@ -22,7 +23,7 @@ MM = 1e3  # mm/m
 Mark = Literal["rule text", "to be verified"]
 Limit = Callable[[FloatArray], FloatArray]  # of speed ratios (speeds,)
 
-BARRED_BELOW = 0.8  # no barred range reaches this speed ratio in normal firing
+NEAR_LIMIT = 0.9  # of the limit of continuous use, from which a stress is near it (ours)
 ROUNDING = 1e-9  # relative: a speed ratio this near to a bound is at the bound
 
 
@@ -95,6 +96,7 @@ class LimitedShaft:
     keyways: tuple[str, ...] = ()  # features that do not go with a barred range
     restrictions: tuple[str, ...] = ()  # conditions of its limits that the file does not answer
     doubts: tuple[str, ...] = ()  # conditions of its limits that are known to be broken
+    near_limit: tuple[str, ...] = ()  # conditions that hold for a stress near the limit of continuous use
 
 
 def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:

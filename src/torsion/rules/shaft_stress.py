@@ -27,9 +27,9 @@ from torsion.rules.judgement import (
     worst_of,
 )
 from torsion.rules.over_tolerances import over_tolerances
-from torsion.rules.reached_speeds import distinct, in_rpm, restricted, with_reach
+from torsion.rules.reached_speeds import BARRED_BELOW, START, distinct, in_rpm, restricted, with_reach
 from torsion.rules.shaft_limits import (
-    BARRED_BELOW,
+    NEAR_LIMIT,
     ROUNDING,
     LimitedShaft,
     Mark,
@@ -83,6 +83,7 @@ class ShaftStress(RuleOverSpeed):
 
     title = ""  # as reports cite it
     mark: Mark = "rule text"  # of where its limits end
+    begin = START
 
     def shafts(self, study: Study, settings: Any) -> Iterator[LimitedShaft]:
         """Every shaft that is judged, with its limits."""
@@ -141,7 +142,9 @@ class ShaftStress(RuleOverSpeed):
         found = list[Check]()
         for one in self.stressed(evidence, settings):
             for line in self.stresses(evidence, one, settings):
-                found += with_reach(conditioned(line, one.shaft), evidence.study, self.scope, subject=SUBJECT)
+                found += with_reach(
+                    conditioned(line, one.shaft), evidence.study, self.scope, subject=SUBJECT, begin=self.begin
+                )
         return distinct((*found, *super().check(evidence, settings)))
 
     def stresses(self, evidence: Results, one: Stressed, settings: Any) -> Iterator[Check]:
@@ -217,7 +220,9 @@ def conditioned(line: Check, shaft: LimitedShaft) -> Check:
         return line
     if shaft.doubts:
         return replace(line, verdict="not judged", note="; ".join(filter(None, (*shaft.doubts, line.note))))
-    for words in shaft.restrictions:
+    passing = shaft.curve.passing
+    is_near = (line.utilisation or 0.0) > NEAR_LIMIT or (passing is not None and line.clause == passing.clause)
+    for words in (*shaft.restrictions, *(shaft.near_limit if is_near else ())):
         line = restricted(line, words)
     return line
 

@@ -4,7 +4,7 @@ Crankshafts and generator shafts are judged by the society's own table where one
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import Annotated, Literal
@@ -16,16 +16,18 @@ from torsion import fields
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.components.lowering import ShaftRecord
+from torsion.errors import Fault, Path
 from torsion.fields import given
 from torsion.findings import Results
+from torsion.results import listed
 from torsion.rules import judgement, society_limits
-from torsion.rules.demanded_states import MISFIRE, stiffness_row
+from torsion.rules.demanded_states import MISFIRE, stiffness_row, unjudged
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.judgement import MOSTLY, Clause, curve_of, rated_speed
 from torsion.rules.m68 import M68
 from torsion.rules.m68_shafts import M68Settings
 from torsion.rules.reached_speeds import coverage
-from torsion.rules.shaft_limits import MM, PA, LimitCurve, LimitedShaft, diameters, with_role
+from torsion.rules.shaft_limits import MM, PA, ROUNDING, LimitCurve, LimitedShaft, diameters, with_role
 from torsion.rules.society_limits import Duty, Society
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
@@ -34,6 +36,11 @@ OTHER_ROLES = ("crank", "generator")
 MAJORS_FROM = {"propulsion": 0.8, "generator set": 0.9}  # speed ratio, up to 1.1 (KR 5-4-204)
 MAJORS_TO = 1.1
 MAJOR = "major critical speed"  # clause
+DUTIES: Mapping[str | None, Duty] = {
+    "propeller": "propulsion",
+    "generator": "generator set",
+}  # by role of what is driven
+AGREEMENT = "limits by agreement with KR, values of 202.1: 202.2 has none for `drive: {}`"
 
 
 class SocietySettings(M68Settings):
@@ -84,7 +91,11 @@ class SocietyRule(M68):
         """Line shafts by the formulas of M68, others by the society's own table."""
         for shaft in super().shafts(study, settings):
             standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
-            yield replace(shaft, curve=_in_letters(shaft.curve, self.society), standing=standing)
+            by_agreement = () if settings.drive == "other" or self.name != "kr" else (AGREEMENT.format(settings.drive),)
+            yield replace(
+                shaft, curve=_in_letters(shaft.curve, self.society), standing=standing,
+                restrictions=(*shaft.restrictions, *by_agreement),
+            )  # fmt: skip
         for part, _, record in with_role(study.train, *OTHER_ROLES):
             if record.role in self.has_limits_of:
                 yield self._other(study, settings, part, record)
@@ -99,19 +110,51 @@ class SocietyRule(M68):
             return LimitedShaft(part, name, curve, society.crank_mark, (f"diameter {diameter:.4g} mm",))
         material = study.train.materials[record.material]
         known = [None if one is None else one * PA for one in (material.tensile_strength, material.yield_strength)]
-        strength = society_limits.strength_factor(known[0], alloy=not {name, whole}.isdisjoint(settings.alloy))
+        is_alloy = not {name, whole}.isdisjoint(settings.alloy)
+        strength = society_limits.strength_factor(known[0], alloy=is_alloy)
+        most = society_limits.ALLOY_CAP if is_alloy else society_limits.CARBON_CAP
+        agreed = tuple[str, ...]()
+        if (known[0] or 0.0) > most * (1 + ROUNDING):
+            agreed = (f"strength of '{name}' above {most:g} N/mm2 by agreement with {society.title}",)
         yields = society_limits.yield_factor(known[1])
         engine, is_better = _engine(settings)
         if record.role == "crank" and settings.duty == "propulsion":
             table = society_limits.KR_IN_LINE if is_better else society_limits.KR_OTHER
             curve = society_limits.crank_curve(table, society.letters, 0.0, strength, yields)
             notes = engine, f"f_m {strength:.4g}, of tau_2 {yields:.4g}", "without a calculation by IACS UR M53"
-            return LimitedShaft(part, name, curve, society.crank_mark, notes)
+            return LimitedShaft(part, name, curve, society.crank_mark, notes, restrictions=agreed)
         rows = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
         rows, about = (rows, engine) if record.role == "crank" else (society_limits.KR_SET_SHAFT, "generator shaft")
         factor = min(strength, yields)
         curve = society_limits.set_curve(rows, factor)
-        return LimitedShaft(part, name, curve, society.crank_mark, (about, f"f_m {factor:.4g}"))
+        about_set = about, f"f_m {factor:.4g}"
+        return LimitedShaft(part, name, curve, society.crank_mark, about_set, restrictions=agreed)
+
+    def _settings_faults(
+        self, study: Study, settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path
+    ) -> list[Fault]:
+        """Those of M68, and settings of an engine that no engine of the file has."""
+        found = super()._settings_faults(study, settings, shafts, where)
+        engines = [part.engine for part in study.train.parts if part.engine is not None]
+        if not isinstance(settings, CrankSettings):
+            return found
+        roles = {shaft.role for shaft in shafts.values()}
+        driven = roles & {"propeller", "generator"}
+        right = DUTIES[next(iter(driven))] if len(driven) == 1 else settings.duty
+        if "crank" in roles and settings.duty != right:
+            message = f"`duty` {settings.duty} of {self.name} contradicts the shaft of role {listed(map(str, driven))}"
+            found.append(Fault(where, message, f"duty: {right}, or another `role` of the shaft"))
+        if not engines:
+            return found
+        stated = {
+            "strokes": (settings.strokes, [2 * engine.revolutions for engine in engines]),
+            "cylinders": (settings.cylinders, [len(engine.cylinders) for engine in engines]),
+        }
+        for key, (value, values) in stated.items():
+            if value is not None and value not in values:
+                message = f"`{key}` {value} of {self.name} contradicts the engine of the file, which has {values[0]}"
+                found.append(Fault((*where, self.name, key), message, f"{key}: {values[0]}, or leave it out"))
+        return found
 
     def clauses(self, evidence: Results, settings: M68Settings) -> Iterator[Clause]:
         """Vibratory torque of gears, where the society limits it."""
@@ -132,8 +175,6 @@ class SocietyRule(M68):
             *super().left_out(study, settings),
             *((f"{self.name}: {what}", why) for what, why in self._open(study)),
         ]
-        if self.society.has_majors and isinstance(settings, CrankSettings) and settings.cylinders is None:
-            found.append((f"{self.name}: major critical speeds", "`cylinders` of the engine is not given"))
         return tuple(found)
 
     def _open(self, study: Study) -> Iterator[tuple[str, str]]:
@@ -156,7 +197,16 @@ class SocietyRule(M68):
         rows = super().demanded_rows(study, settings)
         if isinstance(settings, CrankSettings) and settings.duty == "generator set":
             rows = tuple(row for row in rows if row.clause != MISFIRE)
-        return (*rows, *stiffness_row(self.name, study, self.society.mark))
+        return (*rows, *self._missing_majors(study, settings), *stiffness_row(self.name, study, self.society.mark))
+
+    def _missing_majors(self, study: Study, settings: M68Settings) -> Iterator[Check]:
+        """Yield the row about major critical speeds of an engine, in line as far as is known, of unknown cylinders."""
+        if not (self.society.has_majors and isinstance(settings, CrankSettings)) or _cylinders(study, settings):
+            return
+        cranks = [part.name for _, part, _ in with_role(study.train, "crank")]
+        if cranks and settings.arrangement in (None, "in-line"):
+            note, mark = "`cylinders` of the engine is not given", self.society.crank_mark
+            yield unjudged(self.name, "major critical speed", cranks[0], "Major critical speeds", note, mark)
 
     def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
         """Stresses and least diameters, and where major critical speeds lie."""
@@ -168,13 +218,14 @@ class SocietyRule(M68):
 
         Where the strokes are not given both orders are judged; without a crankshaft those of the reference's speed.
         """
-        if not isinstance(settings, CrankSettings) or settings.cylinders is None:
+        cylinders = _cylinders(evidence.study, settings)
+        if not isinstance(settings, CrankSettings) or not cylinders:
             return
         first, rated = MAJORS_FROM[settings.duty], rated_speed(evidence.study)
         modes = evidence.need(Modes)
         cranks = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")} or {Fraction(1)}
         parts = (1,) if settings.strokes == 2 else (1, 2)
-        orders = {Fraction(settings.cylinders, part) * ratio for ratio in cranks for part in parts}
+        orders = {Fraction(cylinders, part) * ratio for ratio in cranks for part in parts}
         for mode in np.flatnonzero(modes.nodes == 1).tolist():
             for order in sorted(orders, reverse=True):
                 speed = 2.0 * math.pi * float(modes.frequency[mode]) / float(order)
@@ -193,6 +244,15 @@ def _in_letters(curve: LimitCurve, society: Society) -> LimitCurve:
     """The limits of M68 under the names that a society gives them."""
     pieces = tuple(replace(piece, clause=society.letters[0]) for piece in curve.pieces)
     return LimitCurve(pieces, curve.passing and replace(curve.passing, clause=society.letters[1]))
+
+
+def _cylinders(study: Study, settings: M68Settings) -> int:
+    """Cylinders of the engine by the rule, else by an engine in line, the only one of the file; 0 where not known."""
+    if isinstance(settings, CrankSettings) and settings.cylinders is not None:
+        return settings.cylinders
+    engines = [part.engine for part in study.train.parts if part.engine is not None]
+    sizes = {len(engine.cylinders) for engine in engines if len(engine.throws) == len(engine.cylinders)}
+    return sizes.pop() if len(sizes) == 1 == len(engines) else 0
 
 
 def _engine(settings: CrankSettings) -> tuple[str, bool]:

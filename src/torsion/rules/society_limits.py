@@ -12,7 +12,8 @@ from typing import Literal
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.rules.shaft_limits import BARRED_BELOW, Limit, LimitCurve, Mark, Piece
+from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.shaft_limits import Limit, LimitCurve, Mark, Piece
 
 LAST = 1.15  # speed ratio above which the tables of crankshafts end
 STEEL_STRENGTH, STEEL_YIELD = 440.0, 225.0  # N/mm2, above which f_m counts

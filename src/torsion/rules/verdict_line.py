@@ -96,7 +96,7 @@ class Reach:
 
     first: float = result("rad/s", (), "lowest speed that was judged, reference speed")
     last: float = result("rad/s", (), "highest speed that was judged")
-    demanded: float = result("rad/s", (), "speed up to which the rule is to be judged")
+    demanded: float = result("rad/s", (), "speed up to which the rule is to be judged; 0: lower speeds lack")
 
 
 class Verified(Declared):

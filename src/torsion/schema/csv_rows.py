@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from torsion import units
@@ -58,6 +58,7 @@ class Reading:
     is_ended: bool = False  # a table whose rows cannot be read was met
     opened: tuple[str, ...] = ()  # tables whose rows are being read, each named by a row of the one before it
     inner_rows: int = 0  # of all tables that a row of a table names
+    rows: dict[tuple[str, str], list[Node]] = field(default_factory=dict)  # of every table, by its name and key
 
 
 class Rows:

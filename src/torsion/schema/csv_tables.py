@@ -110,7 +110,9 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     table = _opened(where.value, where, reading)
     if table is None:
         return []
-    entries = Rows(table, key).nodes(reading)
+    if (where.value, key) not in reading.rows:
+        reading.rows[where.value, key] = Rows(table, key).nodes(reading)
+    entries = reading.rows[where.value, key]
     reading.inner_rows += len(entries) * bool(reading.opened)
     if reading.inner_rows > MOST_ROWS:
         _end(where, f"tables within tables have more than {MOST_ROWS} rows", "", reading)

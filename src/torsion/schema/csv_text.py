@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
-from torsion.errors import Fault, printable
+from torsion.errors import REORDERING, Fault, printable
 from torsion.schema.fault_text import Source, end_of
 from torsion.user_files import LARGEST_TABLE, read_file
 
@@ -43,7 +43,7 @@ def table_text(file: FilePath) -> tuple[str, Fault | None]:
         line, column = end_of(content[: error.start].decode())
         fault = Fault((), "the file is not UTF-8 text", "save it as `CSV UTF-8`", line=line, column=column)
         return content.decode(errors="replace"), fault
-    if found := _NUL.search(text):
+    if found := _NUL.search(text) or REORDERING.search(text):
         line, column = end_of(text[: found.start()])
         message = f"the character U+{ord(found[0]):04X} is not allowed"
         return text, Fault((), message, "save the sheet as CSV, not as a workbook", line=line, column=column)
@@ -91,7 +91,7 @@ def _rows(text: str, begin: int, separator: str, faults: list[Fault]) -> Iterato
             end = _BREAK.search(text, place)
             place = end.start() if end else len(text)
         elif quoted := _QUOTED.match(text, place):
-            row.append(Cell(quoted[1].replace('""', '"').strip(), *here))
+            row.append(Cell(_BREAK.sub(" ", quoted[1].replace('""', '"')).strip(), *here))
             breaks = list(_BREAK.finditer(text, place, quoted.end()))
             line, start, place = line + len(breaks), breaks[-1].end() if breaks else start, quoted.end()
             if place < len(text) and text[place] not in f"{separator}\r\n":

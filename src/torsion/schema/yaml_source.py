@@ -13,7 +13,7 @@ from typing import Any
 
 import yaml
 
-from torsion.errors import CONTROLS, Fault, InputError, printable
+from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
 from torsion.schema.fault_text import Node, Source, end_of, input_error, line_starts
 from torsion.schema.missing_marks import missing_mark
 from torsion.user_files import LARGEST_SCENE, read_file
@@ -23,6 +23,7 @@ _LARGEST = 100_000  # values after aliases are written out; bounds what a few li
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _FORBIDDEN = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+_BREAK = re.compile("[\t\n]")
 _WORDS: dict[str, bool | None] = {"": None, "~": None}
 _WORDS |= dict.fromkeys(("null", "Null", "NULL"))
 _WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(("false", "False", "FALSE"), False)
@@ -79,7 +80,7 @@ def parse_source(text: str, name: str) -> Source:
     """The text as data with places; raises InputError with every fault up to the first one that ends the reading."""
     text = text.removeprefix("\ufeff")  # the byte order mark with which some editors begin a file
     bare = Source(name, text)
-    forbidden = _FORBIDDEN.search(text)
+    forbidden = _FORBIDDEN.search(text) or REORDERING.search(text)
     if forbidden:
         raise input_error([_forbidden(forbidden[0], *end_of(text[: forbidden.start()]))], bare)
     builder = _Builder(bare.lines)
@@ -247,10 +248,13 @@ class _Builder:
         self._keys[-1] = None
 
     def _check_controls(self, event: Any) -> None:
-        """Note a character that an escape makes and that the text itself must not hold: "\\u001b"."""
+        """Note a character that an escape makes and that the text itself must not hold: "\\u001b"; names are a line."""
         if sign := CONTROLS.search(event.value):
             hint = "remove its escape: names and texts are printed on terminals"
             self.faults.append(_fault(f"the character U+{ord(sign[0]):04X} is not allowed", hint, *_mark(event)))
+        elif self._keys and self._keys[-1] in (None, "name") and (sign := _BREAK.search(event.value)):
+            message = f"the character U+{ord(sign[0]):04X} is not allowed in a name or key"
+            self.faults.append(_fault(message, "write it on one line", *_mark(event)))
 
     def _check_tag(self, event: Any) -> None:
         if event.tag is not None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 import torsion
 from torsion.analyses.damped_modes import damped
@@ -18,6 +19,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.steady import steady
 from torsion.assembly import assemble
 from torsion.components.drive_law import DriveLaw
+from torsion.components.load_law import LoadLaw
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Check, Checks
@@ -25,6 +27,7 @@ from torsion.rules.verdict_line import Check, Checks
 ORACLES = json.loads((Path(__file__).parent / "mean_speed_oracles.json").read_text(encoding="utf-8"))
 DRIFT = ORACLES["mean_speed_drift"]
 RPM = np.pi / 30.0
+RATED_TORQUE = 200e3 / (1500 * RPM)
 DRUM = """
 name: Cardan drive of a drum
 materials: {tube steel: {shear_modulus: 79.3 GPa, density: 7850 kg/m**3}}
@@ -124,17 +127,54 @@ def test_first_order_response_loses_the_torque_of_the_oracle():
 
     Both first-order models leave out terms of second order in the unevenness of the joints, and not the same.
     """
-    rows = DRIFT["first_order"]["loss_torque"]
-    for speed, torque in rows:
-        found = solved(analyses="response: {method: first-order}", first=speed, last=speed + 1, steps=2)
-        system, response = found.system, found.need(Response)
-        at = int(np.argmin(np.abs(response.speed - speed * RPM)))
-        span = next(k for k, span in enumerate(system.spans) if span.name == "drum coupling")
-        frequency, viscous = 2.0 * speed * RPM, system.viscous[span]
-        dynamic = 1.0 / system.flexibility[span] + 1j * frequency * viscous
-        twist = response.torque[at, 0, span] / dynamic
-        lost = viscous * (frequency * abs(twist)) ** 2 / 2.0 / (speed * RPM)
-        assert lost == pytest.approx(torque, rel=4e-4)
+    for speed, torque in DRIFT["first_order"]["loss_torque"]:
+        assert first_order_loss(speed) == pytest.approx(torque, rel=4e-4)
+
+
+def test_first_order_response_has_the_slope_of_the_torque_lost():
+    for speed, slope in DRIFT["first_order"]["slope"]:
+        change = first_order_loss(speed + 0.05) - first_order_loss(speed - 0.05)
+        assert change / (0.1 * RPM) == pytest.approx(slope, rel=2e-3)
+
+
+def first_order_loss(speed: float) -> float:
+    """N m at the motor, by the response at a speed (rpm)."""
+    found = solved(analyses="response: {method: first-order}", first=speed, last=speed + 1, steps=2)
+    system, response = found.system, found.need(Response)
+    at = int(np.argmin(np.abs(response.speed - speed * RPM)))
+    span = next(k for k, span in enumerate(system.spans) if span.name == "drum coupling")
+    frequency, viscous = 2.0 * speed * RPM, system.viscous[span]
+    dynamic = 1.0 / system.flexibility[span] + 1j * frequency * viscous
+    twist = response.torque[at, 0, span] / dynamic
+    return float(viscous * (frequency * abs(twist)) ** 2 / 2.0 / (speed * RPM))
+
+
+@pytest.mark.parametrize(
+    ("slope", "worst"),
+    [(0.0, DRIFT["quadratic_without"]["worst"]), (7.0, DRIFT["worst_slope_7"]), (20.0, DRIFT["worst_slope_20"])],
+)
+def test_greatest_drift_and_its_speed(slope, worst):
+    ask = search(slope, load="constant" if slope else "quadratic")
+    ask.at = replace(ask.at, laws="none")
+    found = minimize_scalar(
+        lambda rpm: -ask.drift(rpm * RPM), bounds=(worst[0] - 5.0, worst[0] + 5.0), options={"xatol": 1e-3}
+    )
+    assert -found.fun == pytest.approx(worst[1], abs=1e-9)
+    assert found.x == pytest.approx(worst[0], abs=5e-3)
+
+
+def test_train_of_the_oracle_is_that_of_the_file():
+    """The mode of the oracle is that of a rigid tube."""
+    data, layout, system = DRIFT["data"], search().at.layout, search().at.system
+    total, drum = layout.inertia.sum(), layout.inertia.max()
+    stiffness = np.sort(
+        1.0 / system.flexibility[system.flexibility > 0] * system.span_ratio[system.flexibility > 0] ** 2
+    )
+    assert total == pytest.approx(data["J_total"], rel=1e-10)
+    assert drum == pytest.approx(data["J_drum"], rel=1e-10)
+    assert stiffness == pytest.approx([data["k_coupling"], data["k_tube"]], rel=1e-9)
+    mode = np.sqrt(stiffness[0] * (1.0 / drum + 1.0 / (total - drum)))
+    assert mode == pytest.approx(data["w_mode_1"], rel=1e-10)
 
 
 @pytest.mark.parametrize(("laws", "key"), [("none", "quadratic_without"), ("all", "quadratic_with")])
@@ -292,6 +332,18 @@ def test_steady_holds_the_slopes_at_own_speed():
     assert mean.drive_slope[0] == pytest.approx(ORACLES["slopes"]["slip_1_percent"], rel=1e-12)
 
 
+@pytest.mark.parametrize(("law", "key"), [({"slip": "1 %"}, "slip_1_percent"), ({"droop": "4 %"}, "droop_4_percent")])
+def test_slope_of_a_straight_law_of_drive(law, key):
+    slope = DriveLaw(**law).slope_at_rated(RATED_TORQUE, 1500 * RPM)
+    assert slope == pytest.approx(ORACLES["slopes"][key], rel=1e-12)
+
+
+@pytest.mark.parametrize("exponent", ORACLES["slopes"]["load_exponent"])
+def test_slope_of_a_law_of_load(exponent):
+    (slope,) = LoadLaw(float(exponent)).slope(np.array([1500 * RPM]), 1500 * RPM, RATED_TORQUE)
+    assert slope == pytest.approx(ORACLES["slopes"]["load_exponent"][exponent], rel=1e-12)
+
+
 KLOSS = {float(slip): slope for slip, slope in ORACLES["slopes"]["kloss_3200_N_m_at_8_percent_50_Hz_4_poles"].items()}
 
 
@@ -423,4 +475,4 @@ def test_law_of_a_drive_without_a_mean_torque_and_beside_a_motion_over_time_is_r
     over_time = "transient: {duration: 1 s, events: [{at: motor, time: 0.5 s, stop: {}}]}"
     with pytest.raises(InputError) as caught:
         torsion.parse(text(drive=", drive: {slip: 1 %}", analyses=over_time), "drum.yaml")
-    assert "the law of `drive` of 'motor' does not act in a motion over time yet" in str(caught.value)
+    assert "the `drive` of 'motor' follows the mean speed and does not act in a motion over time" in str(caught.value)

@@ -274,7 +274,7 @@ def test_the_plan_says_how_many_variants_there_are() -> None:
 
 def test_variants_have_every_analysis_that_the_checks_of_the_file_read() -> None:
     text = (SCENES / "rubber_by_frequency.yaml").read_text()
-    sweep = "analyses: {response: , sweep: {vary: {engine.inertia: {uniform: 0.001 %}}, samples: 128}}"
+    sweep = "analyses: {response: , sweep: {vary: {engine.inertia: {from: 9.9999, to: 10.0001, steps: 3}}}}"
     found = torsion.run(torsion.parse(f"{text}\n{sweep}\n"))
     alone = {check.clause: check.utilisation for check in found.need(Checks).lines}
     swept = {check.clause: check.median for check in found.need(Sweep).checks}

@@ -9,6 +9,7 @@ import pytest
 
 import torsion
 from torsion import commands
+from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.transient.acting_torques import acting_torques
 from torsion.analyses.transient.motion_from_events import transient
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
@@ -63,6 +64,14 @@ def test_a_ripple_by_the_angle_of_its_motor_has_the_torques_of_an_independent_in
     assert (motion.greatest_at if first else motion.least_at)[0] == pytest.approx(expected["at"], abs=3e-6)
     assert motion.speed[0, -1] * 30.0 / math.pi == pytest.approx(expected["end_speed_motor_rpm"], rel=1e-10)
     assert motion.torque[0, -1] == pytest.approx(expected["torque_end"], rel=2e-8)
+
+
+def test_the_steady_response_at_the_initial_speed_has_the_amplitude_of_the_oracle() -> None:
+    head = "name: x\noperation: {speeds: {from: 600 rpm, to: 601 rpm, steps: 2}}\n"
+    text = scene(AT_SPEED).replace("name: x\n", head, 1)
+    response = torsion.run(torsion.parse(text[: text.index("analyses:")] + "analyses: {response: }\n")).need(Response)
+    at = int(np.argmin(np.abs(response.speed - 600 * math.pi / 30.0)))
+    assert abs(response.torque[at, 0, 0]) == pytest.approx(ORACLES["steady_amplitude_600"], rel=1e-11)
 
 
 def test_the_limit_of_a_coupling_fails_by_a_ripple_in_a_motion_that_begins_at_a_speed() -> None:

@@ -23,18 +23,17 @@ def residual(moved: Motion, time: FloatArray) -> float:
     rates = [abs(term.rate) for terms in moved.coordinates.history.terms for term in terms]
     fastest = max(rates, default=0.0) + float(np.abs(moved.coordinates.root).max(initial=0.0))
     length = float(time[-1]) / max(CHECKED, fastest * float(time[-1]))
-    worst, largest, greatest = 0.0, 0.0, np.zeros(moved.force.shape[1])
-    cuts = moved.cuts
-    for begin in starts.tolist():
-        later = cuts[(cuts > begin)]
-        end = min(begin + length, float(later[0]) if later.size else math.inf, float(time[-1]))
-        at = np.concatenate([[begin], begin + (nodes + 1.0) / 2.0 * (end - begin), [end]])
-        place, speed = moved.at(at)
-        energy = 0.5 * (speed**2 + (w[:, None] * place) ** 2).sum(axis=0)
-        loads = moved.loads_at(at)
-        power = ((moved.force @ loads - damping @ speed) * speed).sum(axis=0)[1:-1]
-        worst = max(worst, abs(energy[-1] - energy[0] - (end - begin) / 2.0 * float(weights @ power)))
-        largest, greatest = max(largest, float(energy.max())), np.maximum(greatest, np.abs(loads).max(axis=1))
+    later = np.append(moved.cuts, math.inf)[np.searchsorted(moved.cuts, starts, side="right")]
+    ends = np.minimum(np.minimum(starts + length, np.append(starts[1:], float(time[-1]))), later)
+    every = starts[:, None] + (ends - starts)[:, None] * np.concatenate([[0.0], (nodes + 1.0) / 2.0, [1.0]])
+    every[:, -1] = ends
+    at = every.ravel()
+    place, speed = moved.at(at)
+    loads = moved.loads_at(at)
+    energy = 0.5 * (speed**2 + (w[:, None] * place) ** 2).sum(axis=0).reshape(CHECKED, -1)
+    power = ((moved.force @ loads - damping @ speed) * speed).sum(axis=0).reshape(CHECKED, -1)[:, 1:-1]
+    worst = float(np.abs(energy[:, -1] - energy[:, 0] - (ends - starts) / 2.0 * (power @ weights)).max())
+    largest, greatest = float(energy.max()), np.abs(loads).max(axis=1)
     lasts = 1.0 / np.maximum(w, 1.0 / length)  # s, in which a mode takes up a torque: a window, or its own time
     given = 0.5 * (np.abs(moved.force) * greatest * lasts[:, None]) ** 2
     largest = max(largest, float(given.max(initial=0.0)))

@@ -308,8 +308,21 @@ class Engine(Component, keyword="engine", sort="line"):
             owner, self.revolutions, tuple(self._each(made[0])), *made, self.mechanical_efficiency, gas, words, inertia,
             over_angle, cylinder, () if law is None else law.curves, modulus, self.keep_power, self.phase is not None,
             self.phase == "worst", self.misfire == "worst",
-            tuple(self._words(slider)), () if law is None else law.remarks,
+            tuple(self._words(slider)), () if law is None else law.remarks, tuple(self._sizes()),
         )  # fmt: skip
+
+    def _sizes(self) -> Iterator[tuple[str, float, tuple[str, ...]]]:
+        """Sizes of a throw that the file has here, by the keys of the rule that judges it, and their own keys."""
+        yield "strokes", self.strokes, ("strokes",)
+        for key, journal in (("pin", self.pin), ("journal", self.journal)):
+            if journal is not None:
+                yield key, journal.diameter, (key, "diameter")
+                yield f"{key}_bore", journal.bore, (key, "bore") if "bore" in journal.model_fields_set else (key,)
+        if self.web is not None:
+            yield "web_thickness", self.web.thickness, ("web", "thickness")
+            yield "web_width", self.web.width, ("web", "width")
+        if self.geometry is not None:
+            yield "radius", self.geometry.stroke / 2.0, ("geometry", "stroke")
 
     def _each(self, stations: tuple[int, ...]) -> Iterator[CylinderRecord]:
         """The cylinders in the order of their numbers."""

@@ -5,6 +5,8 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
+import numpy as np
+
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.engine.gas_law import GasLaw, State
 from torsion.kernels.engine.gas_torque import Cylinder
@@ -70,6 +72,15 @@ class EngineRecord:
     tries_all: bool  # every cylinder misfires in turn, and the worst is meant
     words: tuple[tuple[str, str], ...]  # figures of the data sheet: label, value with unit
     remarks: tuple[str, ...]
+    sizes: tuple[tuple[str, float, tuple[str, ...]], ...]  # of a throw: key of `iacs-m53`, m, keys of the engine
+
+    @property
+    def gas_orders(self) -> tuple[Fraction, ...]:
+        """Orders of the crankshaft that the gas of a firing cylinder has, ascending."""
+        if self.gas is None:
+            return ()
+        harmonics = np.flatnonzero((np.abs(self.gas.firing) > 0).any(axis=0)).tolist()
+        return tuple(Fraction(harmonic, self.revolutions) for harmonic in harmonics if harmonic)
 
     @property
     def files(self) -> tuple[str, ...]:

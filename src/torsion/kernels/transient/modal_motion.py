@@ -68,28 +68,30 @@ def _answer(
         alike = [term for term in terms if term.rate == rate]
         loads = [term.load for term in alike]
         level, slope = (force[:, loads] @ np.array([[term.level, term.slope] for term in alike])).T
-        first, second = _integrals(root, rate, time, decay)
+        rises = bool(slope.any())
+        first, second = _integrals(root, rate, time, decay, rises=rises)
         found += level[:, None] * first
-        if slope.any():
+        if rises:
             found += slope[:, None] * second
     return found
 
 
 def _integrals(
-    root: ComplexArray, rate: complex, time: FloatArray, decay: ComplexArray
+    root: ComplexArray, rate: complex, time: FloatArray, decay: ComplexArray, *, rises: bool = True
 ) -> tuple[ComplexArray, ComplexArray]:
-    """I0 and I1 of the module's text, (coordinates, times)."""
+    """I0 and I1 of the module's text, (coordinates, times); where nothing `rises`, nothing in place of I1."""
     d = (rate - root)[:, None]
     z = d * time
     near = np.abs(z) < SMALL
     divisor = np.where(d == 0.0, 1.0, d)
     growth = np.exp(rate * time)
     first: ComplexArray = (growth - decay) / divisor
-    second: ComplexArray = (time * growth - first) / divisor
+    second: ComplexArray = (time * growth - first) / divisor if rises else np.empty((0, 0), dtype=complex)
     if near.any():
         late, small = np.broadcast_to(time, z.shape)[near], z[near]
         first[near] = decay[near] * late * _series(small, 0)
-        second[near] = decay[near] * late**2 * _series(small, 1)
+        if rises:
+            second[near] = decay[near] * late**2 * _series(small, 1)
     return first, second
 
 
@@ -144,7 +146,8 @@ def _integrals_of_rigid(term: Term, time: FloatArray) -> tuple[ComplexArray, Com
     # integrals of I0 = (exp(p t) - 1)/p and I1 = (t exp(p t) - I0)/p
     of_one = (one - time) / divisor
     of_ramp = (ramp - of_one) / divisor
-    small, late = rate * time[near], time[near]
-    of_one[near] = late**2 * (_series(small, 0) - _series(small, 1))
-    of_ramp[near] = late**3 * (_series(small, 1) - _series(small, 2))
+    if near.any():
+        small, late = rate * time[near], time[near]
+        of_one[near] = late**2 * (_series(small, 0) - _series(small, 1))
+        of_ramp[near] = late**3 * (_series(small, 1) - _series(small, 2))
     return term.level * one + term.slope * ramp, term.level * of_one + term.slope * of_ramp

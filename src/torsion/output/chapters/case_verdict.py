@@ -17,7 +17,7 @@ from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks, Ver
 
 MOST_NAMED = 4  # cases in the headline
 HEADS = 8  # rows of the first page for the heads of the box, of the table and of the chapter
-ALL = {1: "the only case judged", 2: "both cases"}
+ALL = {2: "both cases"}
 Cases = Mapping[str, Findings]
 Key = tuple[str, str, str, str, int]  # rule, clause, component, what, which of several
 
@@ -61,7 +61,9 @@ def headline_of_cases(cases: Cases) -> tuple[headline.Head, headline.Kind]:
     each = {name: verdict(one) for name, one in (named or judged(cases)).items()}
     worst = next(word for word in WORDS if word in each.values())
     of = [name for name, word in each.items() if WORDS[word] == WORDS[worst]]
-    if len(of) < len(each):
+    if len(each) == 1:
+        which = _named(of)
+    elif len(of) < len(each):
         which = f"{_named(of[:MOST_NAMED])} ({len(of)} of {len(each)})"
     else:
         which = ALL.get(len(of), f"all {len(of)} cases")

@@ -1,0 +1,85 @@
+"""How every command ends: a report or results printed, a message and its exit status where there is no answer."""
+
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+import typer
+
+from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError
+from torsion.lasting_output import say
+
+if TYPE_CHECKING:
+    from torsion.findings import Findings, Progress
+
+
+@contextmanager
+def refusals(file: Path) -> Iterator[None]:
+    """End with a message and its exit status where there is no answer."""
+    try:
+        yield
+    except InputError as error:
+        stop(str(error), BAD_INPUT)
+    except SolveError as error:
+        stop(error.located or f"{file}: {error}", REFUSED)
+    except MemoryError as error:
+        size, change = f" ({error})" if str(error) else "", "request fewer speeds, orders, modes or segments"
+        stop(f"{file}: this machine has too little memory for it{size}; {change}", REFUSED)
+
+
+def print_report(
+    report: str, file: Path, out: Path | None, solve: Callable[..., "Findings"], also: tuple[str, ...] = (), *,
+    as_json: bool, matrices: Path | None = None,
+) -> NoReturn:  # fmt: skip
+    """Solve, write the files of a report and print it, or print its results as JSON alone; end with its exit status.
+
+    What has no answer is said on the error stream, last.
+    """
+    from torsion import commands
+
+    with refusals(file):
+        with show_progress() as report_progress:
+            findings = solve(progress=report_progress)
+        if as_json:
+            from torsion.output.reports import REPORTS
+            from torsion.output.results_json import bounded_text
+
+            typer.echo(bounded_text(findings, REPORTS[report].keys), nl=False)
+        else:
+            from torsion.output.terminal import show
+
+            folder = commands.folder_of(file, out, findings.study.case)
+            show(commands.write(findings, folder, report, also=also), folder)
+        if matrices is not None:
+            say(commands.write_matrices(findings, matrices))
+    end(findings.without_answer, findings.exit_status)
+
+
+def end(unanswered: Iterable[str], status: int) -> NoReturn:
+    """Say on the error stream what has no answer, and end with the exit status."""
+    for words in unanswered:
+        say(words, err=True)
+    raise typer.Exit(status)
+
+
+def show_progress() -> "AbstractContextManager[Progress]":
+    """A progress indicator; what draws it is loaded only where the error stream is a terminal."""
+    if not sys.stderr.isatty():
+        return nullcontext(lambda what, share: None)
+    from torsion.output.terminal import progress
+
+    return progress()
+
+
+def refuse_with_json(json: bool, writing: dict[str, object]) -> None:
+    """Refuse --json beside an option that writes a file."""
+    for option, given in writing.items():
+        if json and given:
+            stop(f"--json writes no file and {option} writes one; give one of them", BAD_INPUT)
+
+
+def stop(message: str, status: int) -> NoReturn:
+    say(message, err=True)
+    raise typer.Exit(status)

@@ -1,0 +1,266 @@
+"""A mass-elastic table, as engine makers print it, as a model file: one mass a row, with the shaft to the next mass.
+
+Columns go by their titles in any order, with the unit in brackets. `ratio` is the speed of the mass over that of the
+first mass; a gear stands between two rows with different ratios.
+"""
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+from torsion import units
+from torsion.errors import Fault, printable, refusal, without_controls
+from torsion.schema.csv_numbers import is_number, numbers_of, unit_fault
+from torsion.schema.csv_text import Cell, rows_of, table_text
+from torsion.schema.fault_text import Source, input_error
+
+# fmt: off
+TITLES = {  # title of a column in small letters: what it states
+    "no": "no", "nr": "no", "nr.": "no", "no.": "no", "#": "no", "mass": "no", "station": "no",
+    "name": "name", "description": "name", "designation": "name", "benennung": "name", "component": "name",
+    "j": "inertia", "inertia": "inertia", "moment of inertia": "inertia", "theta": "inertia", "θ": "inertia",
+    "massenträgheitsmoment": "inertia", "gd2": "gd2", "gd^2": "gd2", "gd²": "gd2", "wr2": "wr2", "wk2": "wr2",
+    "k": "stiffness", "c": "stiffness", "stiffness": "stiffness", "torsional stiffness": "stiffness",
+    "drehsteifigkeit": "stiffness", "flexibility": "flexibility", "compliance": "flexibility",
+    "d": "viscous", "damping": "viscous", "viscous": "viscous", "psi": "psi", "ψ": "psi",
+    "loss factor": "loss_factor", "loss_factor": "loss_factor", "eta": "loss_factor", "magnifier": "magnifier",
+    "ground": "ground", "external damping": "ground", "mass damping": "ground",
+    "ratio": "ratio", "speed ratio": "ratio",
+}
+UNITS = {  # column: SI unit
+    "inertia": "kg*m**2", "gd2": "kg*m**2", "wr2": "kg*m**2", "stiffness": "N*m/rad", "flexibility": "rad/(N*m)",
+    "viscous": "N*m*s/rad", "ground": "N*m*s/rad",
+}
+SPELLINGS = {  # as makers print it: as the model file has it
+    "rad/Nm": "rad/(N*m)", "rad/N m": "rad/(N*m)", "in-lb/rad": "lbf*in/rad", "in lb/rad": "lbf*in/rad",
+    "lb-in/rad": "lbf*in/rad", "ft-lb/rad": "lbf*ft/rad", "lb-ft/rad": "lbf*ft/rad",
+    "kgfm2": "kgf*m**2", "kpm2": "kgf*m**2", "kpm²": "kgf*m**2",
+}
+# fmt: on
+LINK = ("stiffness", "flexibility", "viscous", "psi", "loss_factor", "magnifier")
+EMPTY = ("", "-", "–", "—")
+TEMPLATE = """\
+no;name;J [kg m2];k [kN m/rad];d [N m s/rad];psi;ground [N m s/rad];ratio
+1;flywheel;6.4;12;;0.9;;1
+2;gear wheel;0.32;;;;;1
+3;pinion;0.05;310;;;;23/71
+4;propeller;5.8;;;;12;23/71
+"""
+
+
+@dataclass(frozen=True)
+class Mass:
+    """One row: values as text with their units, by column."""
+
+    name: str
+    line: int
+    values: dict[str, str]
+    ratio: Fraction = Fraction(1)
+    unread: tuple[str, ...] = ()  # columns that the model file has no key for, with their values
+
+
+@dataclass
+class _Reading:
+    """A table as it is read, with all faults met so far."""
+
+    source: Source
+    faults: list[Fault] = field(default_factory=list)
+
+    def fault(self, cell: Cell, message: str, hint: str = "") -> None:
+        self.faults.append(Fault((), printable(message, 200), hint, line=cell.line, column=cell.column))
+
+
+def import_table(path: str | Path, *, referred: bool = False) -> str:
+    """Return the model file of a table (CSV) or of an openTorsion-Editor file (JSON); raises InputError.
+
+    `referred`: all values are referred to the speed of the first mass.
+    """
+    path = Path(path)
+    try:
+        text, fault = table_text(path)
+    except OSError as error:
+        raise refusal(f"{printable(str(path))} cannot be read: {error.strerror}") from None
+    source = Source(without_controls(str(path)), text)
+    if fault is not None:
+        raise input_error([fault], source)
+    masses = _editor_masses(source) if path.suffix.lower() == ".json" else _table_masses(source)
+    return _model_file(masses, f"Imported from {path.name}", referred=referred)
+
+
+def _table_masses(source: Source) -> list[Mass]:
+    """Read the rows of a CSV table; every fault of the table at once."""
+    reading = _Reading(source)
+    separator, rows = rows_of(source, reading.faults)
+    if len(rows) < 2:
+        place = rows[0][0] if rows else Cell("", 1, 1)
+        reading.fault(place, "the table has no masses", "write a row of titles, then a row for each mass")
+        raise input_error(reading.faults, source)
+    columns = [_column(cell, reading) for cell in rows[0]]
+    numbers, slip = numbers_of(separator, (cell for row in rows[1:] for cell in row))
+    if slip is not None:
+        reading.fault(*slip)
+    masses = [_mass(row, columns, numbers.plain, reading) for row in rows[1:]]
+    _check_links(masses, rows[1:], reading)
+    if reading.faults:
+        raise input_error(reading.faults, source)
+    return masses
+
+
+def _column(cell: Cell, reading: _Reading) -> tuple[str, str, str]:
+    """Return the key of a column ('' for one that is not read), its unit as text, and its title."""
+    title, bracket, unit = cell.text.replace("(", "[").replace(")", "]").partition(" [")
+    key = TITLES.get(title.strip().casefold(), "")
+    spelled = unit.rstrip("] ").strip()
+    spelled = SPELLINGS.get(spelled, spelled)
+    if key in UNITS:
+        fault = unit_fault(spelled, UNITS[key]) if spelled else None
+        weight = spelled.replace("kgf", "kg").replace("kp", "kg")  # GD2 of kgf m2: the same number in kg m2
+        if fault is not None and key == "gd2" and unit_fault(weight, UNITS[key]) is None:
+            fault, spelled = None, weight
+        if fault is not None:
+            reading.fault(cell, fault.message, fault.hint)
+    elif bracket and key in ("psi", "loss_factor", "magnifier", "ratio") and spelled not in ("", "1", "%"):
+        reading.fault(cell, f"`{title}` has no unit", f"write `{title}`")
+    return key, spelled or UNITS.get(key, ""), title.strip()
+
+
+def _mass(row: list[Cell], columns: list[tuple[str, str, str]], plain: Callable[[str], str], reading: _Reading) -> Mass:
+    """Read one row."""
+    values, unread, ratio = dict[str, str](), list[str](), Fraction(1)
+    if len(row) > len(columns) and any(cell.text for cell in row[len(columns) :]):
+        reading.fault(row[len(columns)], "the row has more cells than there are titles")
+    for cell, (key, unit, title) in zip(row, columns, strict=False):
+        if cell.text in EMPTY:
+            continue
+        if key in ("no", "name"):
+            values[key] = cell.text
+        elif not key:
+            unread.append(f"{title or 'column without title'}: {cell.text}")
+        elif key == "ratio":
+            ratio = _ratio(cell, plain(cell.text), reading)
+        elif not is_number(plain(cell.text)):
+            reading.fault(cell, f"`{cell.text}` is not a number", "write a number, or leave the cell empty")
+        else:
+            values[key] = f"{plain(cell.text)} {unit}".strip()
+    name = values.pop("name", "") or (f"mass {values['no']}" if "no" in values else "")
+    if not name:
+        reading.fault(row[0], "the row has neither a name nor a number", "add a column `name` or `no`")
+    values.pop("no", None)
+    return Mass(name, row[0].line, values, ratio, tuple(unread))
+
+
+def _ratio(cell: Cell, text: str, reading: _Reading) -> Fraction:
+    """Read `23/71`, `0.324` or `1`."""
+    try:
+        ratio = Fraction(text.replace(" ", ""))
+    except (ValueError, ZeroDivisionError):
+        ratio = Fraction(0)
+    if ratio <= 0:
+        reading.fault(
+            cell, f"`{cell.text}` is not a speed ratio", "write speed of the mass / speed of the first: 23/71"
+        )
+        return Fraction(1)
+    return ratio
+
+
+def _check_links(masses: list[Mass], rows: list[list[Cell]], reading: _Reading) -> None:
+    """Note every mass that nothing connects to the next, a stiffness after the last, and inertias stated twice."""
+    for place, (mass, row) in enumerate(zip(masses, rows, strict=True)):
+        elastic = [key for key in ("stiffness", "flexibility") if key in mass.values]
+        is_last = place + 1 == len(masses)
+        if len(elastic) > 1:
+            reading.fault(row[0], f"'{mass.name}' has a stiffness and a flexibility", "leave one of them empty")
+        if is_last and any(key in mass.values for key in LINK):
+            reading.fault(
+                row[0], f"'{mass.name}' is the last mass and has a shaft to the next", "leave its cells empty"
+            )
+        if not is_last and not elastic and masses[place + 1].ratio == mass.ratio:
+            hint = "write it, or 0 in a column `flexibility` for a rigid connection"
+            reading.fault(row[0], f"'{mass.name}' has no stiffness to the next mass", hint)
+        if len([key for key in ("inertia", "gd2", "wr2") if key in mass.values]) > 1:
+            reading.fault(row[0], f"'{mass.name}' states its inertia twice", "leave one of the cells empty")
+
+
+def _editor_masses(source: Source) -> list[Mass]:
+    """Read the disks and discrete shafts of an openTorsion-Editor file in their order."""
+    try:
+        data = json.loads(source.text)
+        elements = [(part["name"], element) for part in data["components"] for element in part["elements"]]
+        kinds = [(f"{component}.{element['name']}", element["type"], element) for component, element in elements]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        hint = "expected: components: [{name, elements: [{name, type: Disk, inertia: 1.0}, ...]}]"
+        raise input_error(
+            [Fault((), "this is not an openTorsion-Editor file", hint, line=1, column=1)], source
+        ) from None
+    masses, faults = list[Mass](), list[Fault]()
+    for name, kind, element in kinds:
+        if kind == "Disk":
+            values = _editor_values(element, {"inertia": "inertia", "damping": "ground"})
+            masses.append(Mass(name, 1, values, unread=_unread(element, ("inertia", "damping"))))
+        elif kind == "ShaftDiscrete" and masses:
+            masses[-1].values.update(_editor_values(element, {"stiffness": "stiffness", "damping": "viscous"}))
+        else:
+            hint = "elements that are read: Disk, and ShaftDiscrete after a Disk"
+            faults.append(Fault((), f"'{name}' of type {kind} is not read", hint, line=1, column=1))
+    if not masses:
+        faults.append(Fault((), "the file has no Disk", line=1, column=1))
+    if faults:
+        raise input_error(faults, source)
+    return masses
+
+
+def _editor_values(element: dict[str, object], keys: dict[str, str]) -> dict[str, str]:
+    """Return the numbers of an element with their SI units, by column; zero damping is left out."""
+    known = {column: element.get(key) for key, column in keys.items()}
+    return {
+        column: f"{value!r} {UNITS[column]}"
+        for column, value in known.items()
+        if isinstance(value, int | float) and (value or column == "inertia")
+    }
+
+
+def _unread(element: dict[str, object], keys: Iterable[str]) -> tuple[str, ...]:
+    known = {"name", "type", *keys}
+    return tuple(f"{key}: {json.dumps(value)}" for key, value in element.items() if key not in known and value)
+
+
+def _model_file(masses: list[Mass], title: str, *, referred: bool) -> str:
+    """Write the model file: a disc a mass, a coupling or a gear between two."""
+    lines, used = [f"name: {json.dumps(title, ensure_ascii=False)}", "train:"], set[str]()
+    names = []
+    for mass in masses:
+        name = mass.name if mass.name not in used else f"{mass.name} (line {mass.line})"
+        used.add(name)
+        names.append(name)
+    for place, (mass, name) in enumerate(zip(masses, names, strict=True)):
+        lines += [f"  # not read of {name}: {words}" for words in mass.unread]
+        lines.append(f"  - disc: {{name: {_quoted(name)}{_inertia(mass)}{_key('damping', mass.values.get('ground'))}}}")
+        if place + 1 == len(masses):
+            break
+        following = names[place + 1]
+        if any(key in mass.values for key in ("stiffness", "flexibility")):
+            link = "".join(_key(key, mass.values.get(key)) for key in LINK)
+            lines.append(f"  - coupling: {{name: {_quoted(f'{name} to {following}')}{link}}}")
+        ratio = mass.ratio / masses[place + 1].ratio
+        if ratio != 1:
+            extra = ", referred: true" if referred else ""
+            lines.append(f"  - gear: {{name: {_quoted(f'gear before {following}')}, ratio: {ratio}{extra}}}")
+    return "\n".join(lines) + "\n"
+
+
+def _inertia(mass: Mass) -> str:
+    """The inertia of a mass: GD2 of technical tables is four times J, WR2 is J."""
+    if "gd2" in mass.values:
+        number, unit = units.amount(mass.values["gd2"])
+        return _key("inertia", f"{float(number / 4)!r} {unit}")
+    return _key("inertia", mass.values.get("inertia") or mass.values.get("wr2") or f"0 {UNITS['inertia']}")
+
+
+def _key(key: str, value: str | None) -> str:
+    return "" if value is None else f", {key}: {value}"
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)

@@ -1,0 +1,207 @@
+"""A lumped train as Modelica text: its vibration about the mean motion at one speed.
+
+Components of Modelica.Mechanics.Rotational 4.0. Angles count in the sense of each station, so ratios are positive. The
+torque of a span is minus the torque `tau` of its component, whose flange_a is on the driving side. Start values are
+those of the periodic motion, so that no transient precedes it.
+"""
+
+import re
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+
+from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.harmonic_components import Excitation, amplitude, excitations
+from torsion.analyses.response.over_speed import response_of_orders
+from torsion.analyses.response.solver import ground_damping
+from torsion.analyses.steady import steady_if_known
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+from torsion.errors import Fault, InputError, refusal
+from torsion.kernels.spanning_forest import connected
+from torsion.study import Study
+
+ROTATIONAL = "Modelica.Mechanics.Rotational"
+PERIODS = 10  # of the lowest order, simulated by default
+SAME_DAMPING = 1e-12  # relative; a loss factor gives another viscous damping at every frequency
+
+
+@dataclass
+class _Text:
+    """The declarations and connections written so far."""
+
+    taken: set[str]
+    declared: list[str] = field(default_factory=list)
+    connections: list[str] = field(default_factory=list)
+    flanges: dict[int, str] = field(default_factory=dict)  # station: the first flange at it
+
+    def declare(self, kind: str, label: str, modifiers: str = "", comment: str = "") -> str:
+        """Declare a component; return its name, which is legal and occurs once."""
+        word = re.sub(r"\W+", "_", label, flags=re.ASCII).strip("_") or "part"
+        word = word if word[0].isalpha() else f"p_{word}"
+        name, count = word, 1
+        while name in self.taken:
+            count += 1
+            name = f"{word}_{count}"
+        self.taken.add(name)
+        remark = f' "{_safe(comment or label)}"'
+        self.declared.append(f"  {kind} {name}{f'({modifiers})' if modifiers else ''}{remark};")
+        return name
+
+    def connect(self, flange: str, other: str) -> None:
+        self.connections.append(f"  connect({flange}, {other});")
+
+    def join(self, station: int, flange: str) -> None:
+        """Connect a flange to the node of a station."""
+        if station in self.flanges:
+            self.connect(self.flanges[station], flange)
+        self.flanges.setdefault(station, flange)
+
+
+def modelica(study: Study, system: System, speed: float, order: Fraction | None = None) -> str:
+    """Return the Modelica text of a lumped train at a reference speed (rad/s), for one order or for all.
+
+    Raises InputError for what has no counterpart: another model, universal joints, damping by mode, couplings that
+    follow their amplitude, and several orders of a train with loss factors.
+    """
+    _check(system)
+    grid = np.array([speed])
+    acting = [one for one in excitations(system) if one.line.order is not None and order in (None, one.line.order)]
+    if not acting:
+        known = ", ".join(str(one.line.order) for one in excitations(system) if one.line.order is not None)
+        raise refusal(f"order {order} does not excite the train", f"orders: {known or 'none'}")
+    response = response_of_orders(study, system, [one.line.order for one in acting if one.line.order], grid)
+    system = response.system
+    steady = steady_if_known(study, system, grid)
+    frequencies = np.array([float(one.line.circular_frequency(grid)[0]) for one in acting])  # rad/s
+
+    text = _Text({"Train"})
+    _declare_stations(text, system, response, frequencies)
+    _declare_spans(text, system, _stiffness_and_damping(study, system, speed, frequencies))
+    _declare_ground_damping(text, system, ground_damping(system, grid, steady)[:, 0])
+    _declare_torques(text, study, system, acting, speed)
+
+    title = _safe(f"{study.name}: vibration at {speed * 30.0 / np.pi:.6g} rpm")
+    end = 2.0 * np.pi * PERIODS / float(frequencies.min())
+    experiment = f'annotation(uses(Modelica(version="4.0.0")), experiment(StopTime={end!r}, Tolerance=1e-9));'
+    lines = [f'model Train "{title}"', *text.declared, "equation", *text.connections, f"  {experiment}", "end Train;"]
+    return "\n".join(lines) + "\n"
+
+
+def _safe(text: str) -> str:
+    """Text within a Modelica string."""
+    return text.replace("\\", "\\\\").replace('"', '\\"')
+
+
+def _check(system: System) -> None:
+    """Refuse what has no counterpart in the library."""
+    reasons = {
+        f"the model {system.model} has no discrete components (write `model: lumped`)": system.bars is not None,
+        "a universal joint has no counterpart in Modelica.Mechanics.Rotational": any(s.error for s in system.own_spans),
+        "a coupling that follows its amplitude has no linear counterpart": (
+            system.train.has_nonlinear_couplings or system.train.has_tables_over("vibratory torque")
+        ),
+        "damping by mode has no counterpart; give the components their damping": bool(system.train.modal_damping),
+    }
+    if faults := [Fault((), reason) for reason, is_so in reasons.items() if is_so]:
+        raise InputError(faults)
+
+
+def _stiffness_and_damping(study: Study, system: System, speed: float, frequencies: FloatArray) -> FloatArray:
+    """(spans, 2) N m/rad and N m s/rad; zero for a rigid span. Raises InputError for a loss at several frequencies."""
+    grid = np.array([speed])
+    steady = steady_if_known(study, system, grid)
+    mean = np.zeros((len(system.spans), 1)) if steady is None else steady.torque
+    values = np.zeros((len(system.spans), 2))
+    for span in np.flatnonzero(system.flexibility != 0).tolist():
+        pairs = np.array(
+            [
+                [
+                    float(np.ravel(part)[0])
+                    for part in system.elastic(span, np.array([[frequency]]), mean[span][:, None], grid[:, None])
+                ]
+                for frequency in frequencies
+            ]
+        )
+        damping = pairs[:, 1] / frequencies
+        spread = [
+            np.ptp(pairs[:, 0]) / max(abs(pairs[0, 0]), 1e-300),
+            np.ptp(damping) / max(abs(damping).max(), 1e-300),
+        ]
+        if max(spread) > SAME_DAMPING:
+            message = f"stiffness and damping of '{system.spans[span].name}' differ from order to order"
+            raise refusal(message, "write one order at a time: --order 1/2")
+        values[span] = (0.0 if np.isinf(system.flexibility[span]) else pairs[0, 0]), damping[0]
+    return values
+
+
+def _declare_stations(text: _Text, system: System, response: Response, frequencies: FloatArray) -> None:
+    """Declare inertias and fixed stations; the first inertia of every rigid group has the start values."""
+    angles = response.angle[0]  # (orders, stations) complex
+    angle, velocity = angles.real.sum(0), (1j * frequencies[:, None] * angles).real.sum(0)
+    rigid = system.flexibility == 0
+    groups = connected(len(system.stations), system.driving[rigid], system.driven[rigid])
+    started = set[int]()
+    for number, station in enumerate(system.stations):
+        if system.held[number] or station.is_ground:
+            fixed = text.declare(f"{ROTATIONAL}.Components.Fixed", station.name)
+            text.join(number, f"{fixed}.flange")
+        elif system.inertia[number] > 0:
+            modifiers = f"J={float(system.inertia[number])!r}"
+            if int(groups[number]) not in started:
+                started.add(int(groups[number]))
+                modifiers += f", phi(start={float(angle[number])!r}, fixed=true)"
+                modifiers += f", w(start={float(velocity[number])!r}, fixed=true)"
+            text.join(number, f"{text.declare(f'{ROTATIONAL}.Components.Inertia', station.name, modifiers)}.flange_a")
+
+
+def _declare_spans(text: _Text, system: System, values: FloatArray) -> None:
+    """Declare what joins two stations: spring and damper, then the ideal gear; a rigid span is a torque sensor."""
+    for number, span in enumerate(system.spans):
+        (stiffness, damping), ratio = values[number].tolist(), float(span.ratio)
+        ends = list[tuple[str, str]]()
+        if system.flexibility[number] != 0:
+            kind = "SpringDamper" if stiffness and damping else "Spring" if stiffness else "Damper"
+            known = {"c": stiffness, "d": damping}
+            modifiers = ", ".join(f"{key}={value!r}" for key, value in known.items() if value)
+            part = text.declare(f"{ROTATIONAL}.Components.{kind}", span.name, modifiers)
+            ends.append((f"{part}.flange_a", f"{part}.flange_b"))
+        elif ratio == 1:
+            part = text.declare(f"{ROTATIONAL}.Sensors.TorqueSensor", span.name)
+            ends.append((f"{part}.flange_a", f"{part}.flange_b"))
+        if ratio != 1:
+            gear = text.declare(f"{ROTATIONAL}.Components.IdealGear", f"{span.name} gear", f"ratio={1.0 / ratio!r}")
+            ends.append((f"{gear}.flange_a", f"{gear}.flange_b"))
+        text.join(span.driving, ends[0][0])
+        if len(ends) == 2:
+            text.connect(ends[0][1], ends[1][0])
+        text.join(span.driven, ends[-1][1])
+
+
+def _declare_ground_damping(text: _Text, system: System, damping: FloatArray) -> None:
+    """Declare a damper from every station with damping to one fixed ground."""
+    stations = np.flatnonzero(damping).tolist()
+    ground = text.declare(f"{ROTATIONAL}.Components.Fixed", "ground") if stations else ""
+    for station in stations:
+        label = f"{system.stations[station].name} to ground"
+        damper = text.declare(f"{ROTATIONAL}.Components.Damper", label, f"d={float(damping[station])!r}")
+        text.join(station, f"{damper}.flange_a")
+        text.connect(f"{damper}.flange_b", f"{ground}.flange")
+
+
+def _declare_torques(text: _Text, study: Study, system: System, acting: list[Excitation], speed: float) -> None:
+    """Declare a sine and a torque for every harmonic component at every station; cos(wt + p) = sin(wt + p + pi/2)."""
+    grid = np.array([speed])
+    steady = steady_if_known(study, system, grid)
+    for excitation in acting:
+        frequency = float(excitation.line.circular_frequency(grid)[0]) / (2.0 * np.pi)
+        for torque in excitation.torques:
+            phasor = complex(amplitude(system, torque, grid, steady)[0])
+            label = f"{torque.name} order {excitation.line.order}"
+            phase = float(np.angle(phasor)) + np.pi / 2.0
+            modifiers = f"amplitude={abs(phasor)!r}, f={frequency!r}, phase={phase!r}"
+            sine = text.declare("Modelica.Blocks.Sources.Sine", label, modifiers)
+            source = text.declare(f"{ROTATIONAL}.Sources.Torque", f"{label} torque", "useSupport=false")
+            text.connect(f"{sine}.y", f"{source}.tau")
+            text.join(torque.station, f"{source}.flange")

@@ -1,0 +1,81 @@
+"""A pass says so where variants, or values within tolerances, are not judged."""
+
+import pytest
+
+import torsion
+from torsion.output.chapters.case_verdict import headline_of_cases
+from torsion.output.headline import headline
+from torsion.rules.verdict_line import Checks
+
+TRAIN = """
+name: x
+operation: {speeds: {from: 200 rpm, to: 1200 rpm}, rated: {speed: 1200 rpm, power: 50 kW}}
+train:
+- motor: {name: m, inertia: 1, ripple: [{order: 1, torque: 4 N*m}]}
+- coupling: {name: soft, stiffness: 10000, loss_factor: 5 %, vibratory_torque: 1 kN*mTOLERANCE}
+- disc: {name: d, inertia: 2}
+rules: [RULES]
+"""
+SWEEP = "analyses: {sweep: {vary: {soft.stiffness: {uniform: 30 %}}, samples: 128RESULTS}}\n"
+VARIANTS = "variants of the sweep not judged: write `results: [checks]` of the sweep"
+TOLERANCES = "tolerances of 'soft' not judged: write `cases: {from: tolerances}`"
+
+
+def solved(rules="coupling-maker", tolerance="", more=""):
+    text = TRAIN.replace("RULES", rules).replace("TOLERANCE", tolerance)
+    return torsion.run(torsion.parse(text + more))
+
+
+def restrictions(found):
+    return [words for line in found.need(Checks).lines for words in line.restrictions]
+
+
+@pytest.mark.parametrize(
+    ("results", "words"),
+    [(", results: [modes]", [VARIANTS]), (", results: [modes, checks]", []), ("", [])],
+)  # fmt: skip
+def test_a_sweep_whose_variants_answer_no_checks_restricts_a_pass(results, words) -> None:
+    found = solved(more=SWEEP.replace("RESULTS", results))
+    assert restrictions(found) == words
+    assert headline(found)[0][1] == (f"PASS with restrictions: {words[0]}" if words else "PASS: 1 limit met")
+    assert found.exit_status == 0
+
+
+def test_a_sweep_of_a_file_without_rules_has_no_such_row() -> None:
+    assert not solved("", more=SWEEP.replace("RESULTS", "")).need(Checks).lines
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [("", [TOLERANCES]), ("cases: {soft: {scale: {soft.stiffness: 80 %}}}\n", []),
+     (SWEEP.replace("RESULTS", ""), []),
+     (SWEEP.replace("RESULTS", "").replace("soft.stiffness", "d.inertia"), [TOLERANCES])],
+)  # fmt: skip
+def test_tolerances_without_a_case_or_a_sweep_at_their_ends_restrict_a_pass(more, words) -> None:
+    assert restrictions(solved(tolerance=", tolerance: 20 %", more=more)) == words
+
+
+def test_corners_of_the_tolerances_as_cases_leave_no_such_row() -> None:
+    found = solved(tolerance=", tolerance: 20 %", more="cases: {from: tolerances}\n")
+    assert len(found.each) > 1
+    assert all(restrictions(each) == [] for each in found.each.values())
+
+
+def test_the_share_of_variants_that_fail_comes_first_in_the_headline() -> None:
+    """At resonance 4 N m / 5 % of the share of the driven inertia: 53.3 N m, from 51 to 57.8 within the sweep."""
+    text = TRAIN.replace("1 kN*mTOLERANCE", "55 N*m").replace(
+        "RULES", "coupling-maker: {continuous: {from: 300 rpm, to: 1200 rpm}}"
+    )
+    found = torsion.run(torsion.parse(text + SWEEP.replace("soft.stiffness", "d.inertia").replace("RESULTS", "")))
+    assert restrictions(found) == ["judged in continuous use only, 300 rpm to 1200 rpm"]
+    share = 100.0 * found.results["sweep"].share_failing
+    assert 10 < share < 60
+    assert headline(found)[0][1] == f"PASS with restrictions: {share:.3g} % of the variants fail a check"
+    assert found.exit_status == 1
+
+
+@pytest.mark.parametrize(("limit", "words"), [("1 kN*m", "PASS: case normal"), ("1 N*m", "FAIL: case normal")])
+def test_one_case_that_counts_is_named_in_the_headline(limit, words) -> None:
+    text = TRAIN.replace("RULES", "coupling-maker").replace("1 kN*mTOLERANCE", limit)
+    cases = "cases: {other: {scale: {soft.stiffness: 80 %}, judged: false}}\n"
+    assert headline_of_cases(torsion.run(torsion.parse(text + cases)).each)[0][1] == words
