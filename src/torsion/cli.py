@@ -50,6 +50,9 @@ def solve(
     *,
     case: Case = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
+    full: Annotated[
+        bool, typer.Option("--full", help="Add appendices: all mode shapes, Holzer tables, angles, engine harmonics.")
+    ] = False,
     matrices: Annotated[
         Path | None, typer.Option("--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed.")
     ] = None,
@@ -70,10 +73,12 @@ def solve(
     """
     from torsion import commands
 
-    refuse_with_json(json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--matrices": matrices, "-o": out})
+    refuse_with_json(
+        json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--full": full, "--matrices": matrices, "-o": out}
+    )
     also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv)
     solved = partial(commands.solved, file, case=case, memory=memory)
-    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices)
+    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices, is_full=full)
 
 
 @app.command()

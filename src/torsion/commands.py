@@ -40,6 +40,7 @@ def solve(
     *,
     pdf: bool = False,
     vtu: bool = False,
+    full: bool = False,
     case: str | None = None,
     memory: str | float | None = None,
     progress: Progress = silent,
@@ -49,10 +50,10 @@ def solve(
     Every case of the file is solved beside it and has its own report in a folder there; or of them `case` alone.
 
     Raises InputError with every fault of the file, SolveError where no answer has the promised accuracy; an earlier
-    report stays whole then. With `vtu` the mode shapes are written too.
+    report stays whole then. With `vtu` the mode shapes are written too; `full` adds all appendices to the report.
     """
     findings = solved(file, case=case, memory=memory, progress=progress)
-    write(findings, folder_of(file, out, findings.study.case), also=outputs(pdf=pdf, vtu=vtu))
+    write(findings, folder_of(file, out, findings.study.case), also=outputs(pdf=pdf, vtu=vtu), is_full=full)
     return findings
 
 
@@ -98,15 +99,17 @@ def folder_of(file: str | Path, out: str | Path | None, case: Case | None = None
     return folder if case is None else folder / case.folder
 
 
-def write(findings: Findings, folder: Path, report: str = "solve", *, also: Collection[str] = ()) -> "Document":
-    """Write the files of a report, `also` those of outputs on request; the report.
+def write(
+    findings: Findings, folder: Path, report: str = "solve", *, also: Collection[str] = (), is_full: bool = False
+) -> "Document":
+    """Write the files of a report, `also` those of outputs on request; return the report.
 
     Raises InputError where the folder cannot be written, or a file cannot be made of these findings.
     """
     from torsion.output.write import write as write_report
 
     with _writing(findings.study, "the report", folder, OTHER_FOLDER):
-        return write_report(findings, folder, report, also=also)
+        return write_report(findings, folder, report, also=also, is_full=is_full)
 
 
 def report(
@@ -359,13 +362,13 @@ def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None 
 
     Nothing is solved. Raises InputError, also where the file cannot be written.
     """
-    from torsion.output.chapters.plant import chapter
+    from torsion.output.chapters import plant
     from torsion.output.drawing.svg import svg
     from torsion.output.figures.figure import Figure
 
     findings = run(replace(one_case(read(file), case), rules=()), only=("assembly",))
     place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
-    figure = next(block for block in chapter(findings) if isinstance(block, Figure))
+    figure = Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
     with _writing(findings.study, "the sketch", place):
         place.write_text(f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8")
     return place

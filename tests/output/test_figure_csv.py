@@ -31,7 +31,7 @@ def parts(figure: Figure) -> tuple[list[str], list[tuple[list[str], np.ndarray]]
 def test_lines_over_one_coordinate_are_columns_of_one_table() -> None:
     comments, ((titles, values),) = parts(KINDS["torque"])
     assert titles == [
-        "speed of the reference component [rpm]", "synthesis (half range) [N m]", "order 1 [N m]", "order <2> [N m]",
+        "speed of the reference component [rpm]", "total vibratory torque [N m]", "order 1 [N m]", "order <2> [N m]",
     ]  # fmt: skip
     np.testing.assert_array_equal(values[:, 0], SPEED)
     shown = KINDS["torque"].lines["order 1"].y

@@ -43,7 +43,7 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     texts = {path.name: path.read_text(encoding="utf-8") for path in folder.rglob("*.csv")}
     with zipfile.ZipFile(folder / "tables.zip") as archive:
         texts |= {name: archive.read(name).decode() for name in archive.namelist()}
-    assert {"variants.csv", "motion.csv", "joints.csv", "study.csv", "table-1.1.csv"} <= texts.keys()
+    assert {"variants.csv", "motion.csv", "joints.csv", "study.csv", "table-2.1.csv"} <= texts.keys()
     return texts
 
 

@@ -40,16 +40,18 @@ def test_names_are_escaped_and_nothing_runs_or_is_fetched(train: Findings, kind:
 def test_findings_show_the_ranked_checks_with_their_share_of_the_limit(train: Findings) -> None:
     page = shown(train, "findings")
     checks = train.need(Checks).lines
-    used = [row[3] for row in rows(page) if len(row) == 7]
+    used = [row[5] for row in rows(page) if len(row) == 10]
     assert sorted(used) == sorted(
-        "–" if check.utilisation is None else number(100.0 * check.utilisation, 4) for check in checks
+        "–" if check.utilisation is None else number(100.0 * check.utilisation, 4)
+        for check in checks
+        if check.utilisation is None or check.utilisation >= 0.1
     )
     assert html.escape(train.study.name) in page
 
 
 def test_modes_show_every_frequency_with_its_bounds(train: Findings) -> None:
     modes = train.need(Modes)
-    cells = np.array([[float(row[k]) for k in (1, 5, 6)] for row in rows(shown(train, "modes"))])
+    cells = np.array([[float(row[k]) for k in (1, 4, 5)] for row in rows(shown(train, "modes"))])
     np.testing.assert_allclose(cells[:, 0], modes.frequency, rtol=5e-7)
     np.testing.assert_allclose(cells[:, 1:], modes.enclosure, rtol=5e-10)
 

@@ -47,7 +47,9 @@ def found() -> Findings:
 
 def rows_of(findings: Findings, caption: str) -> list[dict[str, str]]:
     """The rows of the table with that caption, by title; a title that comes again is `title (2)`."""
-    table = next(block for block in chapters(findings) if isinstance(block, Table) and caption in block.caption)
+    table = next(
+        block for block in chapters(findings, is_full=True) if isinstance(block, Table) and caption in block.caption
+    )
     titles: list[str] = []
     for column in table.columns:
         again = sum(title.split(" (")[0] == column.title for title in titles)
@@ -110,9 +112,7 @@ def test_bounds_of_a_frequency_in_its_table(found: Findings) -> None:
     (row,) = rows_of(found, "Natural frequencies of the undamped train")
     assert value(row["Frequency"]) == pytest.approx(10.0 / (2.0 * math.pi), rel=1e-6)
     assert value(row["Per minute"]) == pytest.approx(10.0 * RPM, rel=1e-6)
-    assert value(row["Angular"]) == pytest.approx(10.0, rel=1e-6)
     assert value(row["Lower bound"]) <= value(row["Upper bound"])
-    assert 0.0 < value(row["Width / frequency"]) < 1e-13
     assert (row["Mode"], row["Nodes"]) == ("1", "1")
 
 
@@ -128,8 +128,7 @@ def test_damped_mode_in_json_and_in_its_table(found: Findings) -> None:
     (row,) = rows_of(found, "Damped natural frequencies")
     assert value(row["Damping ratio"]) == pytest.approx(100.0 * ratio, rel=1e-3)
     assert value(row["Magnifier 1/(2ζ)"]) == pytest.approx(1.0 / (2.0 * ratio), rel=1e-3)
-    assert value(row["Decay"]) == pytest.approx(10.0 * ratio, rel=1e-3)
-    assert value(row["Per minute"]) == pytest.approx(60.0 * damped, rel=1e-5)
+    assert value(row["Frequency"]) == pytest.approx(damped, rel=1e-5)
 
 
 def test_critical_speeds_in_json_and_in_their_table(found: Findings) -> None:
@@ -187,63 +186,68 @@ def test_synthesis_in_json(found: Findings) -> None:
 
 
 def test_largest_vibratory_torque_by_title(found: Findings) -> None:
-    (row,) = rows_of(found, "Largest vibratory torque of every element")
+    (row,) = rows_of(found, "Maximum vibratory torque of every component")
     high, low = together()
     half, size = (high - low) / 2.0, [np.abs(torque) for _, _, torque in lines()]
     at = int(np.argmax(half))
     wanted = {
-        "Synthesis, half range": half[at], "At speed": SPEED[at] * RPM, "Its torque": size[0][at],
+        "Total vibratory torque": half[at], "Speed": SPEED[at] * RPM, "Torque of this order": size[0][at],
         "RMS": math.sqrt(sum(one[at] ** 2 for one in size) / 2.0), "Sum of magnitudes": sum(one[at] for one in size),
         "Mean": mean()[at],
     }  # fmt: skip
     assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=2e-3)
-    assert value(row["Synthesis, half range"]) == pytest.approx(half[at], rel=5e-5)
-    assert (row["Element"], row["Largest component there"]) == ("ring", "1 × screw")
+    assert value(row["Total vibratory torque"]) == pytest.approx(half[at], rel=5e-5)
+    assert (row["Component"], row["Largest order"]) == ("ring", "1 × screw")
 
 
 def test_peaks_by_title(found: Findings) -> None:
-    rows = {row["Harmonic component"]: row for row in rows_of(found, "Resonance peaks")}
+    rows = {row["Order"]: row for row in rows_of(found, "Resonance peaks")}
     assert set(rows) == {"1 × screw", "2 × screw"}
     for name, (w, _, torque) in zip(("1 × screw", "2 × screw"), lines(), strict=False):
         at = int(np.argmax(np.abs(torque)))
         assert value(rows[name]["Torque amplitude"]) == pytest.approx(abs(torque[at]), rel=5e-5)
-        assert value(rows[name]["At speed"]) == pytest.approx(SPEED[at] * RPM, rel=5e-4)
+        assert value(rows[name]["Speed"]) == pytest.approx(SPEED[at] * RPM, rel=5e-4)
         assert value(rows[name]["Frequency"]) == pytest.approx(w[at] / (2.0 * math.pi), rel=5e-4)
-        assert (rows[name]["Element"], rows[name]["Mode"]) == ("ring", "1")
+        assert (rows[name]["Component"], rows[name]["Mode"]) == ("ring", "1")
 
 
 def test_angles_by_title(found: Findings) -> None:
     """The largest amplitude of any one order with its speed, of each disc."""
-    rows = {row["Station"]: row for row in rows_of(found, "Largest angular amplitude")}
+    rows = {row["Station"]: row for row in rows_of(found, "Maximum angular amplitude")}
     for station, name in enumerate(("drive", "screw")):
         size = np.array([np.abs(angle[:, station]) for _, angle, _ in lines()])
         line, at = np.unravel_index(int(np.argmax(size)), size.shape)
         hertz = lines()[line][0][at] / (2.0 * math.pi)
         row = rows[name]
         assert value(row["Amplitude"]) == pytest.approx(size[line, at], rel=3e-4)
-        assert value(row["Largest amplitude"]) == pytest.approx(math.degrees(size[line, at]), rel=3e-4)
-        assert value(row["At speed"]) == pytest.approx(SPEED[at] * RPM, rel=1e-3)
+        assert value(row["Maximum amplitude"]) == pytest.approx(math.degrees(size[line, at]), rel=3e-4)
+        assert value(row["Speed"]) == pytest.approx(SPEED[at] * RPM, rel=1e-3)
         assert value(row["Speed amplitude"]) == pytest.approx(60.0 * hertz * size[line, at], rel=1e-3)
-        assert row["Harmonic component"] == "1 × screw"
+        assert row["Order"] == "1 × screw"
 
 
 def test_couplings_by_title(found: Findings) -> None:
-    (row,) = rows_of(found, "Torque and heat of the couplings")
+    (row,) = rows_of(found, "Torque and power loss of the couplings")
     high, low = together()
     half, peak = (high - low) / 2.0, np.maximum(np.abs(mean() + high), np.abs(mean() + low))
     heat = sum(VISCOUS * np.abs(w * (angle[:, 0] - angle[:, 1])) ** 2 / 2.0 for w, angle, _ in lines())
     wanted = {
         "Vibratory torque": half.max(), "T_{KW}": 40.0, "Mean torque": mean().max(), "T_{KN}": 30.0,
-        "Peak torque": peak.max(), "T_{Kmax}": 90.0, "Heat": heat.max(), "P_{KW}": 50.0,
+        "Peak torque": peak.max(), "T_{Kmax}": 90.0, "Power loss": heat.max(), "P_{KW}": 50.0,
     }  # fmt: skip
     assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=1e-4)
-    assert value(row["At speed"]) == pytest.approx(SPEED[half.argmax()] * RPM, rel=1e-3)
-    assert value(row["At speed (2)"]) == pytest.approx(SPEED[heat.argmax()] * RPM, rel=1e-3)
+    assert value(row["Speed"]) == pytest.approx(SPEED[half.argmax()] * RPM, rel=1e-3)
+    assert value(row["Speed (2)"]) == pytest.approx(SPEED[heat.argmax()] * RPM, rel=1e-3)
 
 
 def test_mean_torque_by_title_and_in_json(found: Findings) -> None:
     (row,) = rows_of(found, "Mean torque at")
-    wanted = {"Own speed": 12.0 * RPM, "Mean torque": 10.0, "Power": 0.12, "Largest over the range": mean()[-1]}
+    wanted = {
+        "Speed of the component": 12.0 * RPM,
+        "Mean torque": 10.0,
+        "Power": 0.12,
+        "Maximum over the speed range": mean()[-1],
+    }
     assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=1e-4)
     stated = results(found)["mean"]
     assert np.array(stated["torque_Nm"])[0] == pytest.approx(10.0 * (np.array(stated["speed_rad_per_s"]) / 12.0) ** 2)
@@ -273,13 +277,12 @@ def test_the_terminal_shows_the_same_numbers(found: Findings) -> None:
     text = stream.getvalue()
     high, low = together()
     half = (high - low) / 2.0
-    free, damped = re.findall(r"^\D*1 +(\S+) +(\S+) +(\S+)\s*$", text, re.MULTILINE)[:2]
+    (free,) = re.findall(r"^\D*1 +(\S+) +(\S+) +(\S+)\s*$", text, re.MULTILINE)[:1]
+    damped = re.search(r"Damped.*?^\D*1 +(\S+) +(\S+)\s*$", text, re.MULTILINE | re.DOTALL).groups()
     ratio = VISCOUS / 24.0
     lower = 10.0 * math.sqrt(1 - ratio**2)
     assert [float(cell) for cell in free] == pytest.approx([10.0 / (2.0 * math.pi), 10.0 * RPM, 1], rel=1e-6)
-    assert [float(cell) for cell in damped] == pytest.approx(
-        [lower / (2.0 * math.pi), lower * RPM, 100 * ratio], rel=2e-3
-    )
+    assert [float(cell) for cell in damped] == pytest.approx([lower / (2.0 * math.pi), 100 * ratio], rel=2e-3)
     torque = re.search(r"^\s*ring +(\S+) +(\S+)\s*$", text, re.MULTILINE)
     assert float(torque[1]) == pytest.approx(half.max(), rel=5e-5)
     assert float(torque[2]) == pytest.approx(SPEED[half.argmax()] * RPM, rel=1e-3)
@@ -303,7 +306,7 @@ train:
 excitations: [{at: a, order: 1, torque: 1}]
 """
     rows = rows_of(torsion.run(torsion.parse(text)), "Resonance peaks")
-    found = {(row["Element"], round(value(row["At speed"]) / RPM / 10.0, 1)): row["Mode"] for row in rows}
+    found = {(row["Component"], round(value(row["Speed"]) / RPM / 10.0, 1)): row["Mode"] for row in rows}
     assert found == {("first", 1.0): "1", ("first", 1.7): "2", ("second", 1.0): "1", ("second", 1.7): "2"}
 
 

@@ -28,7 +28,6 @@ def test_the_terminal_shows_verdicts_frequencies_and_the_place_of_the_report(tra
     text = printed(train)
     for check in train.need(Checks).lines:
         assert WORDS[check.verdict] in text
-        assert check.standing in text
     for frequency in train.need(Modes).frequency.tolist():
         assert number(frequency, 7) in text
     assert str(Path("reports/x/report.html")) in text
@@ -47,7 +46,7 @@ def test_no_amplitude_is_told_at_a_speed_without_a_reliable_one(undamped: Findin
 
 
 def test_the_largest_torque_is_that_of_the_synthesis_at_its_speed(train: Findings) -> None:
-    stated = printed(train).split("Largest vibratory torque")[1].split("rubber")[1].split()[:2]
+    stated = printed(train).split("Maximum vibratory torque")[1].split("rubber")[1].split()[:2]
     (span,) = [k for k, span in enumerate(train.system.spans) if span.name == "rubber"]
     half = train.need(Synthesis).half_range[:, span]
     assert stated == [number(float(half.max())), rpm(float(train.need(Response).speed[half.argmax()]))]
@@ -76,7 +75,6 @@ def test_words_of_a_verdict_are_whole_on_80_columns() -> None:
     narrow = Console(width=80, record=True, file=io.StringIO())
     show(document(torsion.run(torsion.read(scene))), console=narrow)
     printed = narrow.export_text()
-    assert printed.count(" verified ") >= 3
     assert "…" not in printed
     assert max(map(len, printed.splitlines())) <= 80
     tight = Console(width=64, record=True, file=io.StringIO())

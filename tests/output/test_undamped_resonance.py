@@ -37,13 +37,13 @@ excitations: [{at: motor-1, torque: 10}]
 """
 RULES = "rules: [iacs-m68, coupling-maker, gear-hammer]\n"
 OVER_SPEED = (
-    "Largest vibratory torque",
-    "Largest angular",
-    "Largest stress",
-    "Torque and heat",
-    "Vibratory torque (half",
+    "Maximum vibratory torque",
+    "Maximum angular",
+    "Maximum stress",
+    "Torque and power loss",
+    "Vibratory torque (",
 )
-OVER_FREQUENCY = ("Largest torque amplitude", "Largest angular amplitude")
+OVER_FREQUENCY = ("Maximum torque amplitude", "Maximum angular amplitude")
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_the_text_says_so_over_speed_and_over_frequency(geared: Findings) -> Non
     stated = [one.block.text for one in document(geared).body if isinstance(one.block, Paragraph)]
     (over_speed,) = [text for text in stated if "singular" in text]
     (over_frequency,) = [text for text in stated if "Hz the response has no reliable finite value" in text]
-    assert "none as the largest over the range" in over_speed
+    assert "no maximum over the range" in over_speed
     assert "nor a largest one of the range" in over_frequency
 
 

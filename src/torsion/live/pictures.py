@@ -55,7 +55,7 @@ def whole_of(study: Study, moved: Iterable[str], progress: Progress) -> tuple[Fr
     if names := listed(moved):  # no checksum of a file stands for them
         study = replace(study, file=f"{study.file} with another {names}", text="")
     found = replace(found, plan=plan, study=study)
-    blocks = [Heading("Verdict"), *first_page.blocks(found, ()), *forced_response.without_tables(found)]
+    blocks = [Heading("Verdict"), *first_page.blocks(found), *forced_response.without_tables(found)]
     page = fragment([*numbered([one for one in blocks if not isinstance(one, PageEnd)])])
     return page, _modes(found) if barred(found) else None
 

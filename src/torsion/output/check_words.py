@@ -14,12 +14,18 @@ from torsion.output.numbers import NONE, given, given_rpm, number, order, symbol
 from torsion.output.reported_values import reference
 from torsion.results import listed
 from torsion.rules.reached_speeds import BEGINS, reach_words
-from torsion.rules.verdict_line import WORDS, Check, Checks, Verdict
+from torsion.rules.verdict_line import WORDS, Check, Checks, Standing, Verdict
 
 SIGNS: Mapping[Verdict, str] = {"pass": "✓", "restricted": "!", "not judged": "?", "fail": "✗", "not kept": "✗"}
+BASIS: Mapping[Standing, str] = {
+    "rule text": "rule text", "confirmed": "confirmed", "to be verified": "edition not confirmed", "maker": "manufacturer",
+    "setting": "stated by user", "by definition": "by definition",
+}  # fmt: skip
 STRESS, TORQUE = "N/mm2", "N m"  # units of the checks of a stress and of a torque
 GRADES: tuple[tuple[float, Grade], ...] = ((0.5, "low"), (0.8, "middle"), (math.inf, "high"))  # of a pass, below
 NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none over it reads 100 %
+LEAST_LISTED, FEWEST_ROWS = 0.1, 5  # utilisation of the listed checks that pass; so many rows are listed anyway
+SMALL = f"{100 * LEAST_LISTED:g} % of the limit"
 NOT_JUDGED = Use("not judged", "", (3.0, 0.0))
 
 
@@ -33,6 +39,12 @@ def rank(check: Check) -> tuple[float, ...]:
     if used is None:
         used = math.inf if check.fails else -math.inf
     return order, -used, -excess if math.isinf(used) and not math.isnan(excess) else 0.0
+
+
+def is_listed(check: Check, row: int) -> bool:
+    """It stands in the table of checks, in this row of the ranked checks; a small utilisation does not."""
+    small = check.utilisation is not None and check.utilisation < LEAST_LISTED
+    return row < FEWEST_ROWS or check.verdict != "pass" or not small
 
 
 def is_judged(check: Check) -> bool:
@@ -54,13 +66,41 @@ def value(check: Check) -> str:
     """The worst value, in words where there is none."""
     if np.isnan(check.value):
         return NONE
-    nothing = "no answer" if check.clause == "stability" else "no finite value"
+    nothing = "no solution" if check.clause == "stability" else "no finite value"
     return nothing if np.isinf(check.value) else number(check.value)
 
 
 def limit(check: Check) -> str:
     """The limit, of a least value with its sign."""
     return "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit)
+
+
+def against(check: Check) -> str:
+    """Return value and limit in words: "90.0 mm, required 98.7 mm or more" or "45.1, permissible 33.2 N/mm²"."""
+    in_unit = f" {unit(check)}".rstrip()
+    words = value(check) + in_unit * bool(np.isfinite(check.value))
+    if np.isnan(check.limit):
+        return f"{words}, no limit"
+    if check.at_least:
+        return f"{words}, required {given(check.limit)}{in_unit} or more"
+    return f"{words}, permissible {given(check.limit)}{in_unit}"
+
+
+def basis(check: Check) -> str:
+    """Return where the limit is from, in words."""
+    if check.basis is not None and check.basis.kind == "confirmed":
+        return check.basis.words.rpartition(": ")[2]
+    return BASIS[check.standing]
+
+
+def editions(checks: Iterable[Check]) -> str:
+    """Return rule and edition of the text that each rule's limits follow, as a sentence; empty if there is none."""
+    texts = dict.fromkeys(
+        f"{check.rule}: {check.basis.edition}"
+        for check in checks
+        if check.basis is not None and check.basis.kind in ("text", "confirmed", "unconfirmed")
+    )
+    return f"Texts of the rules: {'; '.join(texts)}." if texts else ""
 
 
 def percent(used: float) -> str:

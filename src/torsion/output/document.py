@@ -19,9 +19,7 @@ from torsion.output.scene import checksum
 from torsion.output.stored_data import BY_NAME, NOT_KEPT
 
 DISCLAIMER = (
-    "This report was computed from the figures in the input file, which is part of it; it is as good as they are. "
-    "Limits marked “to be verified” are to be compared with the edition in force before the report is submitted. "
-    "It does not replace the approval of a classification society or measurements on the plant."
+    "The results are as accurate as the input data. The report does not replace class approval or measurements."
 )
 
 
@@ -102,11 +100,11 @@ class Document:
 
 def document(
     findings: Findings, today: date | None = None, report: Report = REPORTS["solve"],
-    before: Sequence[Block] = (),
+    before: Sequence[Block] = (), *, is_full: bool = False,
 ) -> Document:  # fmt: skip
-    """Return the report of the findings, with the blocks `before` at its begin."""
+    """Return the report of the findings, with the blocks `before` at its begin and, if full, all its appendices."""
     body, beside = list[Numbered](), dict[str, Callable[[], str]]()
-    for item in numbered([*before, *chapters(findings, report)]):
+    for item in numbered([*before, *chapters(findings, report, is_full=is_full)]):
         block, files = shortened(item.block, item.number, report.stem)
         body.append(Numbered(block, item.number))
         beside.update(files)
@@ -129,7 +127,6 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
     facts = [
         ("Document", ", ".join(label)),
         *((words, stated.get(key, "")) for key, words in FRONT_MATTER.items()),
-        ("Description", study.description.strip()),
         ("Input file", study.shown_file),
         ("Input SHA-256", sha),
         ("Operation", operation_words(findings)),

@@ -1,20 +1,38 @@
-"""The headline of a report: the one word of the verdict, and one clause."""
+"""The verdict in words: headline, worst check, restrictions and the basis of the limits; no other module words it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 
+from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.sweep.sweep_results import Sweep
+from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output import check_words
+from torsion.output.blocks import Box, Paragraph
 from torsion.output.check_words import SIGNS
-from torsion.output.numbers import rpm
-from torsion.output.reported_values import band_words, barred_rpm
-from torsion.rules.verdict_line import WORDS, Checks, Verdict, worst_verdict
+from torsion.output.figures.figure import runs
+from torsion.output.numbers import RPM, counted, number, rpm, symbols
+from torsion.output.reported_values import (
+    UNDAMPED,
+    band_words,
+    barred,
+    barred_rpm,
+    mode_near,
+    tilted,
+    unreliable,
+)
+from torsion.results import listed
+from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks, Verdict, worst_verdict
 
 Head = tuple[str, str]  # sign, words
 Kind = Literal["pass", "fail", "note"]
+Cases = Mapping[str, Findings]
+MOST_CASES = 4  # named in the headline
+MOST_RANGES = 3  # barred ranges, failing ranges and failed analyses named in the box
+MOST_LISTED = 8  # ranges of speed without a reliable value
+ALL_CASES = {1: "the only judged case", 2: "both cases"}
 KINDS: Mapping[Verdict, Kind] = {
     "pass": "pass", "restricted": "note", "not judged": "note", "fail": "fail", "not kept": "fail",
 }  # fmt: skip
@@ -67,3 +85,253 @@ def _clause(findings: Findings, word: Verdict) -> str:
         "" if used is None or np.isinf(used) or word == "not judged" else f" {check_words.percent(used)} of its limit"
     )
     return f"{first.what}, {first.where}{share}{speed} ({first.rule})"
+
+
+def headline_of_cases(cases: Cases) -> tuple[Head, Kind]:
+    """Sign and words of the worst verdict of the judged cases, with the names of the cases that have it."""
+    counted_in = judged(cases)
+    with_rules = {
+        name: case for name, case in counted_in.items() if case.study.rules or lines_of(case) or not case.is_answered
+    }
+    verdicts = {name: case_verdict(case) for name, case in (with_rules or counted_in).items()}
+    worst = next(word for word in WORDS if word in verdicts.values())
+    names = [name for name, word in verdicts.items() if WORDS[word] == WORDS[worst]]
+    if len(verdicts) == 1:
+        which = _named(names)
+    elif len(names) < len(verdicts):
+        which = f"{_named(names[:MOST_CASES])} ({len(names)} of {len(verdicts)})"
+    else:
+        which = ALL_CASES.get(len(names), f"all {len(names)} cases")
+    omitted = "".join(f", without {listed(rules)} in case {name}" for name, rules in omitted_rules(cases).items())
+    if omitted and worst == "pass":  # one case omits a rule: the file as a whole does not pass it
+        worst = "restricted"
+    return (SIGNS[worst], f"{WORDS[worst]}: {which}{omitted}"), KINDS[worst]
+
+
+def overall_headline(findings: Findings) -> tuple[Head, Kind]:
+    """Return the headline over all cases of a file, or of the findings alone."""
+    return headline_of_cases(findings.each) if findings.cases else headline(findings)
+
+
+def _named(names: Sequence[str]) -> str:
+    return f"{'case' if len(names) == 1 else 'cases'} {', '.join(names)}"
+
+
+def judged(cases: Cases) -> Cases:
+    """Return the cases that count for the verdict."""
+    return {name: case for name, case in cases.items() if case.is_judged}
+
+
+def lines_of(findings: Findings) -> tuple[Check, ...]:
+    """Return the checks of a case; none if it was not solved."""
+    return findings.need(Checks).lines if findings.is_answered else ()
+
+
+def case_verdict(findings: Findings) -> Verdict:
+    """Return the worst verdict of a case; an unsolved case is not judged."""
+    return verdict(findings) if findings.is_answered else "not judged"
+
+
+def omitted_rules(cases: Cases) -> dict[str, tuple[str, ...]]:
+    """Return, by judged case, the rules of other cases that it does not name."""
+    rules = {name: [rule for rule, _ in case.study.rules] for name, case in judged(cases).items()}
+    all_rules = dict.fromkeys(rule for names in rules.values() for rule in names)
+    omitted = {name: tuple(rule for rule in all_rules if rule not in names) for name, names in rules.items()}
+    return {name: lacking for name, lacking in omitted.items() if lacking}
+
+
+def case_name(findings: Findings) -> str:
+    """Return the case of the findings; empty for a file without cases."""
+    return next(iter(findings.each)) if findings.cases or findings.study.case is not None else ""
+
+
+def box(findings: Findings) -> Box:
+    """Return the verdict with its worst check, restrictions, what was not computed, and the basis of the limits.
+
+    For a file with cases it is the verdict over all of them.
+    """
+    cases = findings.each if findings.cases else {"": findings}
+    solved = {name: case for name, case in judged(cases).items() if case.is_answered}
+    lines = [
+        *worst_line(solved),
+        *_joined("Sweep", solved, _sweep_words),
+        *_design_line(findings),
+        *_engine_line(findings),
+    ]
+    lines += _joined("Barred ranges", solved, _barred_words)
+    lines += _joined("Restrictions", solved, lambda case: " ".join(other_restrictions(case)))
+    lines += _joined("Not computed", cases, _uncomputed_words)
+    lines += [("Note", note.text) for note in notes(findings)]
+    if unjudged := [name for name, case in cases.items() if not case.is_judged]:
+        lines.append(("For information", f"{_named(unjudged)}: not part of the verdict"))
+    checks = tuple(check for case in solved.values() for check in lines_of(case))
+    if checks:
+        of_cases = f" in {len(solved)} cases" if len(solved) > 1 else ""
+        lines.append(("Checks", f"{len(checks)}{of_cases}: {Checks(checks).counts}{_basis_words(checks)}"))
+    (sign, words), kind = overall_headline(findings)
+    is_case = findings.study.case is not None
+    return Box(sign, f"Case {case_name(findings)}: {words}" if is_case else words, kind, tuple(lines))
+
+
+def _joined(title: str, cases: Cases, words_of: Callable[[Findings], str]) -> Iterator[tuple[str, str]]:
+    """Yield one line with the words of every case that has any."""
+    words = {name: text for name, case in cases.items() if (text := words_of(case))}
+    by_text = dict[str, list[str]]()
+    for name, text in words.items():
+        by_text.setdefault(text, []).append(name)
+    if words:
+        yield title, "; ".join(f"{_named(names)}: {text}" if names[0] else text for text, names in by_text.items())
+
+
+def worst(findings: Findings) -> Check | None:
+    """Return the check that ranks first among those with a limit."""
+    return min(filter(check_words.is_judged, lines_of(findings)), key=check_words.rank, default=None)
+
+
+def worst_line(cases: Cases) -> Iterator[tuple[str, str]]:
+    """Yield the worst check over the cases: component, quantity, value, limit, utilisation, speed, cause, basis."""
+    checks = {name: check for name, case in cases.items() if (check := worst(case)) is not None}
+    if not checks:
+        return
+    name = min(checks, key=lambda name: check_words.rank(checks[name]))
+    check = checks[name]
+    if check.utilisation is None and not check.fails:
+        return
+    words = [f"{check.where}: {check.what} {check_words.against(check)}"]
+    if check.utilisation is not None and np.isfinite(check.utilisation):
+        words[0] += f": utilisation {check_words.percent(check.utilisation)}"
+    if check.speed is not None:
+        words.append(f"at {rpm(check.speed)} rpm")
+    if check.order is not None:
+        words.append(f"mainly order {check_words.contributing(cases[name], check.order)}")
+    if check.misfire:
+        words.append(f"with {check.misfire}")
+    basis = f"{symbols(check.clause)}, {check.rule}; basis: {check_words.basis(check)}"
+    case = f"case {name}, " if name else ""
+    yield "Worst check" if check.fails else "Largest utilisation", f"{case}{', '.join(words)} ({basis})"
+
+
+def _sweep_words(findings: Findings) -> str:
+    """Return how many variants of a sweep fail a check."""
+    sweep = findings.get(Sweep)
+    result = None if sweep is None else sweep.any_fails
+    if sweep is None or result is None:
+        return ""
+    unsolved = f"; {sweep.unsolved} not solved" if sweep.unsolved else ""
+    if sweep.method == "grid":
+        return (
+            f"{result.failing:,} of {counted(sweep.samples, 'variant')} fail a check{_failing_ranges(sweep)}{unsolved}"
+        )
+    share, low, high = (number(100.0 * (value or 0.0), 3) for value in (result.probability, result.lower, result.upper))
+    fail = f"{share} % of the variants fail a check" if result.failing else f"none of {sweep.samples:,} variants fails"
+    return f"{fail} (95 % CI {low} to {high} %){unsolved}"
+
+
+def _failing_ranges(sweep: Sweep) -> str:
+    """Return the values between which the variants of a one-dimensional sweep fail."""
+    grid = sweep.grid
+    if grid is None or len(grid.axes) != 1 or not grid.axes[0].is_numeric:
+        return ""
+    axis = grid.axes[0]
+    ranges = [axis.words[a] if a == b else f"{axis.words[a]} to {axis.words[b]}" for a, b in runs(grid.fails)]
+    return f": {axis.name} {listed(ranges, most=MOST_RANGES)}" if ranges else ""
+
+
+def _design_line(findings: Findings) -> Iterator[tuple[str, str]]:
+    if "design" in findings.results:
+        from torsion.output.chapters.design import design_line
+
+        yield from design_line(findings)
+
+
+def _engine_line(findings: Findings) -> Iterator[tuple[str, str]]:
+    """Yield the state of the engines unless all cylinders fire alike."""
+    if any(part.engine is not None for part in findings.study.train.parts):
+        from torsion.output.chapters.engine_states import states
+
+        if words := listed(states(findings), "; "):
+            yield "Engine state", words
+
+
+def _barred_words(findings: Findings) -> str:
+    """Return the barred ranges with shaft, order and mode."""
+    ranges = []
+    for band in barred(findings):
+        words = [band_words((band.lower * RPM, band.upper * RPM)), band.shaft]
+        if band.order is not None:
+            mode = mode_near(findings, float(band.order) * band.critical / (2.0 * np.pi))
+            words += [f"order {check_words.contributing(findings, band.order)}", f"mode {mode}"]
+        ranges.append(", ".join(words))
+    return listed(ranges, "; ", most=MOST_RANGES)
+
+
+def _uncomputed_words(findings: Findings) -> str:
+    """Return the analyses that failed, with the reason."""
+    return listed([f"{step.what}: {step.words}" for step in findings.plan.unanswered], "; ", most=MOST_RANGES)
+
+
+def _basis_words(checks: tuple[Check, ...]) -> str:
+    """Return how many limits follow an edition that nobody confirmed."""
+    unconfirmed = sum(check.standing == TO_BE_VERIFIED for check in checks)
+    limits = sum(not np.isnan(check.limit) for check in checks)
+    if not unconfirmed:
+        return ""
+    verb = "follows" if unconfirmed == 1 else "follow"
+    return f". {unconfirmed} of {limits} limits {verb} an edition that is not confirmed"
+
+
+def notes(findings: Findings) -> Iterator[Paragraph]:
+    """Yield what the comparison of models, the fit and the exact periodic response add to the verdict."""
+    compared = findings.results.get("check")
+    if compared is not None:
+        from torsion.output.chapters.model_comparison import conclusion as compared_models
+
+        yield compared_models(compared)
+    if findings.results.get("fit") is not None:
+        from torsion.output.chapters.fit import conclusion as fitted
+
+        yield fitted(findings.results["fit"])
+    if findings.results.get("periodic") is not None:
+        from torsion.output.chapters.exact_response import first_order_judged
+
+        if text := first_order_judged(findings):
+            yield Paragraph(text, "note")
+
+
+def restrictions(findings: Findings) -> tuple[str, ...]:
+    """Return the restrictions of operation as sentences, or that there is none."""
+    ranges = [
+        f"Barred range: {band_words(band)}. No continuous operation; pass it rapidly." for band in barred_rpm(findings)
+    ]
+    sentences = (*ranges, *other_restrictions(findings))
+    if sentences or findings.get(Response) is None or verdict(findings) not in ("pass", "restricted"):
+        return sentences
+    return ("No restriction of speed follows from the checks.",)
+
+
+def other_restrictions(findings: Findings) -> tuple[str, ...]:
+    """Return the restrictions other than barred ranges: conditions of checks, unstable ranges, unreliable speeds."""
+    response, bad, stable = findings.get(Response), unreliable(findings), findings.results.get("stability")
+    conditions = (words for check in findings.need(Checks).lines for words in check.restrictions)
+    sentences = [f"{words[:1].upper()}{words[1:]}." for words in dict.fromkeys(conditions)]
+    if stable is not None:
+        from torsion.output.chapters.stability_ranges import restrictions as unstable_ranges
+
+        sentences += unstable_ranges(findings, stable)
+    if tilted(findings):
+        from torsion.output.chapters.stability_ranges import tilt_restrictions
+
+        sentences += tilt_restrictions(findings)
+    if response is not None and np.any(bad):
+        sentences.append(f"At {_speed_ranges(response.speed[bad] * RPM)} {UNDAMPED}")
+    if unreached := check_words.unreached(findings):
+        sentences.append(unreached)
+    return tuple(sentences)
+
+
+def _speed_ranges(speeds: FloatArray) -> str:
+    """Return speeds in rpm as ranges of neighbours."""
+    groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
+    words = ["–".join(dict.fromkeys((number(float(group[0])), number(float(group[-1]))))) for group in groups]
+    more = f" (the first {MOST_LISTED} of {len(words)} ranges)" if len(words) > MOST_LISTED else ""
+    return f"{', '.join(words[:MOST_LISTED])} rpm{more}"

@@ -61,8 +61,8 @@ def _findings(findings: Findings) -> Iterator[Block]:
     yield KeyValues((("Scene", findings.study.name),))
     further = [block for block in first if isinstance(block, Figure)][1:]
     yield from (block for block in first if not any(block is one for one in further))
-    if not any(isinstance(block, Figure) for block in first):
-        yield from (block for block in plant.chapter(findings) if isinstance(block, Figure))
+    if not first:
+        yield Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
 
 
 def _modes(modes: Modes) -> Iterator[Block]:

@@ -143,7 +143,6 @@ def _table(table: Table, number: str) -> str:
         *plain, last = (text(cell) for cell in row)
         cells.extend(plain)
         cells.append(f'marked("{colour}", {last})' if colour else last)
-    size = "7pt" if len(table.columns) >= WIDE else "8pt"
-    first = "27mm" if table.marks and len(table.columns) >= WIDE else "auto"  # the words of a check
+    size = "7pt" if len(table.columns) >= WIDE else "7.5pt"
     caption, every = words(table.caption), "".join(f"{c}, " for c in cells)
-    return f"#grid-table({text(number)}, {caption}, ({head}), ({align}), {size}, {first}, ({every}))"
+    return f"#grid-table({text(number)}, {caption}, ({head}), ({align}), {size}, ({every}))"

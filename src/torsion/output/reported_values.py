@@ -39,11 +39,6 @@ def reference(findings: Findings) -> str:
     return findings.study.operation.at or findings.study.train.parts[0].name
 
 
-def source(findings: Findings, part: int) -> str:
-    """Where the figures of a component come from."""
-    return findings.study.train.parts[part].source or NOT_STATED
-
-
 def rated(findings: Findings) -> float | None:
     """Rated speed, rad/s of the reference component."""
     point = findings.study.operation.rated

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 KEY = "report"  # of a report in a file of results
+STEPS = "provenance:steps"  # chapter before which the appendices of the full report stand
 FILES = "files"  # key of the names of its files
 
 
@@ -20,6 +21,7 @@ class Report:
     stem: str  # of its files
     files: Mapping[str, str] = field(default_factory=dict)  # output: name of its file, where that is not the stem's
     keys: tuple[str, ...] = ()  # of the results in JSON, beside the head; () for all
+    more: tuple[str, ...] = ()  # appendices of the full report, before the steps
     columns: str = ""  # chapter's function that gives the columns of the CSV; "" for no CSV
 
 
@@ -27,15 +29,18 @@ REPORTS = {
     "solve": Report(
         "Torsional vibration calculation",
         (
-            "case_verdict:over_all", "verdict", "case_comparison", "plant", "data_sheets", "mass_elastic", "@modes",
-            "@critical", "@tolerances", "excitations", "@engine", "damping_given", "@*", "closing",
-            "provenance:steps", "verdict:remarks", "provenance:input_file",
+            "verdict", "case_comparison", "plant", "@modes", "@critical", "@tolerances", "@response", "@*", "closing",
+            "natural_frequencies:appendix", "mass_elastic", "@tooth forces", "data_sheets", "excitations",
+            "damping_given", "provenance:steps", "provenance:sources", "provenance:input_file",
         ),
         "report",
         {
             "json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip",
             "designed": "designed.yaml",
         },
+        more=(
+            "forced_response:angles", "engine:details", "natural_frequencies:all_modes", "verdict:remarks",
+        ),
     ),
     "joint": Report(
         "Universal joints",

@@ -24,23 +24,23 @@ from torsion.study import Study
 
 def write(
     findings: Findings, folder: str | Path, report: str = "solve", *,
-    also: Collection[str] = (), today: date | None = None,
+    also: Collection[str] = (), today: date | None = None, is_full: bool = False,
 ) -> Document:  # fmt: skip
-    """Write every file of a report into the folder, `also` those of outputs on request; the report.
+    """Write every file of a report into the folder, `also` those of outputs on request; return the report.
 
     That of every case with an answer goes into a folder of its own there, without its results, which stand among all.
     What an earlier report of its sort wrote there, and this one does not, is removed. Raises OSError where the folder
     cannot be written, InputError where a file is one of the scene's, or cannot be made of these findings: after all
     others are written, where it is one on request.
     """
-    made = document(findings, today or date.today(), REPORTS[report])
+    made = document(findings, today or date.today(), REPORTS[report], is_full=is_full)
     folder = os.path.realpath(folder)  # below it no symbolic link is followed to remove a file
     Path(folder).mkdir(parents=True, exist_ok=True)
     faults: list[Fault] = []
     contents, read, folders = files(made, findings, also, faults), inputs(findings.study), {Path(folder)}
     for found in findings.cases.values():
         if found.is_answered and found.study.case is not None:
-            page = document(found, today or date.today(), REPORTS[report])
+            page = document(found, today or date.today(), REPORTS[report], is_full=is_full)
             own = files(page, found, also, faults, without=("json",))
             contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
             folders.add(Path(folder) / found.study.case.folder)

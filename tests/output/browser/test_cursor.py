@@ -53,7 +53,7 @@ def test_the_torque_below_the_pointer_is_that_of_the_results(opens: Callable[...
             speed, found = page.read(name)
             at = int(np.argmin(np.abs(speeds - speed)))
             assert speed == digits(speeds[at])
-            assert found.get("synthesis (half range)", next(iter(found.values()))) == digits(half[at] * factor)
+            assert found.get("total vibratory torque", next(iter(found.values()))) == digits(half[at] * factor)
             assert abs(speeds[at] - (speeds[0] + across * np.ptp(speeds))) <= np.diff(speeds).max()
 
 
@@ -170,7 +170,7 @@ def test_p_goes_from_peak_to_peak_and_round_again(opens: Callable[..., Opened], 
     for at in (*peaks.tolist(), peaks[0]):
         page.press(name, "p")
         speed, found = page.read(name)
-        assert (speed, found["synthesis (half range)"]) == (digits(speeds[at]), digits(y[at] * factor))
+        assert (speed, found["total vibratory torque"]) == (digits(speeds[at]), digits(y[at] * factor))
     page.press(name, "Shift+P")
     assert page.read(name)[0] == digits(speeds[peaks[-1]])
 

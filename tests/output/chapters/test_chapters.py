@@ -22,18 +22,18 @@ def heads(findings: Findings, *names: str) -> list[str]:
 
 def test_chapters_by_module_by_function_and_by_analysis(undamped: Findings) -> None:
     assert heads(undamped, "plant", "closing", "torsion.output.chapters.mass_elastic") == [
-        "The plant", "Conclusion and proposed measurements", "Mass-elastic system",
+        "The plant", "Conclusion and proposed measurements", "Appendix: mass-elastic system",
     ]  # fmt: skip
     assert heads(undamped, "plant", "verdict", "plant") == ["The plant", "Verdict"]
-    assert heads(undamped, "@modes", "plant")[0] == "Natural frequencies"
+    assert heads(undamped, "@modes", "plant")[0] == "Natural frequencies and mode shapes"
     assert heads(undamped.having(modes=None), "@modes") == []
 
 
 def test_the_chapters_of_all_other_analyses(undamped: Findings) -> None:
     every, rest = heads(undamped, "@*"), heads(undamped, "@*", "@modes", "plant")
-    assert {"Natural frequencies", "Critical speeds"} < set(every)
+    assert {"Natural frequencies and mode shapes", "Critical speeds"} < set(every)
     assert "Verdict" not in every
-    assert [*rest[-2:]] == ["Natural frequencies", "The plant"]
+    assert [*rest[-2:]] == ["Natural frequencies and mode shapes", "The plant"]
     assert sorted(rest[:-1]) == sorted(every)
 
 
@@ -42,7 +42,7 @@ def test_steps_with_their_times(bare: Findings) -> None:
         (PlanLine("w", "m", "s", 0.012445, "y"), PlanLine("v", "n", "t", 2.5, "z")), (("l", "o"),), {"lib": "1"}
     )
     head, done, left, versions = provenance.steps(replace(bare, plan=plan))
-    assert head == Heading("What was computed")
+    assert head == Heading("Appendix: what was computed")
     assert isinstance(done, Table)
     assert isinstance(left, Table)
     assert done.rows == (("w", "m", "s", "12.4", "y"), ("v", "n", "t", "2500", "z"))

@@ -59,7 +59,7 @@ def test_internal_damping_in_all_its_measures() -> None:
         "v ring": ("c = 7.5", "–", "–", "–", "7.5000"),
     }
     assert "Taken as undamped: dry, steel." in texts(found)
-    assert next(iter(chapter(found))) == Heading("Damping")
+    assert next(iter(chapter(found))) == Heading("Appendix: damping")
     assert "Taken as undamped" not in " ".join(texts(solved("2", SMALL)))
 
 
@@ -146,7 +146,7 @@ def test_next_to_no_damping_is_no_prediction() -> None:
 def test_an_undamped_train_says_so_where_it_responds(undamped: Findings, bare: Findings) -> None:
     assert list(chapter(bare)) == []
     head, said = chapter(undamped)
-    assert head == Heading("Damping")
+    assert head == Heading("Appendix: damping")
     assert said.text.startswith("Nothing in the train takes energy out")
     text = "name: x\ntrain: [disc: {name: a, inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
     text += "excitations: [{at: a, torque: 1}]\nanalyses: {response: {frequencies: {from: 1, to: 2, steps: 3}}}\n"

@@ -5,13 +5,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import pytest
-from tests.output.drawn import levels, unit
 
 import torsion
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
-from torsion.output.blocks import Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Heading, Paragraph, Table
 from torsion.output.chapters.mean_torques import chapter
 
 RPM = 30.0 / math.pi
@@ -43,10 +41,6 @@ def table(findings: Findings) -> Table:
     return next(block for block in chapter(findings) if isinstance(block, Table))
 
 
-def figure(findings: Findings) -> Figure:
-    return next(block for block in chapter(findings) if isinstance(block, Figure))
-
-
 def test_mean_torque_and_power_at_the_speed_nearest_to_the_rated() -> None:
     """27 rad/s; largest are magnitudes, of the tail the larger one of its segments."""
     found = written((100.0, -200.0, 500.0, 700.0))
@@ -56,7 +50,7 @@ def test_mean_torque_and_power_at_the_speed_nearest_to_the_rated() -> None:
         ("g", "257.83", "−0.40000", f"−{400 * 27 / 1e3:.3f}", "0.80000"),
         ("tail", "103.13", "1.0000", f"{1000 * 27 * 0.4 / 1e3:.3f}", "2.8000"),
     )
-    assert made.caption == "Mean torque at 257.83 rpm, each at its own speed"
+    assert made.caption == "Mean torque at 257.83 rpm, each at the speed of the component"
     assert [column.unit for column in made.columns] == ["", "rpm", "kN m", "kW", "kN m"]
     head, said, *_ = chapter(found)
     assert head == Heading("Mean torque")
@@ -68,32 +62,9 @@ def test_without_a_rated_speed_the_highest_counts() -> None:
     found = written((1.0, 2.0, 5.0, 5.0), text)
     assert [row[2] for row in table(found).rows] == ["3.0000", "6.0000", "15.000"]
     assert table(found).caption.startswith("Mean torque at 381.97 rpm")
-    assert "rated speed" not in levels(figure(found))
 
 
-def test_neighbours_with_the_same_torque_are_one_curve() -> None:
-    drawn = figure(written((1e5, 1e5 * (1 + 0.9e-9), -2000.0, 500.0)))
-    assert list(drawn.lines) == ["c to g", "tail"]
-    np.testing.assert_allclose(drawn.lines["c to g"].y, 100.0 * RISE, rtol=1e-8)
-    np.testing.assert_allclose(drawn.lines["tail"].y, -2.0 * RISE, rtol=1e-14)
-    np.testing.assert_allclose(drawn.lines["tail"].x, SPEED * RPM, rtol=1e-14)
-    assert unit(drawn) == "kN m"
-    assert levels(drawn)["rated speed"] == [pytest.approx(28.0 * RPM)]
-    assert drawn.caption == "Mean torque over the speed"
-    drawn = figure(written((100.0, 100.0 * (1 + 1.3e-9), 200.0, 0.0)))
-    assert list(drawn.lines) == ["c", "g", "tail"]
-    drawn = figure(written((200.0, 200.0, 200.0, 0.0)))
-    assert list(drawn.lines) == ["c to tail"]
-    drawn = figure(written((0.0, 0.0, 200.0, 0.0)))
-    assert list(drawn.lines) == ["c to g", "tail"]
-    found = written((100.0, 100.0, 100.0, 100.0))
-    bent = found.need(Steady).torque.copy()
-    bent[[span.name for span in found.system.spans].index("g"), 2] += 1.0
-    drawn = figure(found.having(mean=replace(found.need(Steady), torque=bent)))
-    assert list(drawn.lines) == ["c", "g", "tail"]
-
-
-def test_nothing_without_a_mean_torque_and_no_curve_of_one_speed(bare: Findings) -> None:
+def test_nothing_without_a_mean_torque(bare: Findings) -> None:
     found = written((1.0, 2.0, 3.0, 4.0))
     still = replace(found.need(Steady), torque=0.0 * found.need(Steady).torque)
     assert (
@@ -101,20 +72,3 @@ def test_nothing_without_a_mean_torque_and_no_curve_of_one_speed(bare: Findings)
     )
     one = written((1.0, 2.0, 3.0, 4.0), speed=SPEED[:1])
     assert [row[2] for row in table(one).rows] == ["−4.0000", "−8.0000", "−12.000"]
-    assert not any(isinstance(block, Figure) for block in chapter(one))
-    two = written((1.0, 2.0, 3.0, 4.0), speed=SPEED[:2])
-    assert any(isinstance(block, Figure) for block in chapter(two))
-
-
-@pytest.mark.parametrize(("number", "rest"), [(10, ""), (11, " (the 10 largest of 11)")])
-def test_ten_curves_are_drawn(number: int, rest: str) -> None:
-    """Those with the largest torques, in the order of the train."""
-    size = [(7 * k) % 11 + 1.0 for k in range(number)]
-    links = "".join(f"- coupling: {{name: c{k}, stiffness: 2e4}}\n- disc: {{inertia: 1}}\n" for k in range(number))
-    head = TEXT[: TEXT.index("- coupling")]
-    found = torsion.run(torsion.parse(head + links))
-    torque = np.outer(size, RISE)
-    torque[size.index(1.0)] = 4.0  # the least of its largest, but not of its smallest
-    drawn = figure(found.having(mean=replace(found.need(Steady), speed=SPEED, torque=torque)))
-    assert list(drawn.lines) == [f"c{k}" for k in range(number) if size[k] > 1 or number == 10]
-    assert drawn.caption == f"Mean torque over the speed{rest}"

@@ -6,7 +6,8 @@ import pytest
 
 import torsion
 from torsion.findings import Findings
-from torsion.output.blocks import Figure, Heading, Paragraph, Table
+from torsion.output.blocks import Heading, Paragraph, Table
+from torsion.output.chapters import plant
 from torsion.output.chapters.plant import chapter
 from torsion.output.figures.figure import Disc, Link
 from torsion.output.station_layout import layout
@@ -55,7 +56,7 @@ def found() -> Findings:
 
 def sketch(findings: Findings) -> tuple[dict[str, Disc], tuple[Link, ...]]:
     """Points by the name of their component, and links."""
-    (drawn,) = next(block.panels for block in chapter(findings) if isinstance(block, Figure))
+    drawn, _ = plant.sketch(findings)
     parts = [part.name for part in findings.study.train.parts]
     return {parts[int(disc.label.split()[0]) - 1]: disc for disc in drawn.discs}, drawn.links
 
@@ -70,11 +71,11 @@ def places(findings: Findings) -> dict[str, tuple[float, float]]:
 
 
 def test_components_with_their_rated_speeds_sources_and_notes(found: Findings) -> None:
-    head, _, said, made = chapter(found)
+    head, said, made = chapter(found)
     assert isinstance(made, Table)
     assert isinstance(said, Paragraph)
     assert head == Heading("The plant")
-    assert said.text.startswith("Speed ratios count from big;")
+    assert said.text.startswith("Speed ratio: speed / speed of big;")
     rows = {row[1]: row for row in made.rows}
     assert [row[0] for row in made.rows] == [str(k) for k in range(1, len(made.rows) + 1)]
     assert rows["big"] == ("1", "big", "disc", "1", "300", "maker", "")

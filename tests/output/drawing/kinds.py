@@ -66,7 +66,6 @@ KINDS: dict[str, Figure] = {
         crossings=[(600.0, 10.0, True, "order 1 <meets> 1"), (100.0, 10.0, False, "other")], speeds=(300.0, 1800.0),
         rated=1500.0,
     ),
-    "steady": curves_over_speed.steady("s", "c", speed=SPEED, lines=[("a & b", BUMP)], unit="kN m", rated=1500.0),
     "torque": torque(),
     "stress": curves_over_speed.stress(
         "stress-1", "c", **OVER_SPEED, synthesis=BUMP, continuous=BUMP + 1, transient=np.full(61, np.nan)

@@ -226,7 +226,7 @@ def test_the_table_of_numbers_has_one_row_an_angle_and_titles_with_units(scene: 
 def test_the_page_of_the_joints_has_the_summary_first_and_its_names_escaped(scene: str, solve: Solve) -> None:
     made = joint_document(solve(scene))
     heads = [item.block.text for item in made.body if isinstance(item.block, Heading) and item.block.level == 1]
-    assert heads == ["Summary", "Universal joints", "What was computed", "Appendix: the input as read"]
+    assert heads == ["Summary", "Universal joints", "Appendix: what was computed", "Appendix: the input as read"]
     page = html(made)
     assert "a <b>" not in page
     assert page.count("<figure") == sum(isinstance(item.block, Figure) for item in made.body)

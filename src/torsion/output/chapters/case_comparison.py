@@ -2,21 +2,17 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-import numpy as np
-
-from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Column, Heading, Paragraph, Table, table, texts
-from torsion.output.chapters.case_verdict import Cases, Row, side_by_side
-from torsion.output.chapters.first_page import strongest
+from torsion.output.chapters.case_verdict import Row, side_by_side
 from torsion.output.figures import case_curves
 from torsion.output.figures.figure import Figure
-from torsion.output.numbers import NONE, RPM, exact, number, rpm, symbols
+from torsion.output.headline import Cases
+from torsion.output.numbers import NONE, RPM, counted, exact, number, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
 from torsion.output.selection import elements, highest, torques
 from torsion.rules import RULES
@@ -25,7 +21,7 @@ from torsion.study import Change
 
 MOST_COLUMNS = 4  # cases beside each other in one table
 MOST_MODES = 8
-BY_CASE, NOT_JUDGED = "by case", "not judged"
+BY_CASE, NOT_JUDGED = "by case", "not checked"
 Loads = dict[str, dict[str, case_curves.Curve]]  # by component, by case
 
 
@@ -42,45 +38,45 @@ def _one(findings: Findings) -> Iterator[Block]:
     """What a case changes of the file."""
     case = findings.study.case
     if case is not None:
-        yield Heading("What this case changes")
+        yield Heading("Changes by this case")
         if not case.is_judged:
-            yield Paragraph("The file has this case for information: it is no part of its verdict.", "note", brief=True)
+            yield Paragraph("This case is for information. It is not part of the verdict.", "note", brief=True)
         rows = [(one.what, one.before, one.after) for one in case.changes]
-        yield table("< What | < In the file | < In this case", rows, "Changes of the input file that make this case")
+        yield table("< Parameter | < Nominal case | < This case", rows, "Changes of the input by this case")
 
 
 def _all(cases: Cases) -> Iterator[Block]:
     yield from _checks(cases)
     yield from _barred(cases)
     yield from _frequencies(cases)
-    yield from _critical(cases)
     yield from _loads(cases)
     changes = [(name, one.what, one.before, one.after) for name, f in cases.items() for one in _changes(f)]
-    titles = "< Case | < What | < In the file | < In this case"
-    yield table(titles, changes, "What the cases change of the input file")
+    titles = "< Case | < Parameter | < Nominal case | < This case"
+    yield table(titles, changes, "Changes of the input by the cases")
     normal = next(iter(cases))
-    yield Paragraph(
-        f"What follows is the case {normal}, the file as it stands. Each other case has a report of its own."
-    )
+    yield Paragraph(f"The following chapters are for the nominal case {normal}. Every other case has its own report.")
 
 
 def _changes(findings: Findings) -> tuple[Change, ...]:
     return () if findings.study.case is None else findings.study.case.changes
 
 
-def _checks(cases: Cases) -> Iterator[Table]:
+def _checks(cases: Cases) -> Iterator[Block]:
     """Rows are checks, columns cases, the last the worst case; of many cases several tables."""
-    rows = side_by_side(cases)
+    ranked = side_by_side(cases)
+    rows = [row for place, row in enumerate(ranked) if check_words.is_listed(row.check, place)]
     if not rows:
         return
     for shown, part in _columns(cases):
         columns = map(texts, ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case"))
         yield table(
             tuple(columns), [_cells(cases, row, shown) for row in rows],
-            "Checks side by side, each at its worst point: value, at which speed of the reference, and in brackets the "
-            f"order that contributes most; where the limit differs by case, value / limit{part}",
-            marks=[row.each[row.worst].verdict for row in rows],
+            "Checks by case, worst first: value, speed of the reference and, in brackets, the order with the largest "
+            f"contribution; value / limit if the limit differs by case{part}",
+            marks=[row.check.verdict for row in rows],
         )  # fmt: skip
+    if omitted := len(ranked) - len(rows):
+        yield Paragraph(f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json.")
 
 
 def _columns(cases: Cases) -> Iterator[tuple[list[str], str]]:
@@ -90,28 +86,6 @@ def _columns(cases: Cases) -> Iterator[tuple[list[str], str]]:
         shown = names[first : first + MOST_COLUMNS]
         part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}" if len(names) > MOST_COLUMNS else ""
         yield shown, part
-
-
-def _critical(cases: Cases) -> Iterator[Table]:
-    """Of the strongest critical speeds of every case where they lie in each; nothing where no case has any."""
-    found = {name: one.get(CriticalSpeeds) for name, one in cases.items() if one.is_answered}
-    at = {
-        name: {(one.order, one.mode): one for one in each.crossings if one.is_inside}
-        for name, each in found.items()
-        if each is not None
-    }
-    rows = sorted({(one.order, one.mode) for name in at for one in strongest(cases[name])})
-    for shown, part in _columns(cases) if rows else ():
-        columns = (texts("Excited by"), Column("Mode"), *(Column(name, "rpm") for name in shown))
-        cells = [
-            (next(each[key] for each in at.values() if key in each).line.named(), key[1],
-             *(rpm(own.speed) if (own := at.get(name, {}).get(key)) else None for name in shown))
-            for key in rows
-        ]  # fmt: skip
-        yield table(
-            columns, cells, "Critical speeds of the cases, in their speed ranges: those with the largest torque in any "
-            f"of them{part}",
-        )  # fmt: skip
 
 
 def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
@@ -148,22 +122,14 @@ def _barred(cases: Cases) -> Iterator[Table]:
     ]
     if rows:
         titles = "< Case -> | From [rpm] -> from rpm | To [rpm] -> to rpm"
-        caption = "Ranges barred for continuous operation in the cases"
+        caption = "Barred ranges of the cases"
         yield table(titles, rows, caption, short="Barred ranges of the cases")
 
 
 def _frequencies(cases: Cases) -> Iterator[Block]:
-    """Natural frequencies of every case, one row each, and over the cases; those of the damped train where it damps."""
-    found = {name: one.need(Modes).frequency for name, one in cases.items() if one.get(Modes) is not None}
-    damped = {name: one.need(DampedModes).frequency for name, one in cases.items() if one.get(DampedModes) is not None}
+    """Natural frequencies of every case, one row each."""
+    found = {name: case.need(Modes).frequency for name, case in cases.items() if case.get(Modes) is not None}
     yield from _frequency_table(found, "Natural frequencies of the cases")
-    yield from _frequency_table(damped, "Damped natural frequencies of the cases")
-    count = _shown(found)
-    if len(found) > 1 and count:
-        values = np.full((len(found), count), np.nan)
-        for row, one in zip(values, found.values(), strict=True):
-            row[: min(count, len(one))] = one[:count]
-        yield case_curves.frequencies("case-frequencies", "Natural frequencies of the cases", list(found), values)
 
 
 def _shown(found: Mapping[str, FloatArray]) -> int:
@@ -184,42 +150,44 @@ def _padded(cells: list[str], count: int) -> list[str]:
 
 
 def _loads(cases: Cases) -> Iterator[Figure]:
-    """The most stressed shaft, and the coupling nearest to its rating, else the largest torque, in every case."""
+    """The most stressed shaft in every case; without shafts the coupling nearest to its rating."""
     from torsion.output.chapters.component_loads import stress_curves
 
-    answered = {name: one for name, one in cases.items() if one.is_answered and responds(one)}
+    solved = {name: case for name, case in cases.items() if case.is_answered and responds(case)}
     stresses: Loads = {}
-    for name, found in answered.items():
-        for bar in found.study.train.bars:
-            curve = stress_curves(found, bar)
+    for name, case in solved.items():
+        for bar in case.study.train.bars:
+            curve = stress_curves(case, bar)
             stresses.setdefault(bar.name, {})[name] = (curve.speed * RPM, curve.stress)
     if stresses:
-        most = _largest(stresses)
-        caption = f"Vibratory shear stress of {most} in the cases (half range of the synthesis)"
-        yield case_curves.curves("case-stress", caption, stresses[most], "shear stress amplitude", "N/mm²")
-    rated, loads = _torques(answered)
-    if rated or (loads and not stresses):
-        most = _largest(rated or loads)
-        unit = torques(values for _, values in loads[most].values())
-        drawn = {name: (speed, values * unit.factor) for name, (speed, values) in loads[most].items()}
-        caption = f"Vibratory torque in {most} in the cases (half range of the synthesis)"
+        shaft = _largest(stresses)
+        caption = f"Vibratory shear stress of {shaft} in the cases"
+        yield case_curves.curves("case-stress", caption, stresses[shaft], "shear stress amplitude", "N/mm²")
+        return
+
+    torque_over_rating, loads = _torques(solved)
+    if loads:
+        component = _largest(torque_over_rating or loads)
+        unit = torques(values for _, values in loads[component].values())
+        drawn = {name: (speed, values * unit.factor) for name, (speed, values) in loads[component].items()}
+        caption = f"Total vibratory torque in {component} in the cases"
         yield case_curves.curves("case-torque", caption, drawn, "torque amplitude", unit.unit)
 
 
-def _torques(answered: Cases) -> tuple[Loads, Loads]:
-    """Over rpm: of couplings with a rating the torque as a share of it; of every element but shafts that in N m."""
-    rated: Loads = {}
+def _torques(solved: Cases) -> tuple[Loads, Loads]:
+    """Over rpm: torque / rating of couplings that have one, and the torque (N m) of every element except shafts."""
+    torque_over_rating: Loads = {}
     loads: Loads = {}
-    for name, found in answered.items():
-        speed = found.need(Response).speed * RPM
-        for element in elements(found.system):
-            ratings = found.study.train.parts[element.part].ratings
-            values = synthesis(found, element.spans)
+    for name, case in solved.items():
+        speed = case.need(Response).speed * RPM
+        for element in elements(case.system):
+            ratings = case.study.train.parts[element.part].ratings
+            values = synthesis(case, element.spans)
             if element.kind != "shaft":
                 loads.setdefault(element.name, {})[name] = (speed, values)
             if ratings is not None and ratings.vibratory_torque:
-                rated.setdefault(element.name, {})[name] = (speed, values / ratings.vibratory_torque)
-    return rated, loads
+                torque_over_rating.setdefault(element.name, {})[name] = (speed, values / ratings.vibratory_torque)
+    return torque_over_rating, loads
 
 
 def _largest(loads: Loads) -> str:

@@ -33,10 +33,10 @@ from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
 PA = 1e-6  # N/mm2 of 1 Pa
-MOST_FIGURES = 12  # of shafts
-MOST_ORDERS = 8  # of a shaft, in the table of stress by order
+MOST_FIGURES = 3  # of shafts
+MOST_ORDERS = 3  # of a shaft, in the table of stress by order
 SMALLEST = 0.01  # of the shaft's largest stress of one order; less is not listed
-LIMITS = "| τ_{C} there [N/mm²] | τ_{T} there [N/mm²] | Largest τ / τ_{C} | At speed [rpm]"
+LIMITS = "| τ_{C} [N/mm²] | τ_{T} [N/mm²] | Maximum τ / τ_{C} | Speed [rpm]"
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,11 @@ def shafts(findings: Findings) -> Iterator[Block]:
     """Shear stress, with the limits of the class rule where a shaft has a role; nothing without shafts or response."""
     if not responds(findings) or not findings.study.train.bars:
         return
-    of = f"half range of the synthesis of {orders_together(findings)}"
-    text = f"Nominal shear stress on the plain section, τ = torque / W_{{p}}, {of}."
+    text = f"Nominal shear stress of the plain section, τ = torque / W_{{p}}: amplitude of {orders_together(findings)}."
     curves = {bar.name: stress_curves(findings, bar) for bar in findings.study.train.bars}
     if any(curve.continuous is not None for curve in curves.values()):
         rules = ", ".join(dict.fromkeys(curve.rule for curve in curves.values() if curve.rule))
-        text += f" τ_{{C}} limits continuous operation, τ_{{T}} the stress while a barred range is passed ({rules})."
+        text += f" τ_{{C}} limits continuous operation, τ_{{T}} limits passing through a barred range ({rules})."
     yield Heading("Stress of the shafts")
     yield Paragraph(text)
     yield _stresses(findings, curves)
@@ -82,7 +81,7 @@ def shafts(findings: Findings) -> Iterator[Block]:
                 barred=tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
             ))  # fmt: skip
     if len(drawn) < len(curves):
-        yield Paragraph(f"The {len(drawn)} most stressed of {len(curves)} shafts have a figure.")
+        yield Paragraph(f"The figures show the {len(drawn)} shafts with the highest stress of {len(curves)} shafts.")
 
 
 def stress_curves(findings: Findings, bar: Bar) -> Curves:
@@ -126,8 +125,8 @@ def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
                 share = number(float(shares[most]), 4), rpm(float(curve.speed[most]))
         own = worst(curve.stress, curve.speed)
         rows.append((name, None if shaft is None else shaft.role, *own, *((*there, *share) if limited else ())))
-    columns = "< Shaft | < Role | Largest stress [N/mm²] | At speed [rpm] " + (LIMITS if limited else "")
-    return table(columns, rows, "Largest stress amplitude of every shaft over the speed range")
+    columns = "< Shaft | < Role | Maximum stress [N/mm²] | Speed [rpm] " + (LIMITS if limited else "")
+    return table(columns, rows, "Maximum stress amplitude of every shaft over the speed range")
 
 
 def _weakest(findings: Findings, curves: dict[str, Curves]) -> Iterator[str]:
@@ -137,7 +136,7 @@ def _weakest(findings: Findings, curves: dict[str, Curves]) -> Iterator[str]:
         if not highest(curves[name].stress):
             continue
         stress, speed = worst(curves[name].stress, curves[name].speed)
-        yield f"Of the {len(bars)} sections of {whole}, {name} has the largest stress: {stress} N/mm² at {speed} rpm."
+        yield f"{name} has the highest stress of the {len(bars)} sections of {whole}: {stress} N/mm² at {speed} rpm."
 
 
 def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
@@ -153,10 +152,9 @@ def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
                 component = response.lines[line].named(reference(findings))
                 rows.append((name, component, *worst(stress, curve.speed), frequency, mode_near(findings, frequency)))
     return table(
-        "< Shaft | < Harmonic component | Largest stress [N/mm²] | At speed [rpm] | Frequency [Hz] | Mode",
+        "< Shaft | < Order | Maximum stress [N/mm²] | Speed [rpm] | Frequency [Hz] | Mode",
         rows,
-        f"Largest stress amplitude of every order by itself (the {MOST_ORDERS} strongest of a shaft, down to "
-        f"{100 * SMALLEST:g} % of its largest)",
+        f"Maximum stress amplitude of single orders (the {MOST_ORDERS} largest of each shaft)",
     )
 
 
@@ -168,7 +166,7 @@ def gears(findings: Findings) -> Iterator[Block]:
     yield Heading("Gear meshes")
     response, steady = findings.need(Response), findings.get(Steady)
     if steady is None:
-        text = "The mean torque is not known, so it cannot be said whether the tooth load reverses."
+        text = "The input has no mean torque. Torque reversal in the meshes is not checked."
         yield Paragraph(text, "note")
     found = [
         (mesh, synthesis(findings, mesh.spans), None if steady is None else np.abs(response.mean[:, mesh.spans[0]]))
@@ -181,10 +179,10 @@ def gears(findings: Findings) -> Iterator[Block]:
         reversal = (None, None, "not known") if at is None else _reversal(response.speed, values, own)
         rows.append((mesh.name, *worst(values, response.speed, unit), there, *reversal))
     yield table(
-        f"< Mesh | Largest vibratory torque [{unit.unit}] | At speed [rpm] | Mean torque there [{unit.unit}] | "
-        "Largest vibratory / mean | At speed [rpm] | < Load reverses",
+        f"< Mesh | Maximum vibratory torque [{unit.unit}] | Speed [rpm] | Mean torque [{unit.unit}] | "
+        "Maximum vibratory / mean | Speed [rpm] | < Torque reversal",
         rows,
-        f"Vibratory torque (half range of {orders_together(findings)}) and mean torque in the meshes",
+        f"Vibratory torque ({orders_together(findings)}) and mean torque in the meshes",
         marks=["fail" if row[-1].startswith("yes") else "" for row in rows],
     )
     for mesh, values, own in found:
@@ -243,16 +241,15 @@ def couplings(findings: Findings) -> Iterator[Block]:
         ))  # fmt: skip
     yield Heading("Couplings")
     yield Paragraph(
-        "Heat is the mean power that the internal damping takes from the vibration, the sum over all harmonic "
-        f"components ({orders_together(findings)}); for damping by hysteresis it is ψ ω T²/(4 π k) of the elastic "
-        "torque T. Values stand at their own worst speed."
+        f"The power loss is the sum over {orders_together(findings)}; with relative damping ψ it is ψ ω T²/(4 π k). "
+        "Each value is a maximum over the speed range."
     )
     yield table(
-        f"< Coupling | Vibratory torque [{unit.unit}] | At speed [rpm] | T_{{KW}} [{unit.unit}] | "
+        f"< Coupling | Vibratory torque [{unit.unit}] | Speed [rpm] | T_{{KW}} [{unit.unit}] | "
         f"Mean torque [{unit.unit}] | T_{{KN}} [{unit.unit}] | Peak torque [{unit.unit}] | T_{{Kmax}} [{unit.unit}] | "
-        "Heat [W] | At speed [rpm] | P_{KW} [W]",
+        "Power loss [W] | Speed [rpm] | P_{KW} [W]",
         rows,
-        "Torque and heat of the couplings (limits of the maker where given)",
+        "Torque and power loss of the couplings with the manufacturer's limits",
     )
 
 

@@ -14,7 +14,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import frequencies_over_speed
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import NONE, RPM, given_rpm, number, order, rpm
+from torsion.output.numbers import NONE, RPM, counted, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference, tolerated_rpm
 
 MOST_ORDERS = 12  # in the figure
@@ -30,11 +30,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
         return
     yield Heading("Critical speeds")
     yield Paragraph(
-        f"A speed of {reference(findings)} is critical where an order that is excited meets a natural frequency. "
-        f"{_inside(sum(c.is_inside for c in found), len(found))} in the speed range "
-        f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm."
+        f"A critical speed is a speed of {reference(findings)} at which an order excites a mode. The speed range "
+        f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm has {sum(c.is_inside for c in found)} of "
+        f"{counted(len(found), 'critical speed')}."
     )
-    yield _matrix(found, reference(findings))
     if any(c.is_inside for c in found):
         yield _list(found, rated(findings), reference(findings))
     by_torque = findings.get(FrequenciesOverSpeed)
@@ -67,11 +66,11 @@ def _spread(findings: Findings) -> dict[str, Any]:
     return {}
 
 
-def _inside(inside: int, total: int) -> str:
-    """How many of the critical speeds lie in the range, as the subject and the verb of a sentence."""
-    if total == 1:
-        return "The only such speed lies" if inside else "The only such speed does not lie"
-    return f"Of {total} such speeds {inside if inside else 'none'} {'lie' if inside > 1 else 'lies'}"
+def matrix(findings: Findings) -> Iterator[Table]:
+    """Yield the matrix of critical speeds, order by mode, if there is any."""
+    crossings = findings.need(CriticalSpeeds).crossings if findings.get(CriticalSpeeds) is not None else ()
+    if crossings and findings.study.operation.speeds is not None:
+        yield _matrix(crossings, reference(findings))
 
 
 def _matrix(found: Crossings, reference: str) -> Table:
@@ -87,8 +86,8 @@ def _matrix(found: Crossings, reference: str) -> Table:
 def _words(one: CriticalSpeed, speed: float | None) -> str:
     """What a point of the Campbell diagram is, with its distance from the rated speed (rad/s)."""
     margin = f", {_distance(one, speed)} % from rated" if speed else ""
-    meets = f"order {order(one.order)} meets mode {one.mode} at {number(one.frequency)} Hz"
-    return f"critical speed {rpm(one.speed)} rpm: {meets}{margin}"
+    cause = f"order {order(one.order)} excites mode {one.mode} at {number(one.frequency)} Hz"
+    return f"critical speed {rpm(one.speed)} rpm: {cause}{margin}"
 
 
 def _distance(one: CriticalSpeed, speed: float) -> str:

@@ -29,13 +29,13 @@ def chapter(findings: Findings) -> Iterator[Block]:
     system, response = findings.system, findings.get(Response)
     if not system.damps:
         if response is not None or findings.get(FrequencyResponse) is not None:
-            yield Heading("Damping")
+            yield Heading("Appendix: damping")
             yield Paragraph(
                 "Nothing in the train takes energy out: at a resonance the response has no finite value and is not "
                 "printed.", "note"
             )  # fmt: skip
         return
-    yield Heading("Damping")
+    yield Heading("Appendix: damping")
     if by_mode := findings.study.train.modal_damping:
         ratios = listed([f"{number(100.0 * one)} %" for one in by_mode])
         of = "every elastic mode" if len(by_mode) == 1 else "the elastic modes in turn, the last of all above"

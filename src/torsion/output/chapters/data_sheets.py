@@ -1,4 +1,4 @@
-"""Chapter: data sheets of machines, couplings and gears, as the file gives them."""
+"""Appendix: data sheets of machines, couplings and gears, as in the model file."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -10,20 +10,20 @@ from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, exact, given, given_rpm, number, scale
-from torsion.output.reported_values import mean_torque_at_rated, rated, source
+from torsion.output.reported_values import mean_torque_at_rated, rated
 
 MOST_DIGITS = 8  # significant digits of a figure of the file
-NO_FORCE = "Tooth forces are not stated of {}: the file has no pitch diameter, or no rated torque."
-OVER_FREQUENCY = "over frequency"  # in place of a limit that has no one value
+NO_FORCE = "Tooth forces not computed for {}: the file has no pitch diameter or no rated torque."
+OVER_FREQUENCY = "over frequency"  # a limit with a table
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Nothing of a kind that the train does not have."""
+    """One table for every kind of component that has a data sheet."""
     sheets = _machines, _couplings, _gears, _tooth_forces, _impellers
     made = [one for sheet in sheets if (one := sheet(findings)) is not None]
     if not made:
         return
-    yield Heading("Data sheets")
+    yield Heading("Appendix: data sheets")
     yield from made
     train, forces = findings.study.train, findings.get(ToothForces)
     known = {force.mesh for force in forces.meshes} if forces is not None else set()
@@ -65,12 +65,11 @@ def _machines(findings: Findings) -> Table | None:
             part.name, _figure(lumps[k].given) if k in lumps and np.isfinite(lumps[k].given) else NONE,
             _figure(machine.power, 1e-3), NONE if speed is None else given_rpm(speed * float(part.ratio)),
             unit.text(torques.get(k)), ripples.count(part.path),
-            source(findings, k),
         )
         for k, part, machine in machines
     )  # fmt: skip
-    titles = "< Machine | J [kg m²] | Rated power [kW] | Speed at the rated point [rpm] | "
-    return _sheet(titles + f"Mean torque there [{unit.unit}] | Components of its ripple | < Source", rows, "Machines")
+    titles = "< Machine | J [kg m²] | Rated power [kW] | Rated speed [rpm] | "
+    return _sheet(titles + f"Mean torque [{unit.unit}] | Ripple components", rows, "Machines")
 
 
 def _couplings(findings: Findings) -> Table | None:
@@ -99,13 +98,13 @@ def _couplings(findings: Findings) -> Table | None:
             figures[-1] = OVER_FREQUENCY
         rows.append((
             part.name, *figures, stiffness, _figure(tolerance, 100.0),
-            *(losses if spring.table is None else (stiffness, stiffness)), source(findings, k),
+            *(losses if spring.table is None else (stiffness, stiffness)),
         ))  # fmt: skip
     return _sheet(
         "< Coupling | T_{KN} [N m] | T_{KW} [N m] | T_{Kmax} [N m] | P_{KW} [W] | k own [N m/rad] | "
-        "Its tolerance [%] | Relative damping ψ | Viscous c [N m s/rad] | < Source",
+        "Tolerance [%] | Relative damping ψ | Viscous c [N m s/rad]",
         rows,
-        "Couplings: ratings of the maker, stiffness and losses",
+        "Couplings: manufacturer's ratings, stiffness and damping",
     )
 
 
@@ -124,11 +123,10 @@ def _gears(findings: Findings) -> Table | None:
                 mesh.name, *(mesh.teeth or (NONE, NONE)), exact(1 / mesh.ratio), _figure(part.application_factor),
                 unit.text(torques.get(mesh.name)),
                 "rigid" if mesh.flexibility == 0 else given(1.0 / mesh.flexibility, MOST_DIGITS),
-                source(findings, mesh.part),
             ))  # fmt: skip
     return _sheet(
-        f"< Mesh | Teeth, driving | Teeth, driven | Ratio | K_{{A}} | Mean torque at the rated point, driving side "
-        f"[{unit.unit}] | Mesh stiffness, driving side [N m/rad] | < Source",
+        f"< Mesh | Teeth, driving | Teeth, driven | Ratio | K_{{A}} | Mean torque at rated speed, driving side "
+        f"[{unit.unit}] | Mesh stiffness, driving side [N m/rad]",
         rows,
         "Gears",
     )
@@ -160,7 +158,7 @@ def _tooth_forces(findings: Findings) -> Table | None:
 def _impellers(findings: Findings) -> Table | None:
     """Blades, size, dry and wet inertia and the model of the damping."""
     rows = []
-    for k, part in enumerate(findings.study.train.parts):
+    for part in findings.study.train.parts:
         impeller, screw, machine = part.impeller, part.propeller, part.machine
         if impeller is not None and machine is not None:
             wet = None if impeller.water is None else impeller.inertia + impeller.water
@@ -168,11 +166,11 @@ def _impellers(findings: Findings) -> Table | None:
             rows.append((
                 part.name, impeller.blades, _figure(impeller.diameter), *(_figure(value) for value in size),
                 _figure(impeller.inertia), _figure(impeller.water), _figure(wet), machine.damping_model,
-                _figure(machine.damping_factor), source(findings, k),
+                _figure(machine.damping_factor),
             ))  # fmt: skip
     return _sheet(
         "< Machine | Blades | D [m] | P/D | A_{E}/A_{0} | J dry [kg m²] | Entrained water [kg m²] | J wet [kg m²] | "
-        "< Damping model | Its factor | < Source",
+        "< Damping model | Damping factor",
         rows,
         "Propellers, pumps and fans",
     )

@@ -38,14 +38,22 @@ def _one(findings: Findings, engine: EngineFound, place: int) -> Iterator[Block]
     yield from _balance(engine)
     if engine.curves:
         yield _diagram(engine, place)
-    if engine.harmonics:
-        yield _harmonics(engine)
-        yield _spectrum(engine, place)
-        yield _sums(engine)
     yield from varying(engine)
     yield from misfires(findings, engine, place)
     if engine.remarks:
         yield Paragraph(" ".join(engine.remarks), "note")
+
+
+def details(findings: Findings) -> Iterator[Block]:
+    """Appendix of the full report: harmonics of a cylinder, and the sums of phasors."""
+    engines = findings.get(Engines)
+    with_harmonics = [engine for engine in engines.each if engine.harmonics] if engines is not None else []
+    if with_harmonics:
+        yield Heading("Appendix: engine harmonics")
+    for place, engine in enumerate(with_harmonics):
+        yield _harmonics(engine)
+        yield _spectrum(engine, place)
+        yield _sums(engine)
 
 
 def _sheet(engine: EngineFound) -> Iterator[tuple[str, str]]:

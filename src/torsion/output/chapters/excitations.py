@@ -1,6 +1,5 @@
-"""Chapter: what excites the train."""
+"""Appendix: what excites the train."""
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,23 +13,25 @@ from torsion.output.reported_values import NOT_STATED, rated, reference, steady_
 from torsion.primitives import Torque
 from torsion.results import listed
 
+MOST_NAMED = 60  # harmonic components
+
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Torques, then the orders that come together; joints have a chapter of their own."""
+    """The torques and the harmonic components of the response; joints have their own chapter."""
     train, response = findings.study.train, findings.get(Response)
     angled = [mesh for mesh in train.constraints if mesh.error]
     if not train.torques and not angled:
         return
-    yield Heading("Excitations")
+    yield Heading("Appendix: excitations")
     if any(torque.cylinder is None for torque in train.torques):
         yield _torques(findings)
     if engines := ", ".join(part.name for part in train.parts if part.engine is not None):
-        yield Paragraph(f"Cylinders of {engines}: their torques stand in the chapter on engines.")
+        yield Paragraph(f"Cylinders of {engines}: see the chapter on engines.")
     if compressors := ", ".join(part.name for part in train.parts if part.compressor is not None):
-        yield Paragraph(f"Throws of {compressors}: their torques stand in the chapter on compressors.")
+        yield Paragraph(f"Throws of {compressors}: see the chapter on compressors.")
     if angled:
         names = listed([f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled])
-        yield Paragraph(f"Joints that excite by their angle, by order of their driving shaft: {names}.")
+        yield Paragraph(f"Joints that excite the train, with the order of their driving shaft: {names}.")
     if response is not None and response.lines:
         yield _lines(findings, response)
 
@@ -40,7 +41,7 @@ def _torques(findings: Findings) -> Table:
     unit = scale("N m", [size for size in sizes if size is not None])
     for torque, size in zip(_plain(findings), sizes, strict=True):
         station, own = findings.system.stations[torque.station], torque.order
-        frequency = "every one requested" if torque.frequency is None else given(torque.frequency)
+        frequency = "all requested" if torque.frequency is None else given(torque.frequency)
         rows.append((
             torque.name, order(own), order(None if own is None else own * station.ratio),
             NONE if own is not None else frequency, _amplitude(torque), unit.text(size),
@@ -48,7 +49,7 @@ def _torques(findings: Findings) -> Table:
             torque.source or NOT_STATED,
         ))  # fmt: skip
     return table(
-        "< At | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude (half range) as given | "
+        "< Component | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude as given | "
         f"Amplitude at rated speed [{unit.unit}] | Phase [deg] | < Source",
         rows,
         "Harmonic torques",
@@ -94,15 +95,10 @@ def _amplitude(torque: Torque) -> str:
     return " + ".join(words)
 
 
-def _lines(findings: Findings, response: Response) -> Table:
-    rows = []
-    for place, line in enumerate(response.lines):
-        low, high = float(response.frequency[:, place].min()), float(response.frequency[:, place].max())
-        span = number(low) if math.isclose(low, high) else f"{number(low)}–{number(high)}"
-        rows.append((line.named(reference(findings)), order(line.order), span))
-    return table(
-        "< Harmonic component | Order of the reference | Frequency over the range [Hz]",
-        rows,
-        f"Harmonic components of the response, orders per revolution of {reference(findings)}; contributions of one "
-        "order are added as phasors",
+def _lines(findings: Findings, response: Response) -> Paragraph:
+    """The harmonic components of the response in one sentence."""
+    names = listed([line.named(reference(findings)) for line in response.lines], ", ", MOST_NAMED)
+    return Paragraph(
+        f"Harmonic components of the response, per revolution of {reference(findings)}: {names}. Contributions of one "
+        "order are added as phasors."
     )

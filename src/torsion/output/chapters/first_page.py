@@ -1,7 +1,7 @@
-"""The first page of a report: the verdict in a box, the train by its utilisation, its speeds, and shares of limits."""
+"""The cover of a report: the verdict in a box, the train by its utilisation, its speeds, the worst checks as bars."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -9,219 +9,42 @@ import numpy as np
 
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output import check_words
-from torsion.output.blocks import Block, Box, PageEnd
-from torsion.output.chapters import closing, plant
-from torsion.output.check_words import contributing, is_judged, use_of_joint, use_of_part
-from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use, runs
+from torsion.output.blocks import Block, PageEnd
+from torsion.output.chapters import plant
+from torsion.output.chapters.case_verdict import overview, side_by_side
+from torsion.output.check_words import is_judged, use_of_joint, use_of_part
+from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use
 from torsion.output.figures.ranges import unanswered
 from torsion.output.figures.speed_range import speed_range
-from torsion.output.headline import headline
+from torsion.output.headline import box, case_name, judged, worst
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import RPM, counted, number, rpm, symbols
-from torsion.output.reported_values import (
-    band_words,
-    barred,
-    barred_rpm,
-    failed,
-    mode_near,
-    operation_words,
-    rated_rpm,
-    reference,
-    unreliable,
-    unstable_rpm,
-)
-from torsion.output.scene import checksum
+from torsion.output.numbers import RPM, symbols
+from torsion.output.reported_values import barred_rpm, rated_rpm, reference, unreliable, unstable_rpm
 from torsion.output.station_layout import layout
 from torsion.results import listed
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Checks
+from torsion.rules.verdict_line import Check, Checks
 
-MOST_BARRED, MOST_UNANSWERED = 3, 3  # stated one by one in the box
-MOST_BESIDE = 3  # failures that are not drawn, in words
+MOST_BESIDE = 3  # failed checks of components that are not drawn, in words
 MOST_CRITICAL = 5  # critical speeds that are drawn
-MOST_SHARES, FEWEST_SHARES = 20, 8  # shares of limits that are drawn
-LETTERS, USUAL_ROWS = 115, 8  # of a row of the box, and its rows beside which MOST_SHARES have room on A4
-LEAST_FOR_SPEEDS = -6  # shares for which there is room, below two boxes, where the speeds have room
-BRANCHES = 13  # shares for which another row of the sketch leaves no room
-HEIGHT = 190.0  # px from the lowest to the highest axis of the sketch, at most
+MOST_SHARES = 5  # checks that are drawn as bars
+HEIGHT = 130.0  # px from the lowest to the highest axis of the sketch, at most
+KEY = "Train with the utilisation of stress or torque; an outline with a sign marks a failed check. Not to scale"
 
 
-def box(findings: Findings) -> Box:
-    """The verdict, its worst place, what is barred and unanswered, and how many checks there are of each verdict."""
-    checks = findings.need(Checks).lines
-    said = closing.overall(findings).text
-    lines = [
-        ("Conclusion", said),
-        *sweep_line(findings),
-        *_design_line(findings),
-        *_engines_line(findings),
-        *worst_line(findings),
-    ]
-    lines += [("Barred ranges", "; ".join(words)) for words in [_barred_words(findings)] if words]
-    if others := closing.other_restrictions(findings, is_barred=bool(barred(findings))):
-        lines.append(("Speeds", " ".join(others)))
-    unknown = [f"{one.what}, because {one.words}" for one in findings.plan.unanswered]
-    if unknown:
-        lines.append(("No answer", "; ".join(unknown[:MOST_UNANSWERED]) + _more(len(unknown) - MOST_UNANSWERED)))
-    lines += [("Also", one.text) for one in closing.beside(findings)]
-    if checks:
-        lines.append(("Checks", _counts(findings, checks)))
-    lines.append(("Calculated", _basis(findings)))
-    (sign, words), kind = headline(findings)
-    return Box(sign, f"Case {case}: {words}" if (case := case_name(findings)) else words, kind, tuple(lines))
-
-
-def case_name(findings: Findings) -> str:
-    """The case that the findings are of; empty of a file without cases."""
-    return next(iter(findings.each)) if findings.cases or findings.study.case is not None else ""
-
-
-def worst(findings: Findings) -> Check | None:
-    """The check that ranks first of those with a limit."""
-    return min(filter(is_judged, findings.need(Checks).lines), key=check_words.rank, default=None)
-
-
-def worst_line(findings: Findings) -> Iterator[tuple[str, str]]:
-    """The worst check with value, limit, speed and component."""
-    check = worst(findings)
-    if check is None or (check.utilisation is None and not check.fails):
-        return
-    against = f"{check_words.value(check)} against {check_words.limit(check)} {check_words.unit(check)}".rstrip()
-    share = check.utilisation
-    used = "" if share is None or np.isinf(share) else f", {check_words.percent(share)} of the limit"
-    at = "" if check.speed is None else f", at {rpm(check.speed)} rpm"
-    order = "" if check.order is None else f", mostly order {contributing(findings, check.order)}"
-    order += f", with {check.misfire}" if check.misfire else ""
-    clause = f"{symbols(check.clause)}, {check.rule}; limit: {check.standing}"
-    title = "Worst check" if check.fails else "Largest use"
-    yield title, f"{check.where}: {check.what} {against}{used}{at}{order} ({clause})"
-
-
-def _design_line(findings: Findings) -> Iterator[tuple[str, str]]:
-    """What a design chose; nothing where there is none."""
-    if "design" in findings.results:
-        from torsion.output.chapters.design import design_line
-
-        yield from design_line(findings)
-
-
-def _engines_line(findings: Findings) -> Iterator[tuple[str, str]]:
-    """What misfires; nothing where every cylinder fires alike."""
-    if any(part.engine is not None for part in findings.study.train.parts):
-        from torsion.output.chapters.engine_states import states
-
-        if words := listed(states(findings), "; "):
-            yield "Judged with", words
-
-
-def sweep_line(findings: Findings) -> Iterator[tuple[str, str]]:
-    """How many variants of a sweep fail a check; nothing where none was judged."""
-    found = findings.get(Sweep)
-    whole = None if found is None else found.any_fails
-    if found is None or whole is None:
-        return
-    if found.method == "grid":
-        fail = f"{whole.failing:,} of {counted(found.samples, 'variant')} fail a check{_turns(found)}"
-        interval = ""
-    else:
-        share, low, high = (number(100.0 * (one or 0.0), 3) for one in (whole.probability, whole.lower, whole.upper))
-        fail = (
-            f"{share} % of the variants fail a check" if whole.failing else f"none of {found.samples:,} variants fails"
-        )
-        interval = f" ({low} to {high} %)"
-    passes = not (failed(findings) or findings.need(Checks).is_partial)
-    kept = ", although no check of the file as it stands does" if whole.failing and passes else ""
-    without = f"; {found.unsolved} without an answer among them" if found.unsolved else ""
-    yield "Sweep", f"{fail}{interval}{kept}{without}"
-
-
-def _turns(found: Sweep) -> str:
-    """Along a curve, between which values the variants begin or cease to fail."""
-    grid = found.grid
-    if grid is None or len(grid.axes) != 1 or not grid.axes[0].is_numeric:
-        return ""
-    axis, edges = grid.axes[0], runs(grid.fails)
-    ranges = [axis.words[a] if a == b else f"{axis.words[a]} to {axis.words[b]}" for a, b in edges[:MOST_BARRED]]
-    return f": {axis.name} {listed(ranges)}{_more(len(edges) - MOST_BARRED)}" if ranges else ""
-
-
-def _barred_words(findings: Findings) -> list[str]:
-    """The barred ranges in their short form."""
-    found = []
-    for one in barred(findings):
-        parts = [band_words((one.lower * RPM, one.upper * RPM)), one.shaft]
-        if one.order is not None:
-            mode = mode_near(findings, float(one.order) * one.critical / (2.0 * np.pi))
-            parts += [f"order {contributing(findings, one.order)}", f"mode {mode}"]
-        if np.isfinite(one.formula_lower):
-            parts.append(f"by formula {band_words((one.formula_lower * RPM, one.formula_upper * RPM))}")
-        found.append(", ".join(parts))
-    more = len(found) - MOST_BARRED
-    return found if more <= 0 else [*found[:MOST_BARRED], f"{more} more in the table of barred ranges"]
-
-
-def _more(count: int) -> str:
-    return f" and {count} more" if count > 0 else ""
-
-
-def _counts(findings: Findings, checks: tuple[Check, ...]) -> str:
-    """How many checks there are of each verdict."""
-    doubt = sum(check.standing == TO_BE_VERIFIED for check in checks)
-    unknown = len(findings.plan.unanswered)
-    return (
-        f"{len(checks)}: {findings.need(Checks).counts}; {doubt} with a limit to be verified; "
-        f"{unknown or 'no'} {'analysis' if unknown == 1 else 'analyses'} without an answer"
-    )
-
-
-def _basis(findings: Findings) -> str:
-    """By which rules, for which speeds, from which file."""
-    study = findings.study
-    rules = listed(name for name, _ in study.rules) or "no rule requested"
-    digest = checksum(study)
-    parts = [
-        f"rules: {rules}",
-        operation_words(findings),
-        study.shown_file,
-        f"SHA-256 begins {digest[:12]}" if digest else "",
-    ]
-    return "; ".join(filter(None, parts))
-
-
-def blocks(findings: Findings, notes: Iterable[Block], taken: int = 0) -> Iterator[Block]:
-    """One A4: the box, the train by its utilisation, the speeds, as many shares of limits as have room, and notes.
-
-    Where few have, they are the first thing behind its end, and before them the speeds where these have no room either.
-    `taken`: rows of the page that stand before the box.
-    """
-    verdict, (train, joining) = box(findings), _train(findings)
-    axes = {row for link in train.links for row in (link.start[1], link.end[1])}
-    rows = taken + rows_of(verdict)
-    most = MOST_SHARES - BRANCHES * max(len(axes) - 1, 0) - max(rows - USUAL_ROWS, 0)
-    shares = tuple(_shares(findings, most if most >= FEWEST_SHARES else MOST_SHARES))
-    yield verdict
-    yield Figure(
-        "utilisation",
-        "The train: shafts, couplings and gears in colour and pattern of their largest utilisation (value / limit) of "
-        "stress or torque, and joints that fail. Outlined with a sign: a limit of any kind is exceeded. Not to scale"
-        + "; ".join([joining, *train.beside]),
-        (train,),
-    )
-    speeds, behind = tuple(_speeds(findings)), bool(taken) and most < LEAST_FOR_SPEEDS
-    yield from () if behind else speeds
-    yield from shares if most >= FEWEST_SHARES else ()
-    yield from notes
+def blocks(findings: Findings) -> Iterator[Block]:
+    """One page: the verdict, the cases, the train by its utilisation, the speeds, and the worst checks as bars."""
+    train, joining = _train(findings)
+    yield box(findings)
+    if findings.cases:
+        yield overview(findings.each)
+    case = f" (case {name})" if (name := case_name(findings)) else ""
+    yield Figure("utilisation", KEY + case + "; ".join([joining, *train.beside]), (train,))
+    yield from _speeds(findings)
+    yield from _shares(findings)
     yield PageEnd()
-    yield from speeds if behind else ()
-    yield from shares if most < FEWEST_SHARES else ()
-
-
-def rows_of(made: Box) -> int:
-    """Rows of text that a box has on A4."""
-    return sum(-(-len(text) // LETTERS) for _, text in made.lines)
 
 
 def _train(findings: Findings) -> tuple[Sketch, str]:
@@ -245,12 +68,12 @@ def _beside(findings: Findings, drawn: Sketch, checks: dict[int, list[Check]]) -
     bad = sorted((part for part, one in worst.items() if one.fails), key=lambda part: check_words.rank(worst[part]))
     stated = [
         f"{check_words.use(worst[part]).words}: {parts[part].name}, "
-        + ("on a branch that is not drawn" if place.row[parts[part].stations[-1]] else "which is joined with others")
+        + ("on a branch that is not drawn" if place.row[parts[part].stations[-1]] else "drawn together with others")
         for part in bad
         if parts[part].stations
     ]
     more = len(stated) - MOST_BESIDE
-    return tuple(stated if more <= 0 else [*stated[:MOST_BESIDE], f"✗ {more} more that fail are not drawn"])
+    return tuple(stated if more <= 0 else [*stated[:MOST_BESIDE], f"✗ {more} more components with a failed check"])
 
 
 def _pointed_at(findings: Findings, links: tuple[Link, ...], *, is_whole: bool) -> tuple[Place, Use] | None:
@@ -259,7 +82,7 @@ def _pointed_at(findings: Findings, links: tuple[Link, ...], *, is_whole: bool) 
     place = None if check is None else _place(findings, links, check, is_whole=is_whole)
     if check is None or place is None or (check.utilisation is None and not check.fails):
         return None
-    title, found = "worst" if check.fails else "largest use", check_words.use(check)
+    title, found = "worst" if check.fails else "largest", check_words.use(check)
     return place, replace(found, words=f"{title}: {found.words.partition(' ')[2]}, {symbols(check.clause)}")
 
 
@@ -321,11 +144,11 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     bars, unstable = barred_rpm(findings), unstable_rpm(findings)
     ranges = listed([kind for kind, found in (("barred", bars), ("unstable", unstable)) if len(found)])
     several = f"{len(critical)} critical speeds" if len(critical) > 1 else "critical speed"
-    largest = f"the {several}{'' if response is None else ' with the largest torque'}"
+    largest = several if response is None else f"{several} with the largest torque"
     restricted = f"{ranges} range{'s' * (len(bars) + len(unstable) > 1)}"
-    each = ((restricted, ranges), ("ranges without an answer", unknown), (largest, critical))
+    each = ((restricted, ranges), ("ranges without a reliable response", unknown), (largest, critical))
     drawn = [words for words, is_there in each if is_there]
-    caption = f"Speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else " in operation")
+    caption = f"Operating speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else "")
     yield of_torsion(findings, speed_range(
         "speeds", caption, speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings),
         barred=bars, unstable=unstable, unknown=unknown, critical=critical,
@@ -351,16 +174,22 @@ def _strength(findings: Findings, response: Response | None, critical: CriticalS
     return float((np.abs(response.torque[at, lines[0]]) * findings.system.span_ratio).max(initial=0.0))
 
 
-def _shares(findings: Findings, most: int) -> Iterator[Figure]:
-    """The largest shares of limits, those first that fail; nothing where no check has one."""
-    checks = sorted(filter(is_judged, findings.need(Checks).lines), key=check_words.rank)
-    shown = [one for one in checks if one.utilisation is not None or one.fails]
-    if not shown:
+def _shares(findings: Findings) -> Iterator[Figure]:
+    """The worst checks as bars, over all judged cases; nothing if no check has a utilisation."""
+    cases = judged(findings.each) if findings.cases else {"": findings}
+    rows = [
+        row
+        for row in side_by_side(cases)
+        if is_judged(row.check) and (row.check.utilisation is not None or row.check.fails)
+    ]
+    if not rows:
         return
-    rows = tuple(
-        Share(one.where, symbols(one.clause), np.inf if one.utilisation is None else one.utilisation,
-              check_words.use(one))
-        for one in shown[:most]
+    bars = tuple(
+        Share(
+            row.check.where, symbols(row.check.clause) + f" ({row.worst})" * bool(row.worst),
+            np.inf if row.check.utilisation is None else row.check.utilisation, check_words.use(row.check),
+        )
+        for row in rows[:MOST_SHARES]
     )  # fmt: skip
-    rest = f" (the first {most} of {len(shown)})" if len(shown) > most else ""
-    yield Figure("shares", f"Share of each limit used, worst first{rest}", (Shares(rows),))
+    few = f"the {MOST_SHARES} worst of {len(rows)} checks" if len(rows) > MOST_SHARES else "worst first"
+    yield Figure("shares", f"Utilisation of the limits, {few}", (Shares(bars),))

@@ -39,9 +39,10 @@ from torsion.rules import needed
 
 TITLE = "Response over the speed range"
 MOST_CURVES = 10  # in a figure over frequency
-MOST_FIGURES = 12
+MOST_FIGURES = 3  # of couplings and cranks; shafts and gears have theirs in their own chapters
+MOST_LIVE = 12  # figures of the live page
 SMALLEST = 0.02  # of the element's largest torque of one line; a lower peak is not listed
-MOST_PEAKS = 40
+MOST_PEAKS = 10
 DEGREES = Scale("deg", 180.0 / np.pi)
 
 
@@ -68,8 +69,15 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if found:
         yield _summary(findings, found, unit)
         yield _peaks(findings, found, unit)
+    yield from _figures(findings, [element for element in found if element.kind not in ("shaft", "gear")])
+
+
+def angles(findings: Findings) -> Iterator[Block]:
+    """Appendix of the full report: the largest angular amplitude of every station."""
+    response = findings.get(Response)
+    if response is not None and response.lines:
+        yield Heading("Appendix: angular amplitudes")
         yield _angles(findings, response)
-    yield from _figures(findings, found)
 
 
 def without_tables(findings: Findings) -> Iterator[Block]:
@@ -78,7 +86,7 @@ def without_tables(findings: Findings) -> Iterator[Block]:
     if response is not None and response.lines:
         yield Heading(TITLE)
         yield _status(findings, response)
-        yield from _figures(findings, _carrying(findings, response))
+        yield from _figures(findings, _carrying(findings, response), MOST_LIVE)
 
 
 def _carrying(findings: Findings, response: Response) -> list[Element]:
@@ -86,52 +94,53 @@ def _carrying(findings: Findings, response: Response) -> list[Element]:
     return [e for e in elements(findings.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
 
 
-def _figures(findings: Findings, found: list[Element]) -> Iterator[Block]:
+def _figures(findings: Findings, found: list[Element], most: int = MOST_FIGURES) -> Iterator[Block]:
     """The curves of the elements that are worth a figure, and which others there are."""
-    drawn = worth_a_figure(findings, {e: highest(amplitude(findings, e.spans)) for e in found}, MOST_FIGURES)
+    drawn = worth_a_figure(findings, {e: highest(amplitude(findings, e.spans)) for e in found}, most)
     yield from (curves(findings, element) for element in drawn)
     if len(drawn) < len(found):
         rest = listed([e.name for e in found if e not in drawn])
-        yield Paragraph(f"Without a figure, as they follow the others or carry less: {rest}.")
+        yield Paragraph(f"No figure, because the torque is smaller: {rest}.")
 
 
 def _introduction(findings: Findings, response: Response) -> Paragraph:
     requested, extra = int(response.requested.sum()), int((~response.requested).sum())
     made = findings.get(Synthesis)
-    cycle, parts = "", "the components of the orders requested" if response.left_out else "all harmonic components"
+    components = "the requested orders" if response.left_out else "all orders"
+    total = ""
     if made is not None:
-        cycle = (
-            f" The synthesis is the half range of {parts} together, true to phase, over the common cycle of "
+        total = (
+            f" The total vibratory torque is the phase-correct sum of {components} over the common period of "
             f"{exact(made.turns)} revolution{'' if made.turns <= 1 else 's'} of {reference(findings)}."
             if made.turns
-            else " The components have no common cycle; the synthesis is the sum of their magnitudes, which is a bound."
+            else " The orders have no common period. The total is the sum of their magnitudes, which is an upper bound."
         )
-    judged = " and where the rules judge" if "response" in needed(findings.study) else ""
+    limits = " and rule limits" if "response" in needed(findings.study) else ""
     text = (
-        f"{counted(len(response.lines), 'harmonic component')} at {counted(requested, 'speed')} as requested and "
-        f"{extra} more placed around the resonances{judged}, so "
-        "that no peak falls between two speeds. Amplitudes are half ranges; torques are those of a section, elastic "
-        f"and damping part together, at the element's own speed.{cycle}"
+        f"{counted(len(response.lines), 'harmonic component')} at {counted(requested, 'requested speed')}. The program "
+        f"added {counted(extra, 'speed')} near resonances{limits}, so that the grid resolves every peak. Amplitudes "
+        "are zero to peak; the amplitude of a total is half of its peak-to-peak value. A torque is the full "
+        f"torque in the section (elastic plus damping) at the speed of the component.{total}"
     )
     if response.left_out:
         names = listed([line.named(reference(findings)) for line in response.left_out], "; ")
-        text += f" Left out of all that follows, as `orders` does not name it: {names}."
+        text += f" Not requested by `orders` and therefore omitted: {names}.".replace("`", "")
     elif requested_orders(findings.study) is not None:
-        text += " All orders are reported, not only those that `orders` names, as the rules judge them together."
+        text += " The rules judge the total of all orders, so all orders are reported."
     return Paragraph(text + (f" Note on the speeds: {response.remark}." if response.remark else ""))
 
 
 def _status(findings: Findings, response: Response) -> Paragraph:
     reliable = response.residual[(response.status == Status.OK) & np.isfinite(response.residual)]
     bad = int(unreliable(findings).sum())
-    text = f"Largest relative equilibrium residual of the solution: {number(float(reliable.max(initial=0.0)), 2)}."
+    text = f"Largest relative residual of equilibrium: {number(float(reliable.max(initial=0.0)), 2)}."
     text = f"{text} {joint_model(findings)}".strip()
     if bad == 0:
         return Paragraph(text)
     text += (
-        f" At {counted(bad, 'speed')} a harmonic component is near-singular or singular: no amplitude can be stated "
-        "there, and none as the largest over the range, since it grows without limit towards an undamped resonance. "
-        "These speeds are hatched in the figures and left out of the table of peaks."
+        f" At {counted(bad, 'speed')} the equations are singular or nearly singular (undamped resonance). The response "
+        "has no reliable value there and no maximum over the range. The figures hatch these speeds; the table of peaks "
+        "omits them."
     )
     return Paragraph(text, "note")
 
@@ -160,12 +169,12 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
         ))  # fmt: skip
     together = orders_together(findings)
     return table(
-        f"< Element -> | Synthesis, half range [{unit.unit}] -> {unit.unit} | At speed [rpm] -> at rpm | "
-        f"< Largest component there | Its torque [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
+        f"< Component -> | Total vibratory torque [{unit.unit}] -> {unit.unit} | Speed [rpm] -> rpm | "
+        f"< Largest order | Torque of this order [{unit.unit}] | RMS [{unit.unit}] | Sum of magnitudes [{unit.unit}] | "
         f"Mean [{mean.unit}]",
         rows,
-        f"Largest vibratory torque of every element over the speed range, {together}",
-        short=f"Largest vibratory torque, {together}",
+        f"Maximum vibratory torque of every component over the speed range, {together}",
+        short=f"Maximum vibratory torque, {together}",
     )
 
 
@@ -178,7 +187,7 @@ def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Block:
     """The peaks as a table; where there are too many, the largest referred to one speed."""
     response, peaks = findings.need(Response), found_peaks(findings, found)
     if not peaks:
-        return Paragraph("No harmonic component has a resonance peak inside the speed range.")
+        return Paragraph("No order has a resonance peak in the speed range.")
     size = [-peak.torque * peak.element.ratio for peak in peaks]
     kept = sorted(sorted(range(len(peaks)), key=size.__getitem__)[:MOST_PEAKS])
     rows = []
@@ -188,11 +197,11 @@ def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Block:
             peak.element.name, line.named(reference(findings)), unit.text(peak.torque),
             rpm(float(response.speed[peak.at])), frequency, mode_near(findings, frequency),
         ))  # fmt: skip
-    rest = f"; the {len(kept)} largest of {len(peaks)}" if len(kept) < len(peaks) else ""
+    rest = f" (the {len(kept)} largest of {len(peaks)})" if len(kept) < len(peaks) else ""
     return table(
-        f"< Element | < Harmonic component | Torque amplitude [{unit.unit}] | At speed [rpm] | Frequency [Hz] | Mode",
+        f"< Component | < Order | Torque amplitude [{unit.unit}] | Speed [rpm] | Frequency [Hz] | Mode",
         rows,
-        f"Resonance peaks in the speed range (inner maxima of one line; below {100 * SMALLEST:g} % left out{rest})",
+        f"Resonance peaks of single orders in the speed range{rest}",
     )  # fmt: skip
 
 
@@ -236,10 +245,9 @@ def _angles(findings: Findings, response: Response) -> Table:
             number(angle * float(response.frequency[speed, line]) * 60.0),
         ))  # fmt: skip
     return table(
-        "< Station | Largest amplitude [deg] | Amplitude [rad] | < Harmonic component | At speed [rpm] | "
-        "Speed amplitude [rpm]",
+        "< Station | Maximum amplitude [deg] | Amplitude [rad] | < Order | Speed [rpm] | Speed amplitude [rpm]",
         rows,
-        f"Largest angular amplitude of any one order, each at its own speed of rotation; 0: {LESS}",
+        f"Maximum angular amplitude of single orders, each at the component's speed; 0: {LESS}",
     )
 
 
@@ -260,7 +268,7 @@ def curves(findings: Findings, element: Element) -> Figure:
         f"torque-{element.part}-{element.spans[0]}", f"Vibratory torque in {element.name}, {element.kind}",
         speed=response.speed * RPM, lines=lines, bad=unreliable(findings), unit=unit.unit,
         synthesis=half * unit.factor if len(response.lines) > 1 and len(half) else None,
-        limits=[] if limit is None else [("permissible vibratory torque (maker)", limit * unit.factor)],
+        limits=[] if limit is None else [("permissible vibratory torque (manufacturer)", limit * unit.factor)],
         rated=rated_rpm(findings), barred=barred_rpm(findings), unstable=unstable_rpm(findings),
     ))  # fmt: skip
 
@@ -272,7 +280,7 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
         return
     bad = sweep.status != Status.OK
     yield Heading("Response over the frequency range")
-    text = "The torques that act at every frequency, without regard to the speed; amplitudes are half ranges."
+    text = "The excitation acts at every frequency, independent of the speed. Amplitudes are zero to peak."
     yield Paragraph(text)
     if bad.any():
         at = listed(dict.fromkeys(number(f, 5) for f in sweep.frequency[bad].tolist()))
@@ -280,11 +288,11 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
     torque = {e.name: np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in elements(findings.system)}
     if torque:
         unit = torques(torque.values())
-        titles = f"< Element | Amplitude [{unit.unit}] | At frequency [Hz]"
+        titles = f"< Component | Amplitude [{unit.unit}] | Frequency [Hz]"
         yield _largest(titles, sweep, torque, (unit.text,), "torque amplitude")
         yield _curves(findings, "sweep-torque", "torque amplitude", torque, unit)
     angle = {name: np.where(bad, np.nan, np.abs(sweep.angle[:, k])) for k, name in _moving(findings)}
-    titles = "< Station | Amplitude [rad] | Amplitude [deg] | At frequency [Hz]"
+    titles = "< Station | Amplitude [rad] | Amplitude [deg] | Frequency [Hz]"
     yield _largest(titles, sweep, angle, (number, degrees), "angular amplitude")
     yield _curves(findings, "sweep-angle", "angular amplitude", angle, DEGREES)
 
@@ -302,7 +310,7 @@ def _largest(
         at = largest(values)
         cells = [NO_VALUE] if at is None else [*(one(float(values[at])) for one in shown), sweep.frequency[at]]
         rows.append((name, *cells, *[NONE] * (titles.count("|") - len(cells))))
-    return table(titles, rows, f"Largest {what}")
+    return table(titles, rows, f"Maximum {what}")
 
 
 def _curves(findings: Findings, name: str, what: str, curves: dict[str, FloatArray], unit: Scale) -> Figure:

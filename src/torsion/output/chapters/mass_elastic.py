@@ -1,4 +1,4 @@
-"""Chapter: the mass-elastic system, with the source of every figure."""
+"""Appendix: the mass-elastic system."""
 
 import math
 from collections.abc import Iterator
@@ -12,28 +12,27 @@ from torsion.errors import without_controls
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, exact, given, number, scale, symbols
-from torsion.output.reported_values import source
 from torsion.output.selection import elements
 from torsion.primitives import Bar, Inertia, SectionMesh, Station
 from torsion.results import listed
 
 MM = 1e-3  # m
 DIGITS, SUMMED = 8, 7  # significant digits of a figure as given, and of what follows from such figures
-HELD = "held"  # in place of an inertia, where the motion is exactly the mean one
+HELD = "fixed"  # in place of an inertia, where the motion is exactly the mean one
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Inertias, elastic elements, dimensions of shafts."""
     where = (
-        "A shaft's distributed inertia is lumped at the ends of its segments."
+        "The inertia of a shaft is lumped at the ends of its segments."
         if findings.system.bars is None
-        else "A shaft's inertia is distributed along it; of each of its pieces these tables show half at either end, "
-        "and the static flexibility."
+        else "The inertia of a shaft is distributed. The tables give half of each segment to each end, and the static "
+        "flexibility."
     )
-    yield Heading("Mass-elastic system")
+    yield Heading("Appendix: mass-elastic system")
     yield Paragraph(
-        "Own: at the component's own speed. Referred: to the speed of the reference component, that is J i² and "
-        "k i² with i the speed ratio of the table; given: where the file gives a figure that is referred already. "
+        "Own: at the speed of the component. Referred: to the reference speed, J i² and k i² with the speed ratio i. "
+        "Given: as in the model file, if a value is referred there. "
         f"{where}"
     )
     yield from _remarks(findings)
@@ -57,7 +56,7 @@ def _remarks(findings: Findings) -> Iterator[Paragraph]:
 
 
 def _inertias(findings: Findings) -> Table:
-    """Of every station its inertias as given, one a row, and their sum; of shafts what lies between their ends."""
+    """The inertias of every station as given, one a row, and their sum; then the inertia inside of shafts."""
     system, given_by = findings.system, _given_by_station(findings)
     rows: list[tuple[Any, ...]] = []
     referred: list[float] = []  # kg m2 of every row but the sums
@@ -66,18 +65,18 @@ def _inertias(findings: Findings) -> Table:
         rows += [_inertia(findings, station, one) for one in mine]
         referred += [one.inertia * float(station.ratio) ** 2 for one in mine]
         if len(mine) > 1:
-            rows.append((station.name, "sum", *_given_columns(findings), *_both(system.inertia[index], station), ""))
+            rows.append((station.name, "sum", *_given_columns(findings), *_both(system.inertia[index], station)))
     for bar, (_, inner, _) in _lumps(findings):
         if inner:
             inside = replace(system.train.stations[bar.driving], name=f"{bar.name}, inside")
             referred.append(inner * float(inside.ratio) ** 2)
             rows.append(_inertia(findings, inside, Inertia(bar.driving, inner, bar.part, "between ends")))
     whole = number(sum(filter(math.isfinite, referred)), SUMMED)
-    rows.append(("whole train", "sum", *_given_columns(findings), NONE, NONE, whole, ""))
+    rows.append(("whole train", "sum", *_given_columns(findings), NONE, NONE, whole))
     columns = "J given [kg m²] | Given at i | " if findings.study.train.has_referred_figures else ""
     return table(
-        f"No. | < Station | < Inertia of | {columns}J own [kg m²] | Speed ratio i | J referred [kg m²] | < Source",
-        [(place, *row) for place, row in enumerate(rows, 1)],
+        f"< Station | < Inertia of | {columns}J own [kg m²] | Speed ratio i | J referred [kg m²]",
+        rows,
         "Inertias as given, and their sums",
     )
 
@@ -89,7 +88,7 @@ def _inertia(findings: Findings, station: Station, lump: Inertia) -> tuple[Any, 
     at = station.ratio if lump.given == lump.inertia else at
     name = f"{part.name}, {lump.what}" if lump.what else part.name
     figure = _given_columns(findings, lump.given, at)
-    return station.name, name, *figure, *_both(lump.inertia, station), source(findings, lump.part)
+    return station.name, name, *figure, *_both(lump.inertia, station)
 
 
 def _both(inertia: float, station: Station) -> tuple[str, Fraction, str]:
@@ -135,7 +134,7 @@ def _water(findings: Findings) -> Iterator[str]:
         for p in parts
         if p.impeller is not None and (p.propeller is not None or p.impeller.water is not None)
     ):
-        said = "dry, no entrained water is given"
+        said = "dry, no entrained water in the input"
         if water is not None:
             share = f"{given(100 * water / dry, 4)} % of dry" if dry else "dry inertia 0"
             said = f"{given(dry, 6)} dry + {given(water, 6)} entrained water = {given(dry + water, 6)} kg m² ({share})"
@@ -152,24 +151,23 @@ def _springs(findings: Findings) -> Table:
         own = referred = "rigid" if h == 0 else NONE
         if 0 < h < math.inf:
             own, referred = given(unit.factor / h, DIGITS), given(unit.factor * element.ratio**2 / h, SUMMED)
-        compliances = given(h, DIGITS), given(h / element.ratio**2, SUMMED)
+        flexibility = given(h, DIGITS)
         tabled = system.tables.get(element.spans[0])
         if tabled is not None:
             own = referred = tabled.follows
-            compliances = own, own
+            flexibility = own
         ratio, part = system.stations[first.driving].ratio, system.train.parts[element.part]
         at = ratio if part.referred_to is None else part.referred_to
         is_given = 0 < h < math.inf and not part.is_bar and tabled is None  # of a shaft the file gives dimensions
         figure = _given_columns(findings, unit.factor / h * float(ratio / at) ** 2 if is_given else math.nan, at)
         rows.append((
-            element.name, element.kind, f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
-            *figure, own, compliances[0], ratio, referred, compliances[1],
-            source(findings, element.part),
+            element.name, f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
+            *figure, own, flexibility, ratio, referred,
         ))  # fmt: skip
     columns = f"k given [{unit.unit}] | Given at i | " if findings.study.train.has_referred_figures else ""
     return table(
-        f"< Element | < Kind | < Between | {columns}k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
-        f"k referred [{unit.unit}] | Flexibility referred [rad/(N m)] | < Source",
+        f"< Component | < Between | {columns}k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
+        f"k referred [{unit.unit}]",
         rows,
         "Elastic elements",
     )
@@ -187,14 +185,13 @@ def _shafts(findings: Findings) -> Table:
             _diameters(bar.bore) if is_round else NONE, given(bar.length / MM, DIGITS), number(modulus, SUMMED),
             given(inertia, DIGITS),
             material, given(own.shear_modulus * 1e-9, DIGITS), given(bar.density, DIGITS), str(pieces),
-            source(findings, bar.part),
         ))  # fmt: skip
     divided = {"lumped": "Segments", "fem": "Elements"}.get(findings.system.model, "Pieces")
     return table(
         "< Shaft | d [mm] | d_{i} [mm] | Length [mm] | W_{p} [mm³] | J of the shaft [kg m²] | < Material | G [GPa] | "
-        f"ρ [kg/m³] | {divided} | < Source",
+        f"ρ [kg/m³] | {divided}",
         rows,
-        "Dimensions of the shafts (of a cone, the smallest W_{p})",
+        "Dimensions of the shafts (for a cone, the smallest W_{p})",
     )
 
 

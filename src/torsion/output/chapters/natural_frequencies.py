@@ -2,17 +2,20 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from itertools import islice
 
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.holzer import HolzerTable, holzer
 from torsion.analyses.hub_moves import HubMoves
+from torsion.analyses.response.amplitudes import FrequencyResponse, Response
 from torsion.analyses.sharp_steps import SharpSteps
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import segment_groups
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
+from torsion.output.chapters.critical_speeds import matrix
 from torsion.output.chapters.sharp_steps import moved_by_hubs, sharp_steps
 from torsion.output.figures import mode_shape
 from torsion.output.figures.figure import Figure
@@ -21,36 +24,41 @@ from torsion.output.selection import by_part, elements
 from torsion.output.station_layout import MOST_NAMES, layout
 from torsion.results import listed
 
-MOST_MODES = 12  # of which plots and tables are printed
-FEWEST_TABLES, MOST_ROWS = 3, 600  # Holzer tables printed at least, and rows of all that more of them may fill
+MOST_MODES = 12  # with a shape and a Holzer table in the full report
+MODES_WITHOUT_ORDERS = 6  # with a shape where nothing excites
+MOST_TABLES, FEW_ROWS = 3, 50  # Holzer tables of the report, and their rows
+MOST_ROWS = 600  # rows of all Holzer tables of the full report
 MOST_SEGMENTS = 500  # of a shaft that are drawn
-SMALLEST_SHARE = 0.005  # of the energy of a mode; less is not listed
+SMALLEST_SHARE = 0.02  # of the energy of a mode; smaller shares are not listed
 HOLZER, SQUARE = 7, 11  # significant digits of a Holzer table, and of its squared frequency
-RESIDUAL = "largest residual of a station / largest torque"
+RESIDUAL = "residual / largest torque"
 HOW_TO_READ = (
-    "In a Holzer table every row follows from the row that it names: twist = flexibility × torque, angle = angle of "
-    "that row − twist. Torque in is the torque at the end of the part toward that row, torque out that at its other "
-    "end. All that enters a station, and its ω² J × angle, leaves it toward the next rows; what is left over is the "
-    "residual. Of a shaft with inertia between its ends θ' = A θ − H T and T' = B θ + D T, with θ the angle of that "
-    "row and T the torque in, θ' and T' the angle and the torque out of its own row; its share of inertia at its ends "
-    f"is that of the mass-elastic system in the lumped model and none in the others. A figure of 0 is {LESS}."
+    "Each row of a Holzer table follows from the row that it names: twist = flexibility × torque, angle = angle of "
+    "that row − twist. Torque in acts at the end of the part toward that row, torque out at its other end. The "
+    "residual is the torque balance of a station: torque in + ω² J × angle − torque toward the next rows. A shaft with "
+    "distributed inertia has θ' = A θ − H T and T' = B θ + D T, with angle θ and torque T at its first end. The "
+    f"lumped model adds the shaft's inertia to its end stations. A printed 0 is {LESS}."
 )
 OVERDAMPED = 8  # roots that are listed
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Nothing when no frequency was requested."""
+    """Frequencies, and the shapes of the modes up to the highest excited frequency."""
     modes, damped = findings.get(Modes), findings.get(DampedModes)
     if modes is None:
         return
-    yield Heading("Natural frequencies")
+    yield Heading("Natural frequencies and mode shapes")
     yield _introduction(modes)
-    taken = [f"{one.name} {one.nonlinear.words}" for one in findings.study.train.parts if one.nonlinear is not None]
-    if taken:
-        text = f"Modes take couplings as linear: {listed(taken, '; ')}. How far that holds depends on the amplitude."
+    nonlinear = [f"{part.name} {part.nonlinear.words}" for part in findings.study.train.parts if part.nonlinear]
+    if nonlinear:
+        text = (
+            f"The modes take these couplings as linear: {listed(nonlinear, '; ')}. The error depends on the amplitude."
+        )
         yield Paragraph(text, "note")
     if findings.study.train.follows_speed and findings.study.operation.speed is not None:
-        yield Paragraph(f"A stiffness follows the speed: modes are those at {rpm(findings.study.operation.speed)} rpm.")
+        yield Paragraph(
+            f"A stiffness depends on the speed. The modes are those at {rpm(findings.study.operation.speed)} rpm."
+        )
     if len(modes.frequency) == 0:
         return
     yield frequencies(modes)
@@ -60,45 +68,82 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield from moved_by_hubs(hubs)
     if damped is not None:
         yield from _damped(damped)
-    yield Heading("Energy shares", 2)
-    yield _shares(findings, modes)
-    shown = min(len(modes.frequency), MOST_MODES)
+    count = excited_modes(findings, modes)
+    yield from plots(findings, modes, range(count))
+    if count < len(modes.frequency):
+        yield Paragraph(
+            f"The figures show modes 1 to {count} of {len(modes.frequency)}, up to the highest excited frequency. "
+            f"The full report (--full) shows {MOST_MODES}."
+        )
+
+
+def excited_modes(findings: Findings, modes: Modes) -> int:
+    """Return the number of modes up to the highest excited frequency, at least 1 and at most MOST_MODES."""
+    responses = findings.get(Response), findings.get(FrequencyResponse)
+    highest = max(
+        (float(response.frequency.max(initial=0.0)) for response in responses if response is not None), default=0.0
+    )
+    count = int((modes.frequency <= highest).sum()) if highest else MODES_WITHOUT_ORDERS
+    return min(max(count, 1), len(modes.frequency), MOST_MODES)
+
+
+def appendix(findings: Findings) -> Iterator[Block]:
+    """Appendix: Holzer tables of the lowest excited modes, energy shares, and the order-by-mode matrix."""
+    modes = findings.get(Modes)
+    if modes is None or len(modes.frequency) == 0:
+        return
+    yield Heading("Appendix: Holzer tables")
     yield Paragraph(HOW_TO_READ)
-    tables = max(FEWEST_TABLES, MOST_ROWS // len(findings.study.train.stations))
-    for mode, drawn in enumerate(plots(findings, modes, range(shown))):
-        yield Heading(f"Mode {mode + 1}: {number(float(modes.frequency[mode]))} Hz", 2)
-        yield drawn
-        if mode < tables:
-            yield from holzer_tables(findings, modes, mode)
-    if tables < shown:
-        size = f"{len(findings.study.train.stations):,} stations"
-        yield Paragraph(f"Of a train of {size} the first {tables} modes have a Holzer table.")
-    if shown < len(modes.frequency):
-        text = f"Plots and tables of modes {shown + 1} to {len(modes.frequency)} are left out; see results.json."
-        yield Paragraph(text)
+    for mode in range(_tables(findings, modes)):
+        yield next(holzer_tables(findings, modes, mode))
+    yield _shares(findings, modes)
+    yield from matrix(findings)
+
+
+def _tables(findings: Findings, modes: Modes) -> int:
+    """Return the number of Holzer tables in the report: at most MOST_TABLES, and FEW_ROWS rows of all of them."""
+    by_rows = max(1, FEW_ROWS // len(findings.study.train.stations))
+    return min(excited_modes(findings, modes), MOST_TABLES, by_rows)
+
+
+def all_modes(findings: Findings) -> Iterator[Block]:
+    """Appendix of the full report: the other shapes and Holzer tables, and the constants of distributed shafts."""
+    modes = findings.get(Modes)
+    if modes is None or len(modes.frequency) == 0:
+        return
+    yield Heading("Appendix: all modes")
+    drawn, count = excited_modes(findings, modes), min(len(modes.frequency), MOST_MODES)
+    yield from plots(findings, modes, range(drawn, count))
+    tables = max(MOST_TABLES, MOST_ROWS // len(findings.study.train.stations))
+    for mode in range(min(count, tables)):
+        printed = 1 if mode < _tables(findings, modes) else 0
+        yield from islice(holzer_tables(findings, modes, mode), printed, None)
+    if tables < count:
+        yield Paragraph(f"The first {tables} modes have a Holzer table.")
+    if count < len(modes.frequency):
+        yield Paragraph(f"Modes {count + 1} to {len(modes.frequency)} are in results.json.")
 
 
 def _introduction(modes: Modes) -> Paragraph:
-    rigid = {0: "The train has no rigid motion", 1: "The train turns freely: one rigid motion of exactly 0 Hz"}
-    first = rigid.get(modes.rigid, f"{modes.rigid} rigid motions of exactly 0 Hz")
+    rigid = {0: "The train has no rigid-body mode", 1: "The train has one rigid-body mode (0 Hz)"}
+    first = rigid.get(modes.rigid, f"The train has {modes.rigid} rigid-body modes (0 Hz)")
     enclosed = (
-        "Counts of eigenvalues below and above each value (Sturm sequences) prove that exactly the listed mode lies "
-        "between the two bounds, and that none was missed."
+        "The frequencies are certified: Sturm counts prove that exactly one mode lies between its two bounds and that "
+        "no mode is missing."
         if modes.certified
-        else "The bounds of these frequencies were not certified by counts."
+        else "The bounds of these frequencies are not certified by Sturm counts."
     )
-    return Paragraph(f"{first}; {counted(len(modes.frequency), 'elastic mode')} of the undamped train. {enclosed}")
+    return Paragraph(f"{first} and {counted(len(modes.frequency), 'elastic mode')} (undamped). {enclosed}")
 
 
 def frequencies(modes: Modes) -> Table:
     """Of the undamped train, with their bounds."""
     bounds = np.transpose([modes.frequency, modes.lower, modes.upper, modes.nodes]).tolist()
     return table(
-        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Angular [rad/s] | Nodes -> | "
-        "Lower bound [Hz] | Upper bound [Hz] | Width / frequency",
+        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Nodes -> | Lower bound [Hz] | "
+        "Upper bound [Hz]",
         [
-            (mode, number(f, 7), number(60.0 * f, 7), number(2 * math.pi * f, 7), int(nodes), number(low, 10),
-             number(high, 10), number((high - low) / f, 2))
+            (mode, number(f, 7), number(60.0 * f, 7), int(nodes), number(low, 10), number(high, 10))
             for mode, (f, low, high, nodes) in enumerate(bounds, start=1)
         ],
         "Natural frequencies of the undamped train",
@@ -107,30 +152,28 @@ def frequencies(modes: Modes) -> Table:
 
 
 def _damped(damped: DampedModes) -> Iterator[Block]:
-    roots = np.transpose([damped.frequency, damped.damping_ratio, damped.eigenvalue.real]).tolist()
-    title = "Damped natural frequencies" + (f", damping as at {rpm(damped.speed)} rpm" if damped.speed > 0 else "")
+    roots = np.transpose([damped.frequency, damped.damping_ratio]).tolist()
+    title = "Damped natural frequencies" + (f", damping at {rpm(damped.speed)} rpm" if damped.speed > 0 else "")
     yield table(
-        "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Damping ratio [%] -> damping ratio, % | "
-        "Magnifier 1/(2ζ) | Decay [1/s]",
+        "Mode -> | Frequency [Hz] -> Hz | Damping ratio [%] -> damping ratio, % | Magnifier 1/(2ζ)",
         [
-            (mode, number(f, 7), number(60.0 * f, 7), number(100 * ratio, 4),
-             number(0.5 / ratio if ratio > 0 else math.inf, 4), number(-real, 4))
-            for mode, (f, ratio, real) in enumerate(roots, start=1)
+            (mode, number(f, 7), number(100 * ratio, 4), number(0.5 / ratio if ratio > 0 else math.inf, 4))
+            for mode, (f, ratio) in enumerate(roots, start=1)
         ],
         title,
         short=title,
     )  # fmt: skip
     if len(damped.overdamped):
-        listed = ", ".join(number(root, 4) for root in damped.overdamped.tolist()[:OVERDAMPED])
+        roots_shown = ", ".join(number(root, 4) for root in damped.overdamped.tolist()[:OVERDAMPED])
         more = ", …" if len(damped.overdamped) > OVERDAMPED else ""
-        yield Paragraph(f"Motions that decay without oscillation (overdamped): {listed}{more} 1/s.")
+        yield Paragraph(f"Overdamped modes (decay without oscillation): {roots_shown}{more} 1/s.")
 
 
 def _shares(findings: Findings, modes: Modes) -> Table:
     """Of stations by name, of all inner stations of a shaft together, and of elements."""
     system, own, shown = findings.system, len(findings.system.train.stations), min(len(modes.frequency), MOST_MODES)
     shares = [(f"kinetic: {system.stations[k].name}", modes.kinetic[k]) for k in range(own)]
-    inside = "inner segments" if system.bars is None else "between its pieces"
+    inside = "inner segments"
     inner = by_part(system.station_part[own:])
     for bar in system.train.bars:
         if bar.part in inner:
@@ -142,7 +185,7 @@ def _shares(findings: Findings, modes: Modes) -> Table:
         if (share[:shown] >= SMALLEST_SHARE).any()
     ]
     titles = "< Part" + "".join(f" | Mode {mode + 1} [%]" for mode in range(shown))
-    caption = f"Shares of the kinetic and the elastic energy; below {100 * SMALLEST_SHARE:g} % left blank"
+    caption = f"Shares of the kinetic and elastic energy; below {100 * SMALLEST_SHARE:g} % blank"
     return table(titles, rows, caption)
 
 
@@ -169,14 +212,13 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
             before, (entering, turned, leaving) = str(int(found.before[row]) + 1), torques
             through = [before, link.name, entering, at_rest, turned, leaving]
         rows.append((row + 1, station, *own, *through))
-    rows.append(("", RESIDUAL, *[NONE] * 8, number(found.relative_residual, 2)))
     scaled = "first" if found.angle[0] == 1.0 else "largest"
     yield table(
         "No. | < Station | J referred [kg m²] | Angle [rad] | ω² J × angle [N m] | From no. | < Through | "
         "Torque in [N m] | Flexibility [rad/(N m)] | Twist [rad] | Torque out [N m]",
         rows,
         f"Holzer table of mode {mode + 1}, ω² = {number(found.square, SQUARE)} rad²/s², referred to the reference "
-        f"speed, {scaled} amplitude 1 rad",
+        f"speed, {scaled} amplitude 1 rad, {RESIDUAL} {number(found.relative_residual, 2)}",
     )
     if constants:
         titles = "< Shaft | A | H [rad/(N m)] | B [N m/rad] | D"
@@ -205,10 +247,10 @@ def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[F
     parts = [part for part in system.train.parts if part.stations and place.row[part.stations[-1]] == 0]
     links = len(parts) <= MOST_NAMES  # on the main line: more are not named
     ticks = [(float(place.x[list(p.stations)].mean()), p.name) for p in parts if p.is_point or links]
-    caption = "angle and torque referred to the reference speed, relative to their largest value"
+    caption = "angle and torque, referred to the reference speed and relative to their maximum"
     if not drawn.is_whole:
         longest = drawn.longest * (1 if system.groups is None else system.groups.longest)
-        caption += f"; of long shafts every {longest}th segment is drawn"
+        caption += f"; long shafts are drawn with every {longest}th segment"
     for mode in chosen:
         angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]
         torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]

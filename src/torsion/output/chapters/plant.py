@@ -11,7 +11,7 @@ from torsion.arrays import FloatArray
 from torsion.components.lowering import Part
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
-from torsion.output.figures.figure import Disc, Figure, Link, Sketch
+from torsion.output.figures.figure import Disc, Link, Sketch
 from torsion.output.joined_sketch import joined
 from torsion.output.numbers import below_right, degrees, given_rpm
 from torsion.output.reported_values import NOT_STATED, rated, reference
@@ -20,7 +20,7 @@ from torsion.primitives import Bar, Constraint
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Sketch and components."""
+    """The components with their speeds and sources."""
     speed, parts = rated(findings), findings.study.train.parts
     noted = any(part.note for part in parts)
     rows = []
@@ -28,15 +28,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
         own = [given_rpm(speed * float(part.ratio))] if speed is not None else []
         words = [part.source or NOT_STATED, *([part.note or ""] if noted else [])]
         rows.append((position, part.name, part.kind, part.ratio, *own, *words))
-    caption = (
-        "The train from its driving end, numbered as in the table (not to scale; heights by the logarithm of inertia)"
-    )
     yield Heading("The plant")
-    drawn, joining = sketch(findings)
-    yield Figure("plant", caption + joining, (drawn,))
-    yield Paragraph(f"Speed ratios count from {reference(findings)}; of a gear, at its driving wheel.")
+    if description := findings.study.description.strip():
+        yield Paragraph(description)
+    yield Paragraph(f"Speed ratio: speed / speed of {reference(findings)}; for a gear, at the driving wheel.")
     speeds, notes = "Rated speed [rpm] | " if speed is not None else "", " | < Note" if noted else ""
-    titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the figures{notes}"
+    titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the data{notes}"
     yield table(titles, rows, "Components")
 
 

@@ -8,11 +8,16 @@ from pathlib import Path
 from torsion.errors import without_controls
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Verbatim, table
-from torsion.output.numbers import number
+from torsion.output.check_words import basis
+from torsion.output.numbers import number, symbols
 from torsion.output.scene import checksum, pressure_files, signal_files
 from torsion.primitives import SectionMesh
+from torsion.results import listed
+from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 from torsion.user_files import LARGEST_SIGNAL, read_file
+
+MOST_CLAUSES = 20  # of a rule
 
 
 def steps(findings: Findings) -> Iterator[Block]:
@@ -21,12 +26,23 @@ def steps(findings: Findings) -> Iterator[Block]:
     rows = [
         (line.what, line.method, _singular(line.size), number(1e3 * line.seconds, 3), line.why) for line in plan.done
     ]
-    yield Heading("What was computed")
+    yield Heading("Appendix: what was computed")
     yield table("< Step | < Method | < Size | Time [ms] | < Why", rows, "Steps that were done")
     if plan.left_out:
         yield table("< Left out | < Why", plan.left_out, "Left out")
     if plan.versions:
         yield KeyValues(tuple(plan.versions.items()))
+
+
+def sources(findings: Findings) -> Iterator[Block]:
+    """Appendix: the rules that judged, their clauses and the basis of their limits."""
+    clauses: dict[tuple[str, str], dict[str, None]] = {}
+    for check in findings.need(Checks).lines:
+        clauses.setdefault((check.rule, basis(check)), {})[symbols(check.clause)] = None
+    if clauses:
+        yield Heading("Appendix: sources of the limits")
+        rows = [(rule, listed(names, most=MOST_CLAUSES), words) for (rule, words), names in clauses.items()]
+        yield table("< Rule | < Clauses | < Basis", rows, "Rules used by this run and the basis of their limits")
 
 
 def _singular(size: str) -> str:

@@ -1,72 +1,80 @@
-"""Chapters: the verdict, first page and details: barred ranges and every check; remarks on those that pass."""
+"""Chapters: the cover; the checks with barred ranges and remarks; remarks on the checks that pass."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from functools import partial
 
 from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
-from torsion.output.chapters import case_verdict, first_page
+from torsion.output.chapters import first_page
 from torsion.output.check_words import STRESS, contributing, quoted
+from torsion.output.headline import box, case_name
 from torsion.output.numbers import NONE, counted, number, rpm, symbols
 from torsion.output.reported_values import band_words, barred, barred_rpm, mode_near, rated
 from torsion.results import listed
-from torsion.rules.verdict_line import WORDS, BarredRange, Check, Checks
+from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, BarredRange, Check, Checks
 
-MOST_NAMED = 12  # components without a source that are named on the first page
+MOST_NAMED = 12  # components without a source that are named
+UNCONFIRMED = (
+    "Limits with 'edition not confirmed' follow the published practice of the rule named. Compare them with the "
+    "edition in force."
+)
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """The verdict on the first page of every report; what it stands on follows."""
-    yield Heading(f"Verdict of the case {case}" if (case := first_page.case_name(findings)) else "Verdict", at_end=True)
-    before = case_verdict.rows_of_first_page(findings.each) if findings.cases else 0
-    yield from first_page.blocks(findings, [*_unjudged(findings), _sources(findings)], before)
-    yield from _details(findings)
+    """The cover of every report, and the checks on the page after it."""
+    case = findings.study.case
+    yield Heading("Verdict" if case is None else f"Verdict of the case {case.name}", at_end=True)
+    yield from first_page.blocks(findings)
+    yield from _details(
+        findings, Heading(f"Checks of the case {name}" if (name := case_name(findings)) else "Checks", at_end=True)
+    )
+    yield from _unjudged(findings)
+    yield from _sources(findings)
 
 
 def judged(findings: Findings) -> Iterator[Block]:
-    """The verdict without pictures; nothing where no rule judged."""
+    """The verdict without pictures; nothing if no rule was applied."""
     if findings.need(Checks).lines:
         yield Heading("Verdict", at_end=True)
-        yield first_page.box(findings)
+        yield box(findings)
         yield from _details(findings)
 
 
-def _details(findings: Findings) -> Iterator[Block]:
+def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
     checks = sorted(findings.need(Checks).lines, key=check_words.rank)
-    if checks:
-        yield _checks(findings, checks)
+    if not checks:
+        return
+    yield from heading
+    listed_checks = [check for row, check in enumerate(checks) if check_words.is_listed(check, row)]
+    yield _checks(findings, listed_checks)
+    if omitted := len(checks) - len(listed_checks):
+        yield Paragraph(f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json.")
+    if editions := check_words.editions(checks):
+        yield Paragraph(editions)
+    if any(check.standing == TO_BE_VERIFIED for check in checks):
+        yield Paragraph(UNCONFIRMED)
     yield from barred_ranges(findings)
     if remarks := _remarks(check for check in checks if check.verdict != "pass"):
-        yield Heading("Remarks on the checks that do not pass", 2)
+        yield Heading("Remarks", 2)
         yield remarks
-    if checks:
-        yield table(
-            "< Clause -> | < Component -> | < Check | < Rule | < Standing of the limit -> limit from",
-            [(symbols(one.clause), one.where, one.what, one.rule, one.standing) for one in checks],
-            "Clause and standing of every limit",
-            short="Standing of every limit",
-        )
 
 
 def _checks(findings: Findings, checks: Sequence[Check]) -> Table:
     return table(
-        "< Check -> | < Component -> | Value / limit -> | Utilisation [%] -> used, % | At speed [rpm] -> at rpm | "
-        "< Order | < Verdict ->",
-        map(partial(_row, findings), checks),
-        "Checks against the rules, each at its worst point: those that fail first, then by utilisation of the "
-        "limit (value / limit, of a least value limit / value: of a diameter no share of stress). Order: the one "
-        "that contributes most",
+        "< Check -> | < Component -> | Value -> | Limit -> | < Unit -> | Utilisation [%] -> utilisation, % | "
+        "Speed [rpm] | < Order | < Rule, clause and basis | < Verdict ->",
+        [_row(findings, check) for check in checks],
+        "Checks, each at its worst point, worst first. Order: the main contribution",
         marks=[check.verdict for check in checks],
-        short="Checks, each at its worst point",
+        short="Checks, worst first",
     )
 
 
 def remarks(findings: Findings) -> Iterator[Block]:
-    """Appendix: what is to be said of checks that pass."""
+    """Appendix of the full report: remarks on the checks that pass."""
     if found := _remarks(check for check in findings.need(Checks).lines if check.verdict == "pass"):
-        yield Heading("Appendix: remarks on the checks that pass")
+        yield Heading("Appendix: remarks on the checks")
         yield found
 
 
@@ -88,47 +96,44 @@ def _unjudged(findings: Findings) -> Iterator[Paragraph]:
     about: dict[str, list[str]] = {}
     for bar in findings.study.train.bars if findings.study.rules else ():
         if bar.name not in judged:
-            about.setdefault(reasons.get(bar.name, "no rule that the file names judges it"), []).append(
-                quoted(bar.name)
-            )
+            about.setdefault(reasons.get(bar.name, "no rule of the file applies"), []).append(quoted(bar.name))
     if about:
         words = "; ".join(f"{listed(names)} ({why})" for why, names in about.items())
-        yield Paragraph(f"Shafts whose stress no rule judges: {words}.", "note")
+        yield Paragraph(f"Shaft stress not checked: {words}.", "note")
 
 
-def _sources(findings: Findings) -> Paragraph:
-    """How many components and excitations do not say where their figures come from."""
+def _sources(findings: Findings) -> Iterator[Paragraph]:
+    """How many components and excitations have no `source` for their data; nothing if all have one."""
     parts = [part for part in findings.study.train.parts if part.kind != "branch"]
-    given = [torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)]
+    torques = [torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)]
     bare = [quoted(part.name) for part in parts if part.source is None]
-    lacking = f"{len(bare):,} of {counted(len(parts), 'component')}" if bare else ""
-    lacking += f" ({', '.join(bare)})" if 0 < len(bare) <= MOST_NAMED else ""
-    acting = sum(torque.source is None for torque in given)
-    excited = f"{acting} of {counted(len(given), 'excitation')}" if acting else ""
-    lacking = " and ".join(filter(None, (lacking, excited)))
+    lacking = [f"{len(bare):,} of {counted(len(parts), 'component')}"] if bare else []
+    if 0 < len(bare) <= MOST_NAMED:
+        lacking[0] += f" ({', '.join(bare)})"
+    if count := sum(torque.source is None for torque in torques):
+        lacking.append(f"{count} of {counted(len(torques), 'excitation')}")
     if lacking:
-        return Paragraph(f"Where the figures come from is not stated for {lacking}.", "note")
-    return Paragraph("Where the figures come from is stated for every component and excitation.")
+        yield Paragraph(f"No `source` for the data of {' and '.join(lacking)}.".replace("`", ""), "note")
 
 
 OVER_TOLERANCES = (
-    "Over the tolerances of the file the critical speed moves; the last two columns are the range that covers it, with "
-    "the rule's width, wherever it lies. That is proven of the critical speed alone: how far the stress then exceeds "
-    "its limit follows no figure in one sense, and the verdict is that of the file's figures."
+    "The last two columns cover the critical speed at every combination of the tolerances, with the width of the rule. "
+    "Only the critical speeds have guaranteed bounds. Stress is not monotonic in a parameter; the verdict is for the "
+    "nominal input data."
 )
 
 
 def barred_ranges(findings: Findings) -> Iterator[Block]:
-    """Nothing where no range is barred."""
+    """Nothing if no range is barred."""
     found, speed = barred(findings), rated(findings)
     if not found:
         return
     by = listed(dict.fromkeys(check.rule for check in findings.need(Checks).lines if check.barred))
     yield Paragraph(
-        f"Barred for continuous operation: {'; '.join(map(band_words, barred_rpm(findings)))}. The range is to be "
-        "passed rapidly, to be marked on the tachometer and to be shown on a notice at every control station. By "
-        "formula 16 n_{c}/(18 − λ) to (18 − λ) n_{c}/16 with λ = n_{c}/n_{rated}, extended to every speed at which the "
-        f"stress exceeds its limit and by the tolerance of the tachometer ({by}); n_{{c}} is the critical speed."
+        f"Barred for continuous operation: {'; '.join(map(band_words, barred_rpm(findings)))}. Pass the range rapidly, "
+        "mark it on the tachometer and show it on a notice at every control station. The formula is 16 n_{c}/(18 − λ) "
+        "to (18 − λ) n_{c}/16 with the critical speed n_{c} and λ = n_{c}/n_{rated}. The range is extended to every "
+        f"speed at which the stress exceeds its limit, and by the tolerance of the tachometer ({by})."
     )
     moved = any(math.isfinite(b.tolerance_lower) for b in found)
     if moved:
@@ -145,15 +150,16 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
         f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",
         short="Barred ranges",
     )  # fmt: skip
-    times = dict.fromkeys(one for check in findings.need(Checks).lines for one in check.times if check.barred)
+    times = dict.fromkeys(time for check in findings.need(Checks).lines for time in check.times if check.barred)
     if times:
         cells = [
-            (one.motion or "the only", rpm(one.lower), rpm(one.upper), number(one.seconds, 3),
-             NONE if one.share is None else number(100.0 * one.share, 3), "ends within" if one.stays else "passes")
-            for one in times
+            (passage.motion or "the only", rpm(passage.lower), rpm(passage.upper), number(passage.seconds, 3),
+             NONE if passage.share is None else number(100.0 * passage.share, 3),
+             "ends within" if passage.stays else "passes")
+            for passage in times
         ]  # fmt: skip
-        titles = "< Motion over time | From [rpm] | To [rpm] | Within [s] | Reached, of the steady resonance [%] | <"
-        yield table(titles, cells, "Motions over time within barred ranges; the rule has no limit of the time")
+        titles = "< Transient | From [rpm] | To [rpm] | Time in the range [s] | Peak / steady resonance [%] | <"
+        yield table(titles, cells, "Transients in barred ranges (the rule has no limit of the time)")
 
 
 def _mode(findings: Findings, barred: BarredRange) -> str:
@@ -165,8 +171,9 @@ def _mode(findings: Findings, barred: BarredRange) -> str:
 
 def _row(findings: Findings, check: Check) -> tuple[str, ...]:
     used = NONE if check.utilisation is None else number(100.0 * check.utilisation, 4)
-    against = f"{check_words.value(check)} / {check_words.limit(check)} {check_words.unit(check)}".rstrip()
     return (
-        f"{symbols(check.clause)}: {check.what}", check.where, against, used, rpm(check.speed),
-        contributing(findings, check.order), f"{check_words.SIGNS[check.verdict]} {WORDS[check.verdict]}",
+        check.what, check.where, check_words.value(check), check_words.limit(check), check_words.unit(check), used,
+        rpm(check.speed), contributing(findings, check.order),
+        f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
+        f"{check_words.SIGNS[check.verdict]} {WORDS[check.verdict]}",
     )  # fmt: skip

@@ -23,5 +23,5 @@ def coupling_table(
     panels = [Panel(x, Axis("stiffness", unit, low=0.0), (curve,), marks=(marks,) if modes else ())]
     if loss_factor.any():
         lines = (Line("loss factor", at, loss_factor, 1, symbol="box"),)
-        panels.append(Panel(x, Axis("loss factor", "", low=0.0), lines, height=120.0))
+        panels.append(Panel(x, Axis("loss factor", "", low=0.0), lines, height=95.0))
     return Figure(name, caption, tuple(panels))

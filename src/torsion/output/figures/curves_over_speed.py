@@ -40,7 +40,7 @@ def torque(
     values = [line.y for line in drawn]
     if synthesis is not None:
         values = [np.where(hidden, np.nan, synthesis)]
-        drawn = (Line("synthesis (half range)", speed, values[0], "synthesis"), *drawn)
+        drawn = (Line("total vibratory torque", speed, values[0], "synthesis"), *drawn)
     top = max((float(np.max(one, where=np.isfinite(one), initial=0.0)) for one in values), default=0.0)
     near = [limit for _, limit in limits if limit <= NEAR * top]
     y = amplitudes("torque amplitude", unit, values, near)
@@ -60,7 +60,7 @@ def stress(
     lines: (name, (speeds,)) of single orders. A stress far below its limit has a plot of its own below the other.
     """
     hidden, bands = unanswered(speed, bad)
-    total = Line("stress (synthesis)", speed, np.where(hidden, np.nan, synthesis), "synthesis")
+    total = Line("total stress", speed, np.where(hidden, np.nan, synthesis), "synthesis")
     stresses = (total, *orders(speed, lines, hidden))
     given: tuple[tuple[str, FloatArray | None, Role], ...] = (
         ("limit τ_{C}, continuous", continuous, "limit"), ("limit τ_{T}, passing rapidly", transient, "second limit"),
@@ -77,8 +77,8 @@ def stress(
         y = amplitudes(*STRESS, [total.y], [float(np.nanmax(line.y)) for line in limits])
         return Figure(name, caption, (Panel(x, y, stresses + limits, rated_at, behind),))
     y = amplitudes(*STRESS, [total.y])
-    both = Panel(x, Axis("stress and limits", "N/mm²", low=0.0), (total, *limits), rated_at, behind, height=95.0)
-    return Figure(name, caption, (both, Panel(x, y, stresses, rated_at, behind, height=150.0)))
+    both = Panel(x, Axis("stress and limits", "N/mm²", low=0.0), (total, *limits), rated_at, behind, height=75.0)
+    return Figure(name, caption, (both, Panel(x, y, stresses, rated_at, behind, height=105.0)))
 
 
 def gear(
@@ -88,7 +88,7 @@ def gear(
     """Vibratory against mean torque in one gear mesh; speed: (speeds,) rpm; torques (speeds,) in `unit`."""
     hidden, bands = unanswered(speed, bad)
     good = np.where(hidden, np.nan, vibratory)
-    lines = [Line("vibratory torque (synthesis)", speed, good, "synthesis")]
+    lines = [Line("total vibratory torque", speed, good, "synthesis")]
     if mean is not None:
         lines.append(Line("mean torque", speed, mean, 0))
         over = np.where(good > mean, good, np.nan)
@@ -99,14 +99,6 @@ def gear(
     return Figure(name, caption, (
         Panel(span(SPEED, speed), y, tuple(lines), (*levels, *rated_level(rated)), barred_bands(barred) + bands),
     ))  # fmt: skip
-
-
-def steady(
-    name: str, caption: str, *, speed: FloatArray, lines: Lines, unit: str, rated: float | None = None
-) -> Figure:
-    """Mean torque of the elements; speed: (speeds,) rpm; lines: (name, (speeds,)) in `unit`."""
-    drawn = tuple(Line(words, speed, values, pen) for pen, (words, values) in enumerate(lines[:MOST_LINES]))
-    return Figure(name, caption, (Panel(span(SPEED, speed), Axis("mean torque", unit), drawn, rated_level(rated)),))
 
 
 def frequency(
@@ -123,7 +115,7 @@ def frequency(
         Level("natural frequencies", at, "natural", "x") for at in natural if frequency[0] <= at <= frequency[-1]
     )
     x = span(Axis("frequency", "Hz"), frequency)
-    return Figure(name, caption, (Panel(x, amplitudes(quantity, unit, drawn), curves, levels, bands, height=210.0),))
+    return Figure(name, caption, (Panel(x, amplitudes(quantity, unit, drawn), curves, levels, bands, height=150.0),))
 
 
 def periodic(
@@ -148,7 +140,7 @@ def periodic(
     y = amplitudes("torque amplitude", unit, [line.y for line in drawn])
     x = span(SPEED, np.append(first_speed, speed))
     panel = Panel(
-        x, y, tuple(drawn), rated_level(rated), barred_bands((), unstable) + bands, tuple(marks), height=200.0
+        x, y, tuple(drawn), rated_level(rated), barred_bands((), unstable) + bands, tuple(marks), height=140.0
     )
     return Figure(name, caption, (panel,))
 
@@ -174,7 +166,7 @@ def bending(
             lines.append(Line(words, at, sound, k, words.split(",")[0].removeprefix("order ")))
             marks.append(Marks(STANDING, at[near[k]], curve[near[k]], "cross", "unstable"))
         y = amplitudes(quantity, unit, curves)
-        made.append(Panel(x, y, tuple(lines), levels, bands, tuple(marks), height=105.0))
+        made.append(Panel(x, y, tuple(lines), levels, bands, tuple(marks), height=90.0))
     return Figure(name, caption, tuple(made))
 
 
@@ -197,7 +189,7 @@ def stability(
         levels,
         ranges + missing,
         marks,
-        height=220.0,
+        height=200.0,
     )
     return Figure(name, caption, (panel,))
 
@@ -221,4 +213,4 @@ def stability_map(
     cells = Cells(speed, value, growth.T, "growth rate", "1/s", largest or 1.0)
     behind = (Band(NO_MOTION, float(speed[0]), float(speed[-1]), "no answer"),) if known.size < growth.size else ()
     x, y = span(SPEED, speed), span(Axis(quantity, unit), value)
-    return Figure(name, caption, (Panel(x, y, (), rated_level(rated), behind, cells=cells, height=250.0),))
+    return Figure(name, caption, (Panel(x, y, (), rated_level(rated), behind, cells=cells, height=190.0),))

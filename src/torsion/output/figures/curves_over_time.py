@@ -8,4 +8,4 @@ from torsion.output.figures.ranges import Lines, span
 def over_time(name: str, caption: str, *, time: FloatArray, lines: Lines, quantity: str, unit: str) -> Figure:
     """time: (samples,) s; lines: (name, (samples,)) in `unit`."""
     drawn = tuple(Line(words, time, values, pen) for pen, (words, values) in enumerate(lines))
-    return Figure(name, caption, (Panel(span(Axis("time", "s"), time), Axis(quantity, unit), drawn, height=165.0),))
+    return Figure(name, caption, (Panel(span(Axis("time", "s"), time), Axis(quantity, unit), drawn, height=130.0),))

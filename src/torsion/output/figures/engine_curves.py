@@ -28,7 +28,7 @@ def diagram(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
     lower = [Line(own if several else "firing", at, t, k, weight=1.5) for k, (own, at, _, _, t) in enumerate(curves)]
     return Figure(name, caption, (
         Panel(x, Axis("pressure, absolute", "bar", low=0.0), tuple(upper)),
-        Panel(x, Axis("tangential pressure", "bar"), tuple(lower), (Level("", 0.0, "zero"),), height=120.0),
+        Panel(x, Axis("tangential pressure", "bar"), tuple(lower), (Level("", 0.0, "zero"),), height=70.0),
     ))  # fmt: skip
 
 

@@ -126,7 +126,7 @@ class Panel:
     marks: tuple[Marks, ...] = ()
     cells: Cells | None = None
     stops: Stops | None = None
-    height: float = 190.0  # px of 1/96 inch on a sheet as wide as the text of A4
+    height: float = 130.0  # px of 1/96 inch on a sheet as wide as the text of A4
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def campbell(
     bands = (Band("speed range", *speeds, "range"), *moved, *within, *barred_bands(barred))
     x, y = replace(SPEED, low=0.0, high=right), Axis("frequency", "Hz", low=0.0, high=top)
     levels = (*modes, *rated_level(rated))
-    panel = Panel(x, y, tuple(lines), levels, bands, tuple(_met(crossings, right, top)), height=300.0)
+    panel = Panel(x, y, tuple(lines), levels, bands, tuple(_met(crossings, right, top)), height=210.0)
     return Figure(name, caption, (panel,))
 
 
@@ -78,7 +78,7 @@ def whirl(
     x, y = replace(SPEED, low=0.0, high=right), Axis("frequency of bending", "Hz", low=0.0, high=top)
     marks = (grows, *_met(crossings, right, top))
     bands = (Band("speed range", first, last, "range"),)
-    return Figure(name, caption, (Panel(x, y, tuple(lines), rated_level(rated), bands, marks, height=260.0),))
+    return Figure(name, caption, (Panel(x, y, tuple(lines), rated_level(rated), bands, marks, height=200.0),))
 
 
 def _whirling(speed: FloatArray, frequency: FloatArray, sense: FloatArray) -> Iterator[Line]:

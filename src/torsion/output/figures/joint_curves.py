@@ -33,7 +33,7 @@ def joint_turn(name: str, caption: str, *, angle: FloatArray, panels: Sequence[D
             )
             for words, values in kept
         )
-        made.append(Panel(x, _range(says, unit, size, kept), drawn, (Level("", 0.0, "zero"),), height=120.0))
+        made.append(Panel(x, _range(says, unit, size, kept), drawn, (Level("", 0.0, "zero"),), height=72.0))
     return Figure(name, caption, tuple(made))
 
 

@@ -56,8 +56,8 @@ def mode(
     angles, torques = (Axis(f"{what} / largest", "", -1.1, 1.1) for what in ("angle", "torque"))
     zero = (Level("", 0.0, "zero"),)
     return Figure(name, caption, (
-        Panel(along, angles, tuple(upper), zero, marks=(dots,), stops=stops[0], height=125.0),
-        Panel(along, torques, tuple(lower), zero, marks=tuple(marks), stops=stops[1], height=105.0),
+        Panel(along, angles, tuple(upper), zero, marks=(dots,), stops=stops[0], height=72.0),
+        Panel(along, torques, tuple(lower), zero, marks=tuple(marks), stops=stops[1], height=58.0),
     ), Moving(x, row, angle, ends, marked))  # fmt: skip
 
 

@@ -26,4 +26,4 @@ def waterfall(
     largest = float(amplitude.max(initial=0.0)) or 1.0
     cells = Cells(order, y, amplitude, TORQUE, unit, largest, DECADES)
     x = Axis(f"order of {reference}", "", 0.0, float(order[-1]))
-    return Figure(name, caption, (Panel(x, span(over, y), cells=cells, height=300.0),))
+    return Figure(name, caption, (Panel(x, span(over, y), cells=cells, height=210.0),))

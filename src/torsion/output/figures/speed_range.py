@@ -8,7 +8,7 @@ from torsion.output.figures.ranges import SPEED, Bands, barred_bands
 from torsion.output.numbers import number
 from torsion.output.reported_values import widened
 
-HEIGHT, ROOM = 54.0, 0.03  # px; of the range, free beyond its ends
+HEIGHT, ROOM = 46.0, 0.03  # px; of the range, free beyond its ends
 LONGEST = 480.0  # px of the names of all orders together
 Critical = tuple[float, str]  # rpm, what excites it
 
