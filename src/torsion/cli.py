@@ -34,6 +34,7 @@ def _say_version(is_requested: bool) -> None:
         raise typer.Exit
 
 
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print all tables, not their summary.")]
 VERSION = typer.Option("--version", callback=_say_version, is_eager=True, help="Print the version and end.")
 
 
@@ -63,6 +64,7 @@ def solve(
     memory: Annotated[
         str | None, typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB).")
     ] = None,
+    verbose: Verbose = False,
 ) -> None:
     """Solve a scene, print its tables and write its report.
 
@@ -78,7 +80,8 @@ def solve(
     )
     also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv)
     solved = partial(commands.solved, file, case=case, memory=memory)
-    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices, is_full=full)
+    shown = {"is_full": full, "is_verbose": verbose}
+    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices, **shown)
 
 
 @app.command()
@@ -100,6 +103,7 @@ def sweep(
     csv: Annotated[
         bool, typer.Option("--csv", help="Write every variant to variants.csv, and as `solve` does.")
     ] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Solve a scene as `solve` does, the variants of its sweep by several processes or machines.
 
@@ -116,7 +120,8 @@ def sweep(
         notice=partial(say, err=True),
     )  # fmt: skip
     try:
-        print_report("solve", file, out, solved, commands.outputs(pdf=pdf, figures=csv, tables=csv), as_json=False)
+        also = commands.outputs(pdf=pdf, figures=csv, tables=csv)
+        print_report("solve", file, out, solved, also, as_json=False, is_verbose=verbose)
     except (KeyboardInterrupt, SystemExit) as ended:
         typer.echo("ended; the parts that are finished stay, and the same command goes on from there", err=True)
         if isinstance(ended, SystemExit):
@@ -199,6 +204,7 @@ def report(
     csv: Annotated[
         bool, typer.Option("--csv", help="Write every table (tables.zip) and the numbers of every figure as CSV too.")
     ] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Draw the report again from its results, without solving: the page, and what the options name.
 
@@ -209,7 +215,7 @@ def report(
 
     with refusals(results):
         made, folder = commands.report(results, out, also=commands.outputs(pdf=pdf, figures=csv, tables=csv))
-        show(made, folder)
+        show(made, folder, is_verbose=verbose or made.name != "solve")
     end(made.ending.unanswered, made.ending.status)
 
 

@@ -81,6 +81,7 @@ def _summary(found: Compared) -> Table:
         f"{number(found.highest)} Hz; times of one run of the modes and of the torques",
         marks=[row[-1].lower().strip(NONE) for row in rows],
         short="Largest errors against the exact model",
+        rows_in_summary=4,
     )
 
 

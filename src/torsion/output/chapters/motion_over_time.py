@@ -236,7 +236,8 @@ def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
             unit.text(lacking),
         ))  # fmt: skip
     text = "Torques of the motion, mean torque included; where the torque of a gear reverses its teeth separate"
-    return table(titles, cells, text, short=f"Motion over time: {found.name}" if found.name else "Motion over time")
+    title = f"Motion over time: {found.name}" if found.name else "Motion over time"
+    return table(titles, cells, text, short=title, rows_in_summary=3)
 
 
 def _known(torque: float, largest: float) -> float:
