@@ -150,7 +150,7 @@ class Results:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Findings(Displayed, Results):
     """Everything that a study requests."""
 

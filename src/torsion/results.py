@@ -28,8 +28,10 @@ import numpy as np
 Value = TypeVar("Value")
 Axes = tuple[str, ...]
 BY_UNIT = "*"
-NOTEBOOK = "torsion.output.notebook:bundle"  # a name, since outputs stand above results
+LINE = "torsion.output.notebook:line"
+NOTEBOOK = "torsion.output.notebook:bundle"  # names, since outputs stand above results
 MOST_NAMES = 12  # one after another in a sentence
+LONGEST_LINE = 200  # characters of a result where text is shown
 _SPELLED = str.maketrans({"*": "", "(": "", ")": "", "/": "_per_"})
 
 
@@ -67,8 +69,10 @@ def result(unit: str, axes: Axes, meaning: str, *, default: Any = dataclasses.MI
 
 @typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
 def reported(kind: type[Value]) -> type[Value]:
-    """A class of results: a frozen dataclass whose declared quantities every output reads."""
-    return dataclass(frozen=True)(kind)
+    """A class of results: a frozen dataclass whose declared quantities every output reads; shown as one line."""
+    if kind.__repr__ is object.__repr__:
+        kind.__repr__ = single_values  # type: ignore[method-assign]
+    return dataclass(frozen=True, repr=False)(kind)
 
 
 def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
@@ -82,8 +86,40 @@ def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Cal
     return declare
 
 
+def single_values(shown: Any) -> str:
+    """The class of a result and its single values, by their keys, on one line.
+
+    >>> @reported
+    ... class Mesh:
+    ...     wheel: str = result("", (), "name of the wheel")
+    ...     torque: float = result("N*m", (), "mean torque")
+    >>> Mesh("pinion", 1500.0)
+    Mesh: wheel pinion, torque_Nm 1500
+    """
+    fields = {field.name for field in dataclasses.fields(shown)}
+    values = (
+        (quantity.key, getattr(shown, quantity.name)) for quantity in quantities(type(shown)) if quantity.name in fields
+    )
+    words = (
+        f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
+        for key, value in values
+        if isinstance(value, str | int | float)
+    )
+    return one_line(f"{type(shown).__name__}: {', '.join(words)}")
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks, cut where it is too long."""
+    text = " ".join(text.split())
+    return text if len(text) <= LONGEST_LINE else f"{text[: LONGEST_LINE - 1]}…"
+
+
 class Displayed:
     """What a notebook shows as tables and a figure, and as one line where it shows text."""
+
+    def __repr__(self) -> str:
+        line: str = resolve_name(LINE)(self)
+        return line
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
         """The line and the page; without it a notebook would keep every number of the arrays as text."""
