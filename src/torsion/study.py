@@ -15,11 +15,10 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.components.load_law import Load
 from torsion.errors import Fault, InputError, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
-from torsion.results import Displayed, listed, one_line
+from torsion.results import RPM, Displayed, listed, one_line
 from torsion.train import Train
 
 ModalRatio = Annotated[float, Quantity("1", at_least=0, below=1, usual="damping ratio")]
-RPM = 30.0 / math.pi  # of 1 rad/s
 MEMORY = 2e9  # bytes that a response may need where nothing else is said
 
 
