@@ -107,7 +107,7 @@ def drive_faults(study: Study) -> list[Fault]:
     transient = study.setting("analyses", "transient") is not None
     for part, law in driven_by_law(study.train):
         if transient and law.law != "torque":
-            message = f"the law of `drive` of '{part.name}' does not act in a motion over time yet"
+            message = f"the law of `drive` of '{part.name}' does not act in a transient response yet"
             hint = "write it as an event with a torque over speed, or leave one of both out"
             found.append(Fault((*part.path, "drive"), message, hint))
     return found

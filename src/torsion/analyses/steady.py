@@ -123,7 +123,7 @@ class MachinePower:
     enters: bool = result("", (), "true: power enters here; false: it leaves")
     speed: float = result("rad/s", (), "own speed of the machine")
     power: float = result("W", (), "power that it delivers or absorbs there")
-    torque: float = result("N*m", (), "mean torque at its own speed, positive where it drives")
+    torque: float = result("N*m", (), "mean torque at its own speed, positive if it drives")
     law: str = result("", (), "law of load; empty of a machine that drives")
     free: bool = result("", (), "it takes what the others leave: computed, not stated")
 
@@ -198,7 +198,7 @@ def run(work: Work) -> None:
         step.method = "sums over the tree"
         step.size = f"{grid.size} speeds"
     for name, slope in slopes_without_vibration(study):
-        why = f"its {slope:.6g} N m s/rad act on the mean speed, those of a load in the stability too; "
+        why = f"its {slope:.6g} N m s/rad act on the mean speed, for a load also in the stability; "
         why += "`lag` of a drive or `damping: law`"
         work.log.without(f"slope of '{name}' in vibration", f"{why} of a load lets it damp vibration too")
 

@@ -82,7 +82,7 @@ class Modes(Displayed):
     distributed: "ShaftModes | None" = field(default=None, repr=False)  # of a train with distributed inertia
 
     @derived(
-        "1", ("station", "mode"), "share of the kinetic energy; of a distributed shaft half at either end",
+        "1", ("station", "mode"), "share of the kinetic energy (half of a distributed shaft at either end)",
         key="kinetic_share", printed=("mode", "station"), is_total=True,
     )  # fmt: skip
     def kinetic(self) -> FloatArray:

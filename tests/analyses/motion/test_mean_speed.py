@@ -371,4 +371,4 @@ def test_law_of_a_drive_without_a_mean_torque_and_beside_a_motion_over_time_is_r
     over_time = "transient: {duration: 1 s, events: [{at: motor, time: 0.5 s, stop: {}}]}"
     with pytest.raises(InputError) as caught:
         torsion.parse(text(drive=", drive: {slip: 1 %}", analyses=over_time), "drum.yaml")
-    assert "the law of `drive` of 'motor' does not act in a motion over time yet" in str(caught.value)
+    assert "the law of `drive` of 'motor' does not act in a transient response yet" in str(caught.value)
