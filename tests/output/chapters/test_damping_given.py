@@ -58,9 +58,9 @@ def test_internal_damping_in_all_its_measures() -> None:
         "tail": ("material alloy", "0.012500", number(2.0 * math.pi * 0.0125), "80.000", "–"),
         "v ring": ("c = 7.5", "–", "–", "–", "7.5000"),
     }
-    assert "Taken as undamped: dry, steel." in texts(found)
+    assert "Undamped: dry, steel." in texts(found)
     assert next(iter(chapter(found))) == Heading("Appendix: damping")
-    assert "Taken as undamped" not in " ".join(texts(solved("2", SMALL)))
+    assert "Undamped" not in " ".join(texts(solved("2", SMALL)))
 
 
 SMALL = """

@@ -186,12 +186,12 @@ def test_a_line_in_words() -> None:
         (sentence,) = joint_tables.in_short(JOINTS, line(0, 1, **changed))
         return sentence
 
-    uneven = "The line of inner, straight turns its last shaft with an index of fluctuation of"
+    uneven = "The line of inner, straight rotates its last shaft with a degree of non-uniformity of"
     assert said() == f"{uneven} 23.450 %; its cross joints act as one of 25.000 deg."
     assert said(resultant=1e-7) == f"{uneven} 23.450 %."
     assert said(resultant=1e-5) == f"{uneven} 23.450 %; its cross joints act as one of 0.00057296 deg."
-    assert said(index=1e-13) == "The line of inner, straight turns its last shaft evenly."
-    assert said(index=ROUNDING) == "The line of inner, straight turns its last shaft evenly."
+    assert said(index=1e-13) == "The line of inner, straight rotates its last shaft uniformly."
+    assert said(index=ROUNDING) == "The line of inner, straight rotates its last shaft uniformly."
 
 
 def test_curves_over_the_angle_as_columns(bare: Findings) -> None:
@@ -217,8 +217,8 @@ def test_blocks_of_the_chapter_in_their_order(bare: Findings) -> None:
     made = blocks(bare, JOINTS)
     heads = [(block.text, block.level) for block in made if isinstance(block, Heading)]
     assert heads == [
-        ("Universal joints", 1), ("Joints together", 2), ("Secondary couples", 2), ("The best choice", 2),
-        ("What could not be said of the joints", 2),
+        ("Universal joints", 1), ("Joints together", 2), ("Secondary couples", 2), ("Optimum angles", 2),
+        ("Not computed for the joints", 2),
     ]  # fmt: skip
     assert list(figures(made)) == [
         "joint-motion-1",
@@ -258,21 +258,21 @@ def test_motion_with_and_without_a_speed(bare: Findings) -> None:
         (moving, (1 / DEG, 30 * RPM, 900.0, 1.0), ["angle error, deg", "speed, rpm", "acceleration, rad/s²"]),
         (still, (1 / DEG, 1.0, 1.0, 1.0), ["angle error, deg", "speed ratio", "acceleration / speed², 1/rad"]),
     ):
-        assert titles(figure) == [*axes, "torque behind / before the joint"]
+        assert titles(figure) == [*axes, "torque downstream / upstream"]
         for values, size, panel in zip(curves, (1.0, *sizes[1:]), figure.plots, strict=True):
             for drawn in panel.lines:
                 np.testing.assert_allclose(drawn.y, values * size, rtol=1e-14)
     assert [line.name for line in moving.plots[0].lines] == ["behind inner", "behind straight"]
-    assert plot(moving).x.title == "angle of the shaft before inner, deg"
-    assert moving.caption.endswith("of the first shaft, which turns evenly at 286.479 rpm")
-    assert still.caption == "Motion behind pot, cv over the angle of the first shaft, which turns evenly"
+    assert plot(moving).x.title == "angle of the shaft upstream of inner, deg"
+    assert moving.caption.endswith("of the first shaft, which rotates uniformly at 286.479 rpm")
+    assert still.caption == "Motion behind pot, cv over the angle of the first shaft, which rotates uniformly"
 
 
 def test_couples_are_drawn_over_the_first_shaft_of_their_line(bare: Findings) -> None:
     made = figures(blocks(bare, JOINTS))
     inner, pot = (made[f"joint-couples-{k}"] for k in (1, 3))
-    assert plot(inner).x.title == "angle of the shaft before inner, deg"
-    assert plot(pot).x.title == "angle of the shaft before pot, deg"
+    assert plot(inner).x.title == "angle of the shaft upstream of inner, deg"
+    assert plot(pot).x.title == "angle of the shaft upstream of pot, deg"
     assert titles(inner) == ["on the driving shaft, kN m", "on the driven shaft, kN m"]
     driving, driven = inner.plots
     sizes = {"about the normal": 0.3, "in the plane": 0.4, "resultant": 0.5, "in the turning yoke": 0.5}
@@ -301,17 +301,17 @@ def test_points_of_the_index_stand_in_the_range_that_is_drawn(
     assert line_.x == pytest.approx([-170.0, 0.0, 45.0, 190.0])
     assert line_.y == pytest.approx([40.0, 20.0, 30.0, 10.0])
     assert plot(made).x.title == f"{variable} of outer, deg"
-    assert made.caption == f"Index of fluctuation of inner, cv over the {variable} of outer"
+    assert made.caption == f"Degree of non-uniformity of inner, cv over the {variable} of outer"
 
 
 def test_the_index_of_three_joints_and_of_two_that_are_free(bare: Findings) -> None:
     even = optimum(index_best=1e-13, index_before=ROUNDING)
     three = figures(blocks(bare, together((FIRST, EVEN, EVEN), (line(0, 1, 2, optimum=even),))))["joint-index-1"]
-    assert three.caption.endswith("of outer, the other joints as they are")
+    assert three.caption.endswith("of outer, the other joints unchanged")
     assert [marks.y[0] for marks in plot(three).marks] == [0.0, 0.0]
     free = optimum(names=("outer", "cv"), before=(0.1, 0.2), best=(0.3, 0.4), sensitivity=(0.1, 0.2))
     two = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=free),))))["joint-index-1"]
-    assert two.caption.endswith("of outer; the best point moves all free joints")
+    assert two.caption.endswith("of outer; the optimum moves all free joints")
 
 
 def test_the_summary_has_the_verdict_where_a_rule_judges(bare: Findings, train: Findings) -> None:

@@ -64,7 +64,7 @@ def test_largest_errors_and_times(bare: Findings) -> None:
         ("fem", "0.200", "0.0500", "–", "3", "12 + 460", "PASS"),
     )
     assert made.marks == ("", "fail", "pass")
-    assert made.caption.startswith("Largest errors against the exact model, of 3 modes; modes below 54.321 Hz")
+    assert made.caption.startswith("Maximum errors against the exact model, of 3 modes; modes below 54.321 Hz")
 
 
 def test_modes_side_by_side(bare: Findings) -> None:
@@ -91,7 +91,7 @@ def test_forty_modes_stand_in_the_table(bare: Findings, number: int) -> None:
     made = blocks(bare, comparing(lumped, exact=exact))
     assert [row[0] for row in tables(made)[1].rows] == [str(k) for k in range(1, 41)]
     left_out = [text for text in texts(made) if "left out of the table" in text]
-    assert left_out == (["Modes 41 to 41 are left out of the table; see the JSON file."] if number == 41 else [])
+    assert left_out == (["Modes 41 to 41 are in the JSON file."] if number == 41 else [])
 
 
 def test_blocks_in_their_order(bare: Findings) -> None:
@@ -103,7 +103,7 @@ def test_blocks_in_their_order(bare: Findings) -> None:
     assert shown == ["The models lumped and fem are within 1 % of the exact model.", "The exact model"]
     assert items(made)[:3] == ["exact: exact pieces", "lumped: lumped pieces", "fem: fem pieces"]
     guessed = comparing(model("lumped", 1e-3, certified=False))
-    assert items(blocks(bare, guessed))[1] == "lumped: lumped pieces; not certified by counts"
+    assert items(blocks(bare, guessed))[1] == "lumped: lumped pieces; not certified by Sturm counts"
     same = Compared(1e-2, 1e-2, same="All are the same.")
     assert blocks(bare, same) == [
         Heading("Comparison of the models"),

@@ -144,7 +144,7 @@ def test_with_a_speed_the_curves_have_its_units(solve: Solve) -> None:
     line = panels["speed, rpm"][0]
     assert line.name == "behind " + NAME.strip('"')
     assert line.y.max() == pytest.approx(60.0 / math.cos(math.radians(15.0)) * 30.0 / math.pi, rel=1e-12)
-    assert set(panels) == {"angle error, deg", "speed, rpm", "acceleration, rad/s²", "torque behind / before the joint"}
+    assert set(panels) == {"angle error, deg", "speed, rpm", "acceleration, rad/s²", "torque downstream / upstream"}
 
 
 def test_couples_of_a_cross_joint_have_the_closed_mean_and_amplitude(solve: Solve) -> None:

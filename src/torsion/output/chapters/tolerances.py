@@ -73,7 +73,7 @@ def _matters(found: Tolerances) -> Iterator[Block]:
         for mode in range(found.frequency.size)
         for one in sorted(found.figures, key=lambda one: -float(one.change[mode]))[:MOST_FIGURES]
     ]  # fmt: skip
-    titles = "Mode -> | < Parameter -> | Tolerance [%] | Sensitivity | Change of the mode [±%] -> +- %"
+    titles = "Mode -> | < Parameter -> | Tolerance [%] | Sensitivity | Change of the mode, ± [%] -> ± %"
     rest = f" (the first {MOST_FIGURES} of {len(found.figures)} of each mode)" * (len(found.figures) > MOST_FIGURES)
     yield table(titles, rows[:MOST_ROWS], f"Dominant parameters{rest}", short="Dominant parameters")
 
