@@ -66,7 +66,7 @@ def test_harmonic_components_of_the_response() -> None:
     lines = replace(lines[0], order=Fraction(5, 2)), replace(lines[1], order=None, frequency=7.25)
     frequency = np.array([[3.0, 7.25], [1.5, 7.25], [9.0, 7.25]])
     *_, said = chapter(found.having(response=replace(response, lines=lines, frequency=frequency)))
-    assert said.text.startswith("Orders of the response, per revolution of m: 2.5 × x, y, 7.25 Hz (x, y).")
+    assert said.text.startswith("Harmonic components of the response, per revolution of m: 2.5 × x, y, 7.25 Hz (x, y).")
     for none in (replace(response, lines=()), None):
         assert isinstance(list(chapter(found.having(response=none)))[-1], Table)
 

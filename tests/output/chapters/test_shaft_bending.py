@@ -121,10 +121,10 @@ def test_blocks_of_the_chapter_in_their_order(operated: Findings) -> None:
 
 
 def test_supports_and_lowest_frequencies_at_rest(operated: Findings) -> None:
-    found = table(blocks(operated, shaft("tube")), "what supports them")
+    found = table(blocks(operated, shaft("tube")), "and their supports")
     assert found.rows == (("tube", "1.5000", "1/2", "front at 0.1000 m, rear at 1.400 m", "6.50000", "–"),)
     other = shaft("tube", at_rest=InPlanes(NONE, np.array([8.5])))
-    assert table(blocks(operated, other), "what supports them").rows[0][4:] == ("–", "8.50000")
+    assert table(blocks(operated, other), "and their supports").rows[0][4:] == ("–", "8.50000")
 
 
 def test_critical_speeds_up_to_twice_the_range_and_two_of_every_order(operated: Findings) -> None:
@@ -148,7 +148,7 @@ def test_without_speeds_every_critical_speed_is_listed_and_none_lies_in_a_range(
     found = table(blocks(bare, shaft("tube", whirl=None, answers=())), "Critical bending")
     assert [float(row[3]) for row in found.rows] == pytest.approx([one.speed * RPM for one in CRITICAL], rel=1e-4)
     assert {row[7] for row in found.rows} == {"no"}
-    assert found.caption.endswith("no bound is known for the amplitude")
+    assert found.caption.endswith("damping ratio 0: unbounded amplitude")
 
 
 def test_speeds_of_the_bending_come_before_those_of_the_operation(operated: Findings) -> None:
@@ -267,7 +267,7 @@ def test_curves_of_displacement_moment_and_force(operated: Findings) -> None:
     sizes = (np.ones(2), np.array([0.02, 0.2]), np.array([0.002, 2.0]))
     shapes = (worst, worst, np.array([2.0, 8.0, 7.0]))
     for panel, size, shape in zip(drawn.plots, sizes, shapes, strict=True):
-        still_, moving = (named(panel)[name] for name in ("order 0, at rest", "order 2"))
+        still_, moving = (named(panel)[name] for name in ("order 0, static", "order 2"))
         assert still_.x == pytest.approx(SPEED * RPM)
         assert moving.x == pytest.approx((SPEED + 2.0) * RPM)
         assert still_.y == pytest.approx(size[0] * shape)
@@ -277,7 +277,7 @@ def test_curves_of_displacement_moment_and_force(operated: Findings) -> None:
     assert levels(drawn) == {
         "critical speeds of these orders": [pytest.approx(30.0 * RPM)], "rated speed": [pytest.approx(750.0)],
     }  # fmt: skip
-    assert (drawn.name, drawn.caption[:26]) == ("bending-2", "tube: largest displacement")
+    assert (drawn.name, drawn.caption[:26]) == ("bending-2", "tube: maximum amplitude of")
     (drawn,) = figures(
         blocks(operated, shaft("tube", answers=(replace(bad, status=bad.status[[0, 2, 0]]),))), "bending"
     )

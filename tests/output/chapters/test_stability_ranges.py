@@ -97,8 +97,8 @@ def test_introduction_counts_speeds_and_lists_the_first_six_modes(operated: Find
     blocks = list(chapter(with_stability(operated)))
     assert [type(block) for block in blocks] == [Heading, Paragraph, Paragraph, Table, Figure]
     assert stated(blocks)[0] == (
-        (f"{MODEL} 4 speeds of drive as requested, 3 more in and around zones. Where both were used, monodromy and "
-        "Hill's matrix differ by at most 0.0012 1/s. Elastic modes with straight joints: w1 = 11.000, w2 = 22.000, "
+        (f"{MODEL} 4 speeds of drive as requested, 3 more near unstable ranges. Monodromy matrix and "
+        "Hill matrix differ by at most 0.0012 1/s. Elastic modes with straight joints: w1 = 11.000, w2 = 22.000, "
         "w3 = 33.000, w4 = 44.000, w5 = 55.000, w6 = 66.000 rad/s and higher."), "plain",
     )  # fmt: skip
 
@@ -108,10 +108,10 @@ def test_introduction_counts_speeds_and_lists_the_first_six_modes(operated: Find
     [
         ({"modes": np.arange(1.0, 7.0)}, "w6 = 6.0000 rad/s."),
         ({"check": math.nan},
-         "zones. The second method is too large for this train. The growth rates are from one method."),
+         "near unstable ranges. The second method is too large for this train. The growth rates are from one method."),
         ({"check": math.nan, "growth": np.full(7, np.nan)},
-         "zones. No periodic motion was found at any speed, so that no growth rate is known."),
-        ({"check": math.nan, "growth": np.array([np.nan, -1.0, *[np.nan] * 5])}, "zones. The second method was too"),
+         "near unstable ranges. No periodic motion was found at any speed, so that no growth rate is known."),
+        ({"check": math.nan, "growth": np.array([np.nan, -1.0, *[np.nan] * 5])}, "near unstable ranges. The second method is too"),
         ({"kept": 3, "left_out": 0.005678},
          ("1/s. The model has 3 of 7 elastic modes. With twice as many modes the growth rates change by at most "
          "0.0057 1/s.")),
@@ -127,7 +127,7 @@ def test_introduction_says_how_sure_the_rates_are(operated: Findings, changed: d
     [
         (check(-0.4, "pass"), "No deviation grows at any speed in {}.", "pass"),
         (check(math.inf, note="no motion"), "Stability is not known at every speed in {}: no motion.", "fail"),
-        (check(0.0, note="a part"), "No unstable range was found, but {} is not whole: a part.", "fail"),
+        (check(0.0, note="a part"), "No unstable range was found, but {} is not covered completely: a part.", "fail"),
         (check(0.5), "The train is unstable in {}: maximum growth 0.5000 1/s at 450.00 rpm.", "fail"),
     ],
 )
@@ -150,13 +150,13 @@ def test_ranges_with_growth_per_revolution_and_what_lies_in_the_operation(operat
         ("599.999000", "610.000000", KIND, "2.0000", "600.000", factors[0], "UNSTABLE", ""),
         ("590.000000", "600.001000", KIND, "2.0000", "600.000", factors[0], "UNSTABLE", ""),
         ("910.000000+", "930.000000", KIND, "300000", "920.00", factors[1], "outside",
-         "it goes on below 910 rpm (not requested)"),
+         "continues below 910 rpm (not requested)"),
         ("700.000000", "710.000000?", KIND, "1.5000", "705.00", factors[2], "UNSTABLE",
-         "from 710 to 720 rpm not known"),
+         "710 to 720 rpm not known"),
         ("870.000000", "890.000000+", KIND, "2.5000", "880.00", factors[3], "UNSTABLE",
-         "it goes on above 890 rpm (not requested)"),
+         "continues above 890 rpm (not requested)"),
         ("820.000000?", "830.000000", KIND, "3.5000", "825.00", factors[4], "UNSTABLE",
-         "from 810 to 820 rpm not known"),
+         "810 to 820 rpm not known"),
     )  # fmt: skip
     found = tables(list(chapter(with_stability(operated, ranges=ranges))))[0]
     assert found.rows == rows
@@ -167,7 +167,7 @@ def test_ranges_with_growth_per_revolution_and_what_lies_in_the_operation(operat
         == ("Unstable ranges of speed (+ continues beyond the requested speeds; ? not computed beyond)")
     )
     assert [column.title for column in found.columns][3:] == [
-        "Maximum growth", "At speed", "Factor per revolution", "In the operating range", "Beyond the range"
+        "Maximum growth", "Speed", "Factor per revolution", "In the operating range", "Beyond the range"
     ]  # fmt: skip
     assert {row[6] for row in tables(list(chapter(with_stability(bare, ranges=ranges))))[0].rows} == {"UNSTABLE"}
     plain = tables(list(chapter(with_stability(operated))))[0]
@@ -219,7 +219,7 @@ def test_restrictions_name_the_ranges_and_where_nothing_is_known(operated: Findi
     silent = with_stability(operated, check(math.inf, note="no motion at all"), growth=growth)
     assert restrictions(silent, silent.need(Stability)) == [
         f"Unstable range: 420.0 to 480.0 rpm, {KIND}. Not for operation.",
-        "Stability of the whole train: no motion at all.",
+        "Stability of the whole train not computed: no motion at all.",
     ]
 
 
@@ -261,8 +261,8 @@ def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Find
     ]
     assert [block.level for block in blocks if isinstance(block, Heading)] == [1, 2]
     assert stated(blocks) == [(
-        ("Growth over speed and joint angle, on 4 of 9 elastic modes. At 5 points the whole train was computed too: "
-        "largest difference 0.0012 1/s. At 4 of 12 points no periodic motion was found; they are hatched."), "note"
+        ("Growth over speed and joint angle, on 4 of 9 elastic modes. At 5 points the full model was also "
+        "computed: maximum difference 0.0012 1/s. At 4 of 12 points no periodic motion was found; they are hatched."), "note"
     )]  # fmt: skip
     cells = plot(blocks[-1]).cells
     np.testing.assert_array_equal(cells.values, GROWN.T)
@@ -285,8 +285,8 @@ def test_value_of_a_map_that_is_unknown_at_one_speed_is_stable_at_the_others(ope
 def test_map_over_a_factor_has_no_unit_and_says_where_it_found_another_motion(operated: Findings) -> None:
     blocks = mapped(operated, np.full((3, 2), -1.0), over="torque", value=np.array([0.5, 2.0]), elsewhere=1, checked=1)
     assert stated(blocks) == [(
-        ("Growth over speed and factor on the mean torque, on 4 of 9 elastic modes. At 1 point the whole train was "
-        "computed too: largest difference 0.0012 1/s. At 1 point it settled in another periodic motion."), "plain"
+        ("Growth over speed and factor on the mean torque, on 4 of 9 elastic modes. At 1 point the full model was "
+        "also computed: maximum difference 0.0012 1/s. At 1 point it settled in another periodic motion."), "plain"
     )]  # fmt: skip
     assert plot(blocks[-1]).y.title == "factor on the mean torque"
     assert plot(blocks[-1]).cells.y.tolist() == [0.5, 2.0]
@@ -301,11 +301,11 @@ def test_thirteen_values_spread_over_a_map_are_listed(operated: Findings) -> Non
 @pytest.mark.parametrize(
     ("ranges", "words"),
     [
-        ((zone(320, 330, 480, 1),), " the unstable range above lies between them and"),
+        ((zone(320, 330, 480, 1),), " the unstable range above that lies between them."),
         ((zone(320, 330, 480, 1), zone(300, 310, 320, 1), zone(510, 530, 550, 1)),
-         " 2 of the 3 unstable ranges above lie between them and"),
+         " 2 of the 3 unstable ranges above that lie between them."),
         ((zone(320, 330, 480, 1), zone(450, 460, 500, 1), zone(490, 500, 600, 1)),
-         " 1 of the 3 unstable ranges above lies between them and"),
+         " 1 of the 3 unstable ranges above that lies between them."),
         ((zone(290, 295, 310, 1), zone(690, 700, 710, 1)), ""),
     ],
 )  # fmt: skip
@@ -314,7 +314,7 @@ def test_map_says_how_many_ranges_fall_between_its_speeds(
 ) -> None:
     both = with_stability(operated, ranges=ranges)
     text = stated(mapped(both, np.full((3, 2), -1.0)))[-1][0]
-    said = f" The map has 3 speeds alone:{words} cannot be seen in it."
+    said = f" The map has 3 speeds only. It does not show{words}"
     assert text.endswith(f"1/s.{said if words else ''}")
 
 
