@@ -362,13 +362,14 @@ def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None 
 
     Nothing is solved. Raises InputError, also where the file cannot be written.
     """
-    from torsion.output.chapters.plant import chapter
+    from torsion.output.chapters import plant
     from torsion.output.drawing.svg import svg
     from torsion.output.figures.figure import Figure
 
     findings = run(replace(one_case(read(file), case), rules=()), only=("assembly",))
     place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
-    figure = next(block for block in chapter(findings) if isinstance(block, Figure))
+    drawn, joining = plant.sketch(findings)
+    figure = Figure("plant", f"Train, numbered from its driving end (not to scale){joining}", (drawn,))
     with _writing(findings.study, "the sketch", place):
         place.write_text(f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8")
     return place

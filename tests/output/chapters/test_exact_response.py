@@ -276,7 +276,8 @@ def test_rules_on_the_first_order_name_where_the_exact_one_exceeds_it_most(train
     most = half_range(EXACT["first"][1])
     share = 100.0 * (most / 6400.0 - 1.0)
     wanted = (
-        f"{text} The maximum excess of the exact response is in first: total amplitude {most:.1f} N m at 620.70 rpm against "
+        f"{text} The maximum excess of the exact response is in first: total amplitude {most:.1f} N m at 620.70 "
+        "rpm against "
         f"6400.0 N m at 763.94 rpm of the first order (+{share:.1f} %)."
     )
     assert first_order_judged(answered(ruled)) == wanted

@@ -231,7 +231,7 @@ def test_largest_displacement_and_moment_of_every_order_with_place_and_speed(ope
     """Moments are largest where displacements are smallest; at unreliable speeds there is none."""
     bad = answer(4, 7000.0, 700.0, Status.OK, Status.NEAR_SINGULAR, Status.SINGULAR)
     found = table(
-        blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), answer(2, 300.0, 30.0), bad))), "Answer"
+        blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), answer(2, 300.0, 30.0), bad))), "Response"
     )
     rows = (
         ("tube", "0", "9.0000", "1.250", "572.96", "0.18000", "0.2500", "572.96", "0 of 3"),

@@ -111,7 +111,8 @@ def test_introduction_counts_speeds_and_lists_the_first_six_modes(operated: Find
          "near unstable ranges. The second method is too large for this train. The growth rates are from one method."),
         ({"check": math.nan, "growth": np.full(7, np.nan)},
          "near unstable ranges. No periodic motion was found at any speed, so that no growth rate is known."),
-        ({"check": math.nan, "growth": np.array([np.nan, -1.0, *[np.nan] * 5])}, "near unstable ranges. The second method is too"),
+        ({"check": math.nan, "growth": np.array([np.nan, -1.0, *[np.nan] * 5])},
+         "near unstable ranges. The second method is too"),
         ({"kept": 3, "left_out": 0.005678},
          ("1/s. The model has 3 of 7 elastic modes. With twice as many modes the growth rates change by at most "
          "0.0057 1/s.")),
@@ -262,7 +263,8 @@ def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Find
     assert [block.level for block in blocks if isinstance(block, Heading)] == [1, 2]
     assert stated(blocks) == [(
         ("Growth over speed and joint angle, on 4 of 9 elastic modes. At 5 points the full model was also "
-        "computed: maximum difference 0.0012 1/s. At 4 of 12 points no periodic motion was found; they are hatched."), "note"
+        "computed: maximum difference 0.0012 1/s. At 4 of 12 points no periodic motion was found; they are "
+        "hatched."), "note"
     )]  # fmt: skip
     cells = plot(blocks[-1]).cells
     np.testing.assert_array_equal(cells.values, GROWN.T)

@@ -133,7 +133,6 @@ def _harmonics(engine: EngineFound) -> Table:
     at = "" if engine.speed is None else f" at {rpm(engine.speed)} rpm"
     each = "amplitude [N m] | phase [deg]"
     titles = f"Order | Gas, {each} | Masses, {each} | Sum, {each} | Sum, tangential [bar]"
-    titles = titles
     load = "" if engine.gas_mean is None else f" and {number(engine.gas_mean)} N m mean gas torque"
     return table(titles, rows, f"Harmonics of a firing cylinder of {engine.name}{at}{load}; phase at its firing TDC")
 
