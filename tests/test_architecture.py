@@ -27,6 +27,7 @@ DOORS = {
     "skfem": ("assembly/", "analyses/lateral/"),
     "meshio": ("assembly/section/section_mesh.py", "output/mode_lines.py"),
     "matplotlib": (),
+    "pandas": ("output/data_frames.py",),
     "jinja2": ("output/",),
     "typst": ("output/",),
     "typer": ("cli.py", "command_endings.py", "exchange_commands.py"),

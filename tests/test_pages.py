@@ -42,7 +42,7 @@ def command(line: str) -> str:
     """What a command prints; its exit status is 0 unless the page says another."""
     found = COMMAND.fullmatch(line)
     assert found, f"not a command of torsion: {line}"
-    done = CliRunner().invoke(app, shlex.split(found[1]), env={"COLUMNS": "160", "NO_COLOR": "1", "TERM": "dumb"})
+    done = CliRunner().invoke(app, shlex.split(found[1]), env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
     assert done.exit_code == int(found[2] or 0), done.output
     return done.stdout
 

@@ -59,8 +59,9 @@ def solve(
     ] = None,
     vtu: Annotated[bool, typer.Option("--vtu", help="Write the mode shapes as modes.vtu for ParaView.")] = False,
     csv: Annotated[
-        bool, typer.Option("--csv", help="Write every table (tables.zip) and the numbers of every figure as CSV too.")
+        bool, typer.Option("--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too.")
     ] = False,
+    xlsx: Annotated[bool, typer.Option("--xlsx", help="Write the results as a workbook, results.xlsx.")] = False,
     memory: Annotated[
         str | None, typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB).")
     ] = None,
@@ -76,9 +77,10 @@ def solve(
     from torsion import commands
 
     refuse_with_json(
-        json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--full": full, "--matrices": matrices, "-o": out}
+        json,
+        {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--xlsx": xlsx, "--full": full, "--matrices": matrices, "-o": out},
     )
-    also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv)
+    also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
     solved = partial(commands.solved, file, case=case, memory=memory)
     shown = {"is_full": full, "is_verbose": verbose}
     print_report("solve", file, out, solved, also, as_json=json, matrices=matrices, **shown)
@@ -120,7 +122,7 @@ def sweep(
         notice=partial(say, err=True),
     )  # fmt: skip
     try:
-        also = commands.outputs(pdf=pdf, figures=csv, tables=csv)
+        also = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
         print_report("solve", file, out, solved, also, as_json=False, is_verbose=verbose)
     except (KeyboardInterrupt, SystemExit) as ended:
         typer.echo("ended; the parts that are finished stay, and the same command goes on from there", err=True)
@@ -202,7 +204,7 @@ def report(
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report (default: the same).")] = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     csv: Annotated[
-        bool, typer.Option("--csv", help="Write every table (tables.zip) and the numbers of every figure as CSV too.")
+        bool, typer.Option("--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too.")
     ] = False,
     verbose: Verbose = False,
 ) -> None:

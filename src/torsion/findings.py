@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from torsion.errors import BAD_INPUT, FAILED_CHECK, REFUSED, SOLVED
 from torsion.fields import Declared
-from torsion.results import Displayed, derived, reported, result
+from torsion.results import Displayed, by_name, derived, reported, result
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System
@@ -150,12 +150,16 @@ class Results:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Findings(Displayed, Results):
     """Everything that a study requests."""
 
     plan: Plan
     cases: "Mapping[str, Findings]" = field(default_factory=dict)  # of every case of the study, by name
+
+    def __getitem__(self, name: str) -> Any:
+        """The result of that name; raises KeyError with the nearest name."""
+        return by_name(name, self.results, "result")
 
     @property
     def failed(self) -> bool:

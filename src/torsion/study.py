@@ -15,6 +15,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.components.load_law import Load
 from torsion.errors import Fault, InputError, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
+from torsion.results import RPM, Displayed, listed, one_line
 from torsion.train import Train
 
 ModalRatio = Annotated[float, Quantity("1", at_least=0, below=1, usual="damping ratio")]
@@ -263,8 +264,8 @@ class Variation(Protocol):
         """Without the figures that are about what others put in the file; those are the last."""
 
 
-@dataclass(frozen=True)
-class Study:
+@dataclass(frozen=True, repr=False)
+class Study(Displayed):
     """A scene: everything that a file says."""
 
     name: str
@@ -285,6 +286,14 @@ class Study:
     case: Case | None = None  # which one of another study it is
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
     case_states: tuple[CaseStates, ...] = ()  # of every judged case of its file, which a case and a variant know too
+
+    def __repr__(self) -> str:
+        words, speeds = [f"{len(self.train.parts)} components"], self.operation.speeds
+        if speeds is not None:
+            words.append(f"{speeds.first * RPM:.5g} to {speeds.last * RPM:.5g} rpm")
+        if self.cases:
+            words.append(f"cases {listed(self.cases, most=3)}")
+        return one_line(f"Study '{self.name}': {', '.join(words)}")
 
     @property
     def shown_file(self) -> str:

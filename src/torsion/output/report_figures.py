@@ -46,9 +46,9 @@ def figures(findings: Findings) -> dict[str, ReportFigure]:
     >>> scene = "name: pair\\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]"
     >>> found = figures(torsion.run(torsion.parse(scene)))
     >>> list(found)
-    ['utilisation', 'plant', 'mode-1']
+    ['utilisation', 'mode-1']
     >>> found["mode-1"].caption
-    'Mode 1, 1.5915 Hz: angle and torque referred to the reference speed, relative to their largest value'
+    'Mode 1, 1.5915 Hz: angle and torque, referred to the reference speed and relative to their maximum'
     >>> [line.y.round(3).tolist() for line in found["mode-1"].plots[0].lines]  # angles of both discs
     [[1.0, -0.667]]
     >>> list(found["mode-1"].tables[0])

@@ -40,6 +40,7 @@ DUTIES: Mapping[str | None, Duty] = {
     "propeller": "propulsion",
     "generator": "generator set",
 }  # by role of what is driven
+DRIVES = {"motor": "electric", "turbine": "turbine"}  # by kind of component, as `drive` has them
 AGREEMENT = "limits by agreement with KR, values of 202.1: 202.2 has none for `drive: {}`"
 
 
@@ -91,7 +92,8 @@ class SocietyRule(M68):
         """Line shafts by the formulas of M68, others by the society's own table."""
         for shaft in super().shafts(study, settings):
             standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
-            by_agreement = () if settings.drive == "other" or self.name != "kr" else (AGREEMENT.format(settings.drive),)
+            drive = _drive(study, settings)
+            by_agreement = () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
             yield replace(
                 shaft, curve=_in_letters(shaft.curve, self.society), standing=standing,
                 restrictions=(*shaft.restrictions, *by_agreement),
@@ -238,6 +240,15 @@ class SocietyRule(M68):
                     verdict_of(is_kept, self.society.crank_mark), self.society.crank_mark, speed, order,
                     f"not within {first:g} to {MAJORS_TO:g}", at_least=is_above,
                 )  # fmt: skip
+
+
+def _drive(study: Study, settings: M68Settings) -> str:
+    """What drives, as the rule states it, else of a train without an engine a motor or turbine of the file."""
+    kinds = {part.kind for part in study.train.parts}
+    has_engine = "engine" in kinds or any(True for _ in with_role(study.train, "crank"))
+    if settings.drive != "other" or has_engine:
+        return settings.drive
+    return next((word for kind, word in DRIVES.items() if kind in kinds), settings.drive)
 
 
 def _in_letters(curve: LimitCurve, society: Society) -> LimitCurve:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from torsion.analyses.response.harmonic_components import Line, Sources
+from torsion.analyses.response.span_torque import OrderLike, SpanTorque, spans_by_name
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 from torsion.kernels.tree_response import Status
-from torsion.results import Displayed, derived, reported, result, words
+from torsion.results import Displayed, Keyed, by_name, derived, listed, reported, result, words
 
 if TYPE_CHECKING:
     from torsion.kernels.describing_functions import Secant
@@ -79,7 +80,7 @@ class Following:
 
 
 @reported
-class Response(Displayed):
+class Response(Displayed, Keyed):
     """Complex amplitudes (half ranges, time factor exp(+i omega t), phase at reference angle zero)."""
 
     speed: FloatArray = result(
@@ -114,6 +115,21 @@ class Response(Displayed):
     balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
     following: Following | None = field(default=None, repr=False)  # None without a table over vibratory torque
     others: "tuple[Response, ...]" = field(default=(), repr=False)  # of the other solutions of such couplings, by rank
+
+    def __getitem__(self, key: str | tuple[str, OrderLike]) -> SpanTorque:
+        """The torque in a component, of every order or of one; raises KeyError with the nearest name.
+
+        Of a shaft in segments it is that of the segment with the largest amplitude; `shaft [3]` is one segment.
+        """
+        name, order = key if isinstance(key, tuple) else (key, None)
+        spans = by_name(name, spans_by_name(self.system))
+        orders = [line.order for line in self.lines]
+        lines = [k for k, value in enumerate(orders) if order is None or value == Fraction(order)]
+        if not lines:
+            raise KeyError(f"no order {order} excites; orders: {listed(map(str, orders))}")
+        torque = np.where((self.status == Status.OK)[:, lines, None], self.torque[:, lines][:, :, spans], np.nan)
+        largest = int(np.nan_to_num(np.abs(torque)).max(axis=(0, 1), initial=0.0).argmax())
+        return SpanTorque(name, tuple(orders[k] for k in lines), self.speed, torque[:, :, largest])
 
     @property
     def points(self) -> FloatArray:

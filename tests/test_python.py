@@ -1,0 +1,208 @@
+"""The Python front: its public names, and that it has no meaning of its own."""
+
+import html
+import math
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import torsion
+from torsion.output.results_json import results
+from torsion.results import is_declared, quantities
+
+
+def test_every_public_name_is_listed_and_documented() -> None:
+    assert set(torsion.__all__) <= set(dir(torsion))
+    assert set(dir(torsion)) - set(torsion.__all__) == {"__version__"}
+    assert not [name for name in torsion.__all__ if not getattr(torsion, name).__doc__]
+
+
+def test_an_unknown_name_of_the_package_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'mode'"):
+        _ = torsion.mode
+
+
+def test_the_import_of_the_package_loads_no_library() -> None:
+    code = "import sys, torsion; print({'numpy', 'pydantic', 'yaml', 'scipy'} & set(sys.modules))"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert printed == "set()\n"
+
+
+def test_two_results_are_compared_in_python() -> None:
+    text = "name: pair\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]"
+    before, after = (torsion.run(torsion.parse(text.replace("120", k))) for k in ("120", "480"))
+    assert not torsion.compare(before, before).is_changed
+    (case,) = torsion.compare(before, after).cases
+    assert case.modes[0].change == pytest.approx(1.0, rel=1e-9)  # sqrt(480/120) - 1
+
+
+SPECS = Path(__file__).parents[1] / "shafting_specs"
+SMALL = ("usv", "pump_1200kw", "rubber_damper", "twin_motor_ferry", "joint_run_up", "ferry_cases")
+
+
+@cache
+def solved(name: str) -> torsion.Findings:
+    return torsion.run(torsion.read(SPECS / f"{name}.yaml"))
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_every_public_result_is_shown_as_one_line(name: str) -> None:
+    findings = solved(name)
+    study = findings.study
+    shown = [findings, study, study.train, *study.train.parts, *findings.results.values()]
+    for text in map(repr, shown):
+        assert "\n" not in text
+        assert len(text) <= 200, text
+
+
+def test_a_study_and_what_it_is_made_of_have_their_names_in_one_line() -> None:
+    findings = solved("pump_1200kw")
+    study, system = findings.study, findings.system
+    assert repr(study).startswith(f"Study '{study.name}': {len(study.train.parts)} components, ")
+    assert repr(study.train).startswith(f"Train: {len(study.train.parts)} components ({study.train.parts[0].name}, ")
+    assert repr(system) == f"System: lumped, {len(system.stations)} stations, {len(system.spans)} spans"
+
+
+def test_a_notebook_shows_a_study_its_train_and_its_system_as_tables() -> None:
+    findings = solved("pump_1200kw")
+    for shown in (findings.study, findings.study.train, findings.system):
+        page = shown._repr_html_()
+        assert "<table>" in page
+        assert html.escape(findings.study.train.parts[-1].name) in page
+    assert findings.study._repr_html_().count("<svg") == 1
+
+
+DISCS = """
+name: Two discs
+operation: {speeds: {from: 300 rpm, to: 1800 rpm}}
+train:
+- motor: {name: motor, inertia: 0.8}
+- coupling: {name: spring, stiffness: 14.4 kN*m/rad, loss_factor: 0.1}
+- propeller: {name: propeller, inertia: 0.2}
+excitations: [{at: propeller, order: 2, torque: 25 N*m}]
+"""
+
+
+@cache
+def two_discs() -> torsion.Findings:
+    return torsion.run(torsion.parse(DISCS))
+
+
+def test_a_component_a_torque_and_a_shape_are_reached_by_name() -> None:
+    findings = two_discs()
+    assert findings.study.train["spring"].kind == "coupling"
+    torque = findings["response"]["spring", 2]
+    exact = 25 * 0.8 / (1 - (2 * torque.speed / 300) ** 2 / (1 + 0.1j))  # closed form of two discs
+    np.testing.assert_allclose(torque.abs_Nm, np.abs(exact), rtol=1e-10)
+    assert torque.max() == pytest.approx(25 * 0.8 * math.sqrt(1 + 1 / 0.1**2), rel=1e-8)  # at resonance
+    assert torque.at_max_rpm == pytest.approx(300 / 2 * 30 / math.pi, rel=1e-8)
+    assert repr(torque) == "Torque of spring [N m]: 201 at 1432.4 rpm; order 2"
+    shapes = findings["modes"]["motor"], findings["modes"]["propeller"]
+    assert shapes[1] / shapes[0] == pytest.approx(-0.8 / 0.2, rel=1e-12)  # no angular momentum
+
+
+@pytest.mark.parametrize(
+    ("look", "message"),
+    [
+        (lambda f: f.study.train["sprin"], "no component is called 'sprin'; did you mean 'spring'?"),
+        (lambda f: f["response"]["springs"], "no component is called 'springs'; did you mean 'spring'?"),
+        (lambda f: f["response"]["spring", 3], "no order 3 excites; orders: 2"),
+        (lambda f: f["modes"]["moto"], "no station is called 'moto'; did you mean 'motor'?"),
+        (lambda f: f["respons"], "no result is called 'respons'; did you mean 'response'?"),
+    ],
+)
+def test_an_unknown_name_is_refused_with_the_nearest_one(
+    look: Callable[[torsion.Findings], object], message: str
+) -> None:
+    with pytest.raises(KeyError) as raised:
+        look(two_discs())
+    assert raised.value.args == (message,)
+
+
+def test_a_shaft_in_segments_has_the_torque_of_its_largest_segment() -> None:
+    response = solved("usv")["response"]
+    positions = [
+        k for k, span in enumerate(response.system.spans) if response.system.train.parts[span.part].kind == "shaft"
+    ]
+    shaft = response.system.train.parts[response.system.spans[positions[0]].part].whole
+    segments = [k for k in positions if response.system.train.parts[response.system.spans[k].part].whole == shaft]
+    assert len(segments) > 1
+    assert response[shaft].max() == np.abs(response.torque[:, :, segments]).max()
+    third = response.system.spans[segments[2]].name
+    assert response[third].max() == np.abs(response.torque[:, :, segments[2]]).max()
+
+
+def test_a_singular_resonance_has_no_largest_amplitude() -> None:
+    text = (
+        DISCS.replace("loss_factor: 0.1", "")
+        .replace("from: 300 rpm", "from: 150 rad/s")
+        .replace("1800 rpm", "200 rad/s")
+    )
+    response = torsion.run(torsion.parse(text.replace(", loss_factor", "")))["response"]
+    assert (response.status != 0).any()
+    assert math.isnan(response["spring"].max())
+    assert "no reliable value" in repr(response["spring"])
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_every_key_of_a_result_is_an_attribute(name: str) -> None:
+    for result in solved(name).results.values():
+        if not is_declared(result):
+            continue
+        for quantity in quantities(type(result)):
+            if quantity.key:
+                assert quantity.key in dir(result)
+                assert getattr(result, quantity.key) is not None or getattr(result, quantity.name) is None
+
+
+def test_names_with_units_are_those_of_the_quantities() -> None:
+    findings = two_discs()
+    modes, response = findings["modes"], findings["response"]
+    assert modes.frequency_Hz is modes.frequency
+    assert response.torque_Nm is response.torque
+    np.testing.assert_allclose(response.speed_rpm, response.speed_rad_per_s * 30 / math.pi, rtol=1e-15)
+    with pytest.raises(AttributeError, match="'Modes' has no attribute 'frequency_rpm'"):
+        _ = modes.frequency_rpm
+    assert pickle.loads(pickle.dumps(modes)).frequency_Hz.tolist() == modes.frequency.tolist()
+
+
+def test_a_dictionary_is_what_results_json_holds() -> None:
+    findings = solved("usv")
+    written = results(findings)
+    for name in ("modes", "response"):
+        assert findings[name].to_dict() == written[name]
+    assert findings["checks"].to_dict()["utilisation"] == [check["utilisation"] for check in written["checks"]]
+    with pytest.raises(TypeError, match=r"findings\.to_dict"):
+        findings["synthesis"].to_dict()
+
+
+def test_a_data_frame_has_a_row_for_each_mode_check_and_speed_and_order() -> None:
+    pytest.importorskip("pandas")
+    findings = solved("usv")
+    modes, checks, response = findings["modes"], findings["checks"], findings["response"]
+    frame = modes.to_dataframe()
+    assert frame.index.name == "mode"
+    assert frame["frequency_Hz"].tolist() == modes.frequency.tolist()
+    rows = checks.to_dataframe()
+    assert rows["verdict"].tolist() == [check.verdict for check in checks.lines]
+    assert {"rule", "clause", "where", "what", "value", "limit", "unit", "utilisation", "order"} <= set(rows)
+    torques = response.to_dataframe()
+    assert torques.shape[0] == response.status.size
+    speed, line = response.speed.size // 2, 1
+    row = torques.iloc[speed * len(response.lines) + line]
+    assert row.name == (response.speed_rpm[speed], float(response.lines[line].order))
+    name = torques.columns[-1].removeprefix("torque_Nm of ")
+    assert row[f"torque_Nm of {name}"] == response[name].torque[speed, line]
+    assert response[name].to_dataframe()["torque_Nm"].tolist() == response[name].torque.ravel().tolist()
+
+
+def test_a_data_frame_needs_pandas(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ImportError, match="pip install pandas"):
+        two_discs()["modes"].to_dataframe()
