@@ -23,7 +23,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 
 File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
 Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
-Case = Annotated[str | None, typer.Option("--case", help="One case of the file alone (normal: the file as it stands).")]
+Case = Annotated[str | None, typer.Option("--case", help="Only one case of the file (normal: the nominal case).")]
 JSON_HELP = "Print the results as JSON; no file is written, and no option that writes one is taken."
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
@@ -125,7 +125,7 @@ def sweep(
         also = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
         print_report("solve", file, out, solved, also, as_json=False, is_verbose=verbose)
     except (KeyboardInterrupt, SystemExit) as ended:
-        typer.echo("ended; the parts that are finished stay, and the same command goes on from there", err=True)
+        typer.echo("ended; the finished parts stay, and the same command continues from there", err=True)
         if isinstance(ended, SystemExit):
             raise
         raise typer.Exit(128 + signal.SIGINT) from None
@@ -249,7 +249,7 @@ def plan(file: File, case: Case = None) -> None:
 def sketch(
     file: File,
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The SVG file to write (default: <scene>.svg).")
+        Path | None, typer.Option("-o", "--out", help="The SVG file to write (default: <model file>.svg).")
     ] = None,
     case: Case = None,
 ) -> None:

@@ -54,13 +54,13 @@ class LeftOut:
 class Unanswered:
     """An analysis that was tried and has no answer."""
 
-    analysis: str = result("", (), "an analysis that was tried and has no answer; each stands in `left_out` too")
+    analysis: str = result("", (), "an analysis that failed; `left_out` lists it too")
     what: str = result("", (), "the same in words")
     why: str = result("", (), "cause")
-    remedy: str = result("", (), "what to change; empty where the cause says it")
-    line: int | None = result("", (), "line of the file, from 1; null where there is none")
-    is_named: bool = result("", (), "the file names the analysis; the exit status is then 3", key="named")
-    is_input: bool = result("", (), "the input is at fault; the exit status is then 2", key="input_fault")
+    remedy: str = result("", (), "what to change; empty if the cause says it")
+    line: int | None = result("", (), "line of the file, from 1; null if there is none")
+    is_named: bool = result("", (), "the analysis was requested in the file; the exit status is then 3", key="named")
+    is_input: bool = result("", (), "an input error is the reason; the exit status is then 2", key="input_fault")
     text: str  # all of it, with the line quoted
 
     @property
@@ -80,7 +80,7 @@ class Plan:
 
     unanswered: tuple[Unanswered, ...] = result("", (), "analyses without an answer", default=())
 
-    @derived("", (), "what was left out, and why", key="left_out")
+    @derived("", (), "what was omitted, and why", key="left_out")
     def reasons(self) -> tuple[LeftOut, ...]:
         """Every pair as a result."""
         return tuple(LeftOut(what, why) for what, why in self.left_out)

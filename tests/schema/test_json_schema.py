@@ -14,7 +14,8 @@ from torsion.errors import InputError
 from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.json_schema import json_schema
-from torsion.schema.manual import SETTINGS, declarations
+from torsion.schema.kind_texts import SETTINGS
+from torsion.schema.manual import declarations
 from torsion.schema.scene_reader import parse
 from torsion.schema.yaml_source import parse_source
 

@@ -198,9 +198,7 @@ class Rows:
         ]
         nameless = next((cell for cell, column in filled if column is None), None)
         if nameless is not None:
-            self.fault(
-                nameless, f"{shown(nameless.text)} stands in a column without a name", "name it in the first row"
-            )
+            self.fault(nameless, f"{shown(nameless.text)} is in a column without a name", "name it in the first row")
         kind = next((cell for cell, column in filled if column and (column.of, column.key) == ("", _FIRST)), None)
         if self.key == "train" and kind is None:
             self.fault(begin, "the row has no `kind`", f"one of {', '.join(KINDS)}")
@@ -234,7 +232,7 @@ class Rows:
         """Whether a row says by its own key which one it is, and no row before it is that one."""
         own = str(body.value.get(key, ""))
         if not own or own in self.sizes:
-            message = f"{key} {shown(own)} stands in line {self.sizes[own]} already" if own else f"the row has no {key}"
+            message = f"{key} {shown(own)} is in line {self.sizes[own]} already" if own else f"the row has no {key}"
             self.fault(begin, message, f"one row a {key}")
             return False
         self.sizes[own] = begin.line

@@ -132,7 +132,7 @@ def _without_value(path: Path, where: Path) -> Fault:
     name = next((step for step in reversed(where) if isinstance(step, str)), "the entry")
     hint = "a decimal comma? write a point" if name[:1].isdecimal() else "give one, or leave the key out"
     if found := re.match(r"([\w-]+):(?=\S)", name):
-        hint = f"a blank is missing behind the colon: `{found[0]} {printable(name[found.end() :])}`"
+        hint = f"a blank is missing after the colon: `{found[0]} {printable(name[found.end() :])}`"
     return Fault(path, f"`{name}` has no value", hint, True)
 
 

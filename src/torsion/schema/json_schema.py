@@ -13,8 +13,8 @@ from torsion.fields import OneOrMany
 from torsion.rules import RULES
 from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.csv_columns import MAPPINGS, PAIRS
-from torsion.schema.kind_texts import EXAMPLES
-from torsion.schema.manual import SETTINGS, declarations
+from torsion.schema.kind_texts import EXAMPLES, SETTINGS
+from torsion.schema.manual import declarations
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source
@@ -22,7 +22,7 @@ from torsion.study import ShaftModel
 
 Schema = dict[str, Any]
 TABLE: Schema = {
-    "description": "a CSV file whose rows stand here, its path counted from the folder of this file",
+    "description": "a CSV file whose rows are read here, its path relative to the folder of this file",
     "type": "object",
     "properties": {"table": {"type": "string", "description": "the file", "examples": ["line.csv"]}},
     "required": ["table"],
@@ -65,7 +65,7 @@ def json_schema() -> Schema:
     schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
     keys_of_case = shared["$defs"]["CaseKeys"]["properties"]
     keys_of_case["rules"] |= {key: schema["properties"]["rules"][key] for key in ("type", "items")}
-    named = {"description": "a CSV file whose rows stand here, one component each", "type": "string"}
+    named = {"description": "a CSV file whose rows are read here, one component each", "type": "string"}
     train = _or_table(_list_of(_one_of({**{kind: _kind(kind, refs[kind]) for kind in KINDS}, "table": named})))
     _add_tables(shared["$defs"])
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}

@@ -83,7 +83,7 @@ def test_side_by_side_finds_the_choices_of_one_by_one(
     assert "side by side" in found.method
     monkeypatch.setattr(judged_in_groups, "WORTH", 10**9)
     alone = designed(scene, folder)
-    assert "every train solved and judged by itself" in alone.method
+    assert "every train solved and judged separately" in alone.method
     assert [one.values for one in found.best] == [one.values for one in alone.best]
     for one, other in zip(found.best, alone.best, strict=True):
         assert one.margin == pytest.approx(other.margin, rel=1e-9)

@@ -326,7 +326,7 @@ def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: lis
         ('vary: {"*.mass": {uniform: 5 %}}', "6:46", "no component has a key `mass`"),
         ('vary: {"*.inertia": {uniform: 5 %}}, together: [[disc-1.inertia, disc-3.inertia]]', "6:87", "disc-3"),
         ("vary: {coupling-1.stiffness: {uniform: 5 %}}, samples: 1000", "6:94", "512 or 1024"),
-        ("samples: 128", "6:38", "no figure of the file varies"),
+        ("samples: 128", "6:38", "no parameter of the file varies"),
     ],
 )
 def test_faults_of_a_sweep_are_located(sweep: str, place: str, words: str) -> None:

@@ -130,7 +130,7 @@ def test_a_thickness_and_a_speed_of_the_file_take_the_place_of_those_of_the_clas
     ("body", "words"),
     [
         ("case: 1", "ice has a `torque` or a `class`"),
-        ("class: IA, torque: 1, case: 1", "ice of a `class` has no `torque` of its own"),
+        ("class: IA, torque: 1, case: 1", "ice of a `class` has no separate `torque`"),
         ("torque: 1, thickness: 1 m, case: 1", "`thickness` is of a class of ice"),
         ("torque: 1, speed: 100 rpm, case: 1", "`speed` is of a class of ice"),
         ("class: PC8, case: 1", "PC8"),

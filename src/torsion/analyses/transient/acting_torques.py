@@ -60,7 +60,9 @@ def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
             event.at for event in settings.events if event.body.drives or isinstance(event.body, Stop)
         )
         but = f", but for those at {', '.join(replaced)} that events end or replace" if replaced else ""
-        acting.append(f"mean torques (they stay those of the begin{but}; the law of a load acts by an event `load`)")
+        acting.append(
+            f"mean torques (they stay at their initial values{but}; the law of a load acts by an event `load`)"
+        )
 
     swept = dict.fromkeys(one.name for one in study.train.torques if one.order is None and one.frequency is None)
     not_acting += (f"excitation at {name} (of the response over frequency only)" for name in swept)
