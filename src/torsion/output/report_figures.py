@@ -30,6 +30,12 @@ class ReportFigure(Figure):
         """The tables of the CSV: (points,) values by title with unit, NaN where there is none."""
         return tuple(_by_title(columns) for panel in self.plots for columns in tables_of(panel))
 
+    def to_matplotlib(self, ax: Any = None) -> Any:
+        """Draw its plots into axes of matplotlib, by default new ones; return the axes, one for each plot."""
+        from torsion.output.figures.matplotlib_axes import draw_plots
+
+        return draw_plots(self, ax)
+
     def _repr_svg_(self) -> str:
         """As a notebook shows it."""
         return self.svg
