@@ -18,8 +18,9 @@ from torsion.components.material import STEEL, Material
 from torsion.fields import Declared, Quantity
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
+from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import CaseKeys
-from torsion.schema.declaration_reader import items_of, mappings_of
+from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 from torsion.schema.key_tables import key_table, tables_with_parts
 from torsion.schema.kind_texts import EXAMPLES, GROUPS, SETTINGS
 from torsion.schema.page_titles import KINDS_OF_COMPONENTS, title_and_sentence
@@ -55,6 +56,7 @@ def pages() -> dict[str, str]:
         top=key_table(Scene).replace("see meaning", "section below"),
         quantities=_quantities(),
         unbuilt=_unbuilt(),
+        aliases=_words(SECTIONS_BY_ALIAS[""]),
         toctree=toctree(
             ["operation", "materials", "components/index", "links", "excitations", "damping", "analyses/index",
              "rules/index", "cases", "document", "tables"]
@@ -111,7 +113,7 @@ def _section(name: str) -> str:
     }  # fmt: skip
     declared = declarations_of_sections.get(name)
     table = "" if declared is None else "## Keys\n\n" + tables_with_parts(declared)
-    return _page(name, table=table, steel=steel, links=_words(LINKS))
+    return _page(name, table=table, steel=steel, links=_words(LINKS)) + _aliases(SECTIONS_BY_ALIAS.get(name, {}))
 
 
 def _kind(kind: str) -> str:
@@ -122,7 +124,8 @@ def _kind(kind: str) -> str:
     keys = tables_with_parts(declared, Component, GROUPS.get(kind))
     introduction = f"{sentence} {SORTS[declared.sort]}"
     text = f"# `{kind}`: {title}\n\n{introduction}\n\n```yaml\n{EXAMPLES[kind]}\n```\n\n## Keys\n\n{keys}"
-    return text + _notes("components", kind) + "\n[Keys of every component](index.md)\n"
+    aliases = {word: name for word, name in KINDS_BY_ALIAS.items() if name == kind} | aliases_of(keys_of(declared))
+    return text + _notes("components", kind) + _aliases(aliases) + "\n[Keys of every component](index.md)\n"
 
 
 def _settings(section: str, name: str, declared: type[Declared]) -> str:
@@ -134,13 +137,24 @@ def _settings(section: str, name: str, declared: type[Declared]) -> str:
         example = (item + SETTINGS[name]).replace("\n", "\n  ")
         parts.append(f"```yaml\n{section}:\n  {example}\n```")
     text = "\n\n".join(part for part in parts if part)
-    return f"{text}\n\n## Keys\n\n{tables_with_parts(declared)}" + _notes(section, name)
+    return (
+        f"{text}\n\n## Keys\n\n{tables_with_parts(declared)}"
+        + _notes(section, name)
+        + _aliases(SECTIONS_BY_ALIAS.get(name, {}))
+    )
 
 
 def _notes(section: str, name: str) -> str:
     """Return the notes of a page, if it has any."""
     notes = _template(f"{section}/{name}.md")
     return f"\n## Notes\n\n{notes}" if notes else ""
+
+
+def _aliases(aliases: Mapping[str, str]) -> str:
+    """Return the table of aliases of a page, if it has any."""
+    rows = [f"| `{alias}` | `{key}` |" for alias, key in aliases.items()]
+    head = "\n## Aliases\n\nGive only one word for a key.\n\n| alias | key |\n|---|---|\n"
+    return head + "\n".join(rows) + "\n" if rows else ""
 
 
 def _kinds() -> str:

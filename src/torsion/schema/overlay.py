@@ -11,6 +11,7 @@ from torsion import units
 from torsion.components.lowering import Part
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import shown
+from torsion.schema.aliases import canonical_steps
 from torsion.schema.declaration_reader import entries_of
 from torsion.schema.fault_text import Node, Source
 from torsion.study import Change
@@ -118,7 +119,7 @@ class Overlay:
             self.faults.append(Fault(fault, f"`{printable(words)}` is not a path to a key", hint, at_key=True))
             return None
         plain = [step[1:-1] if step[0] in "\"'" else step for step in found]
-        return plain[0], found[0] != plain[0], plain[1:]
+        return plain[0], found[0] != plain[0], canonical_steps(plain[0], plain[1:])
 
     def _unknown(self, first: str, words: str, fault: Path, is_quoted: bool) -> Fault:
         """The fault of a word that neither a component nor a section goes by."""

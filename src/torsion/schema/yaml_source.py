@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 
 from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
+from torsion.schema.aliases import with_canonical_keys
 from torsion.schema.fault_text import Node, Source, end_of, input_error, line_starts
 from torsion.schema.missing_marks import missing_mark
 from torsion.user_files import LARGEST_SCENE, read_file
@@ -97,7 +98,7 @@ def parse_source(text: str, name: str) -> Source:
         builder.faults.append(_fault("the file is empty", "a model file needs at least a name and a train", 1, 1))
     if builder.faults:
         raise input_error(builder.faults, bare)
-    return Source(name, text, builder.root)
+    return with_canonical_keys(Source(name, text, builder.root))
 
 
 @dataclass(frozen=True)
