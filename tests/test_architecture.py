@@ -12,6 +12,7 @@ FLOORS = {
     "results": 1, "fields": 1, "primitives": 1, "two_columns": 1,
     "components": 2,
     "train": 3,
+    "study_actions": 3,
     "study": 4, "assembly": 4,
     "findings": 5,
     "analyses": 6,

@@ -1,21 +1,26 @@
 """The Python front: its public names, and that it has no meaning of its own."""
 
 import html
+import inspect
 import json
 import math
 import pickle
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 import torsion
+from torsion.components import KINDS
 from torsion.output.results_json import results
 from torsion.results import is_declared, quantities
+from torsion.schema.kind_texts import EXAMPLES
 
 
 def test_every_public_name_is_listed_and_documented() -> None:
@@ -258,3 +263,90 @@ def test_a_figure_is_drawn_by_matplotlib_with_its_numbers() -> None:
             pyplot.close("all")
     with pytest.raises(torsion.InputError, match="use its `svg`"):
         next(figure for figure in solved("usv").figures.values() if not figure.plots).to_matplotlib()
+
+
+def built() -> torsion.Study:
+    return torsion.build(
+        "Two discs",
+        [
+            torsion.motor("motor", inertia=0.8),
+            torsion.coupling("spring", stiffness="14.4 kN*m/rad", loss_factor=0.1),
+            torsion.propeller("propeller", inertia=np.float64(0.2)),
+        ],
+        operation={"speeds": {"from": "300 rpm", "to": "1800 rpm"}},
+        excitations=[{"at": "propeller", "order": 2, "torque": "25 N*m"}],
+    )
+
+
+def test_a_study_that_is_built_is_that_of_its_text() -> None:
+    study = built()
+    assert study.text.splitlines()[4] == "- coupling: {name: spring, stiffness: 14.4 kN*m/rad, loss_factor: 0.1}"
+    assert study == torsion.parse(study.text)
+    assert study.train == replace(torsion.parse(DISCS).train)
+
+
+def test_there_is_a_constructor_for_every_kind_with_the_keys_of_the_file() -> None:
+    assert set(KINDS) <= set(torsion.__all__)
+    assert {"stiffness", "loss_factor", "inertia"} <= set(inspect.signature(torsion.coupling).parameters)
+    with pytest.raises(torsion.InputError, match="stifness"):
+        torsion.build("pair", [torsion.disc(inertia=2), torsion.coupling(stifness=1)])
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_every_example_of_a_kind_is_written_by_its_constructor(kind: str) -> None:
+    for entry in yaml.safe_load(EXAMPLES[kind]):
+        body = dict(entry[kind])
+        name = body.pop("name", None)
+        made = getattr(torsion, kind)(*([name] if name else []), **body)
+        assert yaml.safe_load(made.text) == [entry]
+
+
+def test_a_quantity_of_pint_is_written_with_its_unit() -> None:
+    pint = pytest.importorskip("pint")
+    units = pint.UnitRegistry()
+    entry = torsion.coupling("spring", stiffness=14.4 * units.kN * units.m / units.rad)
+    assert entry.text == "- coupling: {name: spring, stiffness: 14.4 kN*m/rad}"
+
+
+def test_a_stiffness_is_varied_by_the_path_of_a_case() -> None:
+    study = built()
+    rpm = [study.with_({"spring.stiffness": k}).critical_rpm(2)[0] for k in (1e4, "14.4 kN*m/rad", 2e4, 2.5e4)]
+    exact = [60 * math.sqrt(k / 0.16) / (2 * math.pi) / 2 for k in (1e4, 1.44e4, 2e4, 2.5e4)]  # J1 J2/(J1 + J2) = 0.16
+    assert rpm == pytest.approx(exact, rel=1e-12)
+    heavier = study.with_(
+        factor={"propeller.inertia": 1.05}, remove=["excitations.1"], **{"motor.inertia": "0.9 kg*m**2"}
+    )
+    assert [(change.what, change.before, change.after) for change in heavier.changes] == [
+        ("motor.inertia", "0.8", "0.9 kg*m**2"),
+        ("propeller.inertia", "0.2", "0.21"),
+        ("excitations.1", "{at: propeller, order: 2, torque: 25 N*m}", "not given"),
+    ]
+    assert heavier == replace(torsion.parse(heavier.text), changes=heavier.changes)
+    assert "inertia: 0.9 kg*m**2" in heavier.text
+
+
+def test_a_variant_is_the_case_with_the_same_keys() -> None:
+    text = DISCS + "cases: {soft: {set: {spring.stiffness: 9 kN*m/rad}, scale: {motor.inertia: 110 %}}}\n"
+    study = torsion.parse(text)
+    varied = study.with_({"spring.stiffness": "9 kN*m/rad"}, factor={"motor.inertia": "110 %"})
+    case = study.cases["soft"]
+    assert case.case is not None
+    assert varied.changes == case.case.changes
+    assert varied.critical_rpm(2) == case.critical_rpm(2)
+    again = case.with_({"spring.stiffness": "14.4 kN*m/rad"})
+    assert [change.what for change in again.changes] == ["spring.stiffness", "motor.inertia"]
+    assert again.critical_rpm(2)[0] == pytest.approx(30 * math.sqrt(1.44e4 * (1 / 0.88 + 1 / 0.2)) / (2 * math.pi))
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("spring.stifness", "unknown key `stifness`"),
+        ("sprin.stiffness", "no component and no section is called `sprin` (did you mean `spring`?)"),
+        ("spring", "`spring` names a component and no key of it"),
+    ],
+)
+def test_a_wrong_path_has_the_fault_of_a_case(path: str, message: str) -> None:
+    with pytest.raises(torsion.InputError) as raised:
+        built().with_({path: 2e4})
+    assert message in str(raised.value)

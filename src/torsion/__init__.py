@@ -26,6 +26,26 @@ if TYPE_CHECKING:
     from torsion.findings import Findings
     from torsion.output.report_figures import figures
     from torsion.runner import run
+    from torsion.schema.builder import (
+        branch,
+        build,
+        compressor,
+        coupling,
+        damper,
+        disc,
+        engine,
+        fan,
+        gear,
+        generator,
+        joint,
+        machine,
+        motor,
+        pendulum,
+        propeller,
+        pump,
+        shaft,
+        turbine,
+    )
     from torsion.schema.scene_reader import parse, read
     from torsion.study import Study
     from torsion.train import Train
@@ -36,6 +56,7 @@ _PLACES = {
     "Study": "torsion.study:Study",
     "Train": "torsion.train:Train",
     "assemble": "torsion.assembly:assemble",
+    "build": "torsion.schema.builder:build",
     "check": "torsion.commands:check",
     "compare": "torsion.exchange.comparison:compare",
     "damped_modes": "torsion.analyses.damped_modes:damped",
@@ -54,10 +75,17 @@ _PLACES = {
     "stability": "torsion.analyses.motion.stability_over_speed:stability",
     "transient": "torsion.analyses.transient.motion_from_events:transient",
 }
+_KINDS = (
+    "branch", "compressor", "coupling", "damper", "disc", "engine", "fan", "gear", "generator", "joint", "machine",
+    "motor", "pendulum", "propeller", "pump", "shaft", "turbine",
+)  # fmt: skip
+_PLACES |= {kind: f"torsion.schema.builder:{kind}" for kind in _KINDS}
 __all__ = [
-    "Fault", "Findings", "InputError", "SolveError", "Study", "TorsionError", "Train", "assemble", "check", "compare",
-    "damped_modes", "export", "figures", "frequency_response", "import_table", "joints", "modes", "parse", "read",
-    "report", "response", "run", "solve", "stability", "transient",
+    "Fault", "Findings", "InputError", "SolveError", "Study", "TorsionError", "Train", "assemble", "branch",
+    "build", "check", "compare", "compressor", "coupling", "damped_modes", "damper", "disc", "engine", "export",
+    "fan", "figures", "frequency_response", "gear", "generator", "import_table", "joint", "joints", "machine",
+    "modes", "motor", "parse", "pendulum", "propeller", "pump", "read", "report", "response", "run", "shaft",
+    "solve", "stability", "transient", "turbine",
 ]  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from torsion.components.load_law import Load
 from torsion.errors import Fault, InputError, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
 from torsion.results import RPM, Displayed, listed, one_line
+from torsion.study_actions import StudyActions
 from torsion.train import Train
 
 ModalRatio = Annotated[float, Quantity("1", at_least=0, below=1, usual="damping ratio")]
@@ -265,7 +266,7 @@ class Variation(Protocol):
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Displayed):
+class Study(Displayed, StudyActions):
     """A scene: everything that a file says."""
 
     name: str
@@ -284,6 +285,7 @@ class Study(Displayed):
     logo: str = ""  # its picture as a data URI
     variations: "Mapping[str, Variation]" = field(default_factory=dict, repr=False, compare=False)  # by the analysis
     case: Case | None = None  # which one of another study it is
+    changes: tuple[Change, ...] = ()  # of `with_`, from the file as it was
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
     case_states: tuple[CaseStates, ...] = ()  # of every judged case of its file, which a case and a variant know too
 

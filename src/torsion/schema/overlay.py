@@ -37,8 +37,19 @@ class Overlay:
     reference: str  # name of the component whose speed is meant
     faults: list[Fault] = field(default_factory=list)
     changes: list[Change] = field(default_factory=list)
+    permits_no_change: bool = False  # a value may be what it is already
     _put: list[tuple[Path, Node, Place]] = field(default_factory=list)
     _gone: dict[Path, None] = field(default_factory=dict)
+
+    @property
+    def puts(self) -> Sequence[tuple[Path, Node]]:
+        """What stands where in place of the file's."""
+        return [(path, value) for path, value, _ in self._put]
+
+    @property
+    def removed(self) -> Iterable[Path]:
+        """What is taken away."""
+        return self._gone
 
     def put(self, path: Path, value: Node, at: Place) -> None:
         """A value in place of what stands at a path, or beside it; `at` is the place of its key."""
@@ -55,6 +66,8 @@ class Overlay:
             return
         there = node_at(self.source.root, path)
         if there is not None and there.value == value.value:
+            if self.permits_no_change:
+                return
             message = f"`{printable(words)}` is {in_words(there.value)} already: nothing changes"
             self.faults.append(Fault(fault, message, "give another value, or leave it out", at_key=True))
             return
