@@ -167,3 +167,20 @@ def test_a_shrink_fit_passes_without_axial_load_and_shock_alone() -> None:
         "no axial load, no start or shock in the fit",
     )
     assert found["Greatest torque in the fit, first end"].verdict == "not judged"
+
+
+MOTION = """
+name: n
+operation: {rated: {speed: 600 rpm, power: 50 kW}}
+train:
+- motor: {inertia: 5, ripple: [{order: 1, torque: 30 %}]}
+- coupling: {name: rubber, stiffness: 40 kN*m/rad, psi: 0.9, max_torque: 2 kN*m}
+- machine: {inertia: 60}
+analyses: {transient: {duration: 0.2 s, initial: steady, events: [{at: motor-1, step: {torque: 1 N*m}}]TORQUES}}
+"""
+
+
+@pytest.mark.parametrize(("torques", "verdict"), [("", "pass"), (", torques: none", "restricted")])
+def test_a_motion_without_the_periodic_torques_of_the_file_passes_with_restrictions(torques: str, verdict: str) -> None:
+    (row,) = [one for one in rows(MOTION.replace("TORQUES", torques)) if one.rule == "transient"]
+    assert (row.verdict, any("motor-1" in words for words in row.restrictions)) == (verdict, verdict == "restricted")
