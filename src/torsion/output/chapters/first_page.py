@@ -1,4 +1,4 @@
-"""The cover of a report: the verdict in a box, the train by its utilisation, its speeds, the worst checks as bars."""
+"""The cover of a report: the verdict in a box, the train by its utilisation, its speeds, the worst checks as a chart."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -29,13 +29,13 @@ from torsion.rules.verdict_line import Check, Checks
 
 MOST_BESIDE = 3  # failed checks of components that are not drawn, in words
 MOST_CRITICAL = 5  # critical speeds that are drawn
-MOST_SHARES = 5  # checks that are drawn as bars
+MOST_SHARES = 5  # checks that are in the chart
 HEIGHT = 130.0  # px from the lowest to the highest axis of the sketch, at most
 KEY = "Train with the utilisation of stress or torque; an outline with a sign marks a failed check. Not to scale"
 
 
 def blocks(findings: Findings) -> Iterator[Block]:
-    """One page: the verdict, the cases, the train by its utilisation, the speeds, and the worst checks as bars."""
+    """One page: the verdict, the cases, the train by its utilisation, the speeds, and the worst checks as a chart."""
     train, joining = _train(findings)
     yield box(findings)
     if findings.cases:
@@ -175,7 +175,7 @@ def _strength(findings: Findings, response: Response | None, critical: CriticalS
 
 
 def _shares(findings: Findings) -> Iterator[Figure]:
-    """The worst checks as bars, over all judged cases; nothing if no check has a utilisation."""
+    """The worst checks as a chart, over all judged cases; nothing if no check has a utilisation."""
     cases = judged(findings.each) if findings.cases else {"": findings}
     rows = [
         row
