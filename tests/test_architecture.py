@@ -26,7 +26,7 @@ DOORS = {
     "pint": ("units.py",),
     "skfem": ("assembly/", "analyses/lateral/"),
     "meshio": ("assembly/section/section_mesh.py", "output/mode_lines.py"),
-    "matplotlib": (),
+    "matplotlib": ("output/figures/matplotlib_axes.py",),
     "pandas": ("output/data_frames.py",),
     "jinja2": ("output/",),
     "typst": ("output/",),

@@ -60,7 +60,7 @@ def test_a_case_without_an_answer_takes_no_other_with_it(file, tmp_path: Path) -
     assert "case 'x': " in done.stderr
     made = {str(path.relative_to(tmp_path / "out")) for path in (tmp_path / "out").rglob("*.html")}
     assert made == {"report.html", "a/report.html"}
-    assert "case x" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "NOT JUDGED: case x (1 of 3)" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     informed = NO_ANSWER.replace("{remove", "{judged: false, remove")
     assert call("solve", file(LINKED, a=PASSES, x=informed), "-o", "out").exit_code == 0
 

@@ -1,6 +1,7 @@
 """The Python front: its public names, and that it has no meaning of its own."""
 
 import html
+import json
 import math
 import pickle
 import subprocess
@@ -206,3 +207,54 @@ def test_a_data_frame_needs_pandas(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match="pip install pandas"):
         two_discs()["modes"].to_dataframe()
+
+
+@pytest.mark.parametrize("name", [*SMALL, "toleranced_drive", "generator_set_rules"])
+def test_what_passes_in_python_passes_on_the_command_line(name: str) -> None:
+    findings = solved(name)
+    if any(case.study.rules for case in findings.each.values()):
+        assert (findings.exit_status == 0) == (findings.passed is True)
+    assert (findings.verdict == "FAIL") == (findings.passed is False)
+    assert len(findings.checks) == len(findings["checks"].lines)
+
+
+def test_without_a_rule_nothing_passes_or_fails() -> None:
+    assert (two_discs().verdict, two_discs().passed, two_discs().failed) == ("NOT JUDGED", None, False)
+
+
+def test_the_report_in_a_folder_is_that_of_the_command(tmp_path: Path) -> None:
+    paths = two_discs().report(tmp_path / "out")
+    assert {"report.html", "results.json"} <= {path.name for path in paths}
+    assert {path for path in (tmp_path / "out").rglob("*") if path.is_file()} == set(paths)
+    (tmp_path / "train.yaml").write_text(DISCS)
+    torsion.solve(tmp_path / "train.yaml", tmp_path / "command")
+    assert {path.name for path in paths} == {path.name for path in (tmp_path / "command").iterdir()}
+
+
+def test_one_file_of_a_report_is_written_by_its_suffix(tmp_path: Path) -> None:
+    (page,) = two_discs().report(tmp_path / "two.html")
+    assert "<html" in page.read_text(encoding="utf-8")
+    two_discs().report(tmp_path / "two.json")
+    assert json.loads((tmp_path / "two.json").read_text())["modes"] == two_discs().to_dict()["modes"]
+    with pytest.raises(torsion.InputError, match=r"no file of a report ends in '\.docx'"):
+        two_discs().report(tmp_path / "two.docx")
+
+
+def test_a_figure_is_drawn_by_matplotlib_with_its_numbers() -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure = two_discs().figures["torque-1-0"]
+    (axes,) = figure.to_matplotlib()
+    lines = [line for line in figure.plots[0].lines if line.name]
+    drawn = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
+    for line in lines:
+        np.testing.assert_array_equal(drawn[line.name], line.y)
+    assert axes.get_xlabel() == figure.plots[0].x.title
+    for other in solved("usv").figures.values():
+        if other.plots:
+            other.to_matplotlib()[0].figure.canvas.draw()
+            pyplot.close("all")
+    with pytest.raises(torsion.InputError, match="use its `svg`"):
+        next(figure for figure in solved("usv").figures.values() if not figure.plots).to_matplotlib()

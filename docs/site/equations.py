@@ -12,7 +12,7 @@ from sphinx.application import Sphinx
 PAGES = "docs/explanation/theory", "docs/tutorials/two-discs-by-hand"  # a folder, and a page
 NUMBER = re.compile(r"\(([AT]\d+[a-z]?)\)")  # (T12), (A1), (T115a)
 SYMBOL = re.compile(
-    r"(?<=[A-Za-zα-ωΑ-Ω])_(\([^()]*\)|\{[^}]*\}|[A-Za-z0-9]+)(?![\w_])"
+    r"(?<=[A-Za-zα-ωΑ-Ω])_(\([^()]*\)|\{[^}]*\}|[A-Za-z0-9]+)(?![A-Za-z0-9_])"
 )  # the index of τ_C, in the text
 NUMBERED = re.compile(r"(\S.*?) +\(([AT]\d+[a-z]?)\)$")
 IN_BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import metadata
+from pathlib import Path as FilePath
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from torsion.errors import BAD_INPUT, FAILED_CHECK, REFUSED, SOLVED
@@ -160,6 +162,46 @@ class Findings(Displayed, Results):
     def __getitem__(self, name: str) -> Any:
         """The result of that name; raises KeyError with the nearest name."""
         return by_name(name, self.results, "result")
+
+    @property
+    def verdict(self) -> str:
+        """PASS, PASS with restrictions, FAIL or NOT JUDGED: the word of the report, over all cases."""
+        (_, words), _ = resolve_name("torsion.output.headline:overall_headline")(self)
+        return str(words.partition(":")[0])
+
+    @property
+    def passed(self) -> bool | None:
+        """True for PASS, with or without restrictions; False for FAIL; None if something is not judged.
+
+        It is never True where the command ends with another exit status than 0.
+        """
+        verdict = self.verdict
+        return False if verdict == "FAIL" else True if verdict != "NOT JUDGED" and self.exit_status == SOLVED else None
+
+    @property
+    def checks(self) -> tuple[Any, ...]:
+        """The rows of the verdict: rule, clause, where, what, value, limit, unit, utilisation, verdict, ..."""
+        return self.results["checks"].lines if "checks" in self.results else ()
+
+    @property
+    def figures(self) -> "Mapping[str, Any]":
+        """The figures of the report by name."""
+        drawn: Mapping[str, Any] = resolve_name("torsion.output.report_figures:figures")(self)
+        return drawn
+
+    def report(self, place: str | FilePath) -> list[FilePath]:
+        """Write the report as `solve` does into a folder, or one file of it (.html, .pdf, .json); return the paths."""
+        paths: list[FilePath] = resolve_name("torsion.output.write:write_place")(self, place)
+        return paths
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything that results.json holds, with its keys."""
+        values: dict[str, Any] = resolve_name("torsion.output.results_json:results")(self)
+        return values
+
+    def compare(self, other: "Findings") -> Any:
+        """Return what changed from these findings to others: input, natural frequencies and checks."""
+        return resolve_name("torsion.exchange.comparison:compare")(self, other)
 
     @property
     def failed(self) -> bool:

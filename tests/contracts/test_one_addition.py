@@ -129,7 +129,8 @@ def test_a_rule_is_in_the_verdicts_everywhere(toys: Path) -> None:
     assert "v_max" in stream.getvalue()
     assert "FAIL" in stream.getvalue()
     (row,) = next(item.block for item in made.body if isinstance(item.block, Table)).rows
-    assert (row[0], row[1], row[2], row[-1]) == ("v_max: speed of a rim", "all", "18.000 / 10 m/s", "✗ FAIL")
+    assert (*row[:5], row[-1]) == ("speed of a rim", "all", "18.000", "10", "m/s", "✗ FAIL")
+    assert "v_max" in row[-2]
     assert "highest speed of a rim" in "".join(manual.pages().values())
     assert "highest speed of a rim" in json.dumps(json_schema())
 

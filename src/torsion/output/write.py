@@ -10,7 +10,7 @@ from datetime import date
 from functools import partial
 from pathlib import Path, PurePosixPath
 
-from torsion.errors import Fault, InputError
+from torsion.errors import Fault, InputError, refusal
 from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS, Content, files
@@ -53,6 +53,26 @@ def write(
     if faults:
         raise InputError([replace(one, message=f"{one.message}; all other files are written") for one in faults])
     return made
+
+
+def write_place(findings: Findings, place: str | Path) -> list[Path]:
+    """Write a report into a folder, or the one file of it that a name with a suffix stands for; return the paths.
+
+    Raises OSError where nothing can be written, InputError for a suffix that no file of a report has.
+    """
+    target = Path(place)
+    if not target.suffix or target.is_dir():
+        write(findings, target)
+        return sorted(target / name for name in named(target / "results.json"))
+    output = next((output for output in OUTPUTS.values() if output.suffix == target.suffix), None)
+    if output is None:
+        suffixes = ", ".join(output.suffix for output in OUTPUTS.values() if output.suffix.startswith("."))
+        raise refusal(f"no file of a report ends in '{target.suffix}'", f"a folder, or a name with {suffixes}")
+    page = document(findings, date.today())
+    content = output(page, findings) if output.of_findings else output(page)
+    if content is None:
+        raise refusal(f"these findings have nothing for a file '{target.suffix}'")
+    return write_texts({target.name: content}, target.parent, inputs(findings.study))
 
 
 def _results(report: Report, folder: str | Path) -> Path:

@@ -201,7 +201,7 @@ def test_the_worst_of_all_cases_counts_and_each_is_proven(folder: Path) -> None:
     assert [case.results.get("design") for case in found.cases.values()] == [None, None]
     assert design.cases == ("worn", "half")
     assert dict(design_line(found))["Design"].endswith(
-        "searched and solved over the file as it stands and its cases worn, half"
+        "searched and solved over the nominal case and its cases worn, half"
     )
 
 

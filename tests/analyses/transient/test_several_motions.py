@@ -159,7 +159,7 @@ def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None
     assert "twice as many modes change a peak" in one.status
     assert "give more `modes`" in one.status
     texts = [block.text for block in chapter(found) if isinstance(block, Paragraph) and block.kind == "fail"]
-    assert texts == [f"Not to be relied upon: {one.status}."]
+    assert texts == [f"Not reliable: {one.status}."]
     (check,) = found.need(Checks).lines
     assert check.verdict == "fail"
     assert check.note == f"{one.status}; such a motion is never a pass"

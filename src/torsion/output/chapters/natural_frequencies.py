@@ -200,7 +200,7 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
     for row, (angle, moved, enters, leaves, twist) in enumerate(_settled(found)):
         inertia = float(found.inertia[row])
         link, station = found.links[row], system.stations[int(found.station[row])].name
-        own = ["held", number(angle, HOLZER), "held"]
+        own = ["fixed", number(angle, HOLZER), "fixed"]
         if math.isfinite(inertia):
             own = [number(value, HOLZER) for value in (inertia, angle, moved)]
         if found.is_chord[row]:
