@@ -4,14 +4,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import yaml
 
 import torsion
 from torsion.components import KINDS, component
 from torsion.errors import InputError
 from torsion.schema.aliases import KEYS_BY_ALIAS, KINDS_BY_ALIAS, SECTIONS_BY_ALIAS
 from torsion.schema.declaration_reader import keys_of
+from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import pages
 from torsion.schema.other_words import KEY_FOR, KIND_FOR
+from torsion.schema.yaml_source import parse_source
 
 CANONICAL = """name: x
 operation: {at: motor-1, speeds: {from: 300 rpm, to: 900 rpm}, rated: {speed: 900 rpm, power: 10 kW}}
@@ -143,3 +146,9 @@ def test_the_manual_lists_the_aliases() -> None:
     assert "`spring`" in text["components/coupling.md"]
     assert "`reference`" in text["operation.md"]
     assert "`variables`" in text["analyses/design.md"]
+
+
+def test_the_editor_accepts_every_alias() -> None:
+    validator = pytest.importorskip("jsonschema").Draft202012Validator(json_schema())
+    assert [error.message for error in validator.iter_errors(parse_source(CANONICAL, "x").data)] == []
+    assert [error.message for error in validator.iter_errors(yaml.safe_load(WRITTEN))] == []
