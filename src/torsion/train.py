@@ -14,6 +14,7 @@ from torsion.components.material import STEEL, Material
 from torsion.components.shaft_details import StepForm
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, SectionMesh, Spring, Station, Torque
+from torsion.sources import collected
 
 ENDS = ("station", "driving", "driven")  # the stations that primitives name
 
@@ -41,6 +42,7 @@ class Train:
     materials: Mapping[str, Material]
     modal_damping: tuple[float, ...] = ()  # damping ratio of each elastic mode, the last of all above; () for none
     steps: StepForm | None = "none"  # of shafts that say none of their own; None: all are springs already
+    sources: tuple[tuple[str, str], ...] = ()  # literature of the formulas of its components: key, place in it
 
     def part(self, name: str) -> Part:
         """The component of that name; raises KeyError."""
@@ -192,7 +194,8 @@ def lowered(
     folder: from which paths of files count.
     """
     build = Lowering({"steel": STEEL, **(materials or {})}, folder=folder)
-    lower_line(build, components, ("train",))
+    with collected() as citations:
+        lower_line(build, components, ("train",))
     if not build.stations:
         fault = Fault(("train",), "the train has no component that turns", "list its components")
         return None, [*build.faults, fault]
@@ -204,7 +207,8 @@ def lowered(
             _excite(build, excitation, ("excitations", position))
     _names(build)
     counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
-    return _train(build, Fraction(1) if counted is None else counted.ratio), build.faults
+    train = _train(build, Fraction(1) if counted is None else counted.ratio)
+    return replace(train, sources=tuple(citations)), build.faults
 
 
 def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
