@@ -326,6 +326,21 @@ def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path(
     say(f"{file} written; solve it with: torsion solve {file}")
 
 
+@app.command()
+def sources(bib: Annotated[bool, typer.Option("--bib", help="Print BibTeX entries.")] = False) -> None:
+    """Print the literature of all formulas, methods and rules; the report lists what its run used."""
+    from torsion.rules import RULES, rule
+    from torsion.sources import SOURCES
+
+    if bib:
+        say("\n\n".join(record.bibtex for record in SOURCES.values()))
+        return
+    for record in SOURCES.values():
+        say(f"{record.key}: {record.words}; {record.use}" + ("" if record.compared else "; edition not confirmed"))
+    for name in RULES:
+        say(f"{name}: {rule(name).edition or 'limits of the file or of a manufacturer'}")
+
+
 def main() -> None:
     """Entry point of the console script.
 

@@ -73,6 +73,17 @@ class Unanswered:
 
 
 @reported
+class UsedSource:
+    """A publication, rule or standard that the run used."""
+
+    key: str = result("", (), "key of the literature (`torsion sources`), or name of the rule")
+    words: str = result("", (), "authors, work and year, or rule and edition")
+    where: tuple[str, ...] = result("", (), "equations or chapters, or clauses of the rule")
+    compared: bool = result("", (), "edition and digits were compared with the publication")
+    is_rule: bool = False
+
+
+@reported
 class Plan:
     """The whole of it, printed on the last page of the report."""
 
@@ -81,6 +92,7 @@ class Plan:
     versions: dict[str, str] = result("", (), "versions of the libraries")
 
     unanswered: tuple[Unanswered, ...] = result("", (), "analyses without an answer", default=())
+    sources: tuple[UsedSource, ...] = ()  # of formulas, methods and rules
 
     @derived("", (), "what was omitted, and why", key="left_out")
     def reasons(self) -> tuple[LeftOut, ...]:

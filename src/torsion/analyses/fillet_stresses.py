@@ -17,6 +17,7 @@ from torsion.kernels.round_sections import section_modulus
 from torsion.kernels.tree_response import Status
 from torsion.primitives import Bar
 from torsion.results import reported, result
+from torsion.sources import source
 from torsion.train import Train
 
 HOLDS = 0.25, 4.0  # height / radius between which the fit of Peterson's chart holds
@@ -63,6 +64,7 @@ class Fillets:
     each: tuple[Fillet, ...] = result("", (), "fillets and notches", key="")
 
 
+@source("Pilkey1997", "chart 3.12")
 def peterson(height: float, radius: float) -> float | None:
     """K_t in torsion, both in smaller diameters: Pilkey (1997), Peterson's Stress Concentration Factors, chart 3.12.
 
@@ -80,6 +82,7 @@ def peterson(height: float, radius: float) -> float | None:
     return sum(term * share**power for power, term in enumerate(terms))
 
 
+@source("Pilkey1997", "chart 5.2")
 def keyway_fit(radius: float) -> float:
     """K_t of a keyway d/4 wide with flanks of d/8, radius / d: Peterson's chart 5.2 after Leven, from memory.
 

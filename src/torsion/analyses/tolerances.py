@@ -26,6 +26,7 @@ from torsion.errors import InputError
 from torsion.fields import Declared, given, required
 from torsion.findings import Work
 from torsion.results import reported, result
+from torsion.sources import source
 from torsion.study import Study
 
 FARTHEST = 46.0  # ln of the factor to which a stiffness is sought: 1e20
@@ -171,6 +172,7 @@ def with_inertias(system: System, end: int) -> System:
     return of_train(system, replace(train, inertias=inertias))
 
 
+@source("Rayleigh1877")
 def ranked(found: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
     """Every figure with a tolerance: half its shares of elastic or kinetic energy are its sensitivities (T132)."""
     system, figures = found.system, list[RankedFigure]()

@@ -14,6 +14,7 @@ from torsion.components.lowering import Lowering
 from torsion.components.machine_records import MachineRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Damper, Spring
+from torsion.sources import note
 
 SEA_WATER = 1025.0  # kg/m3
 USUAL_FACTOR = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}
@@ -161,8 +162,11 @@ class Machine(Rotor):
             return Damper(station, constant=build.own(damping.value or 0.0))
         if damping.model == "schwanecke":
             diameter, pitch, area = (getattr(self, key) for key in ("diameter", "pitch_ratio", "area_ratio"))
+            note("Schwanecke")
             return Damper(station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi)
         factor = damping.factor or 0.0
+        if damping.model in ("archer", "frahm"):
+            note(damping.model.capitalize())
         return Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0 if damping.model == "archer" else factor)
 
 

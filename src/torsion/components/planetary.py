@@ -10,6 +10,7 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.sources import source
 
 Member = Literal["sun", "ring", "carrier"]
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
@@ -131,6 +132,7 @@ class Planetary(Declared):
         return Fraction(self.planet[0]), Fraction(self.planet[-1])
 
     @property
+    @source("Willis1841")
     def weights(self) -> dict[str, Fraction]:
         """The torques of the members over that of the sun: their speeds, each times this, add up to 0."""
         with_sun, with_ring = self.teeth

@@ -18,6 +18,7 @@ from torsion.kernels.spanning_forest import closing_no_loop, walk
 from torsion.kernels.tree import Rerooted, Tree
 from torsion.kernels.tree_response import TreeResponse, pose, residual_of, tree_response
 from torsion.kernels.two_sides import forced, two_sides
+from torsion.sources import source
 
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
@@ -236,6 +237,7 @@ def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
     return worst
 
 
+@source("Kruskal1956")
 def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray) -> LoopedTrain:
     """Tear every loop at its softest span (Kruskal 1956): what is torn is then a correction, not the main path.
 

@@ -22,7 +22,7 @@ import torsion
 from torsion.analyses import ANALYSES
 from torsion.assembly.system import MOST_GROUPS
 from torsion.errors import Fault, InputError
-from torsion.findings import Findings, Plan
+from torsion.findings import Findings, Plan, UsedSource
 from torsion.output import reports
 from torsion.output.plain import LISTED, plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
@@ -247,6 +247,7 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
     }
     found |= {name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")}
     found["plan"] = lambda: plain(findings.plan, chosen)
+    found["sources"] = lambda: [plain(used, chosen) for used in findings.plan.sources]
     found["cases"] = lambda: {name: _of_case(one) for name, one in findings.cases.items()}
     return {key: make for key, make in found.items() if not only or key in (*HEAD, *only)}
 
@@ -263,7 +264,7 @@ def documented() -> tuple[Key, ...]:
     """Every key of the results, as the manual of results lists them."""
     found = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.result_classes().items()}
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
-    every = head | found | {"checks": Checks, "plan": Plan}
+    every = head | found | {"checks": Checks, "plan": Plan, "sources[]": UsedSource}
     return (*FIXED, CASES, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
 
 

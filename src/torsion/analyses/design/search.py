@@ -9,6 +9,7 @@ import numpy as np
 
 from torsion.analyses.design.trials import Trials
 from torsion.arrays import FloatArray
+from torsion.sources import source
 
 CURVE, MAP = 200, 200  # values of one figure, and of each of two
 VALLEYS = 3  # of which the best is refined
@@ -108,6 +109,7 @@ def _other(low: FloatArray, high: FloatArray, middle: FloatArray) -> FloatArray:
     return np.where(high - middle >= middle - low, high, low)
 
 
+@source("StornPrice1997")
 def _evolution(trials: Trials) -> str:
     """Differential evolution of all figures, lists as whole numbers; then the lists one by one, and the ranges."""
     from scipy.optimize import differential_evolution

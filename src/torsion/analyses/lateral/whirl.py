@@ -11,6 +11,7 @@ import numpy as np
 from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.results import reported, result
+from torsion.sources import source
 
 SPARE_MODES = 8  # modes at rest, beside as many as are reported, among which damped ones are sought
 OVERDAMPED = 1e-7  # |Im s|/|s| below which a motion does not oscillate
@@ -44,6 +45,7 @@ class Critical:
     )
 
 
+@source("Genta2005")
 def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
     """The lowest modes over speeds (speeds,) rad/s: `modes` backward and as many forward ones.
 

@@ -17,6 +17,7 @@ from torsion.kernels.transient import torque_laws
 from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.dry_friction import DryFriction
 from torsion.kernels.transient.torque_history import Piece
+from torsion.sources import note
 
 WORST = "worst"
 SAME_SPEED = 1e-9  # relative, or rad/s
@@ -118,6 +119,7 @@ class Start(Kind):
         if self.torque is not None:
             yield torque_laws.BySpeed(0, torque_laws.table(self.torque), window)
         else:
+            note("Kloss1916")
             yield torque_laws.InductionMotor(0, self.pull_out or 0.0, self.slip or 1.0, self.synchronous or 1.0, window)
         if self.slip_pulsation is not None:
             twice = 4.0 * math.pi * self.line

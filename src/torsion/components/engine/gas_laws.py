@@ -16,6 +16,7 @@ from torsion.components.engine.record import PressureCurve
 from torsion.kernels.engine.gas_law import GasLaw
 from torsion.kernels.engine.gas_torque import Cylinder, Diagram
 from torsion.kernels.engine.wiebe_cycle import Cycle, UnreachablePressure, fitted
+from torsion.sources import source
 from torsion.two_columns import Columns, pairs
 
 COLUMNS = Columns(
@@ -196,6 +197,7 @@ def _cycle(cycle: Cycle, imep: float, peak: float) -> Cycle:
     return fitted(cycle, imep, peak)
 
 
+@source("Wiebe1970")
 def _of_cycle(gas: Gas, frame: Frame) -> Law:
     cylinder, needed = frame.known("a cycle"), ("exhaust",) if frame.revolutions == 2 else ("exhaust_opens",)
     ports = gas.exhaust_opens or math.pi, gas.scavenge_opens or gas.exhaust_opens or math.pi
