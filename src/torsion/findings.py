@@ -3,6 +3,7 @@
 The plan is what was done, by which method, of what size, in what time; and what was left out and why.
 """
 
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -122,7 +123,9 @@ class Log:
         """Time a step; the block fills in its method and size."""
         step, start = Step(), time.perf_counter()
         yield step
-        self.lines.append(PlanLine(what, step.method, step.size, time.perf_counter() - start, why))
+        # Reproducible reports (SOURCE_DATE_EPOCH) state no times.
+        seconds = 0.0 if "SOURCE_DATE_EPOCH" in os.environ else time.perf_counter() - start
+        self.lines.append(PlanLine(what, step.method, step.size, seconds, why))
 
     def without(self, what: str, why: str) -> None:
         """Note what was left out."""

@@ -89,7 +89,7 @@ def test_command_writes_the_report_says_it_last_and_tells_by_its_status(
     assert stated["modes"]["frequency_Hz"]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "NOT JUDGED" in page
-    assert f"<dt>No answer</dt><dd>{what}" in page
+    assert f"<dt>Not computed</dt><dd>{what}" in page
 
 
 def test_remedy_that_is_offered_gives_the_answer():

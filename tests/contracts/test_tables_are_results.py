@@ -541,7 +541,6 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Tooth forces", "F_{t}"): key("tooth_forces[].tangential_N"),
     ("Tooth forces", "F_{r}"): key("tooth_forces[].radial_N"),
     ("Tooth forces", "F_{a}"): key("tooth_forces[].axial_N"),
-    ("Computed steps", "Time"): key("plan.done[].seconds"),
     ("Cylinders of", "Cylinder"): key("engines[].cylinders[].number"),
     ("Cylinders of", "Fires at"): key("engines[].cylinders[].firing_rad"),
     ("Cylinders of", "Heat"): key("engines[].cylinders[].share"),

@@ -66,4 +66,4 @@ def test_the_slow_engine_bars_order_6_of_its_first_mode_and_names_the_cylinder_o
     ((_, line),) = worst_line({"": out})
     assert "with cylinder 1 of main engine motored" in line
     (words,) = states(out)
-    assert words.startswith("main engine with cylinder 1 motored (misfire), all others with 120 % of the heat, every")
+    assert words.startswith("main engine with cylinder 1 motored (misfire), all others with 120 % of the heat, each")

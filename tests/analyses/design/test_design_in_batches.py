@@ -221,7 +221,7 @@ def test_a_choice_is_never_kept_where_a_case_fails() -> None:
             one = found.need(Design)
             assert one.best[one.chosen - 1].proven == proven
             words = dict(design_line(found))["Design"]
-            assert f"solved by itself: {proven}" in words
+            assert f"full method: {proven}" in words
             assert ("not judged: weak" in words) == bool(judged)
 
 

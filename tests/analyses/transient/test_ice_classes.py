@@ -200,7 +200,7 @@ def test_the_report_says_formula_inputs_and_that_they_are_to_be_verified() -> No
     assert row == ("screw", "IA", "1.5000", "open", "10.900", "4.0000", "0.25000", "0.80000", "2.0000", "3.0000",
                    f"{by_hand(10.9, 1.5, 4.0, True) / 1e3:.2f}")  # fmt: skip
     notes = [block.text for block in blocks if isinstance(block, Paragraph) and block.kind == "note"]
-    assert sum("to be verified against the edition in force" in note for note in notes) == 2
+    assert sum("edition not confirmed" in note for note in notes) == 2
     assert any("1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1 for diameters beyond 1.8 H" in note for note in notes)
 
 

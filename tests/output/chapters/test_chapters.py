@@ -41,14 +41,15 @@ def test_steps_with_their_times(bare: Findings) -> None:
     plan = Plan(
         (PlanLine("w", "m", "s", 0.012445, "y"), PlanLine("v", "n", "t", 2.5, "z")), (("l", "o"),), {"lib": "1"}
     )
-    head, done, left, versions = provenance.steps(replace(bare, plan=plan))
+    head, done, time, left, versions = provenance.steps(replace(bare, plan=plan))
     assert head == Heading("Appendix: what was computed")
     assert isinstance(done, Table)
     assert isinstance(left, Table)
-    assert done.rows == (("w", "m", "s", "12.4", "y"), ("v", "n", "t", "2500", "z"))
+    assert done.rows == (("w", "m", "s", "y"), ("v", "n", "t", "z"))
+    assert time == Paragraph("Computing time: 2.51 s.")
     assert left.rows == (("l", "o"),)
     assert versions == KeyValues((("lib", "1"),))
-    assert len(list(provenance.steps(replace(bare, plan=replace(plan, left_out=(), versions={}))))) == 2
+    assert len(list(provenance.steps(replace(bare, plan=replace(plan, left_out=(), versions={}))))) == 3
 
 
 def test_the_input_with_its_checksums_and_those_of_its_meshes(bare: Findings) -> None:

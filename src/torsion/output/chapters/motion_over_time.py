@@ -1,4 +1,4 @@
-"""Chapter: the motion over time."""
+"""Chapter: transient responses."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -16,10 +16,11 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
 from torsion.output.figures.curves_over_time import over_time
-from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
+from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale, symbols
 from torsion.output.reported_values import NOTHING
 from torsion.output.selection import Element, elements
 from torsion.results import listed
+from torsion.rules.verdict_line import Checks
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
 MOST_PASSAGES = 20  # lines of a table
@@ -29,16 +30,17 @@ METHOD = (
     " the modes. Material damping acts as modal damping by energy share."
 )
 FROM_EVENT_TO_EVENT = (
-    "Exact from event to event: between two changes of a coupling's regime the train is linear, and the time of each "
-    "is the root of the exact motion. Losses of material act as modal damping, by their share of the energy."
+    "Exact from event to event: the train is linear between two changes of a coupling's regime, and each change is a "
+    "root of the exact motion. Material damping acts as modal damping by energy share."
 )
 MOST_EVENTS = 20  # of the changes of regime that are listed
-DRIVEN = METHOD.replace("answers the events", "answers the torques of every step")
+DRIVEN = METHOD.replace("to the events", "to the torques of every step")
+TRANSIENT_RULES = ("transient", "ice")  # rules that limit the greatest torque over time
 Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and the least torque
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Every motion in a section of its own; nothing where none was requested."""
+    """One section for each transient; nothing if none was requested."""
     found = findings.get(Transients)
     if found is None:
         return
@@ -323,7 +325,10 @@ def _figures(findings: Findings, found: TransientMotion, settings: TransientSett
         time, torque = _with_peaks(found, span)
         curves = [(one.name, torque * unit.factor)]
         caption = f"Torque in {one.name}" + (f", {found.name}" if found.name else "")
-        yield over_time(f"motion {mark}{one.name}", caption, time=time, lines=curves, quantity="torque", unit=unit.unit)
+        yield over_time(
+            f"motion {mark}{one.name}", caption, time=time, lines=curves, quantity="torque", unit=unit.unit,
+            limits=[(words, limit * unit.factor) for words, limit in _limits(findings, one)], has_peak=True,
+        )  # fmt: skip
     stations = [(k, s.name) for k, s in enumerate(train.stations) if not s.is_ground]
     ends = [stations[0], stations[-1]] if len(stations) > 1 else stations
     ends = [one for one in stations if train.parts[train.stations[one[0]].part].name in plot] if plot else ends
@@ -333,8 +338,24 @@ def _figures(findings: Findings, found: TransientMotion, settings: TransientSett
         yield over_time(f"motion {mark}speeds", caption, time=found.time, lines=curves, quantity="speed", unit="rpm")
 
 
+def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:
+    """The limits of the greatest torque over time, N m: of the checks, else the rating of the manufacturer."""
+    limits = {
+        f"limit {symbols(check.clause)}": check.limit
+        for check in findings.need(Checks).lines
+        if check.where == element.name and check.rule in TRANSIENT_RULES and check.clause.startswith("T_")
+        and np.isfinite(check.limit)
+    }  # fmt: skip
+    ratings = findings.study.train.parts[element.part].ratings
+    if not limits and ratings is not None and ratings.max_torque:
+        limits = {"T_{Kmax} (manufacturer)": ratings.max_torque}
+    return list(limits.items())
+
+
 def _with_peaks(found: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarray]:
-    """The samples of a torque, and between them its greatest and least value."""
+    """The samples of a torque, and between them its maximum and minimum, if they are of the motion that is drawn."""
+    if found.faults_computed > 1 or found.phases_computed > 1:
+        return found.time, found.torque[span]
     at, value = [found.greatest_at[span], found.least_at[span]], [found.greatest[span], found.least[span]]
     place = np.searchsorted(found.time, at, side="right")
     order = np.argsort(at, kind="stable")

@@ -23,11 +23,11 @@ MOST_CLAUSES = 20  # of a rule
 def steps(findings: Findings) -> Iterator[Block]:
     """Always printed."""
     plan = findings.plan
-    rows = [
-        (line.what, line.method, _singular(line.size), number(1e3 * line.seconds, 3), line.why) for line in plan.done
-    ]
+    rows = [(line.what, line.method, _singular(line.size), line.why) for line in plan.done]
     yield Heading("Appendix: what was computed")
-    yield table("< Step | < Method | < Size | Time [ms] | < Reason", rows, "Computed steps")
+    yield table("< Step | < Method | < Size | < Reason", rows, "Computed steps")
+    if seconds := sum(line.seconds for line in plan.done):
+        yield Paragraph(f"Computing time: {number(seconds, 3)} s.")
     if plan.left_out:
         yield table("< Not computed | < Reason", plan.left_out, "Not computed")
     if plan.versions:
