@@ -17,7 +17,7 @@ FLOORS = {
     "findings": 5,
     "analyses": 6,
     "rules": 7,
-    "schema": 8,
+    "schema": 8, "formulas": 8,
     "output": 9,
     "runner": 10, "lasting_output": 10, "commands": 11, "live": 12, "sweeping": 12, "exchange": 12,
     "command_endings": 12.5, "exchange_commands": 12.6, "cli": 13, "__main__": 14,

@@ -17,6 +17,7 @@ import pytest
 import yaml
 
 import torsion
+from torsion import formulas
 from torsion.components import KINDS
 from torsion.output.results_json import results
 from torsion.results import is_declared, quantities
@@ -350,3 +351,11 @@ def test_a_wrong_path_has_the_fault_of_a_case(path: str, message: str) -> None:
     with pytest.raises(torsion.InputError) as raised:
         built().with_({path: 2e4})
     assert message in str(raised.value)
+
+
+@pytest.mark.parametrize("name", formulas.__all__)
+def test_a_formula_takes_keywords_states_its_source_and_is_worked_by_hand(name: str) -> None:
+    function = getattr(formulas, name)
+    assert all(p.kind is inspect.Parameter.KEYWORD_ONLY for p in inspect.signature(function).parameters.values())
+    assert "Source: " in function.__doc__
+    assert ">>> " in function.__doc__

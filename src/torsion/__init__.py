@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from torsion.errors import Fault, InputError, SolveError, TorsionError
 
 if TYPE_CHECKING:
+    from torsion import formulas
     from torsion.analyses.damped_modes import damped as damped_modes
     from torsion.analyses.joints.joint_analysis import joints
     from torsion.analyses.motion.stability_over_speed import stability
@@ -62,6 +63,7 @@ _PLACES = {
     "damped_modes": "torsion.analyses.damped_modes:damped",
     "export": "torsion.exchange.export_command:export",
     "figures": "torsion.output.report_figures:figures",
+    "formulas": "torsion.formulas",
     "frequency_response": "torsion.analyses.response.over_frequency:frequency_response",
     "import_table": "torsion.exchange.mass_elastic_table:import_table",
     "joints": "torsion.analyses.joints.joint_analysis:joints",
@@ -83,8 +85,8 @@ _PLACES |= {kind: f"torsion.schema.builder:{kind}" for kind in _KINDS}
 __all__ = [
     "Fault", "Findings", "InputError", "SolveError", "Study", "TorsionError", "Train", "assemble", "branch",
     "build", "check", "compare", "compressor", "coupling", "damped_modes", "damper", "disc", "engine", "export",
-    "fan", "figures", "frequency_response", "gear", "generator", "import_table", "joint", "joints", "machine",
-    "modes", "motor", "parse", "pendulum", "propeller", "pump", "read", "report", "response", "run", "shaft",
+    "fan", "figures", "formulas", "frequency_response", "gear", "generator", "import_table", "joint", "joints",
+    "machine", "modes", "motor", "parse", "pendulum", "propeller", "pump", "read", "report", "response", "run", "shaft",
     "solve", "stability", "transient", "turbine",
 ]  # fmt: skip
 
@@ -93,8 +95,9 @@ def __getattr__(name: str) -> Any:
     """Public names are imported when first used, so that a scene loads only what it needs."""
     if name not in _PLACES:
         raise AttributeError(f"module 'torsion' has no attribute '{name}'")
-    module, _, attribute = _PLACES[name].partition(":")
-    return getattr(import_module(module), attribute)
+    path, _, attribute = _PLACES[name].partition(":")
+    module = import_module(path)
+    return getattr(module, attribute) if attribute else module
 
 
 def __dir__() -> list[str]:
