@@ -69,7 +69,7 @@ def write_place(findings: Findings, place: str | Path) -> list[Path]:
     if output is None:
         suffixes = ", ".join(output.suffix for output in OUTPUTS.values() if output.suffix.startswith("."))
         raise refusal(f"no file of a report ends in '{target.suffix}'", f"a folder, or a name with {suffixes}")
-    page = document(findings, date.today())
+    page = document(findings, report_date())
     content = output(page, findings) if output.of_findings else output(page)
     if content is None:
         raise refusal(f"these findings have nothing for a file '{target.suffix}'")
