@@ -10,8 +10,8 @@ project = "torsion"
 version = release = metadata.version("torsion")
 root_doc = "docs/index"
 include_patterns = [
-    "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/**.md", "reports/*.md", "reports/papers/*.md",
-    "shafting_specs/README.md",
+    "README.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "CHANGELOG.md", "docs/**.md",
+    "reports/*.md", "reports/papers/*.md", "shafting_specs/README.md",
 ]  # fmt: skip
 exclude_patterns = [".*", "build", "src", "tests", "benchmarks"]
 extensions = ["myst_parser", "equations", "gallery", "entrance", "assistants"]

@@ -3,6 +3,7 @@
 The plan is what was done, by which method, of what size, in what time; and what was left out and why.
 """
 
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -10,11 +11,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import metadata
+from pathlib import Path as FilePath
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from torsion.errors import BAD_INPUT, FAILED_CHECK, REFUSED, SOLVED
 from torsion.fields import Declared
-from torsion.results import Displayed, derived, reported, result
+from torsion.results import Displayed, by_name, derived, reported, result
 
 if TYPE_CHECKING:
     from torsion.assembly.system import System
@@ -54,13 +57,13 @@ class LeftOut:
 class Unanswered:
     """An analysis that was tried and has no answer."""
 
-    analysis: str = result("", (), "an analysis that was tried and has no answer; each stands in `left_out` too")
+    analysis: str = result("", (), "an analysis that failed; `left_out` lists it too")
     what: str = result("", (), "the same in words")
     why: str = result("", (), "cause")
-    remedy: str = result("", (), "what to change; empty where the cause says it")
-    line: int | None = result("", (), "line of the file, from 1; null where there is none")
-    is_named: bool = result("", (), "the file names the analysis; the exit status is then 3", key="named")
-    is_input: bool = result("", (), "the input is at fault; the exit status is then 2", key="input_fault")
+    remedy: str = result("", (), "what to change; empty if the cause says it")
+    line: int | None = result("", (), "line of the file, from 1; null if there is none")
+    is_named: bool = result("", (), "the analysis was requested in the file; the exit status is then 3", key="named")
+    is_input: bool = result("", (), "an input error is the reason; the exit status is then 2", key="input_fault")
     text: str  # all of it, with the line quoted
 
     @property
@@ -92,7 +95,7 @@ class Plan:
     unanswered: tuple[Unanswered, ...] = result("", (), "analyses without an answer", default=())
     sources: tuple[UsedSource, ...] = ()  # of formulas, methods and rules
 
-    @derived("", (), "what was left out, and why", key="left_out")
+    @derived("", (), "what was omitted, and why", key="left_out")
     def reasons(self) -> tuple[LeftOut, ...]:
         """Every pair as a result."""
         return tuple(LeftOut(what, why) for what, why in self.left_out)
@@ -120,7 +123,9 @@ class Log:
         """Time a step; the block fills in its method and size."""
         step, start = Step(), time.perf_counter()
         yield step
-        self.lines.append(PlanLine(what, step.method, step.size, time.perf_counter() - start, why))
+        # Reproducible reports (SOURCE_DATE_EPOCH) state no times.
+        seconds = 0.0 if "SOURCE_DATE_EPOCH" in os.environ else time.perf_counter() - start
+        self.lines.append(PlanLine(what, step.method, step.size, seconds, why))
 
     def without(self, what: str, why: str) -> None:
         """Note what was left out."""
@@ -162,12 +167,56 @@ class Results:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Findings(Displayed, Results):
     """Everything that a study requests."""
 
     plan: Plan
     cases: "Mapping[str, Findings]" = field(default_factory=dict)  # of every case of the study, by name
+
+    def __getitem__(self, name: str) -> Any:
+        """The result of that name; raises KeyError with the nearest name."""
+        return by_name(name, self.results, "result")
+
+    @property
+    def verdict(self) -> str:
+        """PASS, PASS with restrictions, FAIL or NOT JUDGED: the word of the report, over all cases."""
+        (_, words), _ = resolve_name("torsion.output.headline:overall_headline")(self)
+        return str(words.partition(":")[0])
+
+    @property
+    def passed(self) -> bool | None:
+        """True for PASS, with or without restrictions; False for FAIL; None if something is not judged.
+
+        It is never True where the command ends with another exit status than 0.
+        """
+        verdict = self.verdict
+        return False if verdict == "FAIL" else True if verdict != "NOT JUDGED" and self.exit_status == SOLVED else None
+
+    @property
+    def checks(self) -> tuple[Any, ...]:
+        """The rows of the verdict: rule, clause, where, what, value, limit, unit, utilisation, verdict, ..."""
+        return self.results["checks"].lines if "checks" in self.results else ()
+
+    @property
+    def figures(self) -> "Mapping[str, Any]":
+        """The figures of the report by name."""
+        drawn: Mapping[str, Any] = resolve_name("torsion.output.report_figures:figures")(self)
+        return drawn
+
+    def report(self, place: str | FilePath) -> list[FilePath]:
+        """Write the report as `solve` does into a folder, or one file of it (.html, .pdf, .json); return the paths."""
+        paths: list[FilePath] = resolve_name("torsion.output.write:write_place")(self, place)
+        return paths
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything that results.json holds, with its keys."""
+        values: dict[str, Any] = resolve_name("torsion.output.results_json:results")(self)
+        return values
+
+    def compare(self, other: "Findings") -> Any:
+        """Return what changed from these findings to others: input, natural frequencies and checks."""
+        return resolve_name("torsion.exchange.comparison:compare")(self, other)
 
     @property
     def failed(self) -> bool:

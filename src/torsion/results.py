@@ -14,8 +14,9 @@ A result is a frozen dataclass whose fields (and properties) are declared so:
 
 import dataclasses
 import inspect
+import math
 import typing
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache, cached_property
@@ -25,11 +26,18 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from torsion.errors import nearest
+
 Value = TypeVar("Value")
 Axes = tuple[str, ...]
 BY_UNIT = "*"
-NOTEBOOK = "torsion.output.notebook:bundle"  # a name, since outputs stand above results
+TO_DICT = "torsion.output.data_frames:dictionary"
+TO_DATAFRAME = "torsion.output.data_frames:data_frame"
+LINE = "torsion.output.notebook:line"
+NOTEBOOK = "torsion.output.notebook:bundle"  # names, since outputs stand above results
 MOST_NAMES = 12  # one after another in a sentence
+RPM = 30.0 / math.pi  # of 1 rad/s
+LONGEST_LINE = 200  # characters of a result where text is shown
 _SPELLED = str.maketrans({"*": "", "(": "", ")": "", "/": "_per_"})
 
 
@@ -67,8 +75,11 @@ def result(unit: str, axes: Axes, meaning: str, *, default: Any = dataclasses.MI
 
 @typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
 def reported(kind: type[Value]) -> type[Value]:
-    """A class of results: a frozen dataclass whose declared quantities every output reads."""
-    return dataclass(frozen=True)(kind)
+    """A class of results: a frozen dataclass whose declared quantities every output reads, and that is `Keyed`."""
+    for name, method in vars(Keyed).items():
+        if callable(method) and getattr(kind, name, None) is getattr(object, name, None):
+            setattr(kind, name, method)
+    return dataclass(frozen=True, repr=False)(kind)
 
 
 def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
@@ -82,8 +93,75 @@ def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Cal
     return declare
 
 
+def single_values(shown: Any) -> str:
+    """The class of a result and its single values, by their keys, on one line.
+
+    >>> @reported
+    ... class Mesh:
+    ...     wheel: str = result("", (), "name of the wheel")
+    ...     torque: float = result("N*m", (), "mean torque")
+    >>> Mesh("pinion", 1500.0)
+    Mesh: wheel pinion, torque_Nm 1500
+    """
+    fields = {field.name for field in dataclasses.fields(shown)}
+    values = (
+        (quantity.key, getattr(shown, quantity.name)) for quantity in quantities(type(shown)) if quantity.name in fields
+    )
+    words = (
+        f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
+        for key, value in values
+        if isinstance(value, str | int | float)
+    )
+    return one_line(f"{type(shown).__name__}: {', '.join(words)}")
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks, cut where it is too long."""
+    text = " ".join(text.split())
+    return text if len(text) <= LONGEST_LINE else f"{text[: LONGEST_LINE - 1]}…"
+
+
+class Keyed:
+    """A result whose quantities have their keys of results.json as names too, and speeds a name in rpm.
+
+    >>> @reported
+    ... class Point(Keyed):
+    ...     speed: float = result("rad/s", (), "speed of the shaft")
+    >>> Point(math.pi).speed_rad_per_s == math.pi, round(Point(math.pi).speed_rpm, 9)
+    (True, 30.0)
+    """
+
+    def __getattr__(self, key: str) -> Any:
+        names = names_by_key(type(self))
+        if key in names:
+            return getattr(self, names[key])
+        in_radians = f"{key.removesuffix('_rpm')}_rad_per_s"
+        if key.endswith("_rpm") and in_radians in names:
+            return getattr(self, names[in_radians]) * RPM
+        raise AttributeError(f"'{type(self).__name__}' has no attribute '{key}'", name=key, obj=self)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*object.__dir__(self), *names_by_key(type(self))})
+
+    def __repr__(self) -> str:
+        return single_values(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result by the keys of results.json, with lists in place of arrays."""
+        columns: dict[str, Any] = resolve_name(TO_DICT)(self)
+        return columns
+
+    def to_dataframe(self) -> Any:
+        """Return a pandas.DataFrame with one row for each mode, check, or speed and order; raises ImportError."""
+        return resolve_name(TO_DATAFRAME)(self)
+
+
 class Displayed:
     """What a notebook shows as tables and a figure, and as one line where it shows text."""
+
+    def __repr__(self) -> str:
+        line: str = resolve_name(LINE)(self)
+        return line
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
         """The line and the page; without it a notebook would keep every number of the arrays as text."""
@@ -93,6 +171,26 @@ class Displayed:
     def _repr_html_(self) -> str:
         """HTML without scripts, which stands in any page."""
         return self._repr_mimebundle_()["text/html"]
+
+
+def by_name(name: str, values: Mapping[str, Value], what: str = "component") -> Value:
+    """Return the value of that name; raises KeyError with the nearest name.
+
+    >>> by_name("springs", {"motor": 1, "spring": 2})
+    Traceback (most recent call last):
+        ...
+    KeyError: "no component is called 'springs'; did you mean 'spring'?"
+    """
+    if name not in values:
+        near = nearest(str(name), values)
+        hint = f"did you mean '{near}'?" if near else f"there is {listed(values)}"
+        raise KeyError(f"no {what} is called '{name}'; {hint}")
+    return values[name]
+
+
+def names_by_key(kind: type) -> dict[str, str]:
+    """Return the field or property of every key that is spelled another way."""
+    return {quantity.key: quantity.name for quantity in quantities(kind) if quantity.key not in ("", quantity.name)}
 
 
 def words(codes: Any, kind: type[Enum]) -> np.ndarray:

@@ -14,6 +14,7 @@ from torsion.components.material import STEEL, Material
 from torsion.components.shaft_details import StepForm
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, SectionMesh, Spring, Station, Torque
+from torsion.results import Displayed, by_name, listed, one_line
 from torsion.sources import collected
 
 ENDS = ("station", "driving", "driven")  # the stations that primitives name
@@ -27,8 +28,8 @@ class Link:
     component: Component
 
 
-@dataclass(frozen=True)
-class Train:
+@dataclass(frozen=True, repr=False)
+class Train(Displayed):
     """A shaft train, lowered."""
 
     parts: tuple[Part, ...]
@@ -43,6 +44,14 @@ class Train:
     modal_damping: tuple[float, ...] = ()  # damping ratio of each elastic mode, the last of all above; () for none
     steps: StepForm | None = "none"  # of shafts that say none of their own; None: all are springs already
     sources: tuple[tuple[str, str], ...] = ()  # literature of the formulas of its components: key, place in it
+
+    def __repr__(self) -> str:
+        names = listed((part.name for part in self.parts), most=6)
+        return one_line(f"Train: {len(self.parts)} components ({names})")
+
+    def __getitem__(self, name: str) -> Part:
+        """The component of that name; raises KeyError with the nearest name."""
+        return by_name(name, {part.name: part for part in reversed(self.parts)})
 
     def part(self, name: str) -> Part:
         """The component of that name; raises KeyError."""

@@ -16,7 +16,7 @@ from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.kernels.tree import Tree
-from torsion.results import Displayed, derived, reported, result
+from torsion.results import Displayed, Keyed, by_name, derived, reported, result
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def without_mode(study: Study, mode: int, there: int, path: Path) -> Fault:
 
 
 @reported
-class Modes(Displayed):
+class Modes(Displayed, Keyed):
     """Natural frequencies with their certificate; shapes scaled to a generalised inertia of 1 kg m2."""
 
     frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies of the elastic modes, ascending")
@@ -81,8 +81,14 @@ class Modes(Displayed):
     system: System = field(repr=False)
     distributed: "ShaftModes | None" = field(default=None, repr=False)  # of a train with distributed inertia
 
+    def __getitem__(self, name: str) -> FloatArray:
+        """(modes,) rad: every mode at a component, or at one of its stations; raises KeyError with the nearest name."""
+        stations = {station.name: k for k, station in reversed(list(enumerate(self.system.stations)))}
+        points = {part.name: part.stations[0] for part in self.system.train.parts if part.is_point and part.stations}
+        return np.asarray(self.shape[by_name(name, {**stations, **points}, "station")])
+
     @derived(
-        "1", ("station", "mode"), "share of the kinetic energy; of a distributed shaft half at either end",
+        "1", ("station", "mode"), "share of the kinetic energy (half of a distributed shaft at either end)",
         key="kinetic_share", printed=("mode", "station"), is_total=True,
     )  # fmt: skip
     def kinetic(self) -> FloatArray:

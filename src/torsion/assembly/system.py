@@ -18,6 +18,7 @@ from torsion.errors import Fault, InputError
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, connected, walk
 from torsion.kernels.tree import Tree
 from torsion.primitives import Damper, Station
+from torsion.results import Displayed
 from torsion.train import Train, fixed_point_faults
 
 if TYPE_CHECKING:
@@ -49,8 +50,8 @@ class CondensedTrain:
     loss_factor: FloatArray  # (tree stations,)
 
 
-@dataclass(frozen=True)
-class System:
+@dataclass(frozen=True, repr=False)
+class System(Displayed):
     """A train assembled. Twist of a span = driving angle - driven angle / its ratio; its torque is positive when the
     driving side pushes the driven one, and is reported at the driving station's speed."""
 
@@ -72,6 +73,9 @@ class System:
     uncondensed: "System | None" = None  # of a condensed system: that of all segments
     in_tree: BoolArray | None = None  # (spans,) those of the tree; None: the stiffest that close no loop
     tables: "Mapping[int, StiffnessTable]" = field(default_factory=dict)  # of spans that follow one: `tabled_spans`
+
+    def __repr__(self) -> str:
+        return f"System: {self.model}, {len(self.stations)} stations, {len(self.spans)} spans"
 
     @property
     def whole(self) -> "System":

@@ -10,6 +10,7 @@ from torsion.components.material import Material
 from torsion.errors import Fault, Path, nearest
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.primitives import Inertia, Primitive, Spring, Station
+from torsion.results import one_line
 
 if TYPE_CHECKING:
     from torsion.components.compressor.record import CompressorRecord
@@ -34,7 +35,7 @@ class Support(Declared):
     stiffness: Annotated[tuple[LateralStiffness, ...], OneOrMany] = required("stiffness, one or [y, z]")
     damping: Annotated[tuple[LateralDamping, ...], OneOrMany] = given("damping, one or [y, z]", (0.0,))
     mass: Mass = given("mass that moves with the shaft there", 0.0)
-    source: str | None = given("where the figures come from: maker, drawing, estimate")
+    source: str | None = given("source of the data: manufacturer, drawing, estimate")
 
     def refuse_clashes(self) -> None:
         for key in ("stiffness", "damping"):
@@ -161,7 +162,7 @@ class PendulumRecord:
     lever: float  # (R + l)/l, angle of a bob about its pivot / twist of the span that stands for it
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Part:
     """A component as placed in the train, and what analyses, rules and reports need to know of it."""
 
@@ -193,6 +194,9 @@ class Part:
     warming: "Warming | None" = None  # of a coupling whose temperature is computed
     remark: str = ""  # what it stands for, where that is not what the file says alone
     is_opposed: bool = False  # of the motion of two equal halves against each other
+
+    def __repr__(self) -> str:
+        return one_line(f"Part {self.name}: {self.kind}")
 
     @property
     def whole(self) -> str:

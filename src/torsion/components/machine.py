@@ -40,7 +40,7 @@ class MachineDamping(Declared):
         if self.model == "schwanecke" and self.factor is not None:
             raise refuse("schwanecke has no `factor`", "it follows from diameter, pitch_ratio and area_ratio", "factor")
         if self.model != "viscous" and self.value is not None:
-            raise refuse(f"{self.model} has no `value`", "give `factor`, or the value alone", "value")
+            raise refuse(f"{self.model} has no `value`", "give `factor`, or only the value", "value")
 
 
 def _plain_value(value: Any) -> Any:
@@ -93,13 +93,13 @@ class Machine(Rotor):
         if self.drive is not None:
             self._refuse_drive(self.drive)
         if self.is_driver and self.damping is not None and self.damping.model == "law":
-            raise refuse("`damping: law` is that of a load", "give `drive` with a `lag`", "damping")
+            raise refuse("`damping: law` is for a load", "give `drive` with a `lag`", "damping")
         has_size = self.power is not None or self.torque is not None
         if self.load is not None and self.load.table and has_size:
             key = "power" if self.torque is None else "torque"
             raise refuse(f"`{key}` and a table of `load` exclude each other", "the table states the torque", key)
         if self.speed is not None and not has_size:
-            raise refuse("`speed` is that of a `power` or `torque`", "give one of them too", "speed")
+            raise refuse("`speed` belongs to a `power` or `torque`", "give one of them too", "speed")
         super().refuse_clashes()
 
     def _refuse_drive(self, drive: DriveLaw) -> None:

@@ -100,8 +100,8 @@ class Planetary(Declared):
             rounded_up = step * math.ceil(least / step * (1.0 - ROUNDING))
             hint = f"at least {rounded_up:.5g} N*m/rad with this `{other}_mesh`, or {hint}"
         raise refuse(
-            f"the mesh of the fixed {fixed} is softer at the teeth than that of the {other}: no model of this program "
-            "has such planets",
+            f"the mesh of the fixed {fixed} is softer at the teeth than the mesh of the {other}: the program has no "
+            "model of such planets",
             hint,
             f"{fixed}_mesh",
         )

@@ -14,6 +14,8 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.errors import InputError, printable, refusal
+from torsion.findings import Findings
+from torsion.output.results_json import results
 from torsion.rules.verdict_line import WORDS
 from torsion.user_files import LARGEST_RESULTS, read_file
 
@@ -139,6 +141,21 @@ def read_results(path: str | Path) -> dict[str, Any]:
 
 def _refused(file: Path, why: str) -> InputError:
     return refusal(f"{printable(str(file))} {why}", "write it with `torsion solve FILE -o FOLDER`")
+
+
+def compare(before: str | Path | Findings, after: str | Path | Findings) -> Comparison:
+    """Compare two results: findings, a results.json, or the folder of one.
+
+    >>> import torsion
+    >>> text = "name: pair\\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]"
+    >>> stiffer = torsion.run(torsion.parse(text.replace("120", "480")))
+    >>> round(compare(torsion.run(torsion.parse(text)), stiffer).cases[0].modes[0].change, 9)  # sqrt(480/120) - 1
+    1.0
+
+    Raises InputError if a file cannot be read.
+    """
+    contents = (results(side) if isinstance(side, Findings) else read_results(side) for side in (before, after))
+    return compare_results(*contents)
 
 
 def compare_results(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comparison:

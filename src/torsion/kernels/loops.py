@@ -275,7 +275,7 @@ def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
                 sign[chord, here[side]] += direction
                 here[side] = tree.parents[here[side]]
         if here[0] != here[1] and not tree.held[here].all():
-            raise ValueError(f"chord {chord} joins two parts that nothing else joins; expected it in the tree")
+            raise ValueError(f"chord {chord} is the only connection of two parts; expected it in the tree")
     return sign
 
 

@@ -75,7 +75,7 @@ def frequency_curvature(tree: Tree, modes: TreeModes, mode: int) -> FloatArray:
     """
     soft = tree.flexibility[tree.parent >= 0]
     if tree.shafts is not None or not (tree.inertia > 0.0).all() or not ((soft > 0.0) & np.isfinite(soft)).all():
-        raise ValueError("expected springs alone, and inertia at every station")
+        raise ValueError("expected only springs, and inertia at every station")
     if len(modes.frequency) + modes.rigid != np.count_nonzero(~tree.held):
         raise ValueError(f"{len(modes.frequency)} elastic modes; expected all of them")
     angle = np.hstack([modes.rigid_angle, modes.angle])

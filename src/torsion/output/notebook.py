@@ -1,45 +1,59 @@
 """Findings, modes and a response as a notebook shows them: tables and one static figure, all names escaped."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 
+from torsion.analyses.discretisation import assembled
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
+from torsion.assembly.system import System
 from torsion.findings import Findings, Plan
 from torsion.output import headline
-from torsion.output.blocks import Block, KeyValues, Paragraph, table
-from torsion.output.chapters import forced_response, natural_frequencies, plant, verdict
+from torsion.output.blocks import Block, KeyValues, Paragraph, Table, table
+from torsion.output.chapters import forced_response, mass_elastic, natural_frequencies, plant, verdict
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Figure
 from torsion.output.html import environment
 from torsion.output.numbers import NONE, counted, number, rpm
 from torsion.output.reported_values import amplitude, harmonic_name
-from torsion.output.selection import NO_VALUE, elements, highest, largest, torques
+from torsion.output.scene import span_rows, station_rows
+from torsion.output.selection import NO_VALUE, Selection, elements, highest, largest, torques
+from torsion.results import one_line
 from torsion.rules.verdict_line import WORDS, Checks
 from torsion.study import Study
+from torsion.train import Train
 
+MOST_ROWS = 30  # of stations, or of spans
 MOST_MODES = 30  # in the table of their frequencies
 FEW = 6  # frequencies in a line
 
 
 def bundle(shown: Any) -> dict[str, str]:
-    """Of Findings, Modes or Response, by type of content: one line, and a fragment without scripts."""
+    """Of a study, its train or system, Findings, Modes or Response: one line, and a fragment without scripts."""
+    content: dict[type, Callable[[Any], Iterator[Block]]] = {
+        Study: _study, Train: _train, System: _system, Findings: _findings, Modes: _modes, Response: _response,
+    }  # fmt: skip
+    blocks = content[type(shown)](shown)
+    page = environment().get_template("notebook.html").render(blocks=blocks, drawn=lambda one: Markup(svg(one)))
+    return {"text/plain": repr(shown), "text/html": page}
+
+
+def line(shown: Any) -> str:
+    """Return Findings, Modes or Response in one line."""
     match shown:
         case Findings():
-            line, blocks = _findings_line(shown), _findings(shown)
+            text = _findings_line(shown)
         case Modes():
-            line, blocks = f"{counted(shown.frequency.size, 'elastic mode')}{_frequencies(shown)}", _modes(shown)
+            text = f"{counted(shown.frequency.size, 'elastic mode')}{_frequencies(shown)}"
         case Response():
-            counts = counted(len(shown.lines), "harmonic component"), counted(shown.speed.size, "speed")
-            line, blocks = " at ".join(counts), _response(shown)
+            text = " at ".join((counted(len(shown.lines), "harmonic component"), counted(shown.speed.size, "speed")))
         case _:
             raise TypeError(f"{type(shown).__name__} has no display")
-    page = environment().get_template("notebook.html").render(blocks=blocks, drawn=lambda one: Markup(svg(one)))
-    return {"text/plain": f"{type(shown).__name__}: {line}", "text/html": page}
+    return one_line(f"{type(shown).__name__}: {text}")
 
 
 def _findings_line(findings: Findings) -> str:
@@ -63,6 +77,34 @@ def _findings(findings: Findings) -> Iterator[Block]:
     yield from (block for block in first if not any(block is one for one in further))
     if not first:
         yield Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
+
+
+def _study(study: Study) -> Iterator[Block]:
+    """The sketch of the train and its mass-elastic tables, nothing solved."""
+    findings = Findings(study, {"system": assembled(study), "checks": Checks(())}, Plan((), (), {}))
+    yield KeyValues((("Study", study.name),))
+    yield Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
+    yield from (block for block in mass_elastic.chapter(findings) if isinstance(block, Table))
+
+
+def _train(train: Train) -> Iterator[Block]:
+    rows = ((part.name, part.kind, part.ratio) for part in train.parts)
+    yield table("< Component | < Kind | Speed ratio", rows, "Components")
+
+
+def _system(system: System) -> Iterator[Block]:
+    """The first stations and spans."""
+    chosen = Selection(system)
+    stations, spans = station_rows(chosen), span_rows(chosen)
+    inertias = [(row.name, row.inertia, row.speed_ratio) for row in stations[:MOST_ROWS]]
+    yield table("< Station | Inertia [kg m²] | Speed ratio", inertias, _first("Stations", len(stations)))
+    stiffnesses = [(row.name, row.stiffness, row.viscous, row.loss_factor) for row in spans[:MOST_ROWS]]
+    titles = "< Span | Stiffness [N m/rad] | Damping [N m s/rad] | Loss factor"
+    yield table(titles, stiffnesses, _first("Spans", len(spans)))
+
+
+def _first(caption: str, count: int) -> str:
+    return caption if count <= MOST_ROWS else f"{caption}; the first {MOST_ROWS} of {count}"
 
 
 def _modes(modes: Modes) -> Iterator[Block]:

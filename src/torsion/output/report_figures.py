@@ -30,6 +30,12 @@ class ReportFigure(Figure):
         """The tables of the CSV: (points,) values by title with unit, NaN where there is none."""
         return tuple(_by_title(columns) for panel in self.plots for columns in tables_of(panel))
 
+    def to_matplotlib(self, ax: Any = None) -> Any:
+        """Draw its plots into axes of matplotlib, by default new ones; return the axes, one for each plot."""
+        from torsion.output.figures.matplotlib_axes import draw_plots
+
+        return draw_plots(self, ax)
+
     def _repr_svg_(self) -> str:
         """As a notebook shows it."""
         return self.svg
@@ -40,15 +46,15 @@ class ReportFigure(Figure):
 
 
 def figures(findings: Findings) -> dict[str, ReportFigure]:
-    """The figures of the report that `solve` writes, by name, in their order.
+    """Return the figures of the full report, by name, in their order.
 
     >>> import torsion
     >>> scene = "name: pair\\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]"
     >>> found = figures(torsion.run(torsion.parse(scene)))
     >>> list(found)
-    ['utilisation', 'plant', 'mode-1']
+    ['utilisation', 'mode-1']
     >>> found["mode-1"].caption
-    'Mode 1, 1.5915 Hz: angle and torque referred to the reference speed, relative to their largest value'
+    'Mode 1, 1.5915 Hz: angle and torque, referred to the reference speed and relative to their maximum'
     >>> [line.y.round(3).tolist() for line in found["mode-1"].plots[0].lines]  # angles of both discs
     [[1.0, -0.667]]
     >>> list(found["mode-1"].tables[0])
@@ -56,7 +62,7 @@ def figures(findings: Findings) -> dict[str, ReportFigure]:
     >>> found["mode-1"].svg[:4]
     '<svg'
     """
-    drawn = [block for block in chapters(findings) if isinstance(block, Figure)]
+    drawn = [block for block in chapters(findings, is_full=True) if isinstance(block, Figure)]
     return {one.name: ReportFigure(**vars(one)) for one in drawn}
 
 

@@ -36,6 +36,7 @@ REPORTS = {
         "report",
         {
             "json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip",
+            "data": "data.zip", "xlsx": "results.xlsx",
             "designed": "designed.yaml",
         },
         more=(

@@ -158,7 +158,7 @@ FORMAT = 1
 OF_ALL_CASES = ("format", "program", "legend", "cases")  # keys that no case has of its own
 HEAD = ("format", "program", "legend", "scene", "plan")  # keys that every file of results has
 LEGEND = {
-    "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
+    "time_factor": "exp(+i omega t); complex amplitudes (zero to peak) are [real, imaginary]; phase at angle zero",
     "stations_and_spans": "arrays over stations or spans follow the order of the lists `stations` and `spans`",
     "own_speed": "angles, torques and inertias are those at the station's own speed, a span's at its driving station",
     "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
@@ -193,8 +193,8 @@ FIXED = (
     Key("program.name", "", (), "torsion"),
     Key("program.version", "", (), "version of the program"),
     Key("legend", "", (), "conventions in words"),
-    Key(reports.FILES, "", (), "in files alone: names of the files of the report, this one among them"),
-    Key(reports.KEY, "", (), "in files alone: the report, from which `torsion report` draws it again"),
+    Key(reports.FILES, "", (), "only in files: names of the files of the report, this one among them"),
+    Key(reports.KEY, "", (), "only in files: the report, from which `torsion report` draws it again"),
 )
 
 CASES = Key(

@@ -137,7 +137,7 @@ def _why_not(name: str, corners: Iterable[str], names: list[str]) -> str:
     if not name.strip():
         return "a case needs a name"
     if name == NORMAL:
-        return f"'{NORMAL}' is the name of the file as it stands"
+        return f"'{NORMAL}' is the name of the nominal case"
     if name in corners:
         return f"'{name}' is a case of `from: tolerances`"
     folder = case_folder(name).casefold()
@@ -173,7 +173,7 @@ def _case(one: _Requested, base: Study, study: Study, source: Source, read: Read
     if one.corner:
         _tolerances(one, overlay)
     else:
-        _keys(one, overlay)
+        change_overlay(one.keys, one.path, node_at(source.root, one.path) or Node({}, 1, 1), overlay)
     overlay.remove(("analyses", "fit"))  # what was measured is of the file as it stands
     if not overlay.faults:
         changed = overlay.applied()
@@ -182,7 +182,7 @@ def _case(one: _Requested, base: Study, study: Study, source: Source, read: Read
         except InputError as error:
             overlay.faults += error.faults
         else:
-            changes = _together((*(base.case.changes if base.case else ()), *overlay.changes))
+            changes = merge_changes((*(base.case.changes if base.case else ()), *overlay.changes))
             is_corner = bool(one.corner) or (base.case is not None and base.case.is_corner)
             case = Case(one.name, changes, one.keys.judged, is_corner, changed)
             if _effect(found) != _effect(base):
@@ -193,7 +193,7 @@ def _case(one: _Requested, base: Study, study: Study, source: Source, read: Read
     return None
 
 
-def _together(changes: Iterable[Change]) -> tuple[Change, ...]:
+def merge_changes(changes: Iterable[Change]) -> tuple[Change, ...]:
     """The changes, those of one thing as one."""
     found: dict[str, Change] = {}
     for change in changes:
@@ -201,27 +201,26 @@ def _together(changes: Iterable[Change]) -> tuple[Change, ...]:
     return tuple(found.values())
 
 
-def _keys(one: _Requested, overlay: Overlay) -> None:
-    """Everything that the keys of a case say."""
-    own = node_at(overlay.source.root, one.path) or Node({}, 1, 1)
+def change_overlay(keys: CaseKeys, path: Path, own: Node, overlay: Overlay) -> None:
+    """Put everything into the overlay that the keys of a case state; `own` is their node, at `path`."""
     for key in ("set", "scale"):
         body = own.parts.get(key)
         for words, node in body.parts.items() if body is not None else ():
-            at, fault = (body or own).keys[str(words)], (*one.path, key, words)
+            at, fault = (body or own).keys[str(words)], (*path, key, words)
             if key == "set":
                 overlay.replace(str(words), node, at, fault)
             else:
-                factor = Fraction(repr(one.keys.scale[str(words)]))
-                if factor == 1:
+                factor = Fraction(repr(keys.scale[str(words)]))
+                if factor == 1 and not overlay.permits_no_change:
                     message = f"{in_words(node.value)} of `{words}`: nothing changes"
                     overlay.faults.append(Fault(fault, message, "a factor other than 1", at_key=True))
                 else:
                     overlay.multiply(str(words), factor, node, at, fault)
-    if one.keys.speeds is not None:
-        overlay.replace("operation.speeds", own.parts["speeds"], own.keys["speeds"], (*one.path, "speeds"))
-    if one.keys.rules is not None:
-        _rules(overlay, own, (*one.path, "rules"))
-    remove_components(overlay, one.keys.remove, (*one.path, "remove"))
+    if keys.speeds is not None:
+        overlay.replace("operation.speeds", own.parts["speeds"], own.keys["speeds"], (*path, "speeds"))
+    if keys.rules is not None:
+        _rules(overlay, own, (*path, "rules"))
+    remove_components(overlay, keys.remove, (*path, "remove"))
 
 
 def _rules(overlay: Overlay, own: Node, fault: Path) -> None:

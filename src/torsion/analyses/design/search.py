@@ -145,7 +145,7 @@ def _evolution(trials: Trials) -> str:
     for top in tops:
         step = [0.0 if one.places else NEAR * one.law.width for one in figures]
         _refined(trials, top, step, left)
-    return f"differential evolution, seed {trials.settings.seed}, then every list by itself and the ranges refined"
+    return f"differential evolution, seed {trials.settings.seed}, then every list separately and the ranges refined"
 
 
 def _others(trials: Trials, every: Sequence[FloatArray | None]) -> None:

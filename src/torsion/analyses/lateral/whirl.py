@@ -26,7 +26,7 @@ class Whirl:
     """Modes of a shaft over its speed. Columns ascend by frequency, backward whirl first where directions are pure."""
 
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")  # `whirl` itself returns those of the shaft
-    frequency: FloatArray = result("Hz", ("speed", "mode"), "of the oscillation; null where fewer modes oscillate")
+    frequency: FloatArray = result("Hz", ("speed", "mode"), "of the oscillation; null if fewer modes oscillate")
     log_decrement: FloatArray = result("1", ("speed", "mode"), "negative: the shaft is unstable")
     direction: FloatArray = result("1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse")
 
