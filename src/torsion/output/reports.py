@@ -31,7 +31,7 @@ REPORTS = {
         (
             "verdict", "case_comparison", "plant", "@modes", "@critical", "@tolerances", "@response", "@*", "closing",
             "natural_frequencies:appendix", "mass_elastic", "@tooth forces", "data_sheets", "excitations",
-            "damping_given", "provenance:steps", "sources_used", "provenance:sources", "provenance:input_file",
+            "damping_given", "provenance:steps", "provenance:sources", "sources_used", "provenance:input_file",
         ),
         "report",
         {
