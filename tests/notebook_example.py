@@ -1,6 +1,6 @@
 """A notebook as doctests: the Python front of the program, run and type-checked by tests/test_python.py.
 
-The train: 0.8 and 0.2 kg m2 on a coupling of 14.4 kN m/rad with the loss factor 0.1; 25 N m of order 2 at the propeller.
+The train: 0.8 and 0.2 kg m2 on a coupling of 14.4 kN m/rad, loss factor 0.1; 25 N m of order 2 at the propeller.
 
 >>> import torsion
 >>> study = torsion.build("Two discs", [

@@ -12,11 +12,13 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from tests import notebook_example
 
 import torsion
 from torsion import formulas
@@ -24,8 +26,6 @@ from torsion.components import KINDS
 from torsion.output.results_json import results
 from torsion.results import is_declared, quantities
 from torsion.schema.kind_texts import EXAMPLES
-
-from tests import notebook_example
 
 
 def test_every_public_name_is_listed_and_documented() -> None:
@@ -386,3 +386,11 @@ def test_the_examples_are_typed(source: str, tmp_path: Path) -> None:
         "--disable-error-code", "func-returns-value", str(tmp_path / "example.py"),
     ])  # fmt: skip
     assert status == 0, printed
+
+
+def test_the_reference_has_every_public_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "docs" / "site")
+    lines = "\n".join(import_module("python_reference").reference())
+    names = [*torsion.__all__, *(f"formulas.{name}" for name in formulas.__all__)]
+    missing = [name for name in names if not re.search(rf"torsion\.{re.escape(name)}\b", lines)]
+    assert not missing
