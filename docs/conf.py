@@ -10,11 +10,11 @@ project = "torsion"
 version = release = metadata.version("torsion")
 root_doc = "docs/index"
 include_patterns = [
-    "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/**.md", "reports/*.md", "reports/papers/*.md",
-    "shafting_specs/README.md",
+    "README.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "CHANGELOG.md", "docs/**.md",
+    "reports/*.md", "reports/papers/*.md", "shafting_specs/README.md",
 ]  # fmt: skip
 exclude_patterns = [".*", "build", "src", "tests", "benchmarks"]
-extensions = ["myst_parser", "equations", "gallery", "entrance", "python_reference"]
+extensions = ["myst_parser", "equations", "gallery", "entrance", "assistants", "python_reference"]
 moved_pages = {  # addresses before 0.1.0
     "tutorial": "tutorials/first-report",
     "pump_train": "tutorials/pump-train-api",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).parent.parent / "src" / "torsion"
 FLOORS = {
-    "errors": -1, "arrays": -1, "user_files": -1,  # the ground under every floor
+    "errors": -1, "arrays": -1, "user_files": -1, "sources": -1,  # the ground under every floor
     "units": 0, "kernels": 0, "kinematics": 0,
     "usual_ranges": 0.5,
     "results": 1, "fields": 1, "primitives": 1, "two_columns": 1,

@@ -3,6 +3,7 @@
 import re
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 import yaml
@@ -10,10 +11,15 @@ from typer.testing import CliRunner
 
 import torsion
 from torsion.cli import app
-from torsion.components import KINDS
+from torsion.components import KINDS, component
+from torsion.components.component import Component
+from torsion.output import results_manual
+from torsion.rules import RULES
 from torsion.rules.m68_shafts import DETAILS
-from torsion.schema.kind_texts import EXAMPLES
-from torsion.schema.manual import manual
+from torsion.schema import manual
+from torsion.schema.declaration_reader import keys_of
+from torsion.schema.kind_texts import EXAMPLES, GROUPS
+from torsion.schema.page_titles import KINDS_OF_COMPONENTS
 from torsion.schema.scene_reader import Scene
 
 ROOT = Path(__file__).parents[1]
@@ -49,21 +55,41 @@ def scenes() -> list[tuple[str, str]]:
     return [(page, text) for page, text in found if isinstance(yaml.safe_load(text), dict) and "\ntrain:" in text]
 
 
-def test_the_manual_is_that_of_the_declarations() -> None:
-    written = (ROOT / "docs" / "format.md").read_text(encoding="utf-8")
-    assert written == manual(), "write docs/format.md anew from torsion.schema.manual.manual()"
+@pytest.mark.parametrize("generator", [manual, results_manual], ids=["model file", "results"])
+def test_the_pages_of_a_manual_are_those_of_the_declarations(generator: ModuleType) -> None:
+    folder = ROOT / generator.FOLDER
+    written = {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in folder.rglob("*.md")}
+    assert written == generator.pages(), f"write {generator.FOLDER} again: python -m {generator.__name__}"
+
+
+def test_writing_the_pages_of_a_manual_removes_pages_that_no_longer_exist(tmp_path: Path) -> None:
+    (tmp_path / "components").mkdir()
+    (tmp_path / "components" / "flux-capacitor.md").write_text("", encoding="utf-8")
+    manual.write_pages(tmp_path, {"index.md": "# Index\n", "rules/lr.md": "# `lr`\n"})
+    assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.md")} == {"index.md", "rules/lr.md"}
 
 
 def test_the_manual_has_every_section_and_kind() -> None:
-    assert set(EXAMPLES) == set(KINDS)
+    pages = manual.pages()
+    assert set(EXAMPLES) == set(KINDS) == set(KINDS_OF_COMPONENTS)
+    assert {f"components/{kind}.md" for kind in KINDS} | {f"rules/{name}.md" for name in RULES} < set(pages)
     for name, field in Scene.model_fields.items():
-        assert f"| `{field.alias or name}` |" in manual()
+        assert f"| `{field.alias or name}` |" in pages["index.md"]
 
 
-@pytest.mark.parametrize("kind", EXAMPLES)
-def test_the_example_of_a_kind_is_read_without_faults(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("kind", GROUPS)
+def test_groups_of_keys_have_every_key_of_the_kind_once(kind: str) -> None:
+    grouped = [key for keys in GROUPS[kind].values() for key in keys]
+    assert sorted(grouped) == sorted(keys_of(component(kind)).keys() - keys_of(Component).keys())
+
+
+@pytest.mark.parametrize(
+    ("kind", "example"),
+    [(kind, example) for kind, text in EXAMPLES.items() for example in re.split(r"\n(?=- )", text)],
+)
+def test_an_example_of_a_kind_is_read_without_faults(kind: str, example: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(SCENES)
-    text = AROUND.format(EXAMPLES[kind])
+    text = AROUND.format(example)
     if kind in STATED:
         text = text.replace(", power: 100 kW}}", "}}", 1).replace("disc: {name: before", "motor: {name: before")
     train = torsion.parse(text).train
@@ -77,7 +103,7 @@ def test_a_scene_in_a_document_is_read_without_faults(page: str, text: str, monk
 
 
 def test_documents_hold_scenes() -> None:
-    assert {"README.md", "format.md"} <= {page for page, _ in scenes()}
+    assert {"README.md", "index.md"} <= {page for page, _ in scenes()}
 
 
 def test_equations_are_numbered_once_and_without_gaps() -> None:

@@ -60,7 +60,7 @@ def test_an_amount_of_memory_is_a_number_with_its_unit(text, number):
 
 @pytest.mark.parametrize("text", ["4", "GB", "4 Gb", "-1GB", "0GB", 0.0, float("nan")])
 def test_what_is_no_amount_of_memory_is_refused(text):
-    with pytest.raises(torsion.InputError, match="no amount of memory"):
+    with pytest.raises(torsion.InputError, match="not an amount of memory"):
         bytes_of(text)
 
 

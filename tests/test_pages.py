@@ -42,7 +42,7 @@ def command(line: str) -> str:
     """What a command prints; its exit status is 0 unless the page says another."""
     found = COMMAND.fullmatch(line)
     assert found, f"not a command of torsion: {line}"
-    done = CliRunner().invoke(app, shlex.split(found[1]), env={"COLUMNS": "160", "NO_COLOR": "1", "TERM": "dumb"})
+    done = CliRunner().invoke(app, shlex.split(found[1]), env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
     assert done.exit_code == int(found[2] or 0), done.output
     return done.stdout
 
@@ -84,6 +84,22 @@ def outputs(page: str) -> list[tuple[str, str]]:
     return shown
 
 
+def example_of_the_readme() -> tuple[str, str]:
+    """The output that the README shows of its example, and what is printed, in the present folder."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (model,), (shown,) = (
+        re.findall(rf"^```{word}\n(.*?)^```", text, re.MULTILINE | re.DOTALL) for word in ("yaml", "text")
+    )
+    Path("train.yaml").write_text(model, encoding="utf-8")
+    return shown, command("torsion solve train.yaml")
+
+
+def test_the_readme_shows_what_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    shown, printed = example_of_the_readme()
+    assert not lacking(shown, printed), printed
+
+
 @contextlib.contextmanager
 def registries_restored() -> Iterator[None]:
     """The pages of docs/develop add an entry to a registry; it goes when they end."""
@@ -119,12 +135,12 @@ def renewed(shown: str, printed: str) -> str:
     return "".join(f"{line}\n" for key, line in lines.items() if key in similar)
 
 
-def renew(page: str) -> None:
+def renew(path: Path) -> None:
     """Write a page anew with the output of today, and print what is to be read again."""
-    path = DOCS / f"{page}.md"
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), registries_restored():
         sys.path.insert(0, folder)
-        shown = outputs(page)
+        page = path.relative_to(ROOT).with_suffix("").as_posix().removeprefix("docs/")
+        shown = [example_of_the_readme()] if page == "README" else outputs(page)
     text = path.read_text(encoding="utf-8")
     for old, printed in shown:
         if lacking(old, printed):
@@ -135,4 +151,5 @@ def renew(page: str) -> None:
 
 if __name__ == "__main__":
     for name in PAGES:
-        renew(name)
+        renew(DOCS / f"{name}.md")
+    renew(ROOT / "README.md")

@@ -107,3 +107,15 @@ def test_the_example_of_an_equation_holds() -> None:
     module = ROOT / "docs" / "site" / "equations.py"
     done = subprocess.run([sys.executable, "-m", "doctest", str(module)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
+
+
+def test_the_list_for_assistants_has_conventions_then_recipes_then_every_page(site: Path) -> None:
+    text = (site / "llms.txt").read_text(encoding="utf-8")
+    headings = re.findall(r"^## (.*)$", text, re.MULTILINE)
+    assert headings == ["Conventions", "Exit statuses", "Recipes", "Pages"]
+    addresses = re.findall(r"^- \[.+\]\((.+?\.html)\)(?:: .+)?$", text, re.MULTILINE)
+    assert sum(address.startswith("docs/recipes/") for address in addresses) == 15
+    assert set(addresses) <= {path.relative_to(site).as_posix() for path in pages(site)}
+    sources = {path.relative_to(ROOT).with_suffix(".html").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+    assert sources <= set(addresses)
+    assert "[Stepped shaft from a drawing](docs/recipes/from_drawing.html): a drawing gives lengths" in text

@@ -71,7 +71,8 @@ STATED = {
     "at {:.3f} Hz (T22)": LAMBDA.imag / 2 / pi, "shaft has {:.0f} N m/rad": 4 * K,
     "{:.1f} N m.\n": 2 * abs(RESONANT),
     "branches of {:.0f} N m/rad": K / 2, "{:.2f} rad/s": sqrt(7200 / 0.1), "or {:.3f} Hz.": sqrt(7200 / 0.1) / 2 / pi,
-    "At {:.1f} rpm t": 15 * W0 / pi, "critical at {:.1f} rpm": 15 * W0 / pi, "frequency is again {:.3f} Hz": W0 / 2 / pi,
+    "At {:.1f} rpm t": 15 * W0 / pi, "critical at {:.1f} rpm": 15 * W0 / pi,
+    "frequency is again {:.3f} Hz": W0 / 2 / pi,
     "inertia: {:.3f} Hz again": W0 / 2 / pi, "are {:.0f} N m/rad, 0.2": K, "inertia is {:.1f} kg m². It": J2 / 0.5**2,
 }  # fmt: skip
 GIVEN = set(re.findall(r"\S+", "0 0.1 0.2 0.8 1 2 3 4 25 50 60 80 200 300 320 1500 1800"))  # data of the tutorial

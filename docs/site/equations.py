@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from functools import cache
 from html import escape
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from sphinx.application import Sphinx
 PAGES = "docs/explanation/theory", "docs/tutorials/two-discs-by-hand"  # a folder, and a page
 NUMBER = re.compile(r"\(([AT]\d+[a-z]?)\)")  # (T12), (A1), (T115a)
 SYMBOL = re.compile(
-    r"(?<=[A-Za-zα-ωΑ-Ω])_(\([^()]*\)|\{[^}]*\}|[A-Za-z0-9]+)(?![\w_])"
+    r"(?<=[A-Za-zα-ωΑ-Ω])_(\([^()]*\)|\{[^}]*\}|[A-Za-z0-9]+)(?![A-Za-z0-9_])"
 )  # the index of τ_C, in the text
 NUMBERED = re.compile(r"(\S.*?) +\(([AT]\d+[a-z]?)\)$")
 IN_BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
@@ -42,23 +43,16 @@ UPRIGHT = {
     "Π",
     "Δ",
 }
-_page_of: dict[str, str] = {}  # number of an equation: page
 LONGEST_SYMBOL = 2  # Latin letters beside each other that are a product; more are a word or a function
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Acts on every page that is written."""
-    app.connect("builder-inited", _locate)
     app.connect("doctree-resolved", _resolved)
     return {"parallel_read_safe": True}
 
 
-def _locate(app: Sphinx) -> None:
-    """Find the page that defines each equation."""
-    global _page_of
-    _page_of = page_of_equations(Path(app.srcdir))
-
-
+@cache
 def page_of_equations(root: Path) -> dict[str, str]:
     """Return the page, as Sphinx names it, that defines each equation; `root` is that of the repository."""
     files = [path for name in PAGES for path in (*sorted((root / name).glob("*.md")), root / f"{name}.md")]
@@ -80,7 +74,8 @@ def _resolved(app: Sphinx, doctree: nodes.document, page: str) -> None:
         if has_equations and block.get("language", "none") in ("none", "default"):
             block.replace_self(nodes.raw("", rendered(block.astext(), defined), format="html"))
 
-    targets = {name: "" if of == page else app.builder.get_relative_uri(page, of) for name, of in _page_of.items()}
+    pages = page_of_equations(Path(app.srcdir))
+    targets = {name: "" if of == page else app.builder.get_relative_uri(page, of) for name, of in pages.items()}
     for text in [*doctree.findall(nodes.Text)]:
         if isinstance(text.parent, nodes.TextElement) and not _is_verbatim(text):
             made = [*_linked(str(text), targets, has_symbols=has_equations)]

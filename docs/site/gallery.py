@@ -87,8 +87,9 @@ def _entry(app: Sphinx, name: str, origin: str, shows: str) -> Iterator[str]:
 
 def chosen(figures: dict[str, ReportFigure]) -> Iterator[ReportFigure]:
     """The sketch, and the figure that says most of the train."""
-    yield figures["plant"]
-    yield next((one for start in CHOSEN for name, one in figures.items() if name.startswith(start)), figures["plant"])
+    sketch = figures.get("plant", figures.get("utilisation"))  # the cover of a judged train has its sketch
+    chosen = (figure for start in CHOSEN for name, figure in figures.items() if name.startswith(start))
+    yield from filter(None, (sketch, next(chosen, sketch)))
 
 
 def verdict(findings: Findings) -> str:

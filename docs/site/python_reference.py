@@ -38,7 +38,7 @@ def reference() -> Iterator[str]:
         if inspect.isclass(value):
             yield from _class(f"torsion.{name}", value)
     yield from _class("Result", Keyed)
-    yield "\n## Components\n\nThe keywords are the keys of the [model file](../format.md).\n"
+    yield "\n## Components\n\nThe keywords are the keys of the [model file](model-file/index.md).\n"
     yield "| function | component |\n|---|---|"
     for kind in KINDS:
         yield f"| `torsion.{kind}(name, ...)` | {_escaped(_first(component(kind)))} |"

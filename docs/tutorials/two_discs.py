@@ -15,7 +15,7 @@ Scale = tuple[float, float, float, float]  # a value and its place in px, twice
 
 
 def spring_torque(speed: float) -> float:
-    """Return the amplitude of the torque in the spring at a speed in rpm, N m: (A7) with a loss factor and F at the propeller."""
+    """Return the amplitude of the torque in the spring, N m, at a speed in rpm: (A7) with F at the propeller."""
     ratio = (ORDER * speed * pi / 30 / NATURAL) ** 2
     return TORQUE * MOTOR / (MOTOR + PROPELLER) / abs(1 - ratio / (1 + 1j * LOSS_FACTOR))
 

@@ -23,7 +23,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 
 File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
 Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
-Case = Annotated[str | None, typer.Option("--case", help="One case of the file alone (normal: the file as it stands).")]
+Case = Annotated[str | None, typer.Option("--case", help="Only one case of the file (normal: the nominal case).")]
 JSON_HELP = "Print the results as JSON; no file is written, and no option that writes one is taken."
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
@@ -34,6 +34,7 @@ def _say_version(is_requested: bool) -> None:
         raise typer.Exit
 
 
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print all tables, not their summary.")]
 VERSION = typer.Option("--version", callback=_say_version, is_eager=True, help="Print the version and end.")
 
 
@@ -58,11 +59,13 @@ def solve(
     ] = None,
     vtu: Annotated[bool, typer.Option("--vtu", help="Write the mode shapes as modes.vtu for ParaView.")] = False,
     csv: Annotated[
-        bool, typer.Option("--csv", help="Write every table (tables.zip) and the numbers of every figure as CSV too.")
+        bool, typer.Option("--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too.")
     ] = False,
+    xlsx: Annotated[bool, typer.Option("--xlsx", help="Write the results as a workbook, results.xlsx.")] = False,
     memory: Annotated[
         str | None, typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB).")
     ] = None,
+    verbose: Verbose = False,
 ) -> None:
     """Solve a scene, print its tables and write its report.
 
@@ -74,11 +77,13 @@ def solve(
     from torsion import commands
 
     refuse_with_json(
-        json, {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--full": full, "--matrices": matrices, "-o": out}
+        json,
+        {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--xlsx": xlsx, "--full": full, "--matrices": matrices, "-o": out},
     )
-    also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv)
+    also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
     solved = partial(commands.solved, file, case=case, memory=memory)
-    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices, is_full=full)
+    shown = {"is_full": full, "is_verbose": verbose}
+    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices, **shown)
 
 
 @app.command()
@@ -100,6 +105,7 @@ def sweep(
     csv: Annotated[
         bool, typer.Option("--csv", help="Write every variant to variants.csv, and as `solve` does.")
     ] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Solve a scene as `solve` does, the variants of its sweep by several processes or machines.
 
@@ -116,9 +122,10 @@ def sweep(
         notice=partial(say, err=True),
     )  # fmt: skip
     try:
-        print_report("solve", file, out, solved, commands.outputs(pdf=pdf, figures=csv, tables=csv), as_json=False)
+        also = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
+        print_report("solve", file, out, solved, also, as_json=False, is_verbose=verbose)
     except (KeyboardInterrupt, SystemExit) as ended:
-        typer.echo("ended; the parts that are finished stay, and the same command goes on from there", err=True)
+        typer.echo("ended; the finished parts stay, and the same command continues from there", err=True)
         if isinstance(ended, SystemExit):
             raise
         raise typer.Exit(128 + signal.SIGINT) from None
@@ -197,8 +204,9 @@ def report(
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report (default: the same).")] = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     csv: Annotated[
-        bool, typer.Option("--csv", help="Write every table (tables.zip) and the numbers of every figure as CSV too.")
+        bool, typer.Option("--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too.")
     ] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Draw the report again from its results, without solving: the page, and what the options name.
 
@@ -209,7 +217,7 @@ def report(
 
     with refusals(results):
         made, folder = commands.report(results, out, also=commands.outputs(pdf=pdf, figures=csv, tables=csv))
-        show(made, folder)
+        show(made, folder, is_verbose=verbose or made.name != "solve")
     end(made.ending.unanswered, made.ending.status)
 
 
@@ -241,7 +249,7 @@ def plan(file: File, case: Case = None) -> None:
 def sketch(
     file: File,
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The SVG file to write (default: <scene>.svg).")
+        Path | None, typer.Option("-o", "--out", help="The SVG file to write (default: <model file>.svg).")
     ] = None,
     case: Case = None,
 ) -> None:
@@ -316,6 +324,21 @@ def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path(
     except OSError as error:
         stop(f"{file} cannot be written: {error.strerror}", BAD_INPUT)
     say(f"{file} written; solve it with: torsion solve {file}")
+
+
+@app.command()
+def sources(bib: Annotated[bool, typer.Option("--bib", help="Print BibTeX entries.")] = False) -> None:
+    """Print the literature of all formulas, methods and rules; the report lists what its run used."""
+    from torsion.rules import RULES, rule
+    from torsion.sources import SOURCES
+
+    if bib:
+        say("\n\n".join(record.bibtex for record in SOURCES.values()))
+        return
+    for record in SOURCES.values():
+        say(f"{record.key}: {record.words}; {record.use}" + ("" if record.compared else "; edition not confirmed"))
+    for name in RULES:
+        say(f"{name}: {rule(name).edition or 'limits of the file or of a manufacturer'}")
 
 
 def main() -> None:

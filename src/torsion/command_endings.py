@@ -32,6 +32,7 @@ def refusals(file: Path) -> Iterator[None]:
 def print_report(
     report: str, file: Path, out: Path | None, solve: Callable[..., "Findings"], also: tuple[str, ...] = (), *,
     as_json: bool, matrices: Path | None = None, is_full: bool = False,
+    is_verbose: bool = True,
 ) -> NoReturn:  # fmt: skip
     """Solve, write the files of a report and print it, or print its results as JSON alone; end with its exit status.
 
@@ -51,7 +52,7 @@ def print_report(
             from torsion.output.terminal import show
 
             folder = commands.folder_of(file, out, findings.study.case)
-            show(commands.write(findings, folder, report, also=also, is_full=is_full), folder)
+            show(commands.write(findings, folder, report, also=also, is_full=is_full), folder, is_verbose=is_verbose)
         if matrices is not None:
             say(commands.write_matrices(findings, matrices))
     end(findings.without_answer, findings.exit_status)

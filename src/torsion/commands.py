@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from torsion.output.document import Document
 
 JOINT_RULES = ("universal-joints",)
-REST = ("everything but the joints", "`torsion joint` reports the joints alone; `torsion solve` does the rest")
+REST = ("everything but the joints", "`torsion joint` reports only the joints; `torsion solve` does the rest")
 ON_SUPPORTS = "it stands on supports; `torsion solve` computes its bending and judges it"
 OTHER_FOLDER = " (choose another folder with -o)"
 ELSEWHERE = ("natural frequencies", "damped modes", "response over speed", "critical speeds", "mean torque", "rules")
@@ -73,7 +73,7 @@ def one_case(study: Study, case: str | None) -> Study:
         return study.cases[case]
     near = nearest(case, study.cases)
     known = f"did you mean '{near}'?" if near else f"there is {', '.join((NORMAL, *study.cases))}"
-    hint = known if study.cases else "`cases: {...}` is where a file states them"
+    hint = known if study.cases else "a file states them under `cases: {...}`"
     fault = Fault(("cases",), f"no case is called '{printable(case)}'", hint, at_key=True)
     raise located(InputError([fault]), study)
 
@@ -82,7 +82,7 @@ def _beside(study: Study, left_out: tuple[tuple[str, str], ...], command: str) -
     """What was left out, with the cases of a study of which one alone was taken."""
     if not study.cases:
         return left_out
-    words = f"`torsion {command}` takes one: the file as it stands, or that of --case; `torsion solve` solves all"
+    words = f"`torsion {command}` computes one case: the nominal case, or the one of --case; `torsion solve` solves all"
     return (*left_out, (f"the cases {', '.join(study.cases)}", words))
 
 
@@ -181,7 +181,7 @@ def check(file: str | Path, *, case: str | None = None, progress: Progress = sil
     scene = read(file)
     study = one_case(scene, case)
     findings = run(replace(study, rules=()), only=("check",), progress=progress)
-    rest = ("everything else", "`torsion check` compares the models alone; `torsion solve` does the rest")
+    rest = ("everything else", "`torsion check` only compares the models; `torsion solve` does the rest")
     left_out = _beside(scene, (*findings.plan.left_out, rest), "check")
     return replace(findings, study=study, plan=replace(findings.plan, left_out=left_out))
 
@@ -368,7 +368,8 @@ def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None 
 
     findings = run(replace(one_case(read(file), case), rules=()), only=("assembly",))
     place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
-    figure = Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
+    drawn, joining = plant.sketch(findings)
+    figure = Figure("plant", f"Train, numbered from its driving end (not to scale){joining}", (drawn,))
     with _writing(findings.study, "the sketch", place):
         place.write_text(f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8")
     return place

@@ -65,13 +65,13 @@ class SolveError(TorsionError):
         super().__init__(f"{message}; {hint}" if hint else message)
 
 
-def nearest(word: str, candidates: Iterable[str]) -> str | None:
+def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str | None:
     """The candidate that `word` was probably meant to be, for 'did you mean'; capitals, '-' and '_' do not count.
 
     A word that is a part of one candidate alone stands for it.
     """
     known = {_plain(candidate): candidate for candidate in candidates}
-    close = difflib.get_close_matches(_plain(word), known, 1)
+    close = difflib.get_close_matches(_plain(word), known, 1, cutoff)
     holding = [candidate for candidate in known if _plain(word) in candidate.split("_")]
     close = close or (holding if len(holding) == 1 else [])
     return known[close[0]] if close else None

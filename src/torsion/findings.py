@@ -3,6 +3,7 @@
 The plan is what was done, by which method, of what size, in what time; and what was left out and why.
 """
 
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -56,13 +57,13 @@ class LeftOut:
 class Unanswered:
     """An analysis that was tried and has no answer."""
 
-    analysis: str = result("", (), "an analysis that was tried and has no answer; each stands in `left_out` too")
+    analysis: str = result("", (), "an analysis that failed; `left_out` lists it too")
     what: str = result("", (), "the same in words")
     why: str = result("", (), "cause")
-    remedy: str = result("", (), "what to change; empty where the cause says it")
-    line: int | None = result("", (), "line of the file, from 1; null where there is none")
-    is_named: bool = result("", (), "the file names the analysis; the exit status is then 3", key="named")
-    is_input: bool = result("", (), "the input is at fault; the exit status is then 2", key="input_fault")
+    remedy: str = result("", (), "what to change; empty if the cause says it")
+    line: int | None = result("", (), "line of the file, from 1; null if there is none")
+    is_named: bool = result("", (), "the analysis was requested in the file; the exit status is then 3", key="named")
+    is_input: bool = result("", (), "an input error is the reason; the exit status is then 2", key="input_fault")
     text: str  # all of it, with the line quoted
 
     @property
@@ -70,6 +71,17 @@ class Unanswered:
         """Cause, line and remedy in one sentence."""
         where = "" if self.line is None else f" (line {self.line} of the file)"
         return f"{self.why}{where}" + (f"; remedy: {self.remedy}" if self.remedy else "")
+
+
+@reported
+class UsedSource:
+    """A publication, rule or standard that the run used."""
+
+    key: str = result("", (), "key of the literature (`torsion sources`), or name of the rule")
+    words: str = result("", (), "authors, work and year, or rule and edition")
+    where: tuple[str, ...] = result("", (), "equations or chapters, or clauses of the rule")
+    compared: bool = result("", (), "edition and digits were compared with the publication")
+    is_rule: bool = False
 
 
 @reported
@@ -81,8 +93,9 @@ class Plan:
     versions: dict[str, str] = result("", (), "versions of the libraries")
 
     unanswered: tuple[Unanswered, ...] = result("", (), "analyses without an answer", default=())
+    sources: tuple[UsedSource, ...] = ()  # of formulas, methods and rules
 
-    @derived("", (), "what was left out, and why", key="left_out")
+    @derived("", (), "what was omitted, and why", key="left_out")
     def reasons(self) -> tuple[LeftOut, ...]:
         """Every pair as a result."""
         return tuple(LeftOut(what, why) for what, why in self.left_out)
@@ -110,7 +123,9 @@ class Log:
         """Time a step; the block fills in its method and size."""
         step, start = Step(), time.perf_counter()
         yield step
-        self.lines.append(PlanLine(what, step.method, step.size, time.perf_counter() - start, why))
+        # Reproducible reports (SOURCE_DATE_EPOCH) state no times.
+        seconds = 0.0 if "SOURCE_DATE_EPOCH" in os.environ else time.perf_counter() - start
+        self.lines.append(PlanLine(what, step.method, step.size, seconds, why))
 
     def without(self, what: str, why: str) -> None:
         """Note what was left out."""

@@ -9,13 +9,14 @@ from typing import Any
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import NORMAL, Findings, Plan, PlanLine, Progress, Unanswered, Work, silent
+from torsion.findings import NORMAL, Findings, Plan, PlanLine, Progress, Unanswered, UsedSource, Work, silent
 from torsion.rules import judgement
 from torsion.rules.demanded_states import unjudged, unjudged_variants
 from torsion.rules.reached_speeds import demanded_study, in_rpm
 from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, with_basis, worst_checks
 from torsion.schema.scene_reader import located
 from torsion.schema.study_faults import study_faults
+from torsion.sources import SOURCES, Citations, collected
 from torsion.study import Study, bytes_of
 
 ESSENTIAL = ("sections", "assembly")  # without which nothing else stands
@@ -155,28 +156,51 @@ def _one(
             work.log.without(f"the rule {name}", "what it reads is not requested")
     errors = []
     try:
-        for name in ordered({key: ANALYSES[key] for key in names}):
-            analysis = ANALYSES[name]
-            if name in study.analyses or name in only or analysis.wanted(study):
-                try:
-                    analysis.function()(work)
-                except (InputError, SolveError) as error:
-                    if name in work.ruled or name in ESSENTIAL:
-                        raise
-                    errors.append(error)
-                    work.log.unanswered.append(one := _unanswered(study, name, analysis, error))
-                    work.log.without(one.what, one.words)
-        if errors and not any(work.results.get(key) is not None for key in ANSWERS):
-            raise errors[0]
-        _judge(work)
+        with collected() as citations:
+            for name in ordered({key: ANALYSES[key] for key in names}):
+                analysis = ANALYSES[name]
+                if name in study.analyses or name in only or analysis.wanted(study):
+                    try:
+                        analysis.function()(work)
+                    except (InputError, SolveError) as error:
+                        if name in work.ruled or name in ESSENTIAL:
+                            raise
+                        errors.append(error)
+                        work.log.unanswered.append(one := _unanswered(study, name, analysis, error))
+                        work.log.without(one.what, one.words)
+            if errors and not any(work.results.get(key) is not None for key in ANSWERS):
+                raise errors[0]
+            _judge(work)
     except InputError as error:
         raise located(error, study) from None
     except SolveError as error:
         if error.path and study.text:
             error.located = str(located(InputError([Fault(error.path, error.message, error.hint)]), study))
         raise
-    found = Findings(study, work.results, work.log.plan())
+    plan = replace(work.log.plan(), sources=used_sources(study, citations, work.need(Checks)))
+    found = Findings(study, work.results, plan)
     return _with_demanded_speeds(found, judged, progress)
+
+
+def used_sources(study: Study, citations: Citations, checks: Checks) -> tuple[UsedSource, ...]:
+    """Return the literature of the train and of its analyses by key, then the editions of the rules that judged."""
+    places: dict[str, dict[str, None]] = {}
+    for key, where in (*study.train.sources, *citations):
+        places.setdefault(key, {})[where] = None
+    literature = [
+        UsedSource(key, SOURCES[key].words, tuple(filter(None, places[key])), SOURCES[key].compared)
+        for key in sorted(places)
+    ]
+    clauses: dict[tuple[str, str], dict[str, bool]] = {}
+    for check in checks.lines:
+        if check.basis is not None and check.basis.kind in ("text", "confirmed", "unconfirmed"):
+            compared = clauses.setdefault((check.rule, check.basis.edition), {})
+            compared[check.clause] = compared.get(check.clause, True) and check.basis.kind != "unconfirmed"
+    editions = [
+        UsedSource(rule, words, tuple(compared), all(compared.values()), is_rule=True)
+        for (rule, words), compared in clauses.items()
+    ]
+    return (*literature, *editions)
 
 
 def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> Findings:

@@ -72,14 +72,14 @@ class Operation(Sized):
     highest: fields.Speed | None = given("highest speed that the train can run at; rules demand none above it")
     by: str | None = given("what keeps `highest`: governor", examples=["governor"])
     load: Load = given(
-        "law of loads without one of their own: propeller or quadratic (T ~ n**2), linear, constant, constant-power, "
-        "{exponent, at_rest}; or the mean torque itself, [[speed, torque], ...]",
+        "law of loads that have no `load`: propeller or quadratic (T ~ n**2), linear, constant, constant-power, "
+        "{exponent, at_rest}; or the mean torque, [[speed, torque], ...]",
         "propeller", validate_default=True,
     )  # fmt: skip
 
     def refuse_clashes(self) -> None:
         if self.by is not None and self.highest is None:
-            raise refuse("`by` says what keeps `highest`, which is missing", "highest: 100 rpm", "by")
+            raise refuse("`by` explains `highest`, which is missing", "highest: 100 rpm", "by")
         if self.highest is not None and self.speeds is not None and self.speeds.last > self.highest * (1 + 1e-9):
             raise refuse("`highest` is below the last of `speeds`", "let `speeds` end at it", "highest")
 
@@ -141,7 +141,7 @@ def _imo_number(value: Any) -> str:
         raise refuse(f"{fields.shown(value)} is no IMO number", "seven decimal digits, as 9074729")
     total = sum(weight * int(digit) for weight, digit in zip(range(7, 1, -1), digits, strict=False))
     if total % 10 != int(digits[6]):
-        message = f"{digits} is no IMO number: the last digit checks the others, and behind {digits[:6]} it is"
+        message = f"{digits} is not an IMO number: the last digit checks the others, and after {digits[:6]} it is"
         raise refuse(
             f"{message} {total % 10}",
             "compare it with the register: a digit is wrong, or two are in each other's place",
@@ -163,7 +163,7 @@ class FrontMatter(Declared):
     society: Words | None = given("the classification society that it is submitted to", examples=["Lloyd's Register"])
     document_number: Label | None = given("number of the document, on every page", examples=["TVC-0123"])
     revision: Label | None = given("its revision, on every page", examples=["B"])
-    prepared: Words | None = given("who prepared it, beside a line for the signature", examples=["A. Engineer"])
+    prepared: Words | None = given("who prepared it, next to a line for the signature", examples=["A. Engineer"])
     checked: Words | None = given("who checked it", examples=["B. Engineer"])
     approved: Words | None = given("who approved it", examples=["C. Engineer"])
     logo: str | None = given(
@@ -358,16 +358,16 @@ def mesh_faults(study: Study, what: str) -> list[Fault]:
     """Excitations at meshes, where `what` does not take them."""
     hint = "leave it out here; a case may take it away: `remove`"
     meshes = [torque for torque in study.train.torques if torque.mesh is not None]
-    return [Fault(torque.path, f"{what} takes no excitation at a mesh", hint) for torque in meshes]
+    return [Fault(torque.path, f"{what} does not support an excitation at a mesh", hint) for torque in meshes]
 
 
 def bytes_of(memory: str | float) -> float:
     """Bytes of a number of them, or of text such as "4 GB"; raises InputError."""
     found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory) if isinstance(memory, str) else None
     if isinstance(memory, str) and found is None:
-        message = f"'{memory}' is no amount of memory"
+        message = f"'{memory}' is not an amount of memory"
         raise InputError([Fault((), message)], f"{message} (for example 4GB or 500MB)")
     value = float(memory) if found is None else float(found[1]) * 1000.0 ** " kMGT".index(found[2][:-1] or " ")
     if not 0.0 < value < math.inf:
-        raise InputError([Fault((), f"{memory} is no amount of memory")], f"{memory} is no amount of memory")
+        raise InputError([Fault((), f"{memory} is not an amount of memory")], f"{memory} is not an amount of memory")
     return value

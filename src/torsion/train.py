@@ -15,6 +15,7 @@ from torsion.components.shaft_details import StepForm
 from torsion.errors import Fault, InputError, Path, nearest
 from torsion.primitives import Bar, Constraint, Damper, Inertia, SectionMesh, Spring, Station, Torque
 from torsion.results import Displayed, by_name, listed, one_line
+from torsion.sources import collected
 
 ENDS = ("station", "driving", "driven")  # the stations that primitives name
 
@@ -42,6 +43,7 @@ class Train(Displayed):
     materials: Mapping[str, Material]
     modal_damping: tuple[float, ...] = ()  # damping ratio of each elastic mode, the last of all above; () for none
     steps: StepForm | None = "none"  # of shafts that say none of their own; None: all are springs already
+    sources: tuple[tuple[str, str], ...] = ()  # literature of the formulas of its components: key, place in it
 
     def __repr__(self) -> str:
         names = listed((part.name for part in self.parts), most=6)
@@ -201,7 +203,8 @@ def lowered(
     folder: from which paths of files count.
     """
     build = Lowering({"steel": STEEL, **(materials or {})}, folder=folder)
-    lower_line(build, components, ("train",))
+    with collected() as citations:
+        lower_line(build, components, ("train",))
     if not build.stations:
         fault = Fault(("train",), "the train has no component that turns", "list its components")
         return None, [*build.faults, fault]
@@ -213,7 +216,8 @@ def lowered(
             _excite(build, excitation, ("excitations", position))
     _names(build)
     counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
-    return _train(build, Fraction(1) if counted is None else counted.ratio), build.faults
+    train = _train(build, Fraction(1) if counted is None else counted.ratio)
+    return replace(train, sources=tuple(citations)), build.faults
 
 
 def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:

@@ -110,7 +110,7 @@ def test_coupling_that_warms_little_passes_and_one_that_makes_no_heat_stays_cold
     ("rest", "why"),
     [
         ("links: [{between: [a, b], coupling: {name: d, stiffness: 30e3}}]", "closes a loop"),
-        ("links: [{between: [a, b], coupling: {name: d, stiffness: 30e3, clearance: 0.1 deg}}]", "not balanced anew"),
+        ("links: [{between: [a, b], coupling: {name: d, stiffness: 30e3, clearance: 0.1 deg}}]", "not balanced again"),
     ],
 )
 def test_coupling_whose_temperature_has_no_answer_does_not_pass(rest: str, why: str) -> None:
@@ -148,7 +148,7 @@ def test_table_over_frequency_warms_by_its_factor() -> None:
         ("to: 130 degC", "to: 20 degC", "20 degC is not above the 30 degC of `now`"),
         ("to: 130 degC", "to: 140 degC", "the rows run from 30 to 130 degC"),
         ("[[30, 1], [100 degC, 60 %], [130, 0.6]]", "[[30, 1], [20, 0.6]]", "two rows or more, rising"),
-        ("[[30, 1], [100 degC, 60 %], [130, 0.6]]", "[1, 0.6]", "no table over temperature"),
+        ("[[30, 1], [100 degC, 60 %], [130, 0.6]]", "[1, 0.6]", "not a table over temperature"),
         ("rise: 70 K", "rise: 343 K", "outside the usual range"),
         ("at: 400 W", "at: 400 K", "a difference of temperature"),
         ("stiffness: 20e3, ", "stiffness: 20e3, psi: 1, ", "`psi` and `temperature` both say what the coupling loses"),

@@ -89,7 +89,7 @@ def test_command_writes_the_report_says_it_last_and_tells_by_its_status(
     assert stated["modes"]["frequency_Hz"]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "NOT JUDGED" in page
-    assert f"<dt>No answer</dt><dd>{what}" in page
+    assert f"<dt>Not computed</dt><dd>{what}" in page
 
 
 def test_remedy_that_is_offered_gives_the_answer():
@@ -185,7 +185,7 @@ def test_an_analysis_that_does_not_exist_is_refused_by_its_name() -> None:
 @pytest.mark.parametrize("speeds", [[], [0.0, 5.0], [-5.0], [20.0, float("nan")]])
 def test_a_response_refuses_what_are_no_speeds(speeds: list[float]) -> None:
     study = torsion.parse(SHAFT)
-    with pytest.raises(InputError, match="no speeds of a response"):
+    with pytest.raises(InputError, match="not speeds of a response"):
         torsion.response(study, torsion.assemble(study.train), speeds=np.array(speeds))
 
 
@@ -200,8 +200,8 @@ def test_a_tolerance_that_is_read_but_not_varied_is_said_in_the_plan():
     )
     left = dict(torsion.run(torsion.parse(text)).plan.left_out)
     assert left["the tolerance of 'k'"] == (
-        "its 15 % move frequencies alone; all else is at the nominal stiffness "
-        "(`cases: {from: tolerances}` varies them)"
+        "its 15 % change only the frequencies; other results use the nominal stiffness (`cases: {from: tolerances}` "
+        "varies them)"
     )
 
 

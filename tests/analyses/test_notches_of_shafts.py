@@ -140,10 +140,10 @@ def test_fillets_two_diameters_apart_know_nothing_of_each_other() -> None:
 
 
 def test_fillets_and_hubs_have_room_on_their_shaft() -> None:
-    with pytest.raises(InputError, match="reaches into what else stands on 'b'"):
+    with pytest.raises(InputError, match="reaches into another detail of 'b'"):
         assemble(parse(SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", neck(19.0, 10.0))).train)
     hub = neck(60.0, 10.0).replace("diameter: 100 mm, step: {fillet: 10.0 mm}", HUB)
-    with pytest.raises(InputError, match="reaches into what else stands on 'b'"):
+    with pytest.raises(InputError, match="reaches into another detail of 'b'"):
         assemble(parse(SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", hub)).train)
 
 

@@ -214,9 +214,10 @@ def test_a_share_of_the_mean_torque_is_one_of_the_machine_s_own() -> None:
         ({"RATED": ", power: 4480 kW"}, ("4480 kW enter, and the file does not say how they divide between 'generator' "
          "and 'CPP'"), "give `power` to both, or to one of them and the other takes the rest", "generator"),
         (STATED | {"GENERATOR": ", power: 1670 kW", "RATED": ", power: 4480 kW"},
-         "the loads take 4950 kW, `rated` says 4480 kW", ("leave out the power of the one that takes the rest, or "
+         "the loads absorb 4950 kW, `rated` has 4480 kW", ("leave out the power of the one that takes the rest, or "
          "correct one"), "power"),
-        ({"GENERATOR": ", power: 4950 kW", "RATED": ", power: 4480 kW"}, "the loads take 4950 kW, `rated` says 4480 kW",
+        ({"GENERATOR": ", power: 4950 kW", "RATED": ", power: 4480 kW"},
+         "the loads absorb 4950 kW, `rated` has 4480 kW",
          "make a machine that drives a `motor`", "power"),
         ({"GENERATOR": ", power: 1200 kW"}, "'CPP' has no `power`", "operation.rated.power", "propeller"),
         (STATED | {"RATED": "}, load: [[400 rpm, 2 kN*m], [800 rpm, 3 kN*m]]"},

@@ -215,8 +215,10 @@ def test_of_some_motors_without_power_one_alone_is_free(build, operation):
         Motor(name="m3", inertia=1, power=300e3), Coupling(stiffness=1e4), Propeller(inertia=1),
     ]  # fmt: skip
     study, system = build(line, operation=operation(50.0, 100.0, rated=(100.0, 500e3)))
-    with pytest.raises(InputError, match="'m1' and 'm2' drive, both without power, beside 'm3' with 300 kW") as raised:
+    with pytest.raises(
+        InputError, match="'m1' and 'm2' drive, both without power, in addition to 'm3' with 300 kW"
+    ) as raised:
         steady(study.train, system, study.operation, np.array([50.0]))
-    assert raised.value.faults[0].hint == "one machine alone can be the free one"
+    assert raised.value.faults[0].hint == "only one machine can be the free one"
     study, system = build(line[2:], operation=operation(50.0, 100.0, rated=(100.0, 500e3)))
     assert steady(study.train, system, study.operation, np.array([100.0])).torque[:, 0] == pytest.approx([2e3, 5e3])

@@ -32,7 +32,8 @@ def blocks(scene: str, model: str) -> tuple[Block, ...]:
     kept = {name: given for name, given in study.analyses.items() if name == "modes"}
     study = replace(study, analyses=kept, rules=(), model=model or study.model, fem=type(study.fem)())
     found = torsion.run(study, only=("modes",))
-    return (*mass_elastic.chapter(found), *natural_frequencies.chapter(found))
+    modes = (chapter(found) for chapter in (natural_frequencies.appendix, natural_frequencies.all_modes))
+    return (*mass_elastic.chapter(found), *(block for blocks_of_modes in modes for block in blocks_of_modes))
 
 
 def tables(made: Iterable[Block], words: str) -> list[Table]:
@@ -43,7 +44,7 @@ def holzer_faults(table: Table, constants: Table | None) -> Iterator[str]:
     """The rows that do not follow from the figures before them."""
     heading = re.search(r"ω² = (\S+) rad²/s²", table.caption)
     assert heading is not None
-    square, every = printed(heading[1], SQUARE), rows(table)[:-1]
+    square, every = printed(heading[1], SQUARE), rows(table)
     shafts = {} if constants is None else {row["Shaft"]: row for row in rows(constants)}
     left = [NOTHING] * len(every)
     for at, row in enumerate(every):
@@ -52,7 +53,7 @@ def holzer_faults(table: Table, constants: Table | None) -> Iterator[str]:
             home = next(k for k, one in enumerate(every) if one["Station"] == row["Station"].split(",")[0])
             if every[home]["Angle"] != row["Angle"]:
                 yield f"row {at + 1}: the angle differs"
-        elif row["J referred"] != "held":
+        elif row["J referred"] != "fixed":
             moved = printed(row["ω² J × angle"], HOLZER)
             left[home] += moved
             if not moved.meets(square * printed(row["J referred"], HOLZER) * angle):
@@ -64,9 +65,9 @@ def holzer_faults(table: Table, constants: Table | None) -> Iterator[str]:
             for what in link_faults(row, printed(every[before]["Angle"], HOLZER), angle, shafts):
                 yield f"row {at + 1}: {what}"
     for at, row in enumerate(every):
-        if row["J referred"] not in ("held", "–") and not left[at].meets(NOTHING):
+        if row["J referred"] not in ("fixed", "–") and not left[at].meets(NOTHING):
             yield f"row {at + 1}: equilibrium"
-    if value(rows(table)[-1]["Torque out"]) > 1e-9:
+    if value(table.caption.rpartition(" ")[2]) > 1e-9:
         yield "residual"
 
 
@@ -106,7 +107,7 @@ def test_no_figure_of_a_holzer_table_could_be_another(scene: str) -> None:
     made = blocks(scene, "")
     table, shafts = tables(made, "Holzer table")[0], next(iter(tables(made, "Constants of the shafts")), None)
     cells = [
-        (row, column) for row in range(len(table.rows) - 1) for column in (2, 3, 4, 7, 8, 9, 10)
+        (row, column) for row in range(len(table.rows)) for column in (2, 3, 4, 7, 8, 9, 10)
         if re.match(r"[−\d]", table.rows[row][column]) and value(table.rows[row][column])
         and table.rows[row][{2: 3, 8: 7}.get(column, column)] != "0"  # nothing shows the inertia of what stands still
     ]  # fmt: skip
@@ -123,7 +124,7 @@ def test_inertias_sum_and_refer_as_printed(scene: str, model: str) -> None:
     for table in found:
         whole, station, moving = NOTHING, NOTHING, rows(table)[:-1]
         for row, after in zip(moving, [*moving[1:], None], strict=True):
-            if row["J own"] == "held":
+            if row["J own"] == "fixed":
                 station = NOTHING if after is None or after["Station"] != row["Station"] else station
                 continue
             own, referred = printed(row["J own"], DIGITS), printed(row["J referred"], SUMMED)
@@ -152,7 +153,6 @@ def test_stiffness_is_the_inverse_of_flexibility_as_printed(scene: str, model: s
             ratio, one = printed(row["i"], DIGITS), Interval(1.0 / unit, 1.0 / unit)
             own, referred = printed(row["k own"], DIGITS), printed(row["k referred"], SUMMED)
             assert (own * printed(row["Flexibility own"], DIGITS)).meets(one), row
-            assert (referred * printed(row["Flexibility referred"], SUMMED)).meets(one), row
             assert referred.meets(own * ratio * ratio), row
             if row.get("k given", "–") != "–":
                 times = printed(row["Given at i"], DIGITS)

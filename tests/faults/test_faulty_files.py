@@ -105,7 +105,7 @@ def test_several_faults_of_one_component_are_told_at_once():
         ("name: a\ntrain: [disc: {inertia: 1}]\nlinks: [{between: [a, b]}]", "`between` kind"),
         ("name: a\ntrain: [gear: {ratio: 2, branches: [{teeth: 4}]}]", "teeth"),
         (f"{SPEEDS}train: [joint: {{angle: 5 deg}}]\nanalyses: {{stability: }}", "no component inertia"),
-        ("name: a\nfrob: 1\ntrain: [disc: {inertia: 1}]", "unknown `frob` materials"),
+        ("name: a\nfrob: 1\ntrain: [disc: {inertia: 1}]", "unknown `frob` model-file keys"),
     ],
 )
 def test_small_file_is_refused_in_words(text, words):

@@ -77,17 +77,17 @@ def test_a_scene_of_the_stated_size_is_read_and_one_byte_more_is_not(tmp_path: P
 @pytest.mark.parametrize(
     ("tables", "words"),
     [
-        ({"a.csv": "kind,train\nbranch,{table: a.csv}\n"}, "a.csv:2:8: the table 'a.csv' stands within itself"),
+        ({"a.csv": "kind,train\nbranch,{table: a.csv}\n"}, "a.csv:2:8: the table 'a.csv' contains itself"),
         (
             {"a.csv": "kind,train\nbranch,{table: b.csv}\n", "b.csv": "kind,train\nbranch,{table: a.csv}\n"},
-            "b.csv:2:8: the table 'a.csv' stands within itself",
+            "b.csv:2:8: the table 'a.csv' contains itself",
         ),
         (
             {
                 f"{'abcdefghijklm'[k]}.csv": f"kind,train\nbranch,{{table: {'bcdefghijklmn'[k]}.csv}}\n"
                 for k in range(13)
             },
-            "j.csv:2:8: more than 10 tables stand within each other",
+            "j.csv:2:8: more than 10 tables are nested",
         ),
         (
             {

@@ -96,5 +96,5 @@ def test_resonance_of_the_closed_train_is_marked():
 
 def test_a_span_between_separate_parts_is_refused():
     two = Tree(np.array([-1, -1]), np.zeros(2), np.ones(2), np.zeros(2, dtype=bool))
-    with pytest.raises(ValueError, match="nothing else joins"):
+    with pytest.raises(ValueError, match="only connection of two parts"):
         looped_response(two, closing([0], [1], [1.0]), np.array([1.0]), np.ones(2))

@@ -109,7 +109,7 @@ def test_a_shaft_that_grows_by_itself_is_marked_in_table_text_map_and_terminal(f
 
 
 def test_without_damping_no_mode_is_called_stable_and_none_unstable(undamped: Findings) -> None:
-    assert {row[-1] for row in table(undamped, "Whirl over").rows} == {"nothing damps it"}
+    assert {row[-1] for row in table(undamped, "Whirl over").rows} == {"undamped"}
 
 
 def test_a_resonance_without_damping_has_no_maximum_and_is_marked(undamped: Findings) -> None:
@@ -117,7 +117,7 @@ def test_a_resonance_without_damping_has_no_maximum_and_is_marked(undamped: Find
     second = shaft.answers[1]
     bad = second.status != Status.OK
     assert (second.status == Status.SINGULAR).any()
-    found = table(undamped, "Answer")
+    found = table(undamped, "Response")
     row, mark = next(both for both in zip(found.rows, found.marks, strict=True) if both[0][1] == "2")
     assert row[2] == row[5] == "no reliable value"
     assert {row[4] for row in table(undamped, "Forces").rows if row[3] == "2"} == {"no reliable value"}

@@ -196,7 +196,7 @@ def test_the_checks_that_failed(silent: Findings) -> None:
     ("error", "words"),
     [
         (0.0, None), (0.03449, "relative error as at most 3.4 %."), (1.0, "relative error as at most 100 %."),
-        (1.5, "estimate of its error exceeds 100 %"),
+        (1.5, "error of the first-order joint model exceeds 100 %"),
     ],
 )  # fmt: skip
 def test_the_joint_model_states_its_largest_error(solved: Findings, error: float, words: str | None) -> None:

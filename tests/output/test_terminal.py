@@ -8,10 +8,14 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Table
+from torsion.output.check_words import rank
 from torsion.output.document import Cover, Document, document, numbered
+from torsion.output.numbers import number
 from torsion.output.terminal import progress, screen, show
+from torsion.rules.verdict_line import Checks
 
 COLUMNS = (Column("Shaft", short="shaft", align="left"), Column("Left out"), Column("Torque", "N m", short="N m"))
 
@@ -124,3 +128,20 @@ def test_no_word_of_a_verdict_is_cut_at_80_columns(bare: Findings) -> None:
     lines = printed([Table(columns, rows, short="t", marks=("restricted", "not judged"))], bare, width=80)
     for word in ("PASS with", "restrictions", "NOT JUDGED"):
         assert any(line.endswith(word) for line in lines), lines
+
+
+@pytest.mark.parametrize("scene", ["usv", "haixun_06402", "v12_generator_set", "toleranced_drive", "fan_start", "rao"])
+def test_the_summary_has_at_most_25_lines_of_80_columns_with_the_verdict_first(scene: str) -> None:
+    findings = torsion.run(torsion.read(Path(__file__).parents[2] / "shafting_specs" / f"{scene}.yaml"))
+    stream = io.StringIO()
+    show(document(findings), Path("out"), Console(file=stream, width=80, color_system=None), is_verbose=False)
+    lines = stream.getvalue().splitlines()
+    assert len(lines) <= 25
+    assert max(map(len, lines)) <= 80
+    verdict = lines[1 + document(findings).cover.numbered]
+    assert verdict.startswith(("✓", "!", "?", "✗"))
+    assert lines[-1] == "Report: out/report.html"
+    worst = sorted(findings.need(Checks).lines, key=rank)[:5] if not findings.cases else ()
+    for check in worst:
+        shown = [line for line in lines if number(check.value) in line]
+        assert shown, check

@@ -42,7 +42,9 @@ def test_no_amplitude_is_told_at_a_speed_without_a_reliable_one(undamped: Findin
     assert np.any(unreliable(undamped))
     assert not np.all(unreliable(undamped))
     assert "coupling-1 no reliable value –" in " ".join(printed(undamped).split())
-    assert "No amplitude is stated there, nor a largest one of the range" in " ".join(printed(undamped).split())
+    assert "The report states no amplitude at these speeds and no maximum over the range." in " ".join(
+        printed(undamped).split()
+    )
 
 
 def test_the_largest_torque_is_that_of_the_synthesis_at_its_speed(train: Findings) -> None:

@@ -124,4 +124,4 @@ links: [{between: [a, b], shaft: {length: 2 m, diameter: 10 mm, segments: 6}}]
 def test_a_line_that_turns_unevenly_is_stated_as_one_joint() -> None:
     text = "name: x\ntrain: [joint: {angle: 5 deg}, joint: {angle: 3 deg}]\n"
     found = torsion.run(torsion.parse(text)).need(Joints)
-    assert "its cross joints act as one of" in " ".join(in_short(found, found.lines[0]))
+    assert "its cross joints act as one joint of" in " ".join(in_short(found, found.lines[0]))

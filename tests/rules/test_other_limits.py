@@ -9,7 +9,7 @@ import pytest
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import half_range
 from torsion.components.lowering import ShaftRecord
-from torsion.rules import lacking, not_judged, settings, verdicts
+from torsion.rules import lacking, not_judged, rule, settings, verdicts
 from torsion.rules.shaft_limits import nominal_stress, with_role
 
 RPM = math.pi / 30.0
@@ -67,8 +67,11 @@ def test_type_iii_limits_gears_by_the_smaller_of_both_shares(study, evidence) ->
 
 def test_type_iii_names_what_it_cannot_judge(study) -> None:
     parts = [*line(None)[:2], ("gear", {"name": "box", "ratio": 2}), LOAD]
-    left = dict(not_judged(study(parts, [("mil-std-167", settings("mil-std-167")())], rated=None)))
-    assert {"mil-std-167 for line", "mil-std-167: gears"} <= set(left)
+    given = settings("mil-std-167")()
+    scene = study(parts, [("mil-std-167", given)], rated=None)
+    assert "mil-std-167 for line" in dict(not_judged(scene))
+    (row,) = rule("mil-std-167").demanded_rows(scene, given)
+    assert (row.where, row.clause, row.verdict) == ("box", "gears", "not judged")
     nothing = study([EXCITES, ("coupling", {"stiffness": 1e4}), LOAD], [("mil-std-167", settings("mil-std-167")())])
     assert "nothing to judge" in lacking(nothing)[0].message
 

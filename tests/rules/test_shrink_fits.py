@@ -44,7 +44,7 @@ def test_fit_passes_to_its_slip_torque_over_the_safety_and_fails_above() -> None
     assert found.value == pytest.approx(most, rel=1e-12)
     assert found.limit == pytest.approx(slip_torque(0.1, 0.12, 60e6, 0.15) / 1.5, rel=1e-12)
     enough = 60e6 * found.value / found.limit
-    assert [line(share * enough)[1].verdict for share in (1.0 + 1e-6, 1.0 - 1e-6)] == ["pass", "fail"]
+    assert [line(share * enough)[1].verdict for share in (1.0 + 1e-6, 1.0 - 1e-6)] == ["restricted", "fail"]
     assert line(2.0 * enough, "")[1].limit == pytest.approx(1.5 * found.value, rel=1e-9)  # 2 where nothing is set
 
 

@@ -12,7 +12,7 @@ from torsion.analyses.engine.engine_results import Engines
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.findings import Findings
 from torsion.output.chapters.engine_states import states
-from torsion.output.chapters.first_page import worst_line
+from torsion.output.headline import worst_line
 from torsion.rules.verdict_line import Checks
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
@@ -63,7 +63,7 @@ def test_the_slow_engine_bars_order_6_of_its_first_mode_and_names_the_cylinder_o
         [check.limit for check in one.need(Checks).lines if check.clause == "minimum diameter"] for one in (found, out)
     ]
     assert least[0] == pytest.approx(least[1], rel=1e-12)  # of the rated power, with a cylinder out too
-    ((_, line),) = worst_line(out)
+    ((_, line),) = worst_line({"": out})
     assert "with cylinder 1 of main engine motored" in line
     (words,) = states(out)
-    assert words.startswith("main engine with cylinder 1 motored (misfire), all others with 120 % of the heat, every")
+    assert words.startswith("main engine with cylinder 1 motored (misfire), all others with 120 % of the heat, each")

@@ -101,7 +101,7 @@ def test_what_a_scene_says_wrongly_of_a_library_is_located(folder, old, new, lin
 @pytest.mark.parametrize(
     ("old", "new", "line", "column", "words"),
     [
-        ("R4;22", "1.6;22", 5, 1, ["'1.6' stands in line 4"]),
+        ("R4;22", "1.6;22", 5, 1, ["'1.6' is in line 4"]),
         ("R4;22", ";22", 5, 2, ["has no size"]),
         ("psi;", "psy;", 3, 27, ["unknown column `psy`", "did you mean `psi`"]),
         ("[kN*m/rad]", "[kN]", 3, 6, ["`stiffness`", "force"]),

@@ -317,7 +317,7 @@ def test_no_table_ends_in_a_traceback(tmp_path_factory: pytest.TempPathFactory, 
 @pytest.mark.parametrize(
     ("train", "expected"),
     [
-        ("train: [table: 5]\n", "scene.yaml:3:9: unknown component `table` (`- table: line.csv` names a file alone)"),
+        ("train: [table: 5]\n", "scene.yaml:3:9: unknown component `table` (`- table: line.csv` contains only a file)"),
         ("train: {table: line.csv, disc: {inertia: 1}}\n", "scene.yaml:3:26: a mapping is not a list of components"),
         ("train: [coupling: {table: line.csv}]\n", "scene.yaml:3:27: 'line.csv' is not a mapping of keys"),
         ("train: {table: line.csv}\nrules: {table: line.csv}\n", "scene.yaml:4:8: a mapping is not a list"),

@@ -11,7 +11,7 @@ from torsion.schema.missing_marks import without_mark
 from torsion.schema.other_words import of_its_number
 
 MOTOR, END = "- motor: {inertia: 1}", "- disc: {inertia: 2}"
-COLON, WRITE = "a colon is missing behind `coupling`", "write `- coupling: {...}`"
+COLON, WRITE = "a colon is missing after `coupling`", "write `- coupling: {...}`"
 DASHLESS, DASH = "`motor` begins without a dash", "write `- motor: ...`"
 ALIGNED = "this does not fit the lines above", "what belongs to one list or mapping begins in one column"
 SHAFT = "- shaft: {length: 1 m, diameter: 50 mm, role: intermediate}"
@@ -28,7 +28,7 @@ def fault(*lines: str):
 @pytest.mark.parametrize(
     ("lines", "place", "message", "hint"),
     [
-        ([MOTOR, "- coupling {stiffness: 5}", END], (4, 3), "a colon is missing behind `coupling`",
+        ([MOTOR, "- coupling {stiffness: 5}", END], (4, 3), "a colon is missing after `coupling`",
          "write `- coupling: {...}`"),
         ([MOTOR, "- coupling {}", END], (4, 3), "'coupling {}' is not a component, a mapping with one key",
          "write `- coupling: {...}`"),
@@ -52,13 +52,13 @@ def fault(*lines: str):
         ([MOTOR, "- gear: {ratio: 21:8}", END], (4, 17), "'21:8' is not a number", "write 21/8"),
         ([MOTOR, "- gear: {ratio: 0:1}", END], (4, 17), "'0:1' is not a number", "write 2, 0.5 or 21/8"),
         ([MOTOR, "- coupling:{stiffness: 5}", END], (4, 3),
-         "a blank is missing behind the colon of `coupling`", WRITE),
-        ([MOTOR, END, "operation:", "  speeds {from: 3 rpm}"], (6, 3), "a colon is missing behind `speeds`",
+         "a blank is missing after the colon of `coupling`", WRITE),
+        ([MOTOR, END, "operation:", "  speeds {from: 3 rpm}"], (6, 3), "a colon is missing after `speeds`",
          "write `speeds: {...}`"),
         ([MOTOR, "- coupling: {stiffness:20 kN*m/rad, psi: 1}", END], (4, 14), "`stiffness:20 kN*m/rad` has no value",
-         "a blank is missing behind the colon: `stiffness: 20 kN*m/rad`"),
+         "a blank is missing after the colon: `stiffness: 20 kN*m/rad`"),
         ([MOTOR, SHAFT, END, "rules:", "- gear-hammer {limit: 0.3}"], (7, 3),
-         "a colon is missing behind `gear-hammer`", "write `- gear-hammer: {...}`"),
+         "a colon is missing after `gear-hammer`", "write `- gear-hammer: {...}`"),
     ],
 )  # fmt: skip
 def test_a_slip_is_answered_at_its_place_with_what_is_right(lines, place, message, hint) -> None:
@@ -74,14 +74,14 @@ def test_a_slip_is_answered_at_its_place_with_what_is_right(lines, place, messag
         ([f"  {MOTOR}", "  -  coupling{stiffness: 5, psi: 1}"], (4, 6), COLON, WRITE),
         ([MOTOR, "- coupling {stiffness: 5,", "    psi: 1}", END], (4, 3), COLON, WRITE),
         ([MOTOR, "- coupling:{stiffness: 5, psi: 1}", END], (4, 3),
-         "a blank is missing behind the colon of `coupling`", WRITE),
+         "a blank is missing after the colon of `coupling`", WRITE),
         ([MOTOR, "- coupling", "    stiffness: 5", "    psi: 1", END], (4, 3), COLON, WRITE),
         ([MOTOR, "- coupling # of rubber", "", "    # new", "    stiffness: 5", END], (4, 3), COLON, WRITE),
         ([MOTOR, "- coupling: {stiffness: 5, clearance {angle: 1 deg}}", END], (4, 28),
-         "a colon is missing behind `clearance`", "write `clearance: {...}`"),
+         "a colon is missing after `clearance`", "write `clearance: {...}`"),
         ([MOTOR, END, "operation:", "  speeds {from: 3 rpm, to: 5 rpm}"], (6, 3),
-         "a colon is missing behind `speeds`", "write `speeds: {...}`"),
-        ([MOTOR, END, "excitations [{at: x}, {at: y}]"], (5, 1), "a colon is missing behind `excitations`",
+         "a colon is missing after `speeds`", "write `speeds: {...}`"),
+        ([MOTOR, END, "excitations [{at: x}, {at: y}]"], (5, 1), "a colon is missing after `excitations`",
          "write `excitations: [...]`"),
         (["    motor: {inertia: 1}", "  - gear: {ratio: 2}", f"  {END}"], (3, 5), DASHLESS, DASH),
         (["  motor:", "    inertia: 1", "  - gear: {ratio: 2}", f"  {END}"], (3, 3), DASHLESS, DASH),

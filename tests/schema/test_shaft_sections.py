@@ -103,10 +103,10 @@ def test_the_table_may_be_a_file(tmp_path: Path, said: str) -> None:
     ("body", "fault"),
     [
         ("{name: l, sections: []}", "5:32: there is no section"),
-        ("{name: l, sections: }", "5:32: nothing is no list of sections"),
-        ("{name: l, sections: 5}", "5:32: 5 is no list of sections"),
+        ("{name: l, sections: }", "5:32: nothing is not a list of sections"),
+        ("{name: l, sections: 5}", "5:32: 5 is not a list of sections"),
         ("{sections: [[1, 0.1]]}", "5:12: a shaft of `sections` needs a name"),
-        ("{name: l, length: 1, sections: [[1, 0.1]]}", "5:30: `length` is that of one section"),
+        ("{name: l, length: 1, sections: [[1, 0.1]]}", "5:30: `length` belongs to one section"),
         ("{name: l, sections: [[1, 0.1], [1]]}", "5:43: a list is no section"),
         ("{name: l, sections: [[1, 0.1], [1, 3 kg]]}", "5:47: "),
         ("{name: l, sections: [{name: x, length: 1, diameter: 0.1}]}", "5:40: a section has no `name`"),
@@ -126,7 +126,7 @@ def test_sections_stand_in_a_train_alone() -> None:
     text = (
         "name: s\ntrain: [disc: {name: a, inertia: 2}, shaft: {length: 1, diameter: 0.1}, disc: {name: b, inertia: 2}]"
     )
-    with pytest.raises(InputError, match="3:54: `sections` stand in the list of a train alone"):
+    with pytest.raises(InputError, match="3:54: `sections` belong only in the list of a train"):
         parse(f"{text}\nlinks: [{{between: [a, b], shaft: {{name: l, sections: [[1, 0.1]]}}}}]")
 
 

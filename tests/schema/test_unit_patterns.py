@@ -11,6 +11,7 @@ from tests.test_units import QUANTITIES
 
 from torsion import units
 from torsion.schema.json_schema import json_schema
+from torsion.schema.manual import pages
 from torsion.schema.unit_patterns import pattern, spellings
 from torsion.schema.yaml_source import parse_source
 
@@ -126,10 +127,10 @@ def test_the_editor_marks_a_wrong_unit(validator, good: str, bad: str) -> None:
 
 
 def test_every_example_of_the_manual_is_valid(validator) -> None:
-    blocks = re.findall(r"```yaml\n(.*?)```", (ROOT / "docs" / "format.md").read_text(encoding="utf-8"), re.DOTALL)
-    assert len(blocks) > 20
+    blocks = [block for text in pages().values() for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)]
+    assert len(blocks) > 60
     for block in blocks:
-        data = parse_source(block, "format.md").data
+        data = parse_source(block, "page.md").data
         parts = [{"train": data}, {"links": data}, {"excitations": data}, {"analyses": data}, {"rules": [data]}, data]
         whole = [data] if isinstance(data, dict) and "train" in data else [
             {"name": "x", "train": [{"disc": {"inertia": 1}}], **part} for part in parts if isinstance(part, dict)

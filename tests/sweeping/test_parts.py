@@ -178,7 +178,7 @@ def test_parts_that_are_another_s_or_broken_are_refused(tmp_path: Path, short: N
     with pytest.raises(Stopped, match="cannot be read as a part"):
         by(tmp_path, PLAIN % MODES)
     (tmp_path / "sweep.json").unlink()
-    with pytest.raises(Stopped, match=r"no sweep\.json says of which sweep"):
+    with pytest.raises(Stopped, match=r"sweep\.json, which identifies the sweep, is missing"):
         by(tmp_path, PLAIN % MODES)
 
 
@@ -317,7 +317,7 @@ def test_errors_come_whole_from_another_process() -> None:
         (Scheduler(1, "tls://a:1"), "needs --tls-ca, --tls-cert, --tls-key"),
         (Scheduler(1, "tcp://a:1", ca=Path(__file__)), "--tls-ca is of a scheduler tls://"),
         (Scheduler(1, "tls://a:1", ca=Path("none.pem")), "no such file"),
-        (Scheduler(1, "", Path(__file__)), "is no file of a scheduler"),
+        (Scheduler(1, "", Path(__file__)), "is not a file of a scheduler"),
     ],
 )
 def test_options_of_a_scheduler_that_clash_are_refused(
@@ -339,7 +339,7 @@ def test_a_scheduler_without_tls_gets_a_warning_beyond_this_machine() -> None:
     for address in ("", "tcp://127.0.0.1:8786", "localhost:8786", "tcp://[::1]:8786", "tls://10.0.0.1:8786"):
         assert unprotected(Scheduler(1, address)) == ""
     for address in ("tcp://10.0.0.1:8786", "10.0.0.1:8786", "tcp://cluster:8786", "ws://cluster:8786"):
-        assert "without TLS" in unprotected(Scheduler(1, address))
+        assert "has no TLS" in unprotected(Scheduler(1, address))
 
 
 def test_a_worker_with_another_version_is_named() -> None:

@@ -119,7 +119,9 @@ def refuse_loops(system: System) -> None:
     links = [span for span in system.tables if not system.train.parts[system.spans[span].part].is_point]
     if links and system.condensed.extra.size:
         path = table_path(system, min(links))
-        message = "a train with closed loops, or grounded behind rigid spans at several points, takes no table"
+        message = (
+            "a train with closed loops, or grounded through rigid spans at several points, does not support a table"
+        )
         raise InputError([Fault(path, message, HINT)])
 
 
@@ -135,10 +137,10 @@ def table_faults(study: Study) -> list[Fault]:
     path, what = min(paths.values(), key=len), WHAT.get(tabled[-1][1].key, "table")
     every = [Fault(path, why, HINT) for why in _without_table(study, what)]
     if "frequency" in paths and "transient" in study.analyses:
-        message = "motion over time has no stiffness that follows the frequency"
+        message = "the transient response does not support a stiffness that follows the frequency"
         every.append(Fault(paths["frequency"], message, HINT))
     if "speed" in paths and "transient" in study.analyses:
-        message = "motion over time takes no pendulum, which is linear about one speed alone"
+        message = "the transient response does not support a pendulum, which is linear only about one speed"
         every.append(Fault(paths["speed"], message, "leave the pendulum out of the case with `transient`"))
     if "speed" in paths and operation.speed is None:
         hint = "for example `operation: {speeds: {from: 600 rpm, to: 1800 rpm}}`"
@@ -147,7 +149,7 @@ def table_faults(study: Study) -> list[Fault]:
         path = paths["vibratory torque"]
         for what, is_there in (("motion over time", "transient" in study.analyses), ("joints", study.has_joints)):
             if is_there:
-                message = f"{what}: a stiffness that follows the vibratory torque is of a response over speed alone"
+                message = f"{what}: only a response over speed supports a stiffness that follows the vibratory torque"
                 every.append(Fault(path, message, HINT))
     if "mean torque" in paths:
         path = paths["mean torque"]
@@ -164,13 +166,13 @@ def _without_table(study: Study, what: str) -> Iterator[str]:
     """Why a table of any kind does not go with the rest of the file."""
     parts = study.train.parts
     if study.train.has_loops and any(not parts[one.part].is_point for one in study.train.springs if one.table):
-        yield f"a train with closed loops takes no {what}"
+        yield f"a train with closed loops does not support a {what}"
     if study.train.modal_damping:
         yield f"damping by mode is a sum over modes of one stiffness, and a {what} has many"
     if study.train.has_nonlinear_couplings:
-        yield f"the exact motion of couplings with play, friction or stages takes no {what} beside them"
+        yield f"the exact motion of couplings with backlash, friction or stages does not support a {what}"
     if study.setting("analyses", "response", "method") == "harmonic-balance":
-        yield f"the exact periodic response takes no {what}"
+        yield f"the exact periodic response does not support a {what}"
     for name, takes in (("stability", "stability takes"), ("check", "the comparison of the models takes")):
         if name in study.analyses:
             yield f"{takes} no {what}"

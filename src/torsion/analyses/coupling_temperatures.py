@@ -43,10 +43,10 @@ class CouplingTemperature:
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     number: IntArray = result("", ("speed",), "temperatures of equilibrium up to the permissible one; 0: it runs away")
     lowest: FloatArray = result(
-        "degC", ("speed",), "lowest one, that of a run-up; null where there is none", key="lowest_degC"
+        "degC", ("speed",), "lowest one, that of a run-up; null if there is none", key="lowest_degC"
     )
     highest: FloatArray = result(
-        "degC", ("speed",), "highest stable one, that of a run-down; null where a warm coupling runs away",
+        "degC", ("speed",), "highest stable equilibrium, reached in a run-down; null if a warm coupling overheats",
         key="highest_degC",
     )  # fmt: skip
     equilibria: tuple[Equilibrium, ...] = result("", (), "all of them at the worst speed and at those with several")
@@ -144,7 +144,7 @@ def _refuse(study: Study, system: System, span: int, part: Part) -> None:
     if study.train.modal_damping:
         why = "damping by mode does not follow the stiffness of a coupling that warms"
     elif study.train.has_nonlinear_couplings:
-        why = "play, friction or stages of a coupling beside it are not balanced anew as it warms"
+        why = "backlash, friction or stages of another coupling are not balanced again as it warms"
     elif study.train.has_tables_over("vibratory torque"):
         why = "a stiffness over vibratory torque is not settled anew as it warms"
     elif system.condensed.span[span] < 0:

@@ -26,10 +26,10 @@ class CriticalSpeed:
     speed: float = result("rad/s", (), "reference speed")
     is_inside: bool = result("", (), "within the speed range", key="is_in_range")
     margin: float | None = result(
-        "1", (), "distance from the rated speed or the nearest end of the range, relative; null where neither is given"
+        "1", (), "distance from the rated speed or the nearest end of the range, relative; null if neither is given"
     )
     own_orders: tuple[Fraction, ...] = result(
-        "", (), "of each source per revolution of its own shaft, exact", default=()
+        "", (), "of each source per revolution of the shaft of the source, exact", default=()
     )
 
     @property
@@ -98,6 +98,6 @@ def run(work: Work) -> None:
     else:
         found = critical_speeds(modes, harmonics, work.study.operation)
         if work.study.train.has_tables_over("vibratory torque"):
-            why = "a stiffness follows the vibratory torque; those found are of small vibration"
+            why = "a stiffness follows the vibratory torque; the critical speeds are for small vibration"
             work.log.without("critical speeds of large vibration", why)
     work.put(critical_speeds=CriticalSpeeds(found))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from torsion.kernels.spring_law import SpringLaw
 
 MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling to their accuracy
-ONLY_REAL = "a table gives stiffness and damping at real frequencies alone"
+ONLY_REAL = "a table gives stiffness and damping only at real frequencies"
 LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
 
 
@@ -33,7 +33,7 @@ class DampedModes:
     eigenvalue: ComplexArray = result("1/s", ("mode",), "complex")
     shape: ComplexArray  # (stations, modes) rad at own speed
     torque: ComplexArray  # (spans, modes) N m
-    overdamped: FloatArray = result("1/s", ("root",), "real roots, which are no frequencies")
+    overdamped: FloatArray = result("1/s", ("root",), "real roots, which are not frequencies")
     speed: float = result("rad/s", (), "reference speed at which damping was taken")
 
     def condensed(self, groups: SegmentGroups) -> "DampedModes":
@@ -56,7 +56,7 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
         return _by_mode(modes_as_discretised(system, count), speed)
     condensed = system.condensed
     if condensed.extra.size:
-        message = "damped modes of a train with closed loops, or grounded behind rigid spans at several points"
+        message = "damped modes of a train with closed loops, or grounded through rigid spans at several points"
         raise SolveError(f"{message}, are not built; request `modes: {{damped: false}}`, the response is right")
     if condensed.tree.size > MOST_STATIONS:
         raise SolveError(too_many_stations(system))

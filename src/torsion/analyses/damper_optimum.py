@@ -24,14 +24,14 @@ class DamperOptimum:
     mode: int = result("", (), "elastic mode of the train without the ring, counted from 1")
     frequency: float = result("Hz", (), "of that mode")
     inertia: float = result("kg*m**2", (), "of that mode, seen at the housing")
-    ratio: float = result("1", (), "inertia of the ring over that of the mode", key="mass_ratio")
+    ratio: float = result("1", (), "inertia of the ring / modal inertia", key="mass_ratio")
     viscous: float = result("N*m*s/rad", (), "best damping of a ring without stiffness")
-    viscous_peak: float = result("1", (), "greatest magnification of the mode with it")
+    viscous_peak: float = result("1", (), "peak magnification of the mode with it")
     stiffness: float = result("N*m/rad", (), "best stiffness of a ring on a spring")
-    damping: float = result("N*m*s/rad", (), "best viscous damping beside that stiffness")
-    tuned_peak: float = result("1", (), "greatest magnification of the mode with both")
+    damping: float = result("N*m*s/rad", (), "optimum viscous damping with that stiffness")
+    tuned_peak: float = result("1", (), "peak magnification of the mode with both")
     given_peak: float | None = result(
-        "1", (), "greatest magnification of the mode as the file gives the ring; of a law with its figures there"
+        "1", (), "peak magnification of the mode with the ring of the file; a frequency law is evaluated at that mode"
     )
 
 

@@ -94,17 +94,18 @@ def run_assembly(work: Work) -> None:
     for part in work.study.train.parts:
         if part.ratings is not None and part.ratings.tolerance and not work.study.varies_tolerances:
             why = (
-                f"its {100 * part.ratings.tolerance:.3g} % move frequencies alone; all else is at the nominal stiffness"
+                f"its {100 * part.ratings.tolerance:.3g} % change only the frequencies; other results use the "
+                "nominal stiffness"
             )
             why += "" if work.study.case is not None else " (`cases: {from: tolerances}` varies them)"
             work.log.without(f"the tolerance of '{part.name}'", why)
         if part.nonlinear is not None:
-            what = "all but motion over time takes" if part.is_clutch else "modes take"
+            what = "all but the transient response takes" if part.is_clutch else "modes take"
             why = f"{what} the coupling as linear: {part.nonlinear.words}"
             why += "" if part.is_clutch else "; the response takes it by harmonic balance"
             work.log.without(f"what is nonlinear in '{part.name}'", why)
     if work.study.train.has_tables_over("mean torque") and "transient" in work.study.analyses:
-        what = "the stiffness over mean torque in motion over time"
+        what = "the stiffness over mean torque in transient responses"
         work.log.without(what, "the coupling has there the stiffness of the rated, else of the highest speed")
     work.put(system=system)
     if system.bars is not None and system.bars.degree:

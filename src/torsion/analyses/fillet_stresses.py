@@ -17,6 +17,7 @@ from torsion.kernels.round_sections import section_modulus
 from torsion.kernels.tree_response import Status
 from torsion.primitives import Bar
 from torsion.results import reported, result
+from torsion.sources import source
 from torsion.train import Train
 
 HOLDS = 0.25, 4.0  # height / radius between which the fit of Peterson's chart holds
@@ -27,7 +28,7 @@ KEYWAYS = 0.005, 0.07  # radius / diameter, of that of keyways
 class Fillet:
     """A fillet between two shafts, or a notch in one."""
 
-    shaft: str = result("", (), "shaft that ends at it, or has it")
+    shaft: str = result("", (), "shaft that ends at the detail, or carries it")
     following: str | None = result("", (), "shaft that begins at it; null for a notch")
     radius: float = result("m", (), "its radius; of a hole half its diameter")
     diameter: float = result("m", (), "smaller diameter")
@@ -36,11 +37,11 @@ class Fillet:
     factor: float = result("1", (), "K_t: largest shear stress in it / nominal stress, T/W_p")
     error: float | None = result("1", (), "relative error of K_t, from two fields and the last change; null by formula")
     peterson: float | None = result(
-        "1", (), "K_t of a fit of Peterson's charts, to be verified; null for hollow shafts and where it does not hold"
+        "1", (), "K_t of a fit of Peterson's charts, to be verified; null for hollow shafts and outside its range"
     )
     endurance: float | None = result("Pa", (), "amplitude of shear that the shafts endure there, as stated")
     speed: float | None = result("rad/s", (), "reference speed of the largest stress; null without a response")
-    nominal: float | None = result("Pa", (), "nominal vibratory stress there, half range of all orders")
+    nominal: float | None = result("Pa", (), "nominal vibratory stress there, amplitude (zero to peak) of all orders")
     peak: float | None = result("Pa", (), "K_t times that")
     utilisation: float | None = result("1", (), "that / endurance; null without both")
     form: str = result("", (), "fillet, keyway, splines or hole")
@@ -63,6 +64,7 @@ class Fillets:
     each: tuple[Fillet, ...] = result("", (), "fillets and notches", key="")
 
 
+@source("Pilkey1997", "chart 3.12")
 def peterson(height: float, radius: float) -> float | None:
     """K_t in torsion, both in smaller diameters: Pilkey (1997), Peterson's Stress Concentration Factors, chart 3.12.
 
@@ -80,6 +82,7 @@ def peterson(height: float, radius: float) -> float | None:
     return sum(term * share**power for power, term in enumerate(terms))
 
 
+@source("Pilkey1997", "chart 5.2")
 def keyway_fit(radius: float) -> float:
     """K_t of a keyway d/4 wide with flanks of d/8, radius / d: Peterson's chart 5.2 after Leven, from memory.
 

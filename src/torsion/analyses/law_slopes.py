@@ -110,7 +110,7 @@ def drive_faults(study: Study) -> list[Fault]:
     transient = study.setting("analyses", "transient") is not None
     for part, law in driven_by_law(study.train):
         if transient and law.law != "torque":
-            message = f"the `drive` of '{part.name}' follows the mean speed and does not act in a motion over time"
+            message = f"the `drive` of '{part.name}' follows the mean speed and does not act in a transient response"
             hint = "an event `start` with its torque over speed follows the vibration too; else leave `drive` out"
             found.append(Fault((*part.path, "drive"), message, hint))
     return found

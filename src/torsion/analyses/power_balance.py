@@ -82,7 +82,7 @@ def _loads(
     rated = operation.rated
     power = None if rated is None else rated.power
     if rest and (rated is None or power is None):
-        message = f"'{rest[0].name}' has no `power`, and without that of `rated` nothing says what is left for it"
+        message = f"'{rest[0].name}' has no `power`, and `rated` has no power from which its share could follow"
         raise InputError([Fault(rest[0].path, message, "give it its `power`, or give `operation.rated.power`")])
     if rated is None or power is None:
         return stated
@@ -92,7 +92,7 @@ def _loads(
         torque = (power - taken) / rated.speed
         return [*stated, Load(rest, _equally(rest), law_of(rest[0], operation), torque, rated.speed, is_free=True)]
     if rest or abs(taken - power) > SAME_POWER * power:
-        message = f"the loads take {_in_kw(taken)}, `rated` says {_in_kw(power)}"
+        message = f"the loads absorb {_in_kw(taken)}, `rated` has {_in_kw(power)}"
         hint = "leave out the power of the one that takes the rest, or correct one"
         hint += "; make a machine that drives a `motor`" if rest else ""
         raise InputError([Fault(("operation", "rated", "power"), message, hint)])
@@ -216,9 +216,11 @@ def _drivers(drivers: list[Part], loads: list[Load], operation: Operation) -> li
         ]
     if len(free) > 1:
         stated = next(part for part in drivers if _is_stated(part))
-        message = f"{_names_of(free, quote=True)} drive, {'both' if len(free) == 2 else 'all'} without power, beside "
+        message = (
+            f"{_names_of(free, quote=True)} drive, {'both' if len(free) == 2 else 'all'} without power, in addition to "
+        )
         message += f"'{stated.name}' with {_size_of(stated)}"
-        raise InputError([Fault(free[0].path, message, "one machine alone can be the free one")])
+        raise InputError([Fault(free[0].path, message, "only one machine can be the free one")])
     shares = {part.name: _stated_share(part, loads, operation) for part in drivers if part is not free[0]}
     left = 1 - sum(shares.values(), Fraction(0))
     if left <= 0:

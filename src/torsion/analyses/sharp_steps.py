@@ -17,9 +17,9 @@ class SharpStep:
     shaft: str = result("", (), "shaft that ends at it")
     following: str = result("", (), "shaft that begins at it")
     flexibility: float | None = result(
-        "rad/(N*m)", (), "twist of a sharp corner there beyond that of both shafts; null where the table has none"
+        "rad/(N*m)", (), "additional twist of a sharp corner between both shafts; null outside the table"
     )
-    remark: str = result("", (), "how long a piece of which shaft twists as much, and its error; or why it has none")
+    remark: str = result("", (), "equivalent length of the named shaft, and its error; or why there is none")
 
 
 @reported

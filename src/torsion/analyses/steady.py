@@ -123,7 +123,7 @@ class MachinePower:
     enters: bool = result("", (), "true: power enters here; false: it leaves")
     speed: float = result("rad/s", (), "own speed of the machine")
     power: float = result("W", (), "power that it delivers or absorbs there")
-    torque: float = result("N*m", (), "mean torque at its own speed, positive where it drives")
+    torque: float = result("N*m", (), "mean torque at its own speed, positive if it drives")
     law: str = result("", (), "law of load; empty of a machine that drives")
     free: bool = result("", (), "it takes what the others leave: computed, not stated")
 

@@ -26,6 +26,7 @@ from torsion.errors import InputError
 from torsion.fields import Declared, given, required
 from torsion.findings import Work
 from torsion.results import reported, result
+from torsion.sources import source
 from torsion.study import Study
 
 FARTHEST = 46.0  # ln of the factor to which a stiffness is sought: 1e20
@@ -44,7 +45,7 @@ class TolerancesSettings(Declared):
     """Settings of `tolerances`."""
 
     aim: tuple[Aim, ...] = given(
-        "modes and where they should be; the report states which stiffness of each coupling does it", ()
+        "modes with target frequencies; the report states the stiffness of each coupling that gives the target", ()
     )
 
 
@@ -53,11 +54,11 @@ class CouplingReach:
     """What one coupling alone does, all others as the file has them."""
 
     coupling: str = result("", (), "its name")
-    tolerance: float = result("1", (), "of its stiffness; 0 where the file gives none")
+    tolerance: float = result("1", (), "of its stiffness; 0 if the file has none")
     lower: FloatArray = result("Hz", ("mode",), "natural frequencies at the soft end of its tolerance")
     upper: FloatArray = result("Hz", ("mode",), "natural frequencies at the stiff end")
     softest: FloatArray = result("Hz", ("mode",), "natural frequencies without it")
-    stiffest: FloatArray = result("Hz", ("mode",), "natural frequencies with it rigid; null where no such mode is left")
+    stiffest: FloatArray = result("Hz", ("mode",), "natural frequencies with it rigid; null if the mode disappears")
 
 
 @reported
@@ -67,7 +68,7 @@ class AimedStiffness:
     mode: int = result("", (), "counted from 1")
     frequency: float = result("Hz", (), "where it should be")
     coupling: str = result("", (), "whose stiffness alone is changed")
-    stiffness: float | None = result("N*m/rad", (), "with which it is there; null where none does it")
+    stiffness: float | None = result("N*m/rad", (), "stiffness that gives the target; null if no stiffness does")
     factor: float | None = result("1", (), "that stiffness over the one of the file")
     softest: float = result("Hz", (), "the mode without the coupling")
     stiffest: float = result("Hz", (), "the mode with the coupling rigid")
@@ -80,7 +81,7 @@ class RankedFigure:
     figure: str = result("", (), "the component and its key")
     tolerance: float = result("1", (), "relative, either way")
     sensitivity: FloatArray = result(
-        "1", ("mode",), "relative change of each natural frequency over that of the figure"
+        "1", ("mode",), "relative change of each natural frequency / relative change of the parameter"
     )
     change: FloatArray = result("1", ("mode",), "by how much the tolerance moves each either way, to first order")
 
@@ -89,17 +90,17 @@ class RankedFigure:
 class Tolerances:
     """Bands of the natural frequencies over the tolerances of the file, each independent of the others."""
 
-    frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies at the figures of the file")
-    lower: FloatArray = result("Hz", ("mode",), "least natural frequency within all tolerances, a proven bound")
-    upper: FloatArray = result("Hz", ("mode",), "greatest natural frequency within all tolerances, a proven bound")
+    frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies with the nominal parameters")
+    lower: FloatArray = result("Hz", ("mode",), "minimum natural frequency within all tolerances, a guaranteed bound")
+    upper: FloatArray = result("Hz", ("mode",), "maximum natural frequency within all tolerances, a guaranteed bound")
     critical_lower: FloatArray = result("rad/s", ("critical speed",), "least critical speed, as `critical_speeds`")
     critical_upper: FloatArray = result("rad/s", ("critical speed",), "greatest critical speed")
     figures: tuple[RankedFigure, ...] = result(
-        "", (), "every figure with a tolerance, the one that moves a mode most first; none where a stiffness follows "
-        "the frequency"
+        "", (), "every parameter with a tolerance, the dominant one first; none if a stiffness follows the "
+                "frequency"
     )  # fmt: skip
     couplings: tuple[CouplingReach, ...] = result("", (), "what each coupling alone does")
-    aims: tuple[AimedStiffness, ...] = result("", (), "stiffnesses with which modes are where they should be")
+    aims: tuple[AimedStiffness, ...] = result("", (), "stiffnesses that give the target frequencies")
 
 
 class _Varied:
@@ -171,6 +172,7 @@ def with_inertias(system: System, end: int) -> System:
     return of_train(system, replace(train, inertias=inertias))
 
 
+@source("Rayleigh1877")
 def ranked(found: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
     """Every figure with a tolerance: half its shares of elastic or kinetic energy are its sensitivities (T132)."""
     system, figures = found.system, list[RankedFigure]()

@@ -8,6 +8,7 @@ from torsion.analyses.steady import steady_if_known
 from torsion.errors import InputError
 from torsion.findings import Work
 from torsion.results import reported, result
+from torsion.sources import source
 
 
 @reported
@@ -33,6 +34,7 @@ class ToothForces:
     meshes: tuple[ToothForce, ...] = result("", (), "nominal forces of every mesh with a pitch diameter", key="")
 
 
+@source("ISO6336-1")
 def forces(torque: float, diameter: float, helix: float, pressure_angle: float) -> tuple[float, float, float]:
     """Tangential, radial and axial force (N) of a torque (N m) at a pitch diameter (m); angles in rad.
 

@@ -88,7 +88,7 @@ class Modes(Displayed, Keyed):
         return np.asarray(self.shape[by_name(name, {**stations, **points}, "station")])
 
     @derived(
-        "1", ("station", "mode"), "share of the kinetic energy; of a distributed shaft half at either end",
+        "1", ("station", "mode"), "share of the kinetic energy (half of a distributed shaft at either end)",
         key="kinetic_share", printed=("mode", "station"), is_total=True,
     )  # fmt: skip
     def kinetic(self) -> FloatArray:

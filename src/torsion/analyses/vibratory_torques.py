@@ -15,13 +15,13 @@ class VibratoryTorque:
     coupling: str = result("", (), "its name")
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     torque: FloatArray = result(
-        "N*m", ("speed",), "half range of all harmonic components: of several solutions the largest, which stands"
+        "N*m", ("speed",), "amplitude (zero to peak) of all harmonic components; of several solutions the largest"
     )
     smallest: FloatArray = result("N*m", ("speed",), "the smallest solution")
     number: IntArray = result("", ("speed",), "solutions, as far as found between the points of the table")
     stiffness: FloatArray = result("N*m/rad", ("speed",), "dynamic stiffness at `torque`")
     loss_factor: FloatArray = result("1", ("speed",), "loss factor at `torque`")
-    residual: FloatArray = result("1", ("speed",), "relative: half range at that stiffness against `torque`")
+    residual: FloatArray = result("1", ("speed",), "relative: amplitude at that stiffness against `torque`")
     rounds: IntArray = result("", ("speed",), "rounds over all such couplings")
     settled: BoolArray = result("", ("speed",), "it is an answer; no other speed has one", key="has_settled")
 

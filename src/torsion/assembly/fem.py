@@ -10,6 +10,7 @@ from torsion.assembly.lumped import MOST
 from torsion.assembly.shafts import GAUSS, area_along, bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
 from torsion.primitives import Bar
+from torsion.sources import source
 from torsion.train import Train
 
 DEGREE, HIGHEST_DEGREE = 4, 10
@@ -73,6 +74,7 @@ def element_error(bar: Bar, number: int, degree: int, frequency: float) -> float
     return max(phase_error(degree, phase(bar, frequency) / number), section_error(bar, number, degree))
 
 
+@source("Ainsworth2004", "section 3.1")
 def phase_error(degree: int, element_phase: float) -> float:
     """The share of inertia: (p!/(2p)!)^2 phase^(2p) / (2 (2p + 1)), to leading order in the phase along one element.
 

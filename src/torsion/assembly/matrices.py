@@ -43,7 +43,7 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
         hint = "give a `stiffness` in its place for the matrices"
         raise InputError([Fault(table_path(system, min(tables)), message, hint)])
     if system.train.modal_damping:
-        message = "damping by mode has no matrix beside those of the components"
+        message = "damping by mode has no matrix next to the matrices of the components"
         raise InputError([Fault(("damping",), message, "leave it out for the matrices, or give the components theirs")])
     rigid = system.flexibility == 0
     group = connected(len(system.stations), system.driving[rigid], system.driven[rigid])  # turn together

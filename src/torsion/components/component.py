@@ -29,7 +29,7 @@ class Component(Sized):
 
     name: str | None = given("name by which excitations, links and results call it (default: kind and number)")
     note: str | None = given("free text")
-    source: str | None = given("where the figures come from: maker, drawing, estimate")
+    source: str | None = given("source of the data: manufacturer, drawing, estimate")
 
     def __init_subclass__(cls, **facts: Any) -> None:
         super().__init_subclass__()

@@ -43,16 +43,16 @@ STIFF = 100.0  # times the stiffness beside it: that of a friction whose own sti
 class Play(Declared):
     """The play of a coupling, and what it is beyond it."""
 
-    angle: Angle = required("the whole play, from face to face")
-    stiffness: fields.Stiffness | None = given("of the contact (default: that of the coupling)")
-    viscous: fields.Damping | None = given("viscous damping of the contact (default: that of the coupling)")
+    angle: Angle = required("total backlash, from face to face")
+    stiffness: fields.Stiffness | None = given("of the contact (default: stiffness of the coupling)")
+    viscous: fields.Damping | None = given("viscous damping of the contact (default: stiffness of the coupling)")
 
 
 class DryFriction(Declared):
     """Friction beside a spring: a spring in series with a slider."""
 
     torque: Torque = required("torque at which it slips: half the width of the loop of torque over twist")
-    stiffness: fields.Stiffness | None = given("until it slips (default: 100 times that beside it)")
+    stiffness: fields.Stiffness | None = given("until it slips (default: 100 times the stiffness parallel to it)")
 
 
 class Stage(Declared):
@@ -84,8 +84,12 @@ class Coupling(Component, keyword="coupling", sort="link"):
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
     table: CouplingTable | None = given("stiffness and damping over frequency or mean torque, in place of `stiffness`")
-    prony: PronySpring | None = given("relaxing springs beside a static one, in place of `stiffness` and damping")
-    fractional: FractionalSpring | None = given("a power of the frequency beside a static spring, in place of both")
+    prony: PronySpring | None = given(
+        "relaxing springs parallel to a static spring, in place of `stiffness` and damping"
+    )
+    fractional: FractionalSpring | None = given(
+        "a power of the frequency parallel to a static spring, in place of `stiffness` and damping"
+    )
     temperature: CouplingWarming | None = given("what its own heat takes of its stiffness, and how far it may warm")
     inertia: Pair | None = given("[driving, driven] halves")
     viscous: fields.Damping | None = given("viscous damping")
@@ -94,11 +98,11 @@ class Coupling(Component, keyword="coupling", sort="link"):
     magnifier: Magnifier | None = given(MAGNIFIER)
     rated_torque: fields.Rating | None = given("T_KN of the maker")
     vibratory_torque: VibratoryLimit | None = given(
-        "T_KW of the maker: permissible vibratory torque, half range; over frequency {torque, at, above}, or rows "
-        "[frequency, torque]"
+        "T_KW of the manufacturer: permissible vibratory torque, amplitude (zero to peak); over frequency {torque, "
+        "at, above}, or rows [frequency, torque]"
     )
     max_torque: fields.Rating | None = given(
-        "T_Kmax of the maker; where it gives two, T_Kmax1: of normal operation, as starts, resonances, clutching, ice"
+        "T_Kmax of the manufacturer; of two values, T_Kmax1 for normal operation: starts, resonances, clutching, ice"
     )
     max_torque_rare: fields.Rating | None = given(
         "T_Kmax2 of the maker, of rare events: short circuit, emergency, misoperation (default: `max_torque`)"
@@ -112,10 +116,12 @@ class Coupling(Component, keyword="coupling", sort="link"):
     heat_limit_misfire: MisfireLimit | None = given(MISFIRE)
     tolerance: fields.Tolerance | None = given("tolerance of the stiffness, for example 15 %")
     clearance: Clearance | None = given(
-        "play: the whole angle, or {angle, stiffness, viscous} with those of the contact"
+        "backlash: the total angle, or {angle, stiffness, viscous} with stiffness and damping of the contact"
     )
     hysteresis_torque: Frictions = given(
-        "dry friction beside the spring: torque, {torque, stiffness}, or a list of them that slip one after another", ()
+        "dry friction parallel to the spring: torque, {torque, stiffness}, or a list of friction elements that slip "
+        "one after another",
+        (),
     )
     stages: tuple[Stage, ...] = given("list of {from, stiffness, hysteresis_torque} that add to it", ())
     capacity: Torque | None = given("torque at which it slips; the coupling is then a clutch")
@@ -140,7 +146,7 @@ class Coupling(Component, keyword="coupling", sort="link"):
         if (found := given_damping(self)) and self.flexibility == 0:
             raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
         if self.max_torque_rare is not None and self.max_torque is None:
-            hint = "`max_torque` too: T_Kmax1, that of normal operation"
+            hint = "also give `max_torque`: T_Kmax1 for normal operation"
             raise refuse("`max_torque_rare` limits rare events alone", hint, "max_torque_rare")
         if self.max_torque_rare is not None and self.max_torque_rare < (self.max_torque or 0.0):
             message = f"{self.max_torque_rare:g} N m is below the {self.max_torque:g} N m of `max_torque`"
@@ -201,7 +207,7 @@ def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
         hint = "clearance: {angle: 0.5 deg, stiffness: 2 MN*m/rad}"
         raise refuse("a clearance in a rigid coupling needs the stiffness of its contact", hint, "clearance")
     if play is not None and stages:
-        hint = "give the play as a first stage of little stiffness"
+        hint = "give the backlash as a first stage of low stiffness"
         raise refuse("`clearance` and `stages` exclude each other", hint, "stages")
     if rigid and (friction or stages):
         key = "stages" if stages else "hysteresis_torque"
@@ -216,10 +222,10 @@ def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
         raise refuse(f"`{lost[0]}` and `hysteresis_torque` count the same loss twice", "keep one of them", lost[0])
     if play is not None and lost:
         hint = "give `viscous`"
-        raise refuse(f"`{lost[0]}` says nothing of a contact that opens and closes", hint, lost[0])
+        raise refuse(f"`{lost[0]}` has no meaning for a contact that opens and closes", hint, lost[0])
     total = sum(one.torque for one in friction)
     if friction and coupling.max_torque is not None and total >= coupling.max_torque:
-        message = f"the friction of {total:g} N m is not below the greatest torque, {coupling.max_torque:g} N m"
+        message = f"the friction of {total:g} N m is not below the maximum torque, {coupling.max_torque:g} N m"
         raise refuse(message, "it would never slip", "hysteresis_torque")
     if any(before.first >= after.first for before, after in pairwise(stages)):
         raise refuse("stages come in the order of the twists at which they begin", "rising `from`", "stages")

@@ -66,7 +66,7 @@ def _rows(quantity: Quantity, hint: str) -> BeforeValidator:
         if not isinstance(value, list | tuple) or not all(
             isinstance(row, list | tuple) and len(row) == 2 for row in value
         ):
-            raise refuse("this is no table over frequency", hint)
+            raise refuse("this is not a table over frequency", hint)
         rows = tuple((Quantity("Hz", at_least=0).read(row[0]), quantity.read(row[1])) for row in value)
         if len(rows) < 2 or any(before[0] >= after[0] for before, after in pairwise(rows)):
             raise refuse("a table over frequency needs two rows or more, rising", hint)
@@ -81,18 +81,19 @@ Rows = tuple[tuple[float, float], ...]
 class VibratoryTorque(Declared):
     """Permissible vibratory torque."""
 
-    torque: fields.Rating | None = given("half range; with `at` up to that frequency")
+    torque: fields.Rating | None = given("amplitude (zero to peak); with `at` up to that frequency")
     at: fields.Frequency | None = given("frequency above which it falls")
     above: Literal["sqrt"] | None = given("how it falls above `at`: sqrt, with the root of at/f, a constant heat")
     table: Annotated[Rows, _rows(Quantity("N*m", above=0), TORQUE_ROW)] | None = given(
-        "rows [frequency, torque] in place of `torque`; beyond them holds the least torque, above them falling by root"
+        "rows [frequency, torque] in place of `torque`; beyond the rows the minimum torque applies, above them it "
+        "falls with the root of the frequency"
     )
 
     def refuse_clashes(self) -> None:
         beside = [key for key in ("torque", "at", "above") if getattr(self, key) is not None]
         if (self.table is None) == (self.torque is None):
             words = "`torque` and `table` exclude each other" if self.table else "`torque` or `table` is missing"
-            raise refuse(words, "{torque: 15 kN*m, at: 10 Hz, above: sqrt}, or a torque alone", *beside[:1])
+            raise refuse(words, "{torque: 15 kN*m, at: 10 Hz, above: sqrt}, or only a torque", *beside[:1])
         if self.table is not None and beside:
             raise refuse(f"`table` and `{beside[0]}` exclude each other", TORQUE_ROW, beside[0])
         if (self.at is None) != (self.above is None):
@@ -113,7 +114,7 @@ class HeatLimit(Declared):
 
     power: fields.Power | None = given("at every frequency")
     table: Annotated[Rows, _rows(Quantity("W", above=0), POWER_ROW)] | None = given(
-        "rows [frequency, power] in place of `power`; beyond them holds the least power"
+        "rows [frequency, power] in place of `power`; beyond the rows the minimum power applies"
     )
 
     def refuse_clashes(self) -> None:

@@ -16,8 +16,8 @@ from torsion.primitives import Bar, Constraint, Damper, Inertia, Primitive, Sect
 Teeth = Annotated[int, Field(ge=1, le=1000)]
 KINDS = ("coupling", "shaft", "disc", "propeller", "damper", "gear", "branch", "planets")  # that a half may have
 OPPOSED = " opposed"
-TOGETHER = "both halves behind {} together, of one angle; each carries half of the torque"
-AGAINST = "the halves behind {} against each other, of opposite angles; each carries half of the torque"
+TOGETHER = "both halves downstream of {} together, with one angle; each carries half of the torque"
+AGAINST = "the halves downstream of {} against each other, with opposite angles; each carries half of the torque"
 
 
 class Differential(Declared):
@@ -68,7 +68,7 @@ class Differential(Declared):
             doubled = _doubled(build.primitives[k])
             if isinstance(doubled, str):
                 part = build.parts[getattr(build.primitives[k], "part", -1)]
-                build.faults.append(Fault(part.path, f"the half of a differential takes no {doubled}", HINT))
+                build.faults.append(Fault(part.path, f"the half of a differential does not support: {doubled}", HINT))
             else:
                 build.primitives[k] = doubled
 
@@ -85,7 +85,7 @@ def _fault(part: Part) -> Fault | None:
         what = f"{part.kind} with `power`, `torque` or a table of `load`"
     if part.shaft is not None and (part.shaft.role is not None or part.shaft.support):
         what = "shaft with `role` or `support`"
-    return Fault(part.path, f"the half of a differential takes no {what}", HINT) if what else None
+    return Fault(part.path, f"the half of a differential does not support: {what}", HINT) if what else None
 
 
 def _doubled_part(part: Part, gear: str) -> Part:

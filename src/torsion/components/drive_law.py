@@ -8,6 +8,7 @@ from torsion.arrays import FloatArray
 from torsion.components.harmonic_torques import Table, read_table
 from torsion.components.load_law import segment_slopes
 from torsion.fields import Declared, Quantity, given, refuse
+from torsion.sources import source
 
 LAWS = ("slip", "droop", "law", "torque")
 EXAMPLES = "for example `drive: {slip: 1 %}`, `{droop: 4 %}`, `{law: speed}` or `{torque: [[0, 0], [1500 rpm, 1200]]}`"
@@ -69,6 +70,7 @@ class DriveLaw(Declared):
         """A controller holds the mean speed."""
         return self.law == "speed"
 
+    @source("Kloss1916")
     def rated_torque(self) -> float | None:
         """Return the torque (N m) that Kloss's law has at the rated slip; None of any other law."""
         if self.slip is None or self.pull_out is None or self.at_slip is None:

@@ -48,7 +48,10 @@ class CouplingTable(Declared):
     """Dynamic stiffness and damping by a table; stiffness and loss factor are linear between its points."""
 
     over: Literal["frequency", "mean torque", "vibratory torque"] = required("what the table is over")
-    at: tuple[Any, ...] = required("rising frequencies, or torques of the coupling: size of the mean, half range")
+    at: tuple[Any, ...] = required(
+        "rising frequencies, or torques of the coupling: magnitude of the mean torque, "
+        "or amplitude of the vibratory torque (zero to peak)"
+    )
     stiffness: tuple[fields.Stiffness, ...] = required(
         "dynamic stiffness at each; over mean torque the tangent of the static curve"
     )
@@ -98,7 +101,7 @@ TERM = "terms are [stiffness, relaxation time]: [[6 kN*m/rad, 0.05 s], [9 kN*m/r
 
 def _pairs(value: Any) -> Any:
     if not (isinstance(value, list | tuple) and value and all(isinstance(one, list | tuple) for one in value)):
-        raise refuse("this is no list of relaxing terms", TERM)
+        raise refuse("this is not a list of Prony terms", TERM)
     if any(len(one) != 2 for one in value):
         raise refuse("a term has a stiffness and a relaxation time", TERM)
     return tuple(tuple(one) for one in value)
@@ -142,7 +145,7 @@ ROW = "rows are [temperature, value], the temperatures rising: [[30 degC, 1], [1
 
 def _rows(value: Any) -> Any:
     if not isinstance(value, list | tuple) or not all(isinstance(row, list | tuple) and len(row) == 2 for row in value):
-        raise refuse("this is no table over temperature", ROW)
+        raise refuse("this is not a table over temperature", ROW)
     return tuple(tuple(row) for row in value)
 
 

@@ -53,16 +53,18 @@ class Gear(Component, keyword="gear", sort="link"):
     mesh_stiffness: fields.Stiffness | None = given("torsional, at the driving gear's speed (default: rigid)")
     sense: Literal[-1, 1] = given("-1: the driven shaft turns the other way", -1)
     referred: bool = given(
-        "inertias, stiffnesses, flexibilities and dampings of its driven wheel and of everything after it, behind "
-        "further gears too, are already referred to the speed before it (before the first such gear)",
+        "the data downstream (inertia, stiffness, flexibility, damping) are already referred to the speed of the "
+        "driving side; of several such gears, to the driving side of the first",
         False,
     )
     branches: tuple[GearBranch, ...] = given("further wheels on the same driving gear", ())
-    differential: Differential | None = given("two equal halves behind the driven wheel, which turns as their mean")
+    differential: Differential | None = given(
+        "two equal halves downstream of the driven wheel, which turns at their mean speed"
+    )
     application_factor: Annotated[float, Quantity("1", at_least=1, usual="application factor")] | None = given(
         "K_A of the gear rating"
     )
-    max_torque: fields.Rating | None = given("greatest torque of its rating, at the driving gear, in motion over time")
+    max_torque: fields.Rating | None = given("maximum rated torque at the driving gear, for transient analyses")
     module: Module | None = given("normal module m_n; with `teeth` it makes the pitch diameters m_n z/cos(beta)")
     pitch_diameter: Annotated[tuple[fields.Across, ...], Field(min_length=2, max_length=2)] | None = given(
         "pitch (reference) diameters d of the [driving, driven] wheels, for the forces on the teeth"
@@ -74,12 +76,12 @@ class Gear(Component, keyword="gear", sort="link"):
         if self.planetary is None:
             _one_ratio(self)
         elif clashes := sorted(BESIDE_NO_PLANETARY & self.model_fields_set):
-            hint = "its own keys say it" if clashes[0] != "branches" else "give them a gear of their own"
+            hint = "its own keys say it" if clashes[0] != "branches" else "give them a separate gear"
             raise refuse(f"`planetary` and `{clashes[0]}` exclude each other", hint, clashes[0])
         _refuse_sizes_that_clash(self)
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
-                raise refuse("a branch with the teeth of its wheel alone needs `teeth` of the gear", key="branches")
+                raise refuse("a branch with only the teeth of its wheel needs `teeth` of the gear", key="branches")
 
     @classmethod
     def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
@@ -190,7 +192,7 @@ def _refuse_sizes_that_clash(gear: Gear) -> None:
     ratio = gear.ratio if gear.ratio is not None else Fraction(gear.teeth[1], gear.teeth[0]) if gear.teeth else 0
     if abs(sizes[1] / sizes[0] - ratio) > SAME_SIZE * ratio:
         message = f"the pitch diameters are as 1 to {sizes[1] / sizes[0]:.6g}, the speeds as {float(ratio):.6g} to 1"
-        raise refuse(message, "reference diameters d = m_n z/cos(beta), not those of the tips", "pitch_diameter")
+        raise refuse(message, "reference diameters d = m_n z/cos(beta), not tip diameters", "pitch_diameter")
     for teeth, size in zip(gear.teeth or (), sizes, strict=False):
         if gear.module is None:
             return

@@ -51,7 +51,7 @@ class Harmonic(Declared):
 class Ripple(Harmonic):
     """One harmonic component of a motor's torque ripple."""
 
-    torque: fields.TorqueAmount = required("amplitude (half range): N m, or % of the mean torque")
+    torque: fields.TorqueAmount = required("amplitude (zero to peak): N m, or % of the mean torque")
 
     def refuse_clashes(self) -> None:
         super().refuse_clashes()
@@ -66,13 +66,13 @@ class Excitation(Harmonic, Sized):
 
     at: str = required("name of the component on which it acts: a point, or a gear whose mesh excites")
     torque: fields.TorqueAmount | tuple[tuple[float, float], ...] | None = given(
-        "amplitude (half range): N m, {of_mean: %}, or a table [[speed, torque], ...] over the speed of the "
-        "component's own shaft, not that of the reference; at a gear the torque k e of its mesh when blocked, at the "
-        "driving gear"
+        "amplitude (zero to peak): N m, {of_mean: %}, or a table [[speed, torque], ...] over the speed of the "
+        "component's own shaft (not of the reference). At a gear: torque k e of the blocked mesh, at the driving "
+        "gear"
     )
     transmission_error: TransmissionError | None = given(
-        "at a gear, in place of `torque`: amplitude e (half range) along the line of action in the transverse plane, "
-        "or as an angle of the driving gear; of a planetary stage of the mesh of its sun (fixed sun: of its ring)"
+        "at a gear, in place of `torque`: amplitude e (zero to peak) along the line of action in the transverse "
+        "plane, or as an angle of the driving gear. At a planetary stage: mesh of its sun (fixed sun: of its ring)"
     )
     base_radius: Annotated[float, Quantity("m", above=0, usual="size of a gear")] | None = given(
         "of the driving gear (of a planetary stage: of its sun or ring), for an error along the line of action "
@@ -96,7 +96,7 @@ class Excitation(Harmonic, Sized):
         if self.torque is not None and self.transmission_error is not None:
             raise refuse("`torque` and `transmission_error` exclude each other", "keep one of them", "torque")
         if self.base_radius is not None and self.transmission_error is None:
-            raise refuse("`base_radius` is that of a `transmission_error`", "leave it out", "base_radius")
+            raise refuse("`base_radius` belongs to a `transmission_error`", "leave it out", "base_radius")
 
 
 def read_table(rows: list[object] | tuple[object, ...]) -> tuple[tuple[float, float], ...]:

@@ -29,8 +29,8 @@ class Joint(Component, keyword="joint", sort="link"):
         "from the plane of the previous joint to this one's, about the shaft between them (default: 0 deg)"
     )
     phase: fields.Angle | None = given(
-        "from the previous joint's driven yoke to this driving yoke; of a first joint, from the plane of its shafts "
-        "(default: 0 deg)"
+        "from the previous joint's driven yoke to this driving yoke (first joint: from the plane of its shafts; "
+        "default: 0 deg)"
     )
     inertia: Pair | None = given("[driving, driven] yokes")
     radius: fields.Across | None = given("of a tripod: from the driving shaft's axis to its three bearings' lines")
@@ -91,7 +91,7 @@ class Joint(Component, keyword="joint", sort="link"):
     def _refuse_on_a_first_joint(self, build: Lowering) -> None:
         """No joint stands before this one on its shaft line."""
         if self.plane is not None:
-            hint = "leave `plane` out; the first joint (also behind a gear) defines the plane"
+            hint = "remove `plane`; the first joint (also after a gear) defines the plane"
             build.fault("`plane` counts from a previous joint, and there is none on this shaft", hint, "plane")
         if self.phase is not None and build.at.depth > 0:
             hint = "leave `phase` out; it counts from a joint before this one, or on the main line from the plane"

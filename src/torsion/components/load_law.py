@@ -29,7 +29,7 @@ class PowerLaw(Declared):
 
     def refuse_clashes(self) -> None:
         if self.at_rest and self.exponent <= 0:
-            raise refuse("a torque at rest goes with a torque that rises with speed", "exponent: 2", "at_rest")
+            raise refuse("a torque at rest needs a torque that rises with speed", "exponent: 2", "at_rest")
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def read_load(value: Any) -> LoadLaw:
         return value
     if isinstance(value, str):
         if value not in EXPONENTS:
-            raise refuse(f"{shown(value)} is no law of load", POSSIBLE)
+            raise refuse(f"unknown load law {shown(value)}", POSSIBLE)
         return LoadLaw(EXPONENTS[value])
     if isinstance(value, Mapping | PowerLaw):
         law = value if isinstance(value, PowerLaw) else PowerLaw.model_validate(value)

@@ -35,7 +35,7 @@ class Support(Declared):
     stiffness: Annotated[tuple[LateralStiffness, ...], OneOrMany] = required("stiffness, one or [y, z]")
     damping: Annotated[tuple[LateralDamping, ...], OneOrMany] = given("damping, one or [y, z]", (0.0,))
     mass: Mass = given("mass that moves with the shaft there", 0.0)
-    source: str | None = given("where the figures come from: maker, drawing, estimate")
+    source: str | None = given("source of the data: manufacturer, drawing, estimate")
 
     def refuse_clashes(self) -> None:
         for key in ("stiffness", "damping"):

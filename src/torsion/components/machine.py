@@ -14,6 +14,7 @@ from torsion.components.lowering import Lowering
 from torsion.components.machine_records import MachineRecord
 from torsion.fields import Declared, Quantity, given, refuse, required
 from torsion.primitives import Damper, Spring
+from torsion.sources import note
 
 SEA_WATER = 1025.0  # kg/m3
 USUAL_FACTOR = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}
@@ -39,7 +40,7 @@ class MachineDamping(Declared):
         if self.model == "schwanecke" and self.factor is not None:
             raise refuse("schwanecke has no `factor`", "it follows from diameter, pitch_ratio and area_ratio", "factor")
         if self.model != "viscous" and self.value is not None:
-            raise refuse(f"{self.model} has no `value`", "give `factor`, or the value alone", "value")
+            raise refuse(f"{self.model} has no `value`", "give `factor`, or only the value", "value")
 
 
 def _plain_value(value: Any) -> Any:
@@ -92,13 +93,13 @@ class Machine(Rotor):
         if self.drive is not None:
             self._refuse_drive(self.drive)
         if self.is_driver and self.damping is not None and self.damping.model == "law":
-            raise refuse("`damping: law` is that of a load", "give `drive` with a `lag`", "damping")
+            raise refuse("`damping: law` is for a load", "give `drive` with a `lag`", "damping")
         has_size = self.power is not None or self.torque is not None
         if self.load is not None and self.load.table and has_size:
             key = "power" if self.torque is None else "torque"
             raise refuse(f"`{key}` and a table of `load` exclude each other", "the table states the torque", key)
         if self.speed is not None and not has_size:
-            raise refuse("`speed` is that of a `power` or `torque`", "give one of them too", "speed")
+            raise refuse("`speed` belongs to a `power` or `torque`", "give one of them too", "speed")
         super().refuse_clashes()
 
     def _refuse_drive(self, drive: DriveLaw) -> None:
@@ -161,8 +162,11 @@ class Machine(Rotor):
             return Damper(station, constant=build.own(damping.value or 0.0))
         if damping.model == "schwanecke":
             diameter, pitch, area = (getattr(self, key) for key in ("diameter", "pitch_ratio", "area_ratio"))
+            note("Schwanecke")
             return Damper(station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi)
         factor = damping.factor or 0.0
+        if damping.model in ("archer", "frahm"):
+            note(damping.model.capitalize())
         return Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0 if damping.model == "archer" else factor)
 
 

@@ -19,7 +19,7 @@ def mesh_torque(given: Excitation, mesh: Constraint, path: Path) -> Torque | Fau
     if given.order is not None and given.harmonic != 1:
         return Fault((*path, "harmonic"), "`order` and `harmonic` exclude each other", "keep one of them")
     if given.order is None and not mesh.meshings:
-        hint = "give `order`: of the teeth those of the driving gear, of its run-out 1"
+        hint = "give `order`: the number of teeth of the driving gear, or 1 for its run-out"
         return Fault((*path, "at"), f"'{mesh.name}' has no `teeth` that say the order", hint)
     angle = _angle(given, mesh, path)
     if isinstance(angle, Fault):

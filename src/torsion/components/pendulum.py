@@ -33,7 +33,7 @@ class Pendulum(Component, keyword="pendulum", sort="point"):
     mass: Mass = required("mass of one bob")
     arm: Length = required("R, from the axis of the shaft to the pivot (bifilar: to the centre of the bob's path)")
     length: Length | None = given("l, from the pivot to the centre of the bob")
-    order: fields.Exact | None = given("order to which it is tuned, cycles per revolution of its own shaft")
+    order: fields.Exact | None = given("order to which it is tuned, cycles per revolution of the shaft that carries it")
     number: Annotated[int, Field(ge=1, le=100)] = given("how many bobs", 1)
     inertia: fields.Inertia = given("of the carrier, and of bifilar bobs about their own centres", 0.0)
     damping: fields.Damping | None = given("viscous damping at the pivot of one bob, of its deflection")

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from torsion import fields
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.sources import source
 
 Member = Literal["sun", "ring", "carrier"]
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
@@ -99,8 +100,8 @@ class Planetary(Declared):
             rounded_up = step * math.ceil(least / step * (1.0 - ROUNDING))
             hint = f"at least {rounded_up:.5g} N*m/rad with this `{other}_mesh`, or {hint}"
         raise refuse(
-            f"the mesh of the fixed {fixed} is softer at the teeth than that of the {other}: no model of this program "
-            "has such planets",
+            f"the mesh of the fixed {fixed} is softer at the teeth than the mesh of the {other}: the program has no "
+            "model of such planets",
             hint,
             f"{fixed}_mesh",
         )
@@ -131,6 +132,7 @@ class Planetary(Declared):
         return Fraction(self.planet[0]), Fraction(self.planet[-1])
 
     @property
+    @source("Willis1841")
     def weights(self) -> dict[str, Fraction]:
         """The torques of the members over that of the sun: their speeds, each times this, add up to 0."""
         with_sun, with_ring = self.teeth

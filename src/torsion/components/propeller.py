@@ -19,7 +19,7 @@ class BladeTorque(Declared):
     """One harmonic component of blade-order excitation."""
 
     blade_order: Annotated[int, Field(ge=1, le=20)] = required("1 is once per blade passing")
-    torque: fields.TorqueAmount = required("amplitude (half range): % of the mean torque, or N m")
+    torque: fields.TorqueAmount = required("amplitude (zero to peak): % of the mean torque, or N m")
     phase: fields.Angle = given("phase at angle zero", 0.0)
 
 

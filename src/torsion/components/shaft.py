@@ -153,7 +153,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
             least, most = SOFTEST if hub.torque == "face" else 1.0 / STIFFEST, STIFFEST
             if made_of and not least <= made_of.shear_modulus / own.shear_modulus <= most:
                 limits = f"below {least:g} or above {most:g} of the shaft's"
-                hint = "give hub and seat as a `coupling`; of a soft hub, `torque: rim`"
+                hint = "give hub and seat as a `coupling`; for a soft hub write `torque: rim`"
                 build.fault(f"the shear modulus of the hub is {limits}", hint, "hub", number)
 
 

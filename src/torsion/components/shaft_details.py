@@ -38,7 +38,7 @@ class Flange(Declared):
 class Step(Declared):
     """The corner between this shaft and the one after it, where their diameters differ; one of its keys."""
 
-    form: StepForm | None = given("sharp; by the handbook's table; or none: no twist of its own")
+    form: StepForm | None = given("sharp; by the handbook's table; or none: no additional twist")
     fillet: Small | None = given("radius of the fillet on the smaller shaft")
     chamfer: Small | None = given("leg of a chamfer of 45 degrees in the corner")
     undercut: Undercut | None = given("{depth, width, fillet}: groove in the smaller shaft before the face")
@@ -149,7 +149,7 @@ class Hub(Declared):
     """A hub on the end of a shaft, which twists in it; the end of the shaft is the end of the hub."""
 
     length: Long = required("length of its seat, within the length of the shaft")
-    diameter: Across | None = given("outer diameter of the hub; of a shrink fit")
+    diameter: Across | None = given("outer diameter of the hub of a shrink fit")
     fit: Literal["shrink", "key"] = required(
         "shrink: joined to the shaft all along, by finite elements; key: torque handed over evenly along it"
     )
@@ -161,7 +161,7 @@ class Hub(Declared):
         "smallest mean pressure in a shrink fit, for the rule `shrink-fits`; the finite elements do not know it"
     )
     friction: Annotated[float, Quantity("1", above=0, below=1, usual="friction")] | None = given(
-        "coefficient of friction in a shrink fit; with `pressure`"
+        "coefficient of friction in a shrink fit, together with `pressure`"
     )
     end: Literal["first", "last"] = given("end of the shaft on which it sits", "last")
 
@@ -183,11 +183,11 @@ def faults_of(shaft: Any) -> None:
     """Raise what does not go together with the shaft's own dimensions."""
     for key, value in (("notches", shaft.notches), ("hub", shaft.hub)):
         if value and shaft.section is not None:
-            raise refuse(f"a shaft with a `section` has no `{key}`", "they are those of a round shaft", key)
+            raise refuse(f"a shaft with a `section` has no `{key}`", "they belong to a round shaft", key)
     sizes = sorted(set(zip(_ends(shaft.diameter), _ends(shaft.bore), strict=True)))
     for (number, notch), (outer, bore) in product(enumerate(shaft.notches), sizes):
         if wrong := notch.lacks(outer, bore):
-            hint = f"look at its dimensions beside the diameter of {1e3 * outer:g} mm"
+            hint = f"compare its dimensions with the diameter of {1e3 * outer:g} mm"
             raise refuse(f"the shaft has no room for {notch.form}: {wrong}", hint, ("notches", number))
     ends = [hub.end for hub in shaft.hub]
     if len(set(ends)) < len(ends):
@@ -196,11 +196,11 @@ def faults_of(shaft: Any) -> None:
         raise refuse("the hub is longer than its shaft", "the shaft's length has the seat of the hub in it", "hub")
     for hub in shaft.hub:
         if len(set(_ends(shaft.diameter))) + len(set(_ends(shaft.bore))) > 2:
-            raise refuse("a hub on a conical shaft", "give its seat as a cylindrical shaft of its own", "hub")
+            raise refuse("a hub on a conical shaft", "give its seat as a separate cylindrical shaft", "hub")
         if hub.diameter is not None and hub.diameter <= shaft.diameter[0]:
             raise refuse("the hub is not larger than its shaft", "`diameter` is its outer one", "hub")
         if hub.end == "last" and shaft.step is not None:
-            raise refuse("a hub sits where a `step` is stated", "`end: first`, or no `step`", "hub")
+            raise refuse("a hub sits at the place of a `step`", "`end: first`, or no `step`", "hub")
 
 
 def _ends(values: tuple[float, ...]) -> tuple[float, float]:

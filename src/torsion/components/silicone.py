@@ -54,7 +54,11 @@ class Silicone(Declared):
             raise refuse("the moduli of the silicone are not given", hint)
         if self.viscosity is not None and not any(math.isclose(self.viscosity, one) for one in KNOWN):
             message = f"the coefficients of {self.viscosity:g} m2/s are not known"
-            raise refuse(message, "those of 0.15 m2/s are; else give `storage` and `loss` of the maker", "viscosity")
+            raise refuse(
+                message,
+                "an oil of 0.15 m2/s is; for another oil give `storage` and `loss` of the manufacturer",
+                "viscosity",
+            )
 
     def lowered(self, scale: float) -> PowerLaw:
         """Stiffness and damping at the damper's own speed; scale: as of `Arrival`, by which both are divided.

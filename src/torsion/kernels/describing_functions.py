@@ -12,6 +12,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from torsion.arrays import ComplexArray, FloatArray
+from torsion.sources import source
 
 STEPS = 80  # of Newton's method between bounds that are halved at least
 SMALL = 1.0  # rad, below which sin(theta) - theta cos(theta) is a series; ten terms err by 21/23! = 8e-22
@@ -43,6 +44,7 @@ def _above_zero(below: FloatArray, above: FloatArray) -> tuple[FloatArray, Float
     return moment / math.pi, (theta * sine**2 - cosine * moment) / math.pi, theta / math.pi
 
 
+@source("Caughey1960")
 def slider(amplitude: FloatArray, torque: float, stiffness: float, half: float = 0.0) -> ComplexArray:
     """(amplitudes,) N m/rad of a spring in series with a slider, behind a play of `half` rad to either side.
 

@@ -18,6 +18,7 @@ from torsion.kernels.spanning_forest import closing_no_loop, walk
 from torsion.kernels.tree import Rerooted, Tree
 from torsion.kernels.tree_response import TreeResponse, pose, residual_of, tree_response
 from torsion.kernels.two_sides import forced, two_sides
+from torsion.sources import source
 
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
@@ -236,6 +237,7 @@ def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
     return worst
 
 
+@source("Kruskal1956")
 def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray) -> LoopedTrain:
     """Tear every loop at its softest span (Kruskal 1956): what is torn is then a correction, not the main path.
 
@@ -273,7 +275,7 @@ def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
                 sign[chord, here[side]] += direction
                 here[side] = tree.parents[here[side]]
         if here[0] != here[1] and not tree.held[here].all():
-            raise ValueError(f"chord {chord} joins two parts that nothing else joins; expected it in the tree")
+            raise ValueError(f"chord {chord} is the only connection of two parts; expected it in the tree")
     return sign
 
 

@@ -22,6 +22,7 @@ from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, 
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.sturm import bisect, brackets, enclose
 from torsion.kernels.tree import Tree, rerooted_at_middle
+from torsion.sources import source
 
 _SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final frequency
 _STEPS = 3  # more; Rayleigh quotients converge cubically, and a start that needs more is bisected instead
@@ -38,6 +39,7 @@ _LONG = 2000  # stations in a row from which few modes are faster found one by o
 _STATIONS_A_MODE = 64  # at least, for that to be the faster (measured)
 
 
+@source("WittrickWilliams1971")
 def tree_modes(
     tree: Tree,
     count: int | None = None,
@@ -136,6 +138,7 @@ def _polish(tree: Tree, frequency: FloatArray, low: FloatArray, high: FloatArray
     return frequency[order], shapes.take(order)
 
 
+@source("Kato1949")
 def _enclosed(
     tree: Tree, frequency: FloatArray, rigid: int, passed: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:

@@ -17,6 +17,7 @@ from torsion.kernels.loops import Chords, looped_response
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.tree import Tree
 from torsion.kernels.tree_response import TreeResponse, tree_response
+from torsion.sources import source
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class FrequencySensitivity:
     shaft_inertia: FloatArray  # (shafts, modes) by the density of each distributed shaft
 
 
+@source("Rayleigh1877")
 def frequency_sensitivity(tree: Tree, modes: TreeModes, chords: FloatArray | None = None) -> FrequencySensitivity:
     """Of the modes of a tree with its flexibilities and inertias; chords: their flexibility (chords,) rad/(N m).
 
@@ -57,6 +59,7 @@ def _elastic(flexibility: FloatArray, torque: FloatArray, modes: TreeModes) -> F
     return np.asarray(0.5 * used * (torque / modes.frequency) ** 2)
 
 
+@source("FoxKapoor1968")
 def frequency_curvature(tree: Tree, modes: TreeModes, mode: int) -> FloatArray:
     """d2 ln f/(d ln p d ln q) of one mode (from 0), by the stiffnesses and behind them the inertias of the stations.
 
@@ -72,7 +75,7 @@ def frequency_curvature(tree: Tree, modes: TreeModes, mode: int) -> FloatArray:
     """
     soft = tree.flexibility[tree.parent >= 0]
     if tree.shafts is not None or not (tree.inertia > 0.0).all() or not ((soft > 0.0) & np.isfinite(soft)).all():
-        raise ValueError("expected springs alone, and inertia at every station")
+        raise ValueError("expected only springs, and inertia at every station")
     if len(modes.frequency) + modes.rigid != np.count_nonzero(~tree.held):
         raise ValueError(f"{len(modes.frequency)} elastic modes; expected all of them")
     angle = np.hstack([modes.rigid_angle, modes.angle])

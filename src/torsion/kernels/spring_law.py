@@ -13,6 +13,7 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.stiffness_table import StiffnessTable
+from torsion.sources import source
 
 SAMPLES = 13  # points of the law as a table, for readers
 AROUND = 10.0  # times the extreme relaxation times, to either side: between them the law changes
@@ -112,6 +113,7 @@ def prony(static: float, terms: tuple[tuple[float, float], ...]) -> SpringLaw:
     return _sampled(SpringLaw("frequency", (), (), (), (), True, "prony", static, terms))
 
 
+@source("BagleyTorvik1983")
 def fractional(static: float, stiffness: float, tau: float, exponent: float) -> SpringLaw:
     """A static spring (N m/rad) and a springpot beside it, stiffness (s tau)^exponent."""
     return _sampled(SpringLaw("frequency", (), (), (), (), True, "fractional", static, ((stiffness, tau),), exponent))

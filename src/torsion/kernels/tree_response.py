@@ -204,7 +204,7 @@ def pose(
                 " enough; divide the shafts more finely"
             )
         if twist[shafts.node].any():
-            raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span beside it")
+            raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span next to it")
     damped = np.flatnonzero(_any_in_rows(damping)).tolist()
     return Problem(layout(tree, rigid), tree, w, _acting(force), _acting(twist), damping, damped, hc, loss)
 

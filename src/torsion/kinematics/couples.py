@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kinematics.cross import Convention, transfer
+from torsion.sources import source
 
 Carrier = Literal["driving", "driven"]  # the shaft whose torque is constant
 
@@ -52,6 +53,7 @@ class CoupleHarmonics:
     inplane: ComplexArray
 
 
+@source("Liu2023", "eq. 13, T2 corrected")
 def couples(
     driving: ArrayLike, angle: ArrayLike, torque: ArrayLike, carrier: Carrier = "driving", convention: Convention = "P"
 ) -> Couples:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kinematics.cross import Transfer, behind, rapidity, transfer
+from torsion.sources import source
 
 Variable = Literal["phase", "angle", "plane"]
 _STARTS = 8  # spread starts besides the line as it is; polygons bent back on themselves are saddles
@@ -96,6 +97,7 @@ def motion(driving: ArrayLike, line: Line) -> Transfer:
     return Transfer(*np.stack([(one.error, one.ratio, one.curvature) for one in found[1:]], axis=1))
 
 
+@source("Ma2011", "eq. 3, 6")
 def resultant(line: Line) -> Resultant:
     """The single joint that turns as the whole line does."""
     first, second = _disk_map(line)

@@ -52,10 +52,11 @@ def whole_of(study: Study, moved: Iterable[str], progress: Progress) -> tuple[Fr
     quick = [name for name in ANALYSES if name not in LEFT_OUT and _is_wanted(study, name)]
     found = run(replace(study, cases={}), only=quick, progress=progress)
     plan = replace(found.plan, left_out=(*found.plan.left_out, *((one, ELSEWHERE) for one in left_out(study))))
-    if names := listed(moved):  # no checksum of a file stands for them
-        study = replace(study, file=f"{study.file} with another {names}", text="")
+    if moved_names := listed(moved):  # no checksum of a file stands for them
+        study = replace(study, file=f"{study.file} with another {moved_names}", text="")
     found = replace(found, plan=plan, study=study)
-    blocks = [Heading("Verdict"), *first_page.blocks(found), *forced_response.without_tables(found)]
+    changed = [Paragraph(f"{study.shown_file}.", "note")] if moved_names else []
+    blocks = [Heading("Verdict"), *changed, *first_page.blocks(found), *forced_response.without_tables(found)]
     page = fragment([*numbered([one for one in blocks if not isinstance(one, PageEnd)])])
     return page, _modes(found) if barred(found) else None
 

@@ -58,6 +58,8 @@ class Table:
     caption: str = ""
     marks: tuple[str, ...] = ()  # "", "note" or a verdict
     short: str = ""  # its title on the terminal; '' where it does not stand there
+    rows_in_summary: int = 0  # on the terminal without `-v`
+    summary: str = ""  # sentence on the terminal without `-v`, in place of rows
 
     def __post_init__(self) -> None:
         if any(len(row) != len(self.columns) for row in self.rows):
@@ -117,7 +119,7 @@ def head(titles: str) -> tuple[Column, ...]:
 
 def table(
     titles: str | tuple[Column, ...], rows: Iterable[Sequence[Any]], caption: str = "",
-    *, marks: Iterable[str] = (), short: str = "",
+    *, marks: Iterable[str] = (), short: str = "", rows_in_summary: int = 0, summary: str = "",
 ) -> Table:  # fmt: skip
     """A table of values, which stand in it as `cell` shows them, under the titles of `head` or columns.
 
@@ -125,7 +127,8 @@ def table(
     (('first', '12.500', '1'), ('second', '–', '2'))
     """
     columns = head(titles) if isinstance(titles, str) else titles
-    return Table(columns, tuple(tuple(map(cell, row)) for row in rows), caption, tuple(marks), short)
+    cells = tuple(tuple(map(cell, row)) for row in rows)
+    return Table(columns, cells, caption, tuple(marks), short, rows_in_summary, summary)
 
 
 def filled(made: Table) -> Table:

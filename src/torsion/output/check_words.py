@@ -18,8 +18,8 @@ from torsion.rules.verdict_line import WORDS, Check, Checks, Standing, Verdict
 
 SIGNS: Mapping[Verdict, str] = {"pass": "✓", "restricted": "!", "not judged": "?", "fail": "✗", "not kept": "✗"}
 BASIS: Mapping[Standing, str] = {
-    "rule text": "rule text", "confirmed": "confirmed", "to be verified": "edition not confirmed", "maker": "manufacturer",
-    "setting": "stated by user", "by definition": "by definition",
+    "rule text": "rule text", "confirmed": "confirmed", "to be verified": "edition not confirmed",
+    "maker": "manufacturer", "setting": "stated by user", "by definition": "by definition",
 }  # fmt: skip
 STRESS, TORQUE = "N/mm2", "N m"  # units of the checks of a stress and of a torque
 GRADES: tuple[tuple[float, Grade], ...] = ((0.5, "low"), (0.8, "middle"), (math.inf, "high"))  # of a pass, below

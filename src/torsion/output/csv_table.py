@@ -23,7 +23,7 @@ def csv_text(document: Document, findings: Findings) -> str | None:
     target.write(f"# scene: {inert(one_line(study.name))}\n")
     if study.text:
         target.write(f"# file: {inert(one_line(study.shown_file))}, SHA-256 {checksum(study)}\n")
-    target.write(f"# torsion {torsion.__version__}; motion is that of the shaft behind the joint\n")
+    target.write(f"# torsion {torsion.__version__}; motion of the shaft downstream of the joint\n")
     rows = csv.writer(target, lineterminator="\n")
     rows.writerow([inert(one_line(title)) for title, _ in columns])
     rows.writerows(np.column_stack([values for _, values in columns]).tolist())

@@ -17,7 +17,7 @@ def designed(document: Document, findings: Findings) -> str | None:
     text = variation.text(found.picked.tolist(), without=["design"])
     head = [f"{findings.study.name}, with the values that its design chose for {found.aim}:", *words]
     if _names_files(findings, text):
-        head.append("It names other files: put it into the folder of the scene.")
+        head.append("It refers to other files: put it into the folder of the model file.")
     return "".join(f"# {one_line(line)}\n" for line in head) + text
 
 

@@ -70,9 +70,9 @@ def _clause(findings: Findings, word: Verdict) -> str:
     if sweep is not None and (partial_pass or (first is None and sweep.fails)):
         return failing_share(sweep)
     if first is None and word == "fail":
-        return "the comparison of the models, or the fit to measurements"
+        return "the comparison of the models or the fit to measurements"
     if word == "not judged" and findings.plan.unanswered:
-        return "an analysis without an answer"
+        return "an analysis was not computed"
     if first is None:
         return "no rule judges this train" if findings.study.rules else "no rule is named"
     if word == "pass":

@@ -28,7 +28,7 @@ def joined(sketch: Sketch) -> tuple[Sketch, str]:
         tuple(one for one in sketch.discs if one.row == 0),
         tuple(one for one in sketch.links if one.start[1] == one.end[1] == 0),
     )
-    return _joined(main, every_kind=True), f"; of {number:,} components the main line alone, those in a row joined"
+    return _joined(main, every_kind=True), f"; of {number:,} components only the main line, components in a row joined"
 
 
 def _joined(sketch: Sketch, *, every_kind: bool) -> Sketch:

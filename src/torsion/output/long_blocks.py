@@ -26,9 +26,7 @@ def shortened(block: Block, number: str, stem: str) -> tuple[Block, Texts]:
     if isinstance(block, Verbatim) and (block.text.count("\n") > MOST_LINES or len(block.text) > MOST_SIGNS):
         name = f"{stem}-input.yaml"
         size = f"{block.text.count(chr(10)):,} lines, {len(block.text):,} characters"
-        return Paragraph(f"It is not printed, as it is long ({size}): it stands in {name} beside this report."), {
-            name: lambda: block.text
-        }
+        return Paragraph(f"The input is long ({size}): see {name}."), {name: lambda: block.text}
     return block, {}
 
 

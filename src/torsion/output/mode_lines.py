@@ -58,7 +58,7 @@ def requested_modes(findings: Findings) -> Modes:
     why = dict(findings.plan.left_out).get("natural frequencies", "the train has no elastic mode")
     path = ("analyses",) if findings.study.analyses else ("train",)
     hint = "name `modes` in `analyses`" if modes is None and findings.study.analyses else ""
-    raise InputError([Fault(path, f"there is no mode shape to write: {why}", hint)])
+    raise InputError([Fault(path, f"no mode shape to write: {why}", hint)])
 
 
 def coordinates(system: System) -> FloatArray:

@@ -46,7 +46,7 @@ class ReportFigure(Figure):
 
 
 def figures(findings: Findings) -> dict[str, ReportFigure]:
-    """The figures of the report that `solve` writes, by name, in their order.
+    """Return the figures of the full report, by name, in their order.
 
     >>> import torsion
     >>> scene = "name: pair\\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]"
@@ -62,7 +62,7 @@ def figures(findings: Findings) -> dict[str, ReportFigure]:
     >>> found["mode-1"].svg[:4]
     '<svg'
     """
-    drawn = [block for block in chapters(findings) if isinstance(block, Figure)]
+    drawn = [block for block in chapters(findings, is_full=True) if isinstance(block, Figure)]
     return {one.name: ReportFigure(**vars(one)) for one in drawn}
 
 

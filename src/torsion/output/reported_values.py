@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is printed as 0
 UNDAMPED = (
-    "the response has no reliable finite value (undamped resonance). No amplitude is stated there, nor a largest one "
-    "of the range; give the damping of the train."
+    "the response has no reliable finite value (undamped resonance). The report states no amplitude at these "
+    "speeds and "
+    "no maximum over the range. Give the damping of the train."
 )
 NOT_STATED = "not stated"  # of a source
 SAME = 0.03  # relative distance of a peak from its natural frequency, or twice the damping ratio (half-power width)
@@ -220,9 +221,9 @@ def joint_model(findings: Findings) -> str:
         return ""
     if error > 1:
         return (
-            "At some resonances the vibration is so large that the first-order joint model does not hold there "
-            "(its own "
-            "estimate of its error exceeds 100 %); amplitudes at those peaks are no prediction."
+            "At some resonances the estimated error of the first-order joint model exceeds 100 %. The amplitudes "
+            "of these "
+            "peaks are not valid."
         )
     return f"The first-order joint model estimates its own relative error as at most {number(100 * error, 2)} %."
 

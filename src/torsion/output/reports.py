@@ -31,11 +31,12 @@ REPORTS = {
         (
             "verdict", "case_comparison", "plant", "@modes", "@critical", "@tolerances", "@response", "@*", "closing",
             "natural_frequencies:appendix", "mass_elastic", "@tooth forces", "data_sheets", "excitations",
-            "damping_given", "provenance:steps", "provenance:sources", "provenance:input_file",
+            "damping_given", "provenance:steps", "provenance:sources", "sources_used", "provenance:input_file",
         ),
         "report",
         {
             "json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip",
+            "data": "data.zip", "xlsx": "results.xlsx",
             "designed": "designed.yaml",
         },
         more=(

@@ -22,7 +22,7 @@ import torsion
 from torsion.analyses import ANALYSES
 from torsion.assembly.system import MOST_GROUPS
 from torsion.errors import Fault, InputError
-from torsion.findings import Findings, Plan
+from torsion.findings import Findings, Plan, UsedSource
 from torsion.output import reports
 from torsion.output.plain import LISTED, plain
 from torsion.output.scene import Scene, SpanRow, StationRow, scene, span_rows, station_rows
@@ -158,7 +158,7 @@ FORMAT = 1
 OF_ALL_CASES = ("format", "program", "legend", "cases")  # keys that no case has of its own
 HEAD = ("format", "program", "legend", "scene", "plan")  # keys that every file of results has
 LEGEND = {
-    "time_factor": "exp(+i omega t); complex amplitudes are [real, imaginary], half ranges; phase at angle zero",
+    "time_factor": "exp(+i omega t); complex amplitudes (zero to peak) are [real, imaginary]; phase at angle zero",
     "stations_and_spans": "arrays over stations or spans follow the order of the lists `stations` and `spans`",
     "own_speed": "angles, torques and inertias are those at the station's own speed, a span's at its driving station",
     "torque_sign": "a span's torque is positive when its driving side pushes its driven side",
@@ -193,8 +193,8 @@ FIXED = (
     Key("program.name", "", (), "torsion"),
     Key("program.version", "", (), "version of the program"),
     Key("legend", "", (), "conventions in words"),
-    Key(reports.FILES, "", (), "in files alone: names of the files of the report, this one among them"),
-    Key(reports.KEY, "", (), "in files alone: the report, from which `torsion report` draws it again"),
+    Key(reports.FILES, "", (), "only in files: names of the files of the report, this one among them"),
+    Key(reports.KEY, "", (), "only in files: the report, from which `torsion report` draws it again"),
 )
 
 CASES = Key(
@@ -247,6 +247,7 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
     }
     found |= {name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")}
     found["plan"] = lambda: plain(findings.plan, chosen)
+    found["sources"] = lambda: [plain(used, chosen) for used in findings.plan.sources]
     found["cases"] = lambda: {name: _of_case(one) for name, one in findings.cases.items()}
     return {key: make for key, make in found.items() if not only or key in (*HEAD, *only)}
 
@@ -263,7 +264,7 @@ def documented() -> tuple[Key, ...]:
     """Every key of the results, as the manual of results lists them."""
     found = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.result_classes().items()}
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
-    every = head | found | {"checks": Checks, "plan": Plan}
+    every = head | found | {"checks": Checks, "plan": Plan, "sources[]": UsedSource}
     return (*FIXED, CASES, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
 
 

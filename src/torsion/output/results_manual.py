@@ -1,29 +1,43 @@
-"""The manual of the results, as Markdown, from the declarations that every output reads."""
+"""The manual of the results, as Markdown pages, from the declarations that every output reads.
 
+`python -m torsion.output.results_manual` writes the pages to docs/reference/results.
+"""
+
+import sys
 from itertools import groupby
+from pathlib import Path
 
 from torsion.output.results_json import LEGEND, Key, documented
+from torsion.schema.manual import toctree, write_pages
 
-HEAD = """# The results: results.json, format 1
+FOLDER = "docs/reference/results"
+FEW = 4  # keys or fewer: a section of the index, not a page
+HEAD = """# results.json: keys, units and axes (format 1)
 
-Written beside the report by `torsion solve`, printed by `--json`. Every number is finite or `null`. Format 1 may gain
-keys; a key that is there keeps its meaning. `[]` in a key stands for every element of a list; axes are those of the
-nested lists that stand there, from the outermost on. What was not requested is `null` or an empty list.
+`torsion solve` writes `results.json` next to the report; `--json` prints it.
 
-This page is generated: `python -m torsion.output.results_manual > docs/results.md`.
+- Every number is finite or `null`. A result that was not requested is `null` or an empty list.
+- Format 1 may gain keys. The meaning of a key does not change.
+- `[]` in a key means every element of a list. Axes belong to the nested lists, from the outermost to the innermost.
+- These pages are generated from the declarations: `python -m torsion.output.results_manual`.
 
 ## Conventions
 """
 
 
-def manual() -> str:
-    """The page."""
+def pages() -> dict[str, str]:
+    """Return the text of every page by its path in `FOLDER`: an index, and one page for every long top-level key."""
+    groups = {name: list(keys) for name, keys in groupby(documented(), key=_top_level)}
+    long = {name: keys for name, keys in groups.items() if len(keys) > FEW}
     conventions = "".join(f"- {name.replace('_', ' ')}: {words}\n" for name, words in LEGEND.items())
-    sections = [
-        f"\n## `{name}`\n\n" + _table(list(rows))
-        for name, rows in groupby(documented(), key=lambda key: key.path.partition(".")[0].removesuffix("[]"))
-    ]
-    return HEAD + "\n" + conventions + "".join(sections)
+    sections = [f"\n## `{name}`\n\n{_table(keys)}" for name, keys in groups.items() if name not in long]
+    texts = {f"{name}.md": f"# `{name}` in results.json\n\n{_table(keys)}" for name, keys in long.items()}
+    index = f"{HEAD}\n{conventions}\n## Results with a page\n\n{toctree(long)}{''.join(sections)}"
+    return {"index.md": index, **texts}
+
+
+def _top_level(key: Key) -> str:
+    return key.path.partition(".")[0].removesuffix("[]")
 
 
 def _table(keys: list[Key]) -> str:
@@ -35,4 +49,4 @@ def _table(keys: list[Key]) -> str:
 
 
 if __name__ == "__main__":
-    print(manual(), end="")
+    write_pages(Path(*sys.argv[1:] or [FOLDER]), pages())

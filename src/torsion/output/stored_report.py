@@ -122,7 +122,7 @@ def _restored(file: Path, text: str, kept: object) -> Document:
         made.report  # noqa: B018  its name is one of REPORTS
     except (ValueError, TypeError, LookupError, RecursionError) as error:
         message = f"holds a report of {by} that is none to torsion {torsion.__version__}: {error}"
-        raise _refused(file, message, "draw it with that version, or solve the scene again") from None
+        raise _refused(file, message, "draw it with that version, or solve the model file again") from None
     return made
 
 

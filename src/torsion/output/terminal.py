@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import zip_longest
 from pathlib import Path
+from textwrap import wrap
 
 from rich.box import SIMPLE
-from rich.console import Console, RenderableType
+from rich.console import Console, JustifyMethod, OverflowMethod, RenderableType
 from rich.markup import escape
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
@@ -32,25 +33,62 @@ COLOURS = {
 }
 MOST_ROWS = 12
 LONGEST_WORD, SHORTEST_WORD = 12, 4  # letters that a column of words keeps on a narrow terminal
+MOST_TABLES, MOST_SENTENCES = 2, 5  # in the summary
+HEADS = ("Sweep", "Design", "Barred ranges", "Restrictions", "Not computed", "For information")  # of the box, there
+LONGEST_VERDICT = 12  # letters: the longest word of "! PASS with restrictions"
 WIDTH, GAP = 80, 3  # columns of a narrow terminal; between two columns of a table
 
 
-def show(document: Document, folder: Path | None = None, console: Console | None = None) -> None:
-    """Print the report, and where its page is."""
+def show(
+    document: Document, folder: Path | None = None, console: Console | None = None, *, is_verbose: bool = True
+) -> None:
+    """Print the report, or its summary of at most 25 lines if not verbose, and where its page is."""
     printed = console or Console()
-    for item in OUTPUTS["terminal"](document):
+    for item in OUTPUTS["terminal"](document) if is_verbose else summary(document, printed.width):
         printed.print(item)
     if document.ending.work:
-        printed.print(Text(document.ending.work))
+        printed.print(Text(document.ending.work + ("" if is_verbose else "; all tables: -v, or the report")))
     if folder is not None:
         printed.print(Text(without_controls(f"Report: {folder / document.report.stem}.html")))
 
 
+def summary(document: Document, width: int = WIDTH) -> list[RenderableType]:
+    """The verdict, its worst rows, and frequencies, each in few lines; the verdict first."""
+    found = _title(document)
+    sentences, tables = list[str](), 0
+    for block in (item.block for item in document.body):
+        match block:
+            case Box(sign=sign, text=text, kind=kind, lines=lines):
+                style = f"bold {COLOURS[kind]}".replace("bold bold", "bold")
+                found.append(Text(_in_lines(f"{sign} {text}", 2, width), style=style))
+                sentences += [f"{head}: {_plain(line)}" for head, line in lines if head in HEADS]
+            case Table(summary=words) if words:
+                sentences.append(words)
+            case Table(rows_in_summary=rows) if rows and block.rows and tables < MOST_TABLES:
+                tables += 1
+                found.append(_in_lines_of(block, rows, width))
+    return [*found, *(Text(_in_lines(sentence, 2, width)) for sentence in sentences[:MOST_SENTENCES])]
+
+
+def _title(document: Document) -> list[RenderableType]:
+    """Name of the model, and number and revision of the document."""
+    title: list[RenderableType] = [Text(document.cover.subtitle, style="bold")]
+    if document.cover.numbered:
+        title.append(Text(f"{document.cover.identity}, {document.cover.origin}"))
+    return title
+
+
+def _in_lines(text: str, most: int, width: int) -> str:
+    """The words that fit into so many lines; '…' stands for the rest."""
+    lines = wrap(text, width)
+    if len(lines) <= most:
+        return "\n".join(lines)
+    return "\n".join([*lines[: most - 1], wrap(lines[most - 1], width - 2)[0] + " …"])
+
+
 def screen(document: Document) -> list[RenderableType]:
     """Everything that is printed; the verdict last, where the eye is: of several chapters at the end the first."""
-    first: list[RenderableType] = [Text(document.cover.subtitle, style="bold")]
-    if document.cover.numbered:
-        first.append(Text(f"{document.cover.identity}, {document.cover.origin}"))
+    first = _title(document)
     ends = list[tuple[list[RenderableType], list[RenderableType]]]()  # of a verdict: its tables, then its sentences
     chapter = said = first
     for block in (item.block for item in document.body):
@@ -69,6 +107,32 @@ def screen(document: Document) -> list[RenderableType]:
             case Points(items=items, brief=True):
                 said.append(Text("\n".join(f"- {_plain(item)}" for item in items)))
     return [*first, *(one for tables, words in reversed(ends) for one in (*tables, *words))]
+
+
+def _in_lines_of(table: Table, most: int, width: int) -> Grid:
+    """The first rows of a table without frame: numbers whole, names cut; only a long verdict has two lines."""
+    kept = [k for k, column in enumerate(table.columns) if column.short]
+    rows, marks = table.rows[:most], table.marks[:most]
+    widths = {k: max(len(table.columns[k].short), *(len(row[k]) for row in rows)) for k in kept}
+    if marks:
+        widths[kept[-1]] = min(widths[kept[-1]], LONGEST_VERDICT)
+    named = [k for k in kept if table.columns[k].align == "left" and not (marks and k == kept[-1])]
+    room = width - sum(widths[k] + 2 for k in kept if k not in named) - 2 * len(named)
+    for k in sorted(named, key=lambda k: widths[k]):  # short names stay whole, the longest has what is left
+        widths[k] = min(widths[k], max(room // (len(named)), SHORTEST_WORD))
+        room, named = room - widths[k], named[1:]
+
+    grid = Grid(box=None, padding=(0, 2, 0, 0), pad_edge=False, header_style="italic")
+    for k in kept:
+        column = table.columns[k]
+        is_verdict = bool(marks) and k == kept[-1]
+        justify: JustifyMethod = "left" if column.align == "left" else "right"
+        overflow: OverflowMethod = "fold" if is_verdict else "ellipsis"
+        grid.add_column(column.short, justify=justify, width=widths[k], no_wrap=not is_verdict, overflow=overflow)
+    for row, mark in zip_longest(rows, marks, fillvalue=""):
+        *cells, last = (row[k] for k in kept)
+        grid.add_row(*(Text(cell) for cell in cells), Text(last, style=COLOURS.get(mark, "")))
+    return grid
 
 
 def _in_short(table: Table) -> Grid:

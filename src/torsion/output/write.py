@@ -6,7 +6,7 @@ import secrets
 import shutil
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
-from datetime import date
+from datetime import UTC, date, datetime
 from functools import partial
 from pathlib import Path, PurePosixPath
 
@@ -33,14 +33,15 @@ def write(
     cannot be written, InputError where a file is one of the scene's, or cannot be made of these findings: after all
     others are written, where it is one on request.
     """
-    made = document(findings, today or date.today(), REPORTS[report], is_full=is_full)
+    today = today or report_date()
+    made = document(findings, today, REPORTS[report], is_full=is_full)
     folder = os.path.realpath(folder)  # below it no symbolic link is followed to remove a file
     Path(folder).mkdir(parents=True, exist_ok=True)
     faults: list[Fault] = []
     contents, read, folders = files(made, findings, also, faults), inputs(findings.study), {Path(folder)}
     for found in findings.cases.values():
         if found.is_answered and found.study.case is not None:
-            page = document(found, today or date.today(), REPORTS[report], is_full=is_full)
+            page = document(found, today, REPORTS[report], is_full=is_full)
             own = files(page, found, also, faults, without=("json",))
             contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
             folders.add(Path(folder) / found.study.case.folder)
@@ -68,11 +69,17 @@ def write_place(findings: Findings, place: str | Path) -> list[Path]:
     if output is None:
         suffixes = ", ".join(output.suffix for output in OUTPUTS.values() if output.suffix.startswith("."))
         raise refusal(f"no file of a report ends in '{target.suffix}'", f"a folder, or a name with {suffixes}")
-    page = document(findings, date.today())
+    page = document(findings, report_date())
     content = output(page, findings) if output.of_findings else output(page)
     if content is None:
         raise refusal(f"these findings have nothing for a file '{target.suffix}'")
     return write_texts({target.name: content}, target.parent, inputs(findings.study))
+
+
+def report_date() -> date:
+    """Return today, or the day of SOURCE_DATE_EPOCH (seconds, UTC) for a reproducible report."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    return datetime.fromtimestamp(int(epoch), UTC).date() if epoch.isdecimal() else date.today()
 
 
 def _results(report: Report, folder: str | Path) -> Path:

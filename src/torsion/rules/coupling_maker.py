@@ -16,8 +16,9 @@ from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement
+from torsion.rules.demanded_states import MISFIRE, unjudged
 from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, Curve, RuleOverSpeed, curve_of
-from torsion.rules.verdict_line import RuleSettings
+from torsion.rules.verdict_line import Check, RuleSettings
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -71,13 +72,30 @@ class CouplingMaker(RuleOverSpeed):
         for _, part, ratings in _couplings(study):
             if ratings.heat_in_misfire is None:
                 continue
-            if not any(map(misfires, (study, *study.cases.values()))):
-                words = "every cylinder fires: compute a misfire, as a case"
-                found.append((f"{self.name}: heat of {part.name} in misfire", words))
-            elif part.kind == "coupling" and not (study.cases or study.case or part.warming):
+            if (
+                any(map(misfires, (study, *study.cases.values())))
+                and part.kind == "coupling"
+                and not (study.cases or study.case or part.warming)
+            ):
                 words = "one calculation has one stiffness: compute the cold and the warm coupling as cases"
                 found.append((f"{self.name}: heat of {part.name} in misfire, cold and warm", words))
         return tuple(found)
+
+    def check(self, evidence: Results, settings: CouplingSettings) -> tuple[Check, ...]:
+        """With a row for each limit of the heat in misfire that no state of the train is compared with."""
+        return *super().check(evidence, settings), *self.demanded_rows(evidence.study, settings)
+
+    def demanded_rows(self, study: Study, settings: CouplingSettings) -> tuple[Check, ...]:
+        """Limits of the heat in misfire where every cylinder of an engine fires."""
+        has_engine = any(part.engine is not None for part in study.train.parts)
+        if not has_engine or study.covers(MISFIRE, self.name) or any(map(misfires, (study, *study.cases.values()))):
+            return ()
+        note, limited = "every cylinder fires: compute a misfire, as a case", _couplings(study)
+        return tuple(
+            unjudged(self.name, "P_KW misfire", part.name, "Heat in misfire", note, "maker")
+            for _, part, ratings in limited
+            if ratings.heat_in_misfire is not None
+        )
 
     def clauses(self, evidence: Results, settings: CouplingSettings) -> Iterator[Clause]:
         """Of every coupling, as far as its limits are given.

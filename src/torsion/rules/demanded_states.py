@@ -2,11 +2,16 @@
 
 import math
 from collections.abc import Iterator
+from fractions import Fraction
 
 from torsion.analyses.sweep.sweep_settings import SweepSettings
+from torsion.components.engine.record import EngineRecord
+from torsion.results import listed
 from torsion.rules.verdict_line import Check, Standing
 from torsion.study import Study
 
+LAST_ORDER = {4: 12, 2: 15}  # of the crankshaft, up to which UR M53 has the synthesis; by strokes
+MOST_ORDERS = 6  # stated one by one
 MISFIRE, ZERO_PITCH, STIFFNESS = "misfire", "zero pitch", "other stiffness"
 
 
@@ -22,10 +27,37 @@ def misfire_row(rule: str, study: Study, source: str, standing: Standing = "rule
     if not (engines or cranks) or study.covers(MISFIRE, rule):
         return
     records = [part.engine for part in engines if part.engine is not None]
-    if any(one.tries_all or any(cylinder.state != "firing" for cylinder in one.cylinders) for one in records):
+    if any(one.tries_all or any(cylinder.state == "motored" for cylinder in one.cylinders) for one in records):
         return
     note = f"{source} demands it: `misfire: worst` of the engine, or a case with a cylinder that does not fire"
     yield unjudged(rule, MISFIRE, (engines or cranks)[0].name, "Misfiring of one cylinder", note, standing)
+
+
+def lacking_orders(engine: EngineRecord) -> list[Fraction]:
+    """Return the orders of a crankshaft that its synthesis is to have and the gas of its engine has not, ascending."""
+    last = LAST_ORDER[2 * engine.revolutions]
+    wanted = [Fraction(harmonic, engine.revolutions) for harmonic in range(1, last * engine.revolutions + 1)]
+    return [order for order in wanted if order not in engine.gas_orders]
+
+
+def order_rows(rule: str, study: Study, standing: Standing = "rule text") -> Iterator[Check]:
+    """Yield a restriction for each engine whose gas excites by fewer orders than UR M53 has in its synthesis."""
+    for part in study.train.parts:
+        if part.engine is None or not (lacking := lacking_orders(part.engine)):
+            continue
+        words = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} of {part.name} do not excite"
+        yield Check(
+            rule, "orders", part.name, "Orders of the synthesis", math.nan, math.nan, "", "restricted", standing,
+            note=words, restrictions=(words,),
+        )  # fmt: skip
+
+
+def unknown_gears(rule: str, study: Study, standing: Standing) -> Iterator[Check]:
+    """Yield a row for each gear whose mesh is to be compared with a rated torque that the file does not give."""
+    if study.operation.rated is None or not study.has_mean_torque:
+        note = "the torque at the rated speed is not known: write `power` of `operation.rated`"
+        for _, part in study.train.of_kind("gear"):
+            yield unjudged(rule, "gears", part.name, "Vibratory torque in the mesh", note, standing)
 
 
 def zero_pitch_rows(rule: str, study: Study, source: str, standing: Standing = "rule text") -> Iterator[Check]:

@@ -8,9 +8,10 @@ from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules import judgement
+from torsion.rules.demanded_states import order_rows
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.shaft_limits import PA, nominal_stress, with_role
-from torsion.rules.verdict_line import RuleSettings
+from torsion.rules.verdict_line import Check, RuleSettings
 from torsion.study import Study
 
 Stress = Annotated[float, Quantity("Pa", above=0, usual="permissible stress")]
@@ -44,6 +45,14 @@ class EngineMaker(RuleOverSpeed):
         """What it does not judge, and why."""
         other = "the rule has the limit of the torsional stress alone"
         return ((f"{self.name}: damper, front end and bearings of the engine", other),)
+
+    def check(self, evidence: Results, settings: EngineMakerSettings) -> tuple[Check, ...]:
+        """With a restriction for orders that do not excite."""
+        return *super().check(evidence, settings), *self.demanded_rows(evidence.study, settings)
+
+    def demanded_rows(self, study: Study, settings: EngineMakerSettings) -> tuple[Check, ...]:
+        """Orders that the synthesis lacks."""
+        return tuple(order_rows(self.name, study, "maker"))
 
     def clauses(self, evidence: Results, settings: EngineMakerSettings) -> Iterator[Clause]:
         """Of every crankshaft in continuous use."""

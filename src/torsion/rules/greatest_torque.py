@@ -5,9 +5,11 @@ Where damage is counted, a life that is used up fails too.
 
 import numpy as np
 
+from torsion.analyses.transient.acting_torques import LEFT_OUT
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.findings import Results
 from torsion.rules.judgement import spans_of
+from torsion.rules.reached_speeds import restricted
 from torsion.rules.verdict_line import Check, Rule, verdict_of
 
 WHOLE_LIFE = 1.0  # Miner's sum at which it is used up
@@ -73,7 +75,8 @@ def _lines(evidence: Results, found: TransientMotion, number: int, mark: str) ->
         lines.append(
             Check("transient", f"D{mark}", part.name, what, damage, WHOLE_LIFE, "1", verdict, "setting", note=note)
         )
-    return lines
+    without = [words for words in found.not_acting if words.endswith(LEFT_OUT)]
+    return [restricted(line, f"does not act: {'; '.join(without)}") if without else line for line in lines]
 
 
 def _named(what: str, motion: TransientMotion) -> str:

@@ -19,6 +19,7 @@ from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given
 from torsion.findings import Results
+from torsion.rules.demanded_states import unjudged
 from torsion.rules.judgement import RATED, spans_of
 from torsion.rules.reached_speeds import in_rpm
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, Standing, verdict_of
@@ -28,6 +29,7 @@ PA = 1e-6  # N/mm2
 SHEAR = 1.0 / math.sqrt(3.0)  # yield in shear / yield in tension (von Mises)
 MARGIN = 0.2  # beyond the speeds of the operation, within which the first blade order is to meet no mode
 SAME_SPEED = 0.01  # a motion this near to a resonance is at it
+STRESS = "Shear stress at the greatest torque in ice"
 LACKING = {"shaft": "yield_strength` of its material", "coupling": "max_torque`", "gear": "max_torque`"}
 UNDRIVEN = "the torque of the drive is not known, and the rule ice judges it together with that of the ice"
 Factor = Annotated[float, Quantity("1", at_least=1)]
@@ -85,9 +87,9 @@ class IcePeaks(Rule):
 
     def left_out(self, study: Study, settings: IceSettings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
-        found = [(f"ice for {words}", "no motion over time has it") for words in _missing(study)]
+        found = list[tuple[str, str]]()
         for part in study.train.parts:
-            if part.kind in LACKING and _limit(study, part, settings) is None:
+            if part.kind in LACKING and not part.is_bar and _limit(study, part, settings) is None:
                 found.append((f"ice for {part.name}", f"not judged: give `{LACKING[part.kind]}"))
         return (*found, ("ice for fatigue and for failure of a blade", "the rule judges the greatest torques alone"))
 
@@ -98,23 +100,40 @@ class IcePeaks(Rule):
         every = ((one.words, _doubt(evidence, one, found)) for one, found in motions)
         doubts = [f"{words}: {doubt}; such a motion is never a pass" for words, doubt in every if doubt]
         computed = [(one.words, found) for one, found in motions if found is not None]
-        open_cases = [f"{words} not judged" for words in _missing(study)]
-        notes, lines = (*doubts, *open_cases, *_resonances(evidence, [found for _, found in computed])), []
+        resonances = tuple(_resonances(evidence, [found for _, found in computed]))
+        open_cases = [f"{words} at {where} not judged" for where, words in _missing(study)]
+        notes, lines = (*doubts, *open_cases, *(words for _, words, _ in resonances)), list[Check]()
         for number, part in enumerate(study.train.parts):
             limit = _limit(study, part, settings)
             if limit is not None:
                 values = {words: _value(evidence, number, part, found) for words, found in computed}
                 lines.append(_line(part, limit, values, notes, is_sound=not doubts))
-        return tuple(lines)
+        lines += [
+            unjudged(self.name, "resonance", where, "Motion over time at the resonance", words, TO_BE_VERIFIED)
+            for where, words, is_open in resonances
+            if is_open
+        ]
+        return (*lines, *self.demanded_rows(study, settings))
+
+    def demanded_rows(self, study: Study, settings: IceSettings) -> tuple[Check, ...]:
+        """Cases of the ice rules that no motion has, and shafts without a yield strength."""
+        rows = [
+            unjudged(self.name, "cases", at, "Cases of the ice rules", f"no motion has {words}", TO_BE_VERIFIED)
+            for at, words in _missing(study)
+        ]
+        rows += [
+            unjudged(self.name, "yield", part.name, STRESS, f"not judged: give `{LACKING['shaft']}", TO_BE_VERIFIED)
+            for part in study.train.parts
+            if part.is_bar and _limit(study, part, settings) is None
+        ]
+        return tuple(rows)
 
 
 def _line(
     part: Part, limit: tuple[str, float], values: dict[str, float], notes: tuple[str, ...], *, is_sound: bool
 ) -> Check:
     """The check of one part, by its value in every motion; a value that is not known (NaN) is never a pass."""
-    what, unit = (
-        ("Shear stress at the greatest torque in ice", "N/mm2") if part.is_bar else ("Greatest torque in ice", "N m")
-    )
+    what, unit = (STRESS, "N/mm2") if part.is_bar else ("Greatest torque in ice", "N m")
     is_known = bool(values) and bool(np.isfinite(list(values.values())).all())
     words, worst = max(values.items(), key=lambda pair: pair[1]) if is_known else ("", math.inf)
     standing: Standing = TO_BE_VERIFIED if part.is_bar else "maker"
@@ -153,14 +172,14 @@ def _starts(settings: TransientSettings) -> bool:
     return any(isinstance(event.body, Start) for event in settings.events)
 
 
-def _missing(study: Study) -> list[str]:
-    """Of every propeller the cases that no motion has, in words."""
+def _missing(study: Study) -> list[tuple[str, str]]:
+    """Every propeller with cases that no motion has, and these in words."""
     had = [(at, ice.case) for one in ice_motions(study) for at, ice, _ in one.milled]
     found = []
     for part in study.train.parts:
         missing = [str(case) for case in CASES if (part.name, case) not in had]
         if part.propeller is not None and missing:
-            found.append(f"case{'s' if len(missing) > 1 else ''} {', '.join(missing)} at {part.name}")
+            found.append((part.name, f"case{'s' if len(missing) > 1 else ''} {', '.join(missing)}"))
     return found
 
 
@@ -180,8 +199,11 @@ def _value(evidence: Results, number: int, part: Part, found: TransientMotion) -
     return math.nan if found.stress is None else float(found.stress[spans].max()) * PA
 
 
-def _resonances(evidence: Results, motions: list[TransientMotion]) -> Iterator[str]:
-    """Where the first blade order of a propeller that mills ice meets a mode: motion over time is then required."""
+def _resonances(evidence: Results, motions: list[TransientMotion]) -> Iterator[tuple[str, str, bool]]:
+    """Where the first blade order of a propeller that mills ice meets a mode: motion over time is then required.
+
+    Its name, the words, and whether no motion is computed at that speed.
+    """
     operation, known = evidence.study.operation, evidence.get(Modes)
     speeds = [one for one in (operation.speed, operation.speeds and operation.speeds.first) if one]
     speeds += [operation.speeds.last] if operation.speeds is not None else []
@@ -198,8 +220,8 @@ def _resonances(evidence: Results, motions: list[TransientMotion]) -> Iterator[s
         met = every[(every >= low) & (every <= high)].tolist()
         where = f"between {in_rpm(low)} and {in_rpm(high)} the first blade order of {name} meets"
         if not met:
-            yield f"{where} no mode"
+            yield name, f"{where} no mode", False
         for speed in met:
             at_it = any(abs(one.speed_before - speed) <= SAME_SPEED * speed for one in motions)
             more = "" if at_it else " (none is computed at that speed)"
-            yield f"{where} a mode at {in_rpm(speed)}: the rule then requires motion over time{more}"
+            yield name, f"{where} a mode at {in_rpm(speed)}: the rule then requires motion over time{more}", not at_it

@@ -18,7 +18,7 @@ from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.results import listed
 from torsion.rules import judgement, m53_factors
-from torsion.rules.demanded_states import misfire_row, unjudged
+from torsion.rules.demanded_states import LAST_ORDER, MOST_ORDERS, misfire_row, unjudged
 from torsion.rules.judgement import MOSTLY, Clause, RuleOverSpeed, curve_of
 from torsion.rules.m53_factors import RANGES
 from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
@@ -34,8 +34,6 @@ OF_FILLETS = "s", "w", "b", "d of the bore of the pin", "d of the bore of the jo
 RATIOS = {  # that the factors of a place have
     PIN: (*OF_FILLETS, "r of the pin"), JOURNAL: (*OF_FILLETS, "r of the journal"), BORE: ("d of the oil bore",),
 }  # fmt: skip
-MOST_ORDERS = 6  # stated one by one
-LAST_ORDER = {4: 12, 2: 15}  # of the crankshaft, up to which the rule wants the synthesis
 EXAMPLE = (
     "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm, web_thickness: 70 mm, "
     "web_width: 260 mm, radius: 140 mm, bending: 40 MPa, shear: 5 MPa, strokes: 4}"

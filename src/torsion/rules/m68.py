@@ -13,7 +13,7 @@ from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.rules import judgement, m68_shafts
-from torsion.rules.demanded_states import misfire_row, unjudged, zero_pitch_rows
+from torsion.rules.demanded_states import misfire_row, order_rows, unjudged, zero_pitch_rows
 from torsion.rules.judgement import Clause, Curve, rated_speed
 from torsion.rules.m68_shafts import (
     FLAT_FROM,
@@ -119,6 +119,7 @@ class M68(ShaftStress):
             for bar in study.train.bars
             if study.train.shaft(bar).role in self.has_limits_of and bar.name not in round_shafts
         ]
+        rows += order_rows(self.name, study)
         if not _is_generator_set(study):
             rows += misfire_row(self.name, study, self.source)
         return (*rows, *zero_pitch_rows(self.name, study, self.source))

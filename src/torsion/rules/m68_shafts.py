@@ -18,7 +18,7 @@ from torsion.components.lowering import Part, ShaftRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
 from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.rules.shaft_limits import MM, PA, ROUNDING, Mark, diameters, with_role
-from torsion.rules.verdict_line import RuleSettings
+from torsion.rules.verdict_line import RuleSettings, refuse_blank
 from torsion.study import Study
 from torsion.train import Train
 
@@ -73,6 +73,7 @@ LEAST_STRENGTH_IN_BARRED_RANGE = 500.0  # N/mm2, where the stress comes near tau
 NEAR_TRANSIENT = 0.8  # of tau_T: near it; ours, since the text has no number
 MOST_SLOT_LENGTH, MOST_SLOT_BORE, LEAST_SLOT_WIDTH = 0.8, 0.7, 0.15  # of the diameter (rule text, note 4)
 SLOT_NUMBERS = 1, 2, 3  # at 360, 180 and 120 degrees
+LEAST_FLANGE_FILLET = 0.08  # of the diameter, of an integral flange (to be verified)
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
 SEAT = "shrink fit of '{}': seat 1 to 2 % thicker, with a blending radius of about that change"  # (rule text, note 1)
 SMOOTH_DRIVE_FACTOR = 95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
@@ -158,6 +159,9 @@ class M68Settings(RuleSettings):
     conditions: str | None = given(
         "document that answers the conditions of the factors which the file does not, as a drawing"
     )
+
+    def refuse_clashes(self) -> None:
+        refuse_blank(self, "conditions")
 
 
 @dataclass(frozen=True)
@@ -266,7 +270,7 @@ def _conditions(
     shaft: ShaftRecord, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
 ) -> tuple[list[str], list[str]]:
     """Conditions of the factors of a shaft that the file does not answer, and those that it breaks, in words."""
-    unknown, broken = list[str](), list[str]()
+    unknown, broken = list[str](), list(_without_factor(shaft, name, min(outer for outer, _ in ends)))
     if "radial hole" in shaft.features:
         unknown.append(f"radial hole of '{name}' at most 0.3 of the diameter")
     if "slot" not in shaft.features:
@@ -294,6 +298,18 @@ def _conditions(
     elif slot.number not in SLOT_NUMBERS:
         broken.append(f"{of}{slot.number} slots in one section, more than 3")
     return unknown, broken
+
+
+def _without_factor(shaft: ShaftRecord, name: str, diameter: float) -> Iterator[str]:
+    """Yield in words what the table has no factor for: splines, and a flange with a small fillet; diameter: mm."""
+    if any(notch.form == "splines" for notch in shaft.notches):
+        yield f"splines of '{name}': the table has no C_K for them"
+    flange = None if shaft.step is None else shaft.step.flange
+    if flange is None or "flange" not in shaft.features:
+        return
+    fillet = (flange.fillet or 0.0) * MM / diameter
+    if fillet < LEAST_FLANGE_FILLET * (1 - ROUNDING):
+        yield f"flange of '{name}': fillet {fillet:.3g} of the diameter, below {LEAST_FLANGE_FILLET:g}"
 
 
 def _details(

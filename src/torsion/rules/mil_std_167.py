@@ -16,12 +16,13 @@ from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement
+from torsion.rules.demanded_states import unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
 from torsion.rules.m68_shafts import LEAST_STRENGTH
 from torsion.rules.reached_speeds import START, in_rpm
 from torsion.rules.shaft_limits import PA, nominal_stress, with_role
-from torsion.rules.verdict_line import TO_BE_VERIFIED, RuleSettings
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study
 
 SHARE_OF_STRENGTH = 1.0 / 25.0
@@ -68,9 +69,15 @@ class MilStd167(RuleOverSpeed):
             for number, part in enumerate(study.train.parts)
             if part.shaft is not None and number not in judged
         ]
-        if any(study.train.of_kind("gear")) and not judgement.knows_rated_torque(study):
-            found.append((f"{self.name}: gears", "the torque at the rated speed is not known"))
         return (*found, (f"{self.name}: propulsion shafts of other metals", "the limit is that of steel"))
+
+    def check(self, evidence: Results, settings: MilSettings) -> tuple[Check, ...]:
+        """With a row for each gear of unknown torque."""
+        return *super().check(evidence, settings), *self.demanded_rows(evidence.study, settings)
+
+    def demanded_rows(self, study: Study, settings: MilSettings) -> tuple[Check, ...]:
+        """Gears of unknown torque."""
+        return tuple(unknown_gears(self.name, study, TO_BE_VERIFIED))
 
     def clauses(self, evidence: Results, settings: MilSettings) -> Iterator[Clause]:
         """Of every shaft with a role in the operating range and below it, and of every gear mesh in it."""

@@ -13,11 +13,15 @@ from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar
 from torsion.rules import judgement
+from torsion.rules.demanded_states import unjudged
 from torsion.rules.judgement import MOSTLY, RATED, Clause, RuleOverSpeed, curve_of
-from torsion.rules.verdict_line import TO_BE_VERIFIED, RuleSettings
+from torsion.rules.reached_speeds import restricted
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study
 from torsion.train import Train
 
+IN_FIT = "Greatest torque in the fit, {} end"
+UNLOADED = "no axial load, no start or shock in the fit"
 USUAL_SAFETY = 2.0  # against slip, of shrunk couplings in class rules (from memory, to be verified)
 
 
@@ -51,18 +55,21 @@ class ShrinkFits(RuleOverSpeed):
             found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found
 
-    def left_out(self, study: Study, settings: ShrinkFitSettings) -> tuple[tuple[str, str], ...]:
+    def check(self, evidence: Results, settings: ShrinkFitSettings) -> tuple[Check, ...]:
+        """With what a pass stands on, and rows of hubs that the file does not say enough of."""
+        checks = super().check(evidence, settings)
+        kept = (restricted(check, UNLOADED) if check.clause == "slip" else check for check in checks)
+        return (*kept, *self.demanded_rows(evidence.study, settings))
+
+    def demanded_rows(self, study: Study, settings: ShrinkFitSettings) -> tuple[Check, ...]:
         """Shrunk hubs of which the file does not say what they carry."""
-        known = [(bar.name, hub.end) for bar, hub, _ in fits(study.train)]
+        note = "its `pressure` and `friction` are not given"
         return tuple(
-            (
-                f"{self.name} for the hub at the {hub.end} end of {bar.name}",
-                "its `pressure` and `friction` are not given",
-            )
+            unjudged(self.name, "slip", bar.name, IN_FIT.format(hub.end), note, TO_BE_VERIFIED)
             for bar in study.train.bars
             if (record := study.train.parts[bar.part].shaft) is not None
             for hub in record.hubs
-            if hub.fit == "shrink" and (bar.name, hub.end) not in known
+            if hub.fit == "shrink" and (hub.pressure is None or hub.friction is None)
         )
 
     def clauses(self, evidence: Results, settings: ShrinkFitSettings) -> Iterator[Clause]:
@@ -76,12 +83,11 @@ class ShrinkFits(RuleOverSpeed):
             notes = (
                 f"slips at {capacity:.5g} N m, safety {safety:g}",
                 f"slip reaches over at most {min(reach, 1e3 * hub.length):.3g} of {1e3 * hub.length:g} mm of the seat",
-                "no axial load, no start or shock in it",
                 MOSTLY,
             )
             standing = TO_BE_VERIFIED if settings.safety is None else "setting"
             yield Clause(
-                "slip", bar.name, f"Greatest torque in the fit, {hub.end} end",
+                "slip", bar.name, IN_FIT.format(hub.end),
                 standing, curve_of(response, torque, capacity / safety), np.ones(len(torque), dtype=bool), "N m", notes,
                 spans,
             )  # fmt: skip

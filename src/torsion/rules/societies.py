@@ -21,7 +21,7 @@ from torsion.fields import given
 from torsion.findings import Results
 from torsion.results import listed
 from torsion.rules import judgement, society_limits
-from torsion.rules.demanded_states import MISFIRE, stiffness_row, unjudged
+from torsion.rules.demanded_states import MISFIRE, stiffness_row, unjudged, unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
 from torsion.rules.judgement import MOSTLY, Clause, curve_of, rated_speed
 from torsion.rules.m68 import M68
@@ -40,6 +40,7 @@ DUTIES: Mapping[str | None, Duty] = {
     "propeller": "propulsion",
     "generator": "generator set",
 }  # by role of what is driven
+DRIVES = {"motor": "electric", "turbine": "turbine"}  # by kind of component, as `drive` has them
 AGREEMENT = "limits by agreement with KR, values of 202.1: 202.2 has none for `drive: {}`"
 
 
@@ -91,7 +92,8 @@ class SocietyRule(M68):
         """Line shafts by the formulas of M68, others by the society's own table."""
         for shaft in super().shafts(study, settings):
             standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
-            by_agreement = () if settings.drive == "other" or self.name != "kr" else (AGREEMENT.format(settings.drive),)
+            drive = _drive(study, settings)
+            by_agreement = () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
             yield replace(
                 shaft, curve=_in_letters(shaft.curve, self.society), standing=standing,
                 restrictions=(*shaft.restrictions, *by_agreement),
@@ -187,8 +189,6 @@ class SocietyRule(M68):
         )
         if has_gears and self.society.mesh is None and "gear-hammer" not in named:
             yield "gears", "the rule `gear-hammer` judges them, and the file does not name it"
-        if has_gears and self.society.mesh is not None and not judgement.knows_rated_torque(study):
-            yield "gears", "the torque at the rated speed is not known"
         if limits and "coupling-maker" not in named:
             yield "couplings", "the rule `coupling-maker` judges their torque and heat, and the file does not name it"
 
@@ -197,7 +197,20 @@ class SocietyRule(M68):
         rows = super().demanded_rows(study, settings)
         if isinstance(settings, CrankSettings) and settings.duty == "generator set":
             rows = tuple(row for row in rows if row.clause != MISFIRE)
-        return (*rows, *self._missing_majors(study, settings), *stiffness_row(self.name, study, self.society.mark))
+        rows = (*rows, *self._unknown_cranks(study), *self._missing_majors(study, settings))
+        gears = unknown_gears(self.name, study, TO_BE_VERIFIED) if self.society.mesh is not None else ()
+        return (*rows, *gears, *stiffness_row(self.name, study, self.society.mark))
+
+    def _unknown_cranks(self, study: Study) -> Iterator[Check]:
+        """Yield a row for each engine without the diameter of its journals, where the society limits crankshafts."""
+        if not self.society.crank:
+            return
+        known = {number for number, _, _ in with_role(study.train, "crank")}
+        for part in study.train.parts:
+            if part.engine is not None and not known:
+                note = "`journal` of the engine is not given"
+                what = "Torsional stress amplitude of the crankshaft"
+                yield unjudged(self.name, "crankshaft", part.name, what, note, self.society.crank_mark)
 
     def _missing_majors(self, study: Study, settings: M68Settings) -> Iterator[Check]:
         """Yield the row about major critical speeds of an engine, in line as far as is known, of unknown cylinders."""
@@ -238,6 +251,15 @@ class SocietyRule(M68):
                     verdict_of(is_kept, self.society.crank_mark), self.society.crank_mark, speed, order,
                     f"not within {first:g} to {MAJORS_TO:g}", at_least=is_above,
                 )  # fmt: skip
+
+
+def _drive(study: Study, settings: M68Settings) -> str:
+    """What drives, as the rule states it, else of a train without an engine a motor or turbine of the file."""
+    kinds = {part.kind for part in study.train.parts}
+    has_engine = "engine" in kinds or any(True for _ in with_role(study.train, "crank"))
+    if settings.drive != "other" or has_engine:
+        return settings.drive
+    return next((word for kind, word in DRIVES.items() if kind in kinds), settings.drive)
 
 
 def _in_letters(curve: LimitCurve, society: Society) -> LimitCurve:

@@ -3,7 +3,7 @@
 import math
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Annotated
 
@@ -14,6 +14,7 @@ from torsion.errors import Fault
 from torsion.fields import Number, Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar, Constraint, Spring
+from torsion.rules.demanded_states import unjudged
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, Standing, verdict_of
 from torsion.study import Study
 from torsion.train import Train
@@ -21,6 +22,7 @@ from torsion.train import Train
 RULE = "universal-joints"
 ELBE = 0.0027  # tan b sin b of 3 degrees, the usual limit of the resulting angle (Elbe)
 SPICER_TORSIONAL, SPICER_INERTIAL = 300.0, 1000.0  # rad/s2 (Spicer)
+BENDING = "Speed against the critical bending speed"
 SHARE_OF_CRITICAL = 0.65  # usual 0.65 to 0.8
 PUBLISHED = {  # setting: its limit by makers, in words
     "unevenness": (ELBE, "limit after Elbe, 3 deg in round figures"),
@@ -160,7 +162,9 @@ class UniversalJoints(Rule):
                     _verdict("n b", joint.name, "Speed times angle", value, "deg/min", limit, speed, (joint.part,))
                 )
         for tube in tubes(evidence.study.train):
-            if not tube.lacks:
+            if tube.lacks:
+                rows.append(_unjudged_bending(tube, tube.lacks))
+            else:
                 rows += _bending(tube, evidence.get(Lateral), settings.critical_share, speed)
         return tuple(rows)
 
@@ -200,11 +204,17 @@ def _steepest(joint: JointFound, speed: float) -> float:
     return joint.steepest * (speed * float(joint.ratio)) ** 2
 
 
+def _unjudged_bending(tube: Tube, why: str) -> Check:
+    """The row of a tube whose critical bending speed is not known."""
+    return replace(unjudged(RULE, "n_crit", tube.name, BENDING, why, TO_BE_VERIFIED), parts=tube.parts)
+
+
 def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Iterator[Check]:
     """Speed of a tube against a share of its critical bending speed, that of a tube on supports as it was computed."""
     first, second, origin = tube.critical, tube.critical / 2.0, "simply supported at the joints"
     if tube.has_support:
         if bent is None:
+            yield _unjudged_bending(tube, "its bending was not computed")
             return
         known = [one for shaft in bent.shafts if set(shaft.parts) & set(tube.parts) for one in shaft.critical]
         first, second = (min((one.speed for one in known if one.order == order), default=math.inf) for order in (1, 2))
@@ -218,7 +228,7 @@ def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> It
     yield _verdict(
         "n_crit",
         tube.name,
-        "Speed against the critical bending speed",
+        BENDING,
         own,
         "rpm",
         limit,

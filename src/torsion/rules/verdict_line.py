@@ -13,7 +13,7 @@ from pydantic import Field
 
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path
-from torsion.fields import Declared, given, required
+from torsion.fields import Declared, given, refuse, required
 from torsion.findings import Results
 from torsion.results import derived, reported, result
 from torsion.study import Study
@@ -108,6 +108,16 @@ class Verified(Declared):
     clauses: Annotated[tuple[str, ...], Field(min_length=1)] | None = given(
         "clauses that were compared, as the column Clause shows them (default: all)"
     )
+
+    def refuse_clashes(self) -> None:
+        refuse_blank(self, "edition", "by")
+
+
+def refuse_blank(settings: Declared, *keys: str) -> None:
+    """Raise the error of a text that has nothing but spaces."""
+    for key in keys:
+        if (text := getattr(settings, key)) is not None and not text.strip():
+            raise refuse(f"`{key}` is blank", "write what it names, or leave it out", key)
 
 
 class RuleSettings(Declared):
@@ -216,7 +226,8 @@ def with_basis(check: Check, edition: str, verified: Verified | None = None) -> 
     """Return the check with the basis of its limit: that of the rule, or what a user confirms."""
     clauses = () if verified is None else verified.clauses or (check.clause,)
     if verified is None or check.standing != TO_BE_VERIFIED or check.clause not in clauses:
-        return replace(check, basis=Basis(KINDS[check.standing], edition, check.clause))
+        kind = KINDS[check.standing]
+        return replace(check, basis=Basis(kind, edition if kind in ("text", "unconfirmed") else "", check.clause))
     day = "" if verified.on is None else str(verified.on)
     verdict: Verdict = "fail" if check.verdict == "not kept" else check.verdict
     basis = Basis("confirmed", f"{edition}, {verified.edition}", check.clause, verified.by, day)

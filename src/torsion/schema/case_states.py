@@ -6,7 +6,7 @@ from typing import Any
 from torsion.study import CaseStates
 
 STATES = {  # last word of a key that a case sets, scales or removes: state
-    "misfire": "misfire", "cut_out": "misfire", "stiffness": "other stiffness", "flexibility": "other stiffness",
+    "misfire": "misfire", "stiffness": "other stiffness", "flexibility": "other stiffness",
 }  # fmt: skip
 LOAD = "operation.load"  # as a table of its own it is what a propeller takes at zero pitch; a law in a word is not
 

@@ -137,7 +137,7 @@ def _why_not(name: str, corners: Iterable[str], names: list[str]) -> str:
     if not name.strip():
         return "a case needs a name"
     if name == NORMAL:
-        return f"'{NORMAL}' is the name of the file as it stands"
+        return f"'{NORMAL}' is the name of the nominal case"
     if name in corners:
         return f"'{name}' is a case of `from: tolerances`"
     folder = case_folder(name).casefold()

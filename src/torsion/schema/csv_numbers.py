@@ -67,7 +67,7 @@ def numbers_of(separator: str, cells: Iterable[Cell]) -> tuple[Numbers, Slip | N
     marked = [(cell, figure) for cell, figure in figures if len(re.findall("[.,]", figure)) == 1]
     if marked and all(_THOUSANDS.fullmatch(figure) for _, figure in marked):
         cell, text = marked[0]
-        message = "may be thousands or decimals: every such number of this table has three digits behind its mark"
+        message = "may be thousands or decimals: every such number of this table has three digits after its mark"
         return made, (cell, f"`{text}` {message}", f"write {_both_ways(text)}")
     return made, None
 

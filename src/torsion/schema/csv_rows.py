@@ -9,6 +9,7 @@ from torsion import units
 from torsion.components import KINDS
 from torsion.errors import Fault, InputError, nearest, printable
 from torsion.fields import shown
+from torsion.schema.aliases import KINDS_BY_ALIAS, canonical_column
 from torsion.schema.csv_columns import (
     BY_LOAD,
     BY_PARTS,
@@ -29,6 +30,7 @@ from torsion.schema.csv_harmonics import by_load, harmonic, list_node
 from torsion.schema.csv_numbers import Numbers, in_unit, is_number, numbers_of, unit_fault
 from torsion.schema.csv_text import FORMULA_ERROR, Cell, rows_of
 from torsion.schema.fault_text import Node, Source
+from torsion.schema.other_words import key_for
 from torsion.schema.shaft_sections import SECTIONS
 from torsion.schema.yaml_source import parse_source, resolved
 
@@ -59,6 +61,12 @@ class Reading:
     opened: tuple[str, ...] = ()  # tables whose rows are being read, each named by a row of the one before it
     inner_rows: int = 0  # of all tables that a row of a table names
     rows: dict[tuple[str, str], list[Node]] = field(default_factory=dict)  # of every table, by its name and key
+
+
+def _kind_of(cell: Cell | None) -> str:
+    """Return the kind that the cell of a row names, by its own word or by another; empty without a cell."""
+    word = "" if cell is None else cell.text.casefold()
+    return KINDS_BY_ALIAS.get(word.replace(" ", "_"), word)
 
 
 class Rows:
@@ -119,10 +127,15 @@ class Rows:
         if self.key == "train" and name == _FIRST and not of:
             return Column(_FIRST, "", "", True)
         known = {key: found for (kind, key), found in columns_of(self.key).items() if of in ("", kind)}
+        name = canonical_column(name, known)
         if name not in known:
             near = nearest(name, known)
             every = f"there is {', '.join(known)}" if known else f"there is no kind `{of}`"
-            self.fault(cell, f"unknown column `{printable(written)}`", f"did you mean `{near}`?" if near else every)
+            self.fault(
+                cell,
+                f"unknown column `{printable(written)}`",
+                key_for(name, list(known)) or (f"did you mean `{near}`?" if near else every),
+            )
             return None
         return Column(name, of, unit, known[name].is_text)
 
@@ -198,9 +211,7 @@ class Rows:
         ]
         nameless = next((cell for cell, column in filled if column is None), None)
         if nameless is not None:
-            self.fault(
-                nameless, f"{shown(nameless.text)} stands in a column without a name", "name it in the first row"
-            )
+            self.fault(nameless, f"{shown(nameless.text)} is in a column without a name", "name it in the first row")
         kind = next((cell for cell, column in filled if column and (column.of, column.key) == ("", _FIRST)), None)
         if self.key == "train" and kind is None:
             self.fault(begin, "the row has no `kind`", f"one of {', '.join(KINDS)}")
@@ -208,7 +219,7 @@ class Rows:
         body = self._node({}, begin)
         for cell, column in filled:
             if column is not None and cell is not kind:
-                self._state(body, cell, column, "" if kind is None else kind.text.casefold())
+                self._state(body, cell, column, _kind_of(kind))
         own = ROW if self.key == LIBRARY else LABEL if self.key.startswith(CATALOGUE) else ""
         if own and not self._is_new(body, begin, own):
             return None
@@ -219,7 +230,7 @@ class Rows:
             return harmonic(body, self._columns_named, self.fault)
         if kind is None:
             return body
-        word = kind.text.casefold()
+        word = _kind_of(kind)
         entry = self._node({word: body.value}, begin)
         entry.parts[word], entry.keys[word] = body, (kind.line, kind.column)
         return entry
@@ -234,7 +245,7 @@ class Rows:
         """Whether a row says by its own key which one it is, and no row before it is that one."""
         own = str(body.value.get(key, ""))
         if not own or own in self.sizes:
-            message = f"{key} {shown(own)} stands in line {self.sizes[own]} already" if own else f"the row has no {key}"
+            message = f"{key} {shown(own)} is in line {self.sizes[own]} already" if own else f"the row has no {key}"
             self.fault(begin, message, f"one row a {key}")
             return False
         self.sizes[own] = begin.line

@@ -71,7 +71,7 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         return _from_library(node, reading)
     if key == "shaft" and isinstance(node.value, dict) and SECTIONS in node.value:
         hint = "in a link, a case or the table of a train give one shaft a section"
-        _end(node.parts[SECTIONS], "`sections` stand in the list of a train alone", hint, reading)
+        _end(node.parts[SECTIONS], "`sections` belong only in the list of a train", hint, reading)
         return node
     if isinstance(node.value, dict):
         inner, named = {}, node.parts.get("catalogue")
@@ -103,8 +103,8 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     """The rows of the table that a node names, as entries of the list at `key`."""
     where = node if isinstance(node.value, str) else node.parts["table"]
     if where.value in reading.opened or len(reading.opened) >= DEEPEST:
-        beyond = f"more than {DEEPEST} tables stand within each other"
-        what = f"the table {shown(where.value)} stands within itself" if where.value in reading.opened else beyond
+        beyond = f"more than {DEEPEST} tables are nested"
+        what = f"the table {shown(where.value)} contains itself" if where.value in reading.opened else beyond
         _end(where, what, "write its rows out", reading)
         return []
     table = _opened(where.value, where, reading)

@@ -13,8 +13,11 @@ from torsion import units
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import Declared, Quantity, shown
 from torsion.schema.missing_marks import without_mark, words_for
+from torsion.schema.other_words import key_for
 
 Read = TypeVar("Read", bound=Declared)
+CLOSE = 0.7  # similarity of a misspelt key: below it the key may be of another subject
+MOST_LISTED = 8  # keys that a message lists
 
 
 def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) -> Read | None:
@@ -88,8 +91,12 @@ def unknown(path: Path, what: str, word: str, candidates: list[str], every: Sequ
     if marked is not None:
         message, hint = words_for(*marked, dash="- " if what in ("component", "rule") else "")
         return Fault(path, message, hint, at_key=True)
-    near = nearest(word, candidates)
+    near = nearest(word, candidates, CLOSE if what == "key" else 0.6)
     hint = f"did you mean `{near}`?" if near else f"there is {', '.join(every or candidates)}"
+    if what == "key" and not near and len(candidates) > MOST_LISTED:
+        hint = f"docs/reference/model-file lists the {len(candidates)} keys"
+    if what == "key":
+        hint = key_for(word, candidates) or hint
     return Fault(path, f"unknown {what} `{printable(word)}`", hint, at_key=True)
 
 
@@ -132,7 +139,7 @@ def _without_value(path: Path, where: Path) -> Fault:
     name = next((step for step in reversed(where) if isinstance(step, str)), "the entry")
     hint = "a decimal comma? write a point" if name[:1].isdecimal() else "give one, or leave the key out"
     if found := re.match(r"([\w-]+):(?=\S)", name):
-        hint = f"a blank is missing behind the colon: `{found[0]} {printable(name[found.end() :])}`"
+        hint = f"a blank is missing after the colon: `{found[0]} {printable(name[found.end() :])}`"
     return Fault(path, f"`{name}` has no value", hint, True)
 
 

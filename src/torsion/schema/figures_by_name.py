@@ -51,7 +51,7 @@ def _of_one(words: str, overlay: Overlay, fault: Path) -> Iterator[tuple[str, Pa
     """The figure of a path, with its name."""
     path = overlay.path(words, fault)
     if path is not None and node_at(overlay.source.root, path) is None:
-        hint = "give its value in the file; a path varies what the file says"
+        hint = "give its value in the file; a path varies only a value of the file"
         overlay.faults.append(Fault(fault, f"the file does not give `{words}`", hint, at_key=True))
     elif path is not None:
         yield words.replace('"', ""), path
@@ -102,7 +102,7 @@ def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault]
         )
         return None
     if path[-1] in EXACT:
-        message = f"`{name}` is exact, and varies by `values` alone"
+        message = f"`{name}` is exact, and varies only by `values`"
         faults.append(Fault(fault, message, "for example {values: [41/17, 43/17]}", at_key=True))
         return None
     if (made := multiplied(there.value, Fraction(3, 2))) is None or (made == there.value and law.first is None):

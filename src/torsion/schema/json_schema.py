@@ -1,5 +1,6 @@
 """JSON Schema of the whole file, from the same declarations that read it, so that an editor completes and checks it."""
 
+from collections.abc import Iterator, Mapping
 from importlib import import_module
 from typing import Any
 
@@ -9,20 +10,23 @@ from pydantic_core import core_schema
 from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.components import KINDS, component
-from torsion.fields import OneOrMany
+from torsion.components.component import Component
+from torsion.fields import Declared, OneOrMany
 from torsion.rules import RULES
+from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.csv_columns import MAPPINGS, PAIRS
-from torsion.schema.kind_texts import EXAMPLES
-from torsion.schema.manual import SETTINGS, declarations
+from torsion.schema.declaration_reader import keys_of, mappings_of
+from torsion.schema.kind_texts import EXAMPLES, SETTINGS
+from torsion.schema.manual import declarations
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source
-from torsion.study import ShaftModel
+from torsion.study import Operation, ShaftModel
 
 Schema = dict[str, Any]
 TABLE: Schema = {
-    "description": "a CSV file whose rows stand here, its path counted from the folder of this file",
+    "description": "a CSV file whose rows are read here, its path relative to the folder of this file",
     "type": "object",
     "properties": {"table": {"type": "string", "description": "the file", "examples": ["line.csv"]}},
     "required": ["table"],
@@ -65,13 +69,44 @@ def json_schema() -> Schema:
     schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
     keys_of_case = shared["$defs"]["CaseKeys"]["properties"]
     keys_of_case["rules"] |= {key: schema["properties"]["rules"][key] for key in ("type", "items")}
-    named = {"description": "a CSV file whose rows stand here, one component each", "type": "string"}
-    train = _or_table(_list_of(_one_of({**{kind: _kind(kind, refs[kind]) for kind in KINDS}, "table": named})))
+    named = {"description": "a CSV file whose rows are read here, one component each", "type": "string"}
+    kinds = {kind: _kind(kind, refs[kind]) for kind in KINDS}
+    kinds |= {word: refs[kind] | _other_word(kind) for word, kind in KINDS_BY_ALIAS.items()}
+    train = _or_table(_list_of(_one_of({**kinds, "table": named})))
     _add_tables(shared["$defs"])
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
     schema["$defs"] = {"train": {"description": "components in a row", **train}, "table": TABLE, **parts}
     schema["$defs"] |= _with_patterns(schema)
+    _add_aliases(schema)
     return schema
+
+
+def _add_aliases(schema: Schema) -> None:
+    """Offer every other word for a key next to the key."""
+    for name in {model.__name__ for kind in KINDS for model in _models_within(component(kind))}:
+        _offer(schema["$defs"].get(name, {}), aliases_of(schema["$defs"].get(name, {}).get("properties", {})))
+    _offer(schema, SECTIONS_BY_ALIAS[""])
+    _offer(schema["$defs"][Operation.__name__], SECTIONS_BY_ALIAS["operation"])
+    _offer(schema["$defs"][settings_classes()["design"].__name__], SECTIONS_BY_ALIAS["design"])
+
+
+def _models_within(model: type[Declared]) -> Iterator[type[Declared]]:
+    """Yield a declaration and the declarations of its mappings; other components are reached by their kind."""
+    yield model
+    for field in keys_of(model).values():
+        for part in mappings_of(field):
+            if not issubclass(part, Component):
+                yield from _models_within(part)
+
+
+def _offer(body: Schema, aliases: Mapping[str, str]) -> None:
+    """Add aliases to the properties; a required key may be given by its alias."""
+    for alias, key in aliases.items():
+        body["properties"][alias] = body["properties"][key] | _other_word(key)
+    for key in {*aliases.values()} & {*body.get("required", ())}:
+        body["required"].remove(key)
+        words = [key, *(alias for alias, meant in aliases.items() if meant == key)]
+        body.setdefault("allOf", []).append({"anyOf": [{"required": [word]} for word in words]})
 
 
 def _with_patterns(body: Any) -> Schema:
@@ -132,7 +167,9 @@ def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
     rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: _rule(name, _or_null(refs[name])) for name in RULES})]}
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     ends["description"] = "names of the two points that the link joins"
-    link = _one_of({kind: _kind(kind, refs[kind]) for kind in LINKS}, more={"between": ends})
+    kinds = {kind: _kind(kind, refs[kind]) for kind in LINKS}
+    kinds |= {word: refs[kind] | _other_word(kind) for word, kind in KINDS_BY_ALIAS.items() if kind in LINKS}
+    link = _one_of(kinds, more={"between": ends})
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
     settings: Schema = {"fem": _or_null(refs["fem"]) | {"description": fem}}
     for name in settings_classes():
@@ -174,3 +211,7 @@ def _one_of(properties: Schema, more: Schema | None = None) -> Schema:
 
 def _list_of(items: Schema) -> Schema:
     return {"type": "array", "items": items}
+
+
+def _other_word(key: str) -> Schema:
+    return {"description": f"another word for `{key}`"}

@@ -29,7 +29,7 @@ def read_logo(file: Path) -> str:
                 return f"data:image/{kind};base64,{b64encode(content).decode()}"
             if begins:
                 raise _refused(f"{file} is a damaged {kind.upper()} file", "save it again")
-    raise _refused(f"{file} is no picture that can be read", "a PNG, JPEG or SVG file, with its marks")
+    raise _refused(f"{file} is not a readable picture", "a PNG, JPEG or SVG file, with its marks")
 
 
 def with_logo(study: Study, file: str, faults: list[Fault]) -> Study:

@@ -1,134 +1,79 @@
-"""The manual of the file, as Markdown, from the same declarations that read it and that make the JSON Schema."""
+"""The manual of the model file, as Markdown pages, from the same declarations that read it and make the JSON Schema.
 
-from collections.abc import Iterator, Mapping
-from fractions import Fraction
+`python -m torsion.schema.manual` writes the pages to docs/reference/model-file.
+"""
+
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from importlib.resources import files
+from pathlib import Path
 from string import Template
-from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
-
-from pydantic import BeforeValidator
-from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
 
 from torsion import units
-from torsion.analyses import MODELS, UNBUILT, settings_classes
+from torsion.analyses import ANALYSES, MODELS, UNBUILT, settings_classes
 from torsion.components import KINDS, component
 from torsion.components.component import Component
 from torsion.components.harmonic_torques import Excitation
 from torsion.components.material import STEEL, Material
-from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
+from torsion.fields import Declared, Quantity
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
-from torsion.schema import template
+from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import CaseKeys
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
-from torsion.schema.kind_texts import EXAMPLES, NOTES
+from torsion.schema.key_tables import key_table, tables_with_parts
+from torsion.schema.kind_texts import EXAMPLES, GROUPS, SETTINGS
+from torsion.schema.page_titles import KINDS_OF_COMPONENTS, title_and_sentence
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
 
-PLAIN = {
-    str: "text", bool: "`true` or `false`", int: "a whole number", float: "a number",
-    Fraction: "an exact number: `2`, `0.5` or `21/8`", Amount: "N*m, `5 %` or `{of_mean: 5 %}`",
-}  # fmt: skip
-COMPONENT, MAPPING = "a component", "a mapping, below"
-SEVERAL = {COMPONENT: "components", MAPPING: "mappings, below"}
-SETTINGS = {  # an example of every analysis and rule
-    "modes": "modes: {count: 8}",
-    "response": "response: {orders: [2, 21/8], frequencies: {from: 1 Hz, to: 200 Hz, steps: 400}}",
-    "stability": "stability: {speeds: {from: 300 rpm, to: 1800 rpm}, map: {over: angle, from: 1 deg, to: 20 deg}}",
-    "joints": "joints: {optimise: phase, torque: 800 N*m}",
-    "lateral": "lateral: {modes: 4, shear: true}",
-    "transient": "transient: {duration: 2 s, events: [{at: motor-1, time: 0.1 s, step: {torque: 100 N*m}}]}",
-    "tolerances": "tolerances: {aim: [{mode: 2, frequency: 40 Hz}]}",
-    "sweep": "sweep: {vary: {coupling-1.stiffness: {uniform: +-15 %}, disc-1.inertia: {normal: 2 %}}, samples: 256}",
-    "fit": "fit:\n  vary: {coupling-1.stiffness: 20 %, disc-1.inertia: 5 %}\n  measured:\n"
-    "  - {mode: 1, frequency: 17.9 Hz, within: 0.5 %}\n"
-    "  - {torsiogram: [{speed: 600 rpm, amplitude: 0.1 deg}], at: motor-1, order: 2, quantity: angle, within: 5 %}",
-    "design": "design: {choose: {shaft-1.diameter: {from: 55 mm, to: 80 mm}},\n"
-    "         keep: [{mode-2.frequency: {outside: [30 Hz, 36 Hz]}}]}",
-    "check": "check: {models: [lumped, exact], tolerance: 0.1 %}",
-    "iacs-m68": "iacs-m68: {drive: electric, tachometer: 2 %}",
-    "iacs-m53": "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm,\n"
-    "           web_thickness: 70 mm, web_width: 260 mm, radius: 140 mm, bending: 40 MPa, shear: 5 MPa, strokes: 4}",
-    "kr": "kr: {strokes: 4, arrangement: in-line, cylinders: 6, duty: generator set}",
-    "lr": "lr: {tachometer: 2 %}",
-    "dnv": "dnv: {drive: electric}",
-    "abs": "abs: {alloy: line shaft}",
-    "bv": "bv: {drive: slip coupling}",
-    "ccs": "ccs: {tachometer: 2 %}",
-    "nk": "nk: {strokes: 2, arrangement: in-line}",
-    "rina": "rina: {drive: turbine}",
-    "api-610": "api-610: {continuous: {from: 1450 rpm, to: 1500 rpm}, line_frequency: 50 Hz}",
-    "api-617": "api-617: {line_frequency: {nominal: 60 Hz, tolerance: 2 %}}",
-    "api-618": "api-618: {continuous: {from: 980 rpm, to: 990 rpm}, line_frequency: 50 Hz}",
-    "api-684": "api-684: {continuous: {from: 3000 rpm, to: 3600 rpm}}",
-    "mil-std-167": "mil-std-167: {continuous: {from: 400 rpm, to: 1200 rpm}}",
-    "engine-maker": "engine-maker: {crank_stress: 40 MPa}",
-    "nvh": "nvh: {at: gearbox, acceleration: 300 rad/s**2, fluctuation: 15 rpm, order: 3}",
-    "coupling-maker": "coupling-maker: {continuous: {from: 400 rpm, to: 1800 rpm}}",
-    "gear-hammer": "gear-hammer: {limit: 0.35}",
-    "fillets": "fillets: {continuous: {from: 600 rpm, to: 1500 rpm}}",
-    "shrink-fits": "shrink-fits: {safety: 2}",
-    "ice": "ice: {factor: 1.3}",
-    "universal-joints": "universal-joints: {speed_angle: 17000}",
+FOLDER = "docs/reference/model-file"
+SECTIONS = ("operation", "materials", "document", "damping", "links", "excitations", "cases")  # pages of top-level keys
+SORTS = {
+    "point": "A point: it has an angle and an inertia.",
+    "link": "A link: it joins the previous point to the next point.",
+    "line": "A row of points and links.",
+    "none": "It starts at the previous point.",
 }
 
 
-def manual() -> str:
-    """The text of docs/format.md."""
-    return Template(template("manual.md")).substitute(
-        quantities=_quantities(),
-        top=_table(Scene).replace("see meaning", "section below"),
-        document=_table(FrontMatter),
-        material=_table(Material),
-        steel=f"G {STEEL.shear_modulus / 1e9:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, "
-        f"rho {STEEL.density:g} kg/m**3",
-        operation=_with_parts(Operation),
-        damping=_table(ModalDamping),
-        common=_table(Component),
-        kinds="\n".join(_kind(kind) for kind in KINDS),
-        links=_words(LINKS),
-        excitation=_with_parts(Excitation),
-        models=_words(MODELS),
-        fem=_table(FiniteElements),
-        analyses="\n".join(_settings("analysis", name, kind) for name, kind in settings_classes().items()),
-        rules="\n".join(_settings("rule", name, rule_settings(name)) for name in RULES),
-        cases=_table(CaseKeys),
-        unbuilt=_unbuilt(),
+def pages() -> dict[str, str]:
+    """Return the text of every page by its path in `FOLDER`."""
+    texts = {f"{name}.md": _section(name) for name in (*SECTIONS, "tables")}
+    texts |= {f"components/{kind}.md": _kind(kind) for kind in KINDS}
+    texts |= {f"analyses/{name}.md": _settings("analyses", name, kind) for name, kind in settings_classes().items()}
+    texts |= {f"rules/{name}.md": _settings("rules", name, rule_settings(name)) for name in RULES}
+    texts["components/index.md"] = _page(
+        "components", kinds=_kinds(), common=key_table(Component), toctree=toctree(KINDS)
     )
+    analyses = toctree(settings_classes())
+    texts["analyses/index.md"] = _page(
+        "analyses", models=_words(MODELS), fem=key_table(FiniteElements), toctree=analyses
+    )
+    texts["rules/index.md"] = _page("rules", toctree=toctree(RULES))
+    texts["index.md"] = _page(
+        "index",
+        top=key_table(Scene).replace("see meaning", "section below"),
+        quantities=_quantities(),
+        unbuilt=_unbuilt(),
+        aliases=_words(SECTIONS_BY_ALIAS[""]),
+        toctree=toctree(
+            ["operation", "materials", "components/index", "links", "excitations", "damping", "analyses/index",
+             "rules/index", "cases", "document", "tables"]
+        ),
+    )  # fmt: skip
+    return texts
 
 
-def _kind(kind: str) -> str:
-    """The section of one kind: what it is, its keys, an example."""
-    declared = component(kind)
-    sort = {"point": "a point", "link": "a link", "line": "points and links in a row", "none": "is carried by a point"}[
-        declared.sort
-    ]
-    example = f"```yaml\n{EXAMPLES[kind]}\n```\n"
-    words = " ".join([(declared.__doc__ or "").strip().partition("\n")[0], *([NOTES[kind]] if kind in NOTES else [])])
-    return f"### `{kind}`: {sort}\n\n{words}\n\n{_with_parts(declared, Component)}\n{example}"
-
-
-def _settings(what: str, name: str, declared: type[Declared]) -> str:
-    """The section of an analysis or a rule."""
-    example = f"\n```yaml\n{SETTINGS[name]}\n```\n" if name in SETTINGS else ""
-    return f"### {what} `{name}`\n\n{_with_parts(declared)}{example}"
-
-
-def _with_parts(declared: type[Declared], common: type[Declared] | None = None) -> str:
-    """The keys of a declaration, then those of every mapping in it and in these, once; `common` has others."""
-    text, parts, left = _table(declared, common), dict[type[Declared], str](), [declared]
-    while left:
-        for key, field in sorted(keys_of(left.pop(0)).items(), key=lambda entry: not entry[1].is_required()):
-            for part in mappings_of(field):
-                if not issubclass(part, Component) and part not in parts:
-                    parts[part] = key
-                    left.append(part)
-    return text + "".join(f"\nKeys of `{key}`:\n\n{_table(part)}" for part, key in parts.items())
-
-
-def _words(names: tuple[str, ...]) -> str:
-    return ", ".join(f"`{name}`" for name in names)
+def write_pages(folder: Path, texts: Mapping[str, str]) -> None:
+    """Write every page below `folder`, and remove the pages that no longer exist."""
+    for path in folder.rglob("*.md"):
+        if path.relative_to(folder).as_posix() not in texts:
+            path.unlink()
+    for name, text in texts.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def declarations() -> dict[str, type[Declared]]:
@@ -142,25 +87,99 @@ def declarations() -> dict[str, type[Declared]]:
     }  # fmt: skip
 
 
+def toctree(names: Iterable[str]) -> str:
+    """Return the list of pages for the site's navigation."""
+    return "```{toctree}\n:maxdepth: 1\n\n" + "\n".join(names) + "\n```\n"
+
+
+def _page(name: str, **parts: str) -> str:
+    """Return the page of a template in the folder `model_file`; `$docs` leads to the folder docs."""
+    return Template(_template(f"model_file/{name}.md")).substitute(docs="../..", **parts)
+
+
+def _template(name: str) -> str:
+    """Return a template, or an empty text if there is none."""
+    path = files("torsion.schema").joinpath("templates", *name.split("/"))
+    return path.read_text(encoding="utf-8") if path.is_file() else ""
+
+
+def _section(name: str) -> str:
+    """Return the page of a section of the file."""
+    steel = f"G {STEEL.shear_modulus / 1e9:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, "
+    steel += f"rho {STEEL.density:g} kg/m**3"
+    declarations_of_sections: dict[str, type[Declared]] = {
+        "operation": Operation, "materials": Material, "document": FrontMatter, "damping": ModalDamping,
+        "excitations": Excitation, "cases": CaseKeys,
+    }  # fmt: skip
+    declared = declarations_of_sections.get(name)
+    table = "" if declared is None else "## Keys\n\n" + tables_with_parts(declared)
+    return _page(name, table=table, steel=steel, links=_words(LINKS)) + _aliases(SECTIONS_BY_ALIAS.get(name, {}))
+
+
+def _kind(kind: str) -> str:
+    """Return the page of a kind of component: sentence, examples, keys, notes."""
+    declared = component(kind)
+    sentence = (declared.__doc__ or "").strip().partition("\n")[0]
+    title, sentence = KINDS_OF_COMPONENTS.get(kind, (declared.sort, sentence))
+    keys = tables_with_parts(declared, Component, GROUPS.get(kind))
+    introduction = f"{sentence} {SORTS[declared.sort]}"
+    text = f"# `{kind}`: {title}\n\n{introduction}\n\n```yaml\n{EXAMPLES[kind]}\n```\n\n## Keys\n\n{keys}"
+    aliases = {word: name for word, name in KINDS_BY_ALIAS.items() if name == kind} | aliases_of(keys_of(declared))
+    return text + _notes("components", kind) + _aliases(aliases) + "\n[Keys of every component](index.md)\n"
+
+
+def _settings(section: str, name: str, declared: type[Declared]) -> str:
+    """Return the page of an analysis or a rule."""
+    title, sentence = title_and_sentence(name, ANALYSES[name].title if name in ANALYSES else name)
+    parts = [f"# `{name}`: {title}", sentence]
+    if name in SETTINGS:
+        item = "- " if section == "rules" else ""
+        example = (item + SETTINGS[name]).replace("\n", "\n  ")
+        parts.append(f"```yaml\n{section}:\n  {example}\n```")
+    text = "\n\n".join(part for part in parts if part)
+    return (
+        f"{text}\n\n## Keys\n\n{tables_with_parts(declared)}"
+        + _notes(section, name)
+        + _aliases(SECTIONS_BY_ALIAS.get(name, {}))
+    )
+
+
+def _notes(section: str, name: str) -> str:
+    """Return the notes of a page, if it has any."""
+    notes = _template(f"{section}/{name}.md")
+    return f"\n## Notes\n\n{notes}" if notes else ""
+
+
+def _aliases(aliases: Mapping[str, str]) -> str:
+    """Return the table of aliases of a page, if it has any."""
+    rows = [f"| `{alias}` | `{key}` |" for alias, key in aliases.items()]
+    head = "\n## Aliases\n\nGive only one word for a key.\n\n| alias | key |\n|---|---|\n"
+    return head + "\n".join(rows) + "\n" if rows else ""
+
+
+def _kinds() -> str:
+    """Return a table of all kinds."""
+    rows = ["| kind | component |", "|---|---|"]
+    rows += [f"| [`{kind}`]({kind}.md) | {KINDS_OF_COMPONENTS.get(kind, (kind,))[0]} |" for kind in KINDS]
+    return "\n".join(rows) + "\n"
+
+
+def _words(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
 def _quantities() -> str:
-    """Every SI unit of the format with what it measures."""
-    every = (quantity for declared in declarations().values() for quantity in _quantities_of(declared))
+    """Return a table of every SI unit of the format with what it measures."""
+    quantities = (quantity for declared in declarations().values() for quantity in _quantities_of(declared))
     rows = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
-    for unit in dict.fromkeys(quantity.unit for quantity in every):
+    for unit in dict.fromkeys(quantity.unit for quantity in quantities):
         bare = "is an error" if units.needs_unit(unit) else "is in the SI unit" if unit != "1" else "or a percentage"
         rows.append(f"| {units.speak(unit)} | {'' if unit == '1' else f'`{unit}`'} | {bare} |")
     return "\n".join(rows) + "\n"
 
 
-def _unbuilt() -> str:
-    """What the format has a word for and the program refuses, as a list."""
-    rows = [f"- keys of `{kind}`: {_words(component(kind).unbuilt)}" for kind in KINDS if component(kind).unbuilt]
-    rows += [f"- analyses: {_words(UNBUILT)}"]
-    return "\n".join(rows) + "\n"
-
-
 def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
-    """Every quantity in a declaration and in its mappings, components left out."""
+    """Yield every quantity in a declaration and in its mappings, without components."""
     for field in declared.model_fields.values():
         yield from (item for item in items_of(field) if isinstance(item, Quantity))
         for part in mappings_of(field):
@@ -168,68 +187,11 @@ def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
                 yield from _quantities_of(part)
 
 
-def _table(declared: type[Declared], without: type[Declared] | None = None) -> str:
-    """A Markdown table of the keys, the required ones first, but for those that `without` has already."""
-    known = set(without.model_fields) if without is not None else set()
-    rows = ["| key | value | limits | default | meaning |", "|---|---|---|---|---|"]
-    for key, field in sorted(keys_of(declared).items(), key=lambda entry: not entry[1].is_required()):
-        if key not in known:
-            whole = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
-            limits = ", ".join(dict.fromkeys(_limits(field)))
-            cells = (f"`{key}`", _value(whole), limits, _default(field), field.description or "")
-            rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-    return "\n".join(rows) + "\n" if len(rows) > 2 else "It has no settings.\n"
+def _unbuilt() -> str:
+    """Return a list of the words that the format has and the program does not support."""
+    rows = [f"- keys of `{kind}`: {_words(component(kind).unbuilt)}" for kind in KINDS if component(kind).unbuilt]
+    return "\n".join([*rows, f"- analyses: {_words(UNBUILT)}"]) + "\n"
 
 
-def _value(annotation: Any) -> str:
-    """What may stand there, in words."""
-    metadata: list[Any] = []
-    while get_origin(annotation) is Annotated:
-        annotation, *more = get_args(annotation)
-        metadata += more
-    for item in metadata:
-        if isinstance(item, Quantity) and item.unit == "1":
-            return "a number or %"
-        if isinstance(item, Quantity):
-            return f"`{item.unit}`" + (", unit required" if units.needs_unit(item.unit) else "")
-        if isinstance(item, BeforeValidator):
-            if item.func is OneOrMany.func:
-                return f"{_value(get_args(annotation)[0])}, or a list"
-            if item.json_schema_input_type not in (PydanticUndefined, Any):
-                return _value(item.json_schema_input_type)
-    origin, inner = get_origin(annotation), get_args(annotation)
-    if origin in (Union, UnionType):
-        return " or ".join(dict.fromkeys(_value(part) for part in inner if part is not type(None)))
-    if origin is Literal:
-        return ", ".join(f"`{choice}`" for choice in inner)
-    if origin is tuple:
-        words = [_value(part) for part in inner if part is not Ellipsis]
-        return f"a list of {SEVERAL.get(words[0], words[0])}" if inner[-1] is Ellipsis else f"[{', '.join(words)}]"
-    if origin in (dict, Mapping):
-        return f"a mapping of names to {_value(inner[1])}"
-    if isinstance(annotation, type) and issubclass(annotation, Declared):
-        return COMPONENT if issubclass(annotation, Component) else MAPPING
-    return PLAIN.get(annotation, "see meaning")
-
-
-def _limits(field: FieldInfo) -> Iterator[str]:
-    for item in items_of(field):
-        if isinstance(item, Quantity):
-            yield from (f"{words} {limit:.5g}" for words, limit, _ in item.limits)
-            yield f"usually {item.usual_words()}"
-        if item is Amount:
-            yield f"usually {SHARE_OF_MEAN.usual_words()} of the mean"
-        for words, name in (("at least", "ge"), ("at most", "le")):
-            if isinstance(limit := getattr(item, name, None), int):
-                yield f"{words} {limit}"
-
-
-def _default(field: FieldInfo) -> str:
-    if field.is_required():
-        return "**required**"
-    value = field.default
-    if isinstance(value, tuple) and len(value) == 1:
-        value = value[0]
-    if value is None or value in ((), "", {}):
-        return ""
-    return f"`{str(value).lower()}`" if isinstance(value, bool | str) else f"`{value:g}`"
+if __name__ == "__main__":
+    write_pages(Path(*sys.argv[1:] or [FOLDER]), pages())

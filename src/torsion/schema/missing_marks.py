@@ -24,7 +24,7 @@ def without_mark(word: str, known: Iterable[str]) -> tuple[str, str] | None:
 
 def words_for(word: str, mark: str, body: str = "{...}", dash: str = "") -> tuple[str, str]:
     """What is wrong with a word that misses its mark, and what would be right."""
-    where = "a blank is missing behind the colon of" if mark == "blank" else "a colon is missing behind"
+    where = "a blank is missing after the colon of" if mark == "blank" else "a colon is missing after"
     return f"{where} `{printable(word)}`", f"write `{dash}{printable(word)}: {body}`"
 
 

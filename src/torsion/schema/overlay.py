@@ -11,6 +11,7 @@ from torsion import units
 from torsion.components.lowering import Part
 from torsion.errors import Fault, Path, nearest, printable
 from torsion.fields import shown
+from torsion.schema.aliases import canonical_steps
 from torsion.schema.declaration_reader import entries_of
 from torsion.schema.fault_text import Node, Source
 from torsion.study import Change
@@ -19,7 +20,7 @@ SECTIONS = ("materials", "operation", "damping", "links", "excitations", "analys
 NOT_BY_KEY = {  # section: what changes it
     "rules": "the case's own key `rules`", "train": "the names of its components, as in `flywheel.inertia`",
     "name": "nothing: the name of a case is its key", "description": "nothing: it is text",
-    "cases": "another case: `based_on`", "document": "nothing: it is that of all cases",
+    "cases": "another case: `based_on`", "document": "remove it here: it is the same for all cases",
 }  # fmt: skip
 STEP = re.compile(r"""\s*("[^"]*"|'[^']*'|[^."']+)\s*(\.|$)""")  # of a key path: a word, in quotes where it has dots
 DIGITS = Context(prec=40)  # more than any figure has: what a factor multiplies stays exact
@@ -83,7 +84,7 @@ class Overlay:
             message = f"`{printable(words)}` is not given, and only what the file gives is multiplied"
             self.faults.append(Fault(fault, message, "give its value with `set`", at_key=True))
         elif (made := multiplied(there.value, factor)) is None:
-            message = f"{shown(there.value)} is no number that can be multiplied"
+            message = f"{shown(there.value)} is not a number that can be multiplied"
             self.faults.append(Fault(fault, message, "give the new value with `set`", at_key=True))
         else:
             self.changes.append(Change(words, in_words(there.value), in_words(made)))
@@ -103,7 +104,7 @@ class Overlay:
                 return None
             if not steps:
                 hint = f"for example `{first}.inertia`; `remove: [{first}]` takes it away"
-                self.faults.append(Fault(fault, f"`{printable(words)}` names a component and no key of it", hint, True))
+                self.faults.append(Fault(fault, f"`{printable(words)}` is a component without a key", hint, True))
                 return None
             start = named.path
         elif named is not None:
@@ -111,7 +112,7 @@ class Overlay:
             self.faults.append(Fault(fault, f"`{first}` is a section and a component", hint, True))
             return None
         if start != (first,) and steps[0] == "name":
-            self.faults.append(Fault(fault, "a case changes no names", "components keep those of the file", True))
+            self.faults.append(Fault(fault, "a case changes no names", "components have the values of the file", True))
             return None
         if start[-1] == "coupling" and steps[0] in ("from", "size"):
             message = f"`{printable(words)}` changes the row that the coupling was read from"
@@ -128,10 +129,10 @@ class Overlay:
             end = step.end()
         if not found or end < len(words) or words.rstrip().endswith("."):
             hint = "names and keys with a dot between, as in `flywheel.inertia`; a name that has dots in quotes"
-            self.faults.append(Fault(fault, f"`{printable(words)}` is no path to a key", hint, at_key=True))
+            self.faults.append(Fault(fault, f"`{printable(words)}` is not a path to a key", hint, at_key=True))
             return None
         plain = [step[1:-1] if step[0] in "\"'" else step for step in found]
-        return plain[0], found[0] != plain[0], plain[1:]
+        return plain[0], found[0] != plain[0], canonical_steps(plain[0], plain[1:])
 
     def _unknown(self, first: str, words: str, fault: Path, is_quoted: bool) -> Fault:
         """The fault of a word that neither a component nor a section goes by."""
@@ -156,7 +157,7 @@ class Overlay:
             if isinstance(value, list):
                 if not step.isdecimal() or not 1 <= int(step) <= len(value):
                     hint = f"one of its items by number, 1 to {len(value)}"
-                    message = f"`{printable(step)}` is no item of the list in `{printable(words)}`"
+                    message = f"`{printable(step)}` is not an item of the list in `{printable(words)}`"
                     self.faults.append(Fault(fault, message, hint, at_key=True))
                     return None
                 path = (*path, int(step) - 1)

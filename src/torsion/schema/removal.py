@@ -77,7 +77,7 @@ def _main_entries(overlay: Overlay, ends: dict[Path, Path]) -> list[Path]:
         hint = "a case keeps the component whose speed is meant, and what turns with it"
         overlay.faults.append(Fault(next(iter(ends.values())), "nothing of the main train is left", hint))
     for k in kept:
-        hint = "name all from it to an end of the main train; what a branch carries goes with its first component"
+        hint = "name all components from it to an end of the main train; a branch leaves with its first component"
         overlay.faults.append(Fault(ends[*MAIN, k], "it stands between other parts of the main train", hint))
     before = [k for k in range(first) if any((*MAIN, j) in ends for j in range(k + 1))]
     while last + 1 < len(body) and carried[last + 1]:  # by the last point that stays
@@ -93,7 +93,7 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
 
     gone = {part.name: part for part in overlay.parts if goes(part)}
     if overlay.reference in gone:
-        message = f"'{overlay.reference}', whose speed is meant, goes with it"
+        message = f"'{overlay.reference}', the reference of all speeds, is removed too"
         overlay.faults.append(Fault(fault, message, "keep it, or state another in `operation: {at: ...}` of the file"))
         return
     data = overlay.source.data

@@ -48,14 +48,14 @@ class Scene(Declared):
     document: Any = given("the front matter of a submission: what cover and running head say")
     materials: Any = given("materials by name; `steel` exists")
     operation: Any = given("speeds, rated point and law of load")
-    damping: Any = given("damping by mode, in place of that of the components: {modal: 2 %}")
+    damping: Any = given("damping by mode, in place of the damping of the components: {modal: 2 %}")
     train: Any = required("the components from one end to the other")
     steps: StepForm = given("twist of corners between shafts that say no `step`: sharp, handbook or none", "none")
     links: Any = given("links that close loops between named points")
     excitations: Any = given("torques beyond those that components bring")
     analyses: Any = given("what is computed (default: modes, and response when something excites)")
     rules: Any = given("the rules that are checked")
-    cases: Any = given("variants of this file, solved beside it")
+    cases: Any = given("variants of this file, solved in addition to it")
 
 
 def read(path: str | FilePath) -> Study:

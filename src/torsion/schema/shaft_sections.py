@@ -27,14 +27,14 @@ def sections(entry: Node, source: Source, fault: Faulty) -> list[Node]:
     shaft = entry.parts["shaft"]
     listed, name = shaft.parts[SECTIONS], shaft.parts.get("name")
     if not isinstance(listed.value, list):
-        fault(listed, f"{shown(listed.value)} is no list of sections", EXAMPLE)
+        fault(listed, f"{shown(listed.value)} is not a list of sections", EXAMPLE)
         return []
     if name is None or not isinstance(name.value, str) or not name.value:
         fault(name or shaft, "a shaft of `sections` needs a name", f"`name: line`: its sections are {_named(1)}, ...")
         return []
     for key in OF_A_ROW:
         if key in shaft.parts:
-            fault(shaft.parts[key], f"`{key}` is that of one section", f"state it in its row, as `{{{key}: ...}}`")
+            fault(shaft.parts[key], f"`{key}` belongs to one section", f"state it in its row, as `{{{key}: ...}}`")
     common = {key: part for key, part in shaft.parts.items() if key not in (SECTIONS, "name")}
     found = []
     for number, row in enumerate(listed.parts.values(), start=1):

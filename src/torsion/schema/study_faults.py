@@ -26,7 +26,7 @@ def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
 def _model_faults(study: Study) -> Iterator[Fault]:
     """The models of shafts with distributed inertia take no closed loops."""
     if study.model != "lumped" and study.train.has_loops and study.train.has_shafts:
-        message = f"the model {study.model} takes no closed loops, and `links` closes one"
+        message = f"the model {study.model} does not support closed loops, and `links` closes one"
         yield Fault(("analyses", "model"), message, "model: lumped")
 
 
@@ -35,24 +35,28 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
     if not study.train.modal_damping:
         return
     if name := study.train.damping_of_components:
-        message = f"damping by mode stands in place of that of the components, and '{name}' has its own"
+        message = f"damping by mode replaces the damping of the components, and '{name}' has damping"
         yield Fault(("damping",), message, "leave one of them out")
     if study.model != "lumped" and study.train.has_shafts:
         yield Fault(("analyses", "model"), f"damping by mode is not for the model {study.model}", "model: lumped")
     for name in ("stability", "check"):
         if name in study.analyses:
-            yield Fault(("damping",), f"`{name}` takes no damping by mode", "give the components their damping")
+            yield Fault(("damping",), f"`{name}` does not support damping by mode", "give the components their damping")
     if study.train.has_nonlinear_couplings and len(study.train.modal_damping) > 1:
-        message = "a clutch, play or friction changes the modes, so that a list of ratios by mode says nothing"
+        message = "a clutch, backlash or friction changes the modes, so that a list of ratios by mode has no meaning"
         yield Fault(("damping",), message, "one ratio for all, or give the components their damping")
     limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.limit_heat]
     if limited and any(rule == "coupling-maker" for rule, _ in study.rules):
         message = f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"
         yield Fault(("damping",), message, "give the components their damping, or leave `heat_limit` out")
     if any(torque.mesh for torque in study.train.torques):
-        yield Fault(("damping",), "a mesh that excites takes no damping by mode", "give the components their damping")
+        yield Fault(
+            ("damping",), "a mesh that excites does not support damping by mode", "give the components their damping"
+        )
     if study.has_joints:
-        yield Fault(("damping",), "a train with joints takes no damping by mode", "give the components their damping")
+        yield Fault(
+            ("damping",), "a train with joints does not support damping by mode", "give the components their damping"
+        )
 
 
 def _growth_faults(study: Study) -> Iterator[Fault]:

@@ -190,7 +190,7 @@ def _variation(
     faults += overlay.faults
     if not found and len(faults) == before:
         hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
-        faults.append(Fault(place, "no figure of the file varies", hint))
+        faults.append(Fault(place, "no parameter of the file varies", hint))
     as_one = getattr(settings, "together", ())  # names of figures
     figures = list(_in_columns(found, as_one, (*place, "together"), faults))
     variation = Variation(tuple(figures), source, read, study)

@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 
 from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
+from torsion.schema.aliases import with_canonical_keys
 from torsion.schema.fault_text import Node, Source, end_of, input_error, line_starts
 from torsion.schema.missing_marks import missing_mark
 from torsion.user_files import LARGEST_SCENE, read_file
@@ -37,11 +38,11 @@ _ALIGNED = "what belongs to one list or mapping begins in one column"
 _SYNTAX = (  # what yaml says; in plain words; what to do; whether the fault stands where the piece begins
     (r"expected ',' or '(.)'", "no closing '{0}' for this bracket, or no comma before {at}", "", True),
     (r"unexpected (?:end of stream|document)", "this quote is not closed", "", True),
-    (r"could not find expected ':'", "this key has no ':' behind it", "", True),
+    (r"could not find expected ':'", "this key has no ':' after it", "", True),
     (r"tab character|'\\t'", "a tab is used for indentation", "use spaces", False),
     (r"mapping values are not allowed", "a ':' is not allowed here", _INDENTED, False),
     (r"cannot start any token", "a value cannot begin with this character", "put text in quotes", False),
-    (r"sequence entries are not allowed", "a list cannot begin here", "begin it on a line of its own", False),
+    (r"sequence entries are not allowed", "a list cannot begin here", "begin it on a new line", False),
     (r"expected key|expected <block end>|expected '-' indicator", "this does not fit the lines above", _ALIGNED, False),
     (r"node content", "a value is missing in front of this", "", False),
     (r"expected '?<document start>", "this belongs to nothing before it", "", False),
@@ -94,10 +95,10 @@ def parse_source(text: str, name: str) -> Source:
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         builder.faults.append(_fault(f"this is not YAML: {error}", "", 1, 1))
     if builder.root.value is None and not builder.faults:
-        builder.faults.append(_fault("the file is empty", "a scene needs at least a name and a train", 1, 1))
+        builder.faults.append(_fault("the file is empty", "a model file needs at least a name and a train", 1, 1))
     if builder.faults:
         raise input_error(builder.faults, bare)
-    return Source(name, text, builder.root)
+    return with_canonical_keys(Source(name, text, builder.root))
 
 
 @dataclass(frozen=True)
@@ -161,7 +162,7 @@ class _Builder:
         if isinstance(event, yaml.DocumentStartEvent):
             self._documents += 1
             if self._documents > 1:
-                raise _EndError("a second document begins here", "one file, one scene: remove '---'", event)
+                raise _EndError("a second document begins here", "one file, one model: remove '---'", event)
         elif isinstance(event, yaml.ScalarEvent) and self._awaits_key():
             self._take_key(event)
         elif isinstance(event, yaml.NodeEvent):
@@ -222,7 +223,7 @@ class _Builder:
         if target is None:
             raise _EndError(f"nothing above is named &{event.anchor}", "put text that begins with * in quotes", event)
         if target in self._open:
-            raise _EndError(f"*{event.anchor} stands within the very thing it repeats", "", event)
+            raise _EndError(f"*{event.anchor} lies within the part that it repeats", "", event)
         if len(self._open) + target.height > _DEEPEST:
             raise _EndError(f"more than {_DEEPEST} lists and mappings within each other", "", event)
         if sum(node.size for node in self._open) + target.size > _LARGEST:
@@ -295,7 +296,7 @@ def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
 
 def _forbidden(sign: str, line: int, column: int) -> Fault:
     if sign == "\ufeff":
-        return _fault("a byte order mark (U+FEFF) stands here", "save the file as UTF-8 without it", line, column)
+        return _fault("there is a byte order mark (U+FEFF) here", "save the file as UTF-8 without it", line, column)
     return _fault(f"the character U+{ord(sign):04X} is not allowed", "remove it", line, column)
 
 

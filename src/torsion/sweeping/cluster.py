@@ -75,7 +75,7 @@ def _address(file: Path) -> str:
         return str(json.loads(file.read_text(encoding="utf-8"))["address"])
     except (OSError, ValueError, KeyError, TypeError):
         hint = f"it is written by: dask scheduler --scheduler-file FILE --dashboard-address {ANY_PORT}"
-        raise _refused(f"{file} is no file of a scheduler", hint) from None
+        raise _refused(f"{file} is not a file of a scheduler", hint) from None
 
 
 def _refused(message: str, hint: str) -> InputError:
@@ -88,8 +88,9 @@ def unprotected(given: Scheduler) -> str:
     if not given.address or parts.scheme == "tls" or parts.hostname in LOOPBACK:
         return ""
     return (
-        f"warning: the scheduler {given.address} is without TLS: whoever reaches its port can run programs on its "
-        "workers and here; use it in a network of your own alone, or start it with --tls-ca-file, --tls-cert, --tls-key"
+        f"warning: the scheduler {given.address} has no TLS. Anyone who reaches its port can run programs on its "
+        "workers and on this machine. Use it only in a private network, or start it with --tls-ca-file, --tls-cert, "
+        "--tls-key"
     )
 
 

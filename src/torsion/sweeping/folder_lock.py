@@ -25,9 +25,9 @@ def alone(folder: Path, notice: Callable[[str], object]) -> Iterator[None]:
             process, _, host = before.partition(" ")
             who = f"process {printable(process)} on {printable(host)}" if host else "another command"
             message = f"{who} is at work in {folder}, as {lock} says"
-            hint = "wait for it, or another folder with -o; where it has ended, remove that file"
+            hint = "wait for it, or choose another folder with -o; if the process has ended, remove that file"
             raise InputError([Fault((), message, hint)], f"{message} ({hint})")
-        notice(f"{lock} was left by process {before.split()[0]}, which has ended: the sweep goes on")
+        notice(f"{lock} is from process {before.split()[0]}, which has ended: the sweep continues")
         stale = lock.with_name(f"{LOCK}.{os.getpid()}")
         lock.replace(stale)  # of two commands that find it, one alone moves it
         stale.unlink()

@@ -76,7 +76,7 @@ def read_part(path: Path, checksum: str) -> tuple[Columns, dict[str, Any]]:
     try:
         content = path.read_bytes()
         if sha256(content).hexdigest() != checksum:
-            raise ValueError("it is damaged: its SHA-256 is not that of the file that was written")
+            raise ValueError("it is damaged: its SHA-256 differs from the SHA-256 of the file that was written")
         table = parquet.read_table(io.BytesIO(content), page_checksum_verification=True)
         about = json.loads(table.schema.metadata[ABOUT.encode()])
         return {name: table[name].to_numpy() for name in table.column_names}, about

@@ -60,7 +60,7 @@ class SweepFolder:
             _refuse_another(place, identity)
             return
         if any(OWN.fullmatch(path.name) for path in self.parts.glob("part-*")):
-            message = f"{self.parts} holds parts, and no {OF} says of which sweep"
+            message = f"{self.parts} holds parts of a sweep, and {OF}, which identifies the sweep, is missing"
             raise InputError([Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)")
         under_way = place.with_name(f"{OF}.part")
         under_way.write_text(json.dumps({"hash": hash_of(identity), **identity}, indent=1), encoding="utf-8")
@@ -104,7 +104,7 @@ class SweepFolder:
         """What a chunk answers; raises InputError where its part is missing or another's."""
         path = self.found(chunk)
         if path is None:
-            message = f"the part {chunk.number} is no longer in {self.parts}"
+            message = f"the part {chunk.number} has disappeared from {self.parts}"
             raise InputError([Fault((), message)], f"{message} (the same command solves it again)")
         found, about = read_part(path, self.checksums[path.name])
         if not np.array_equal(found["variant"], np.arange(chunk.begin, chunk.end)):
@@ -202,7 +202,7 @@ def _refuse_another(place: Path, identity: Mapping[str, Any]) -> None:
 def _differences(known: Mapping[str, Any], now: Mapping[str, Any], above: str = "") -> list[str]:
     """What differs, in words; of another scene that alone."""
     if not above and known.get("scene") != now.get("scene"):
-        return [f"of the scene {_said(known.get('scene'))}, and this is {_said(now.get('scene'))}"]
+        return [f"of the model file {_said(known.get('scene'))}, and this is {_said(now.get('scene'))}"]
     return list(_each_difference(known, now, above))
 
 

@@ -144,7 +144,7 @@ def test_a_speed_in_resonance_without_damping_is_left_out(monkeypatch: pytest.Mo
     discs = "train: [disc: {name: a, inertia: 0.5}, coupling: {stiffness: 1600}, disc: {name: b, inertia: 0.5}]"
     rest = "operation: {speeds: {from: 80 rad/s, to: 140 rad/s}}\nexcitations: [{at: a, order: 1, torque: 1}]"
     found = study_times(parsed(f"name: x\n{discs}\n{rest}\n"), highest=30.0, quick=True)
-    assert any(remark.startswith("1 of 7 speeds are left out") for remark in found.quantities[0].remarks)
+    assert any(remark.startswith("1 of 7 speeds are omitted") for remark in found.quantities[0].remarks)
 
 
 def test_frequencies_are_compared_up_to_the_highest_excited_one_or_the_last_requested_mode(timings: dict) -> None:

@@ -319,7 +319,7 @@ LOOP = rows(ENDS[0])
 WRONG = {
     "turned round": (LOOP[::-1], "drives the shaft"),
     "not closed": (LOOP[:27], "the loop is not closed"),
-    "one branch": (np.concatenate([LOOP[:26], LOOP[:1]]), "no loop of two branches"),
+    "one branch": (np.concatenate([LOOP[:26], LOOP[:1]]), "do not form a loop of two branches"),
     "too long": (LOOP * [1.05, 1.0], "its volume spans"),
     "back": (np.insert(LOOP, 10, LOOP[5], axis=0), "turns back between its ends"),
     "two pressures": (np.insert(LOOP, 10, LOOP[9] * [1.0, 1.2], axis=0), "two pressures at one volume"),

@@ -286,7 +286,7 @@ AT_3 = "aim: {mode-1.frequency: 3}"
     ("design", "place", "words"),  # the fault is where the text `place` begins
     [
         ("choose: {}", "{}", "nothing is chosen"),
-        (f"choose: {{{ONE}}}", "{choose", "no limit to keep"),
+        (f"choose: {{{ONE}}}", "{choose", "has no limit"),
         (f"choose: {{{ONE}}}, aim: most", "most", "'most' is no aim"),
         (f"choose: {{{ONE}}}, aim: {{mode-0.frequency: 3}}", "3}", "none of `mode-2.frequency`"),
         (f"choose: {{{ONE}}}, aim: {{mass: 3}}", "3}", "is no aim"),
@@ -324,7 +324,7 @@ def test_faults_of_a_design_are_located(design: str, place: str, words: str) -> 
         ("name,mass,stiffness [N*m/rad]\na,3,1", "1:6", "has no unit"),
         ("name,cost,stiffness [N*m/rad]\na,-3,1", "2:3", "below 0"),
         ("name,stiffness [kg]\na,3", "1:6", "unit"),
-        ("name,stiffness [N*m/rad]\na,3\na,4", "3:1", "name 'a' stands in line 2 already"),
+        ("name,stiffness [N*m/rad]\na,3\na,4", "3:1", "name 'a' is in line 2 already"),
         ("name,stiffness [N*m/rad]\na,3\nb,-4", "3:3", "out of range"),
     ],
 )

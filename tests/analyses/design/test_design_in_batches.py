@@ -83,7 +83,7 @@ def test_side_by_side_finds_the_choices_of_one_by_one(
     assert "side by side" in found.method
     monkeypatch.setattr(judged_in_groups, "WORTH", 10**9)
     alone = designed(scene, folder)
-    assert "every train solved and judged by itself" in alone.method
+    assert "every train solved and judged separately" in alone.method
     assert [one.values for one in found.best] == [one.values for one in alone.best]
     for one, other in zip(found.best, alone.best, strict=True):
         assert one.margin == pytest.approx(other.margin, rel=1e-9)
@@ -201,7 +201,7 @@ def test_the_worst_of_all_cases_counts_and_each_is_proven(folder: Path) -> None:
     assert [case.results.get("design") for case in found.cases.values()] == [None, None]
     assert design.cases == ("worn", "half")
     assert dict(design_line(found))["Design"].endswith(
-        "searched and solved over the file as it stands and its cases worn, half"
+        "searched and solved over the nominal case and its cases worn, half"
     )
 
 
@@ -221,7 +221,7 @@ def test_a_choice_is_never_kept_where_a_case_fails() -> None:
             one = found.need(Design)
             assert one.best[one.chosen - 1].proven == proven
             words = dict(design_line(found))["Design"]
-            assert f"solved by itself: {proven}" in words
+            assert f"full method: {proven}" in words
             assert ("not judged: weak" in words) == bool(judged)
 
 

@@ -450,8 +450,8 @@ def test_a_phase_that_is_any_is_not_for_motion_over_time() -> None:
 def test_the_first_page_names_the_cylinder_that_misfires() -> None:
     from torsion.output.chapters.first_page import box
 
-    assert ("Judged with", "main engine with cylinder 2 motored (misfire)") in box(solved(state="misfire: 2")).lines
-    assert "Judged with" not in dict(box(solved()).lines)
+    assert ("Engine state", "main engine with cylinder 2 motored (misfire)") in box(solved(state="misfire: 2")).lines
+    assert "Engine state" not in dict(box(solved()).lines)
 
 
 RATED = "{stiffness: 1.976e6, loss_factor: 0.035, vibratory_torque: 5 kN*m, max_torque: 7 kN*m}"

@@ -212,7 +212,7 @@ def test_other_figures_that_agree_as_well_are_reported() -> None:
     for place, figure in enumerate(one.figures):
         assert figure.lower < min(figure.factor, other.factor[place])
         assert figure.upper > max(figure.factor, other.factor[place])
-    assert any(words.startswith("Other figures agree nearly as well: c1.stiffness") for words in one.warnings)
+    assert any(words.startswith("Other values agree nearly as well: c1.stiffness") for words in one.warnings)
 
 
 def test_what_is_known_is_what_all_minima_agree_on() -> None:
@@ -383,7 +383,7 @@ FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
         ("{vary: {soft.stiffness: 20 %}}", "9", "`measured` is missing"),
         (of_frequencies("", FREQUENCY), "9:", "`vary` is empty"),
         (of_frequencies("soft.stiffness: 20 %, soft.psi: 20 %", FREQUENCY), "9:37",
-         "2 figures vary, and 1 value was measured"),
+         "2 parameters vary, and 1 value was measured"),
         (of_frequencies("soft.stifness: 20 %", FREQUENCY), "9:44", "soft.stifness"),
         (of_frequencies("soft.loss_factor: 20 %", FREQUENCY), "9:44", "does not give"),
         (of_frequencies("sift.stiffness: 20 %", FREQUENCY), "9:44", "did you mean `soft`"),
@@ -406,7 +406,7 @@ FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
         (of_curve(f"[{GOOD}]", "at: m, quantity: angle").replace("600", "2600"), "9:100",
          "2600 rpm lies outside the speeds 300 to 1800 rpm"),
         (of_curve(f"[{GOOD}]", "at: m, quantity: torque").replace("0.1 deg", "5 N*m"), "9:",
-         "'m' is no coupling and no shaft"),
+         "'m' is neither a coupling nor a shaft"),
     ],
 )  # fmt: skip
 def test_what_does_not_go_is_refused_where_it_stands(settings: str, place: str, expected: str) -> None:

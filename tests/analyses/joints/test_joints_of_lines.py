@@ -120,7 +120,7 @@ def test_line_with_a_tripod_is_extreme_where_its_curve_is():
     assert one.least.speed_ratio <= last.speed_ratio.min()
     assert one.index == pytest.approx(one.greatest.speed_ratio - one.least.speed_ratio, rel=1e-12)
     assert last.steepest == pytest.approx(np.abs(last.acceleration).max(), rel=1e-6)
-    assert "cross joints alone" in " ".join(result.remarks)
+    assert "only the cross joints" in " ".join(result.remarks)
 
 
 @pytest.mark.parametrize(("angle", "steepest"), [(3, 9.87413904680), (5, 27.4509010319), (8, 70.4209476186)])
@@ -224,7 +224,7 @@ def test_line_with_nothing_to_choose_says_so():
         ({"joint": "joint-2"}, "joint", "nothing is optimised"),
         ({"joint": "joint-9", "optimise": "phase"}, "joint", "no joint is called"),
         ({"joint": "joint-1", "optimise": "phase"}, "joint", "first of its line"),
-        ({"joint": "joint-3", "optimise": "phase"}, "joint", "no cross joint"),
+        ({"joint": "joint-3", "optimise": "phase"}, "joint", "not a cross joint"),
         ({"bearings": {"joint-9": 0.2}}, "bearings", "no joint is called"),
     ],
 )

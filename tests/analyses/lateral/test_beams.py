@@ -179,5 +179,5 @@ def test_elements_follow_the_phase_of_the_highest_frequency() -> None:
 
 
 def test_a_point_beside_the_shaft_is_refused() -> None:
-    with pytest.raises(ValueError, match="beside"):
+    with pytest.raises(ValueError, match="next to it"):
         assemble_lateral(Beam((TUBE,), (Point(LENGTH * 1.01),)))

@@ -139,7 +139,11 @@ analyses: {lateral: }
     [
         ("support: {at: 0.8, stiffness: [1e6, 0]}", "[1e6, 0]", "not supported in the plane z"),
         ("support: {at: 0.8, stiffness: [0, 1e6]}", "[0, 1e6]", "not supported in the plane y"),
-        ("support: {at: 0, stiffness: 1e6}", "0, stiff", "one place only, as its support stands on the joint itself"),
+        (
+            "support: {at: 0, stiffness: 1e6}",
+            "0, stiff",
+            "one place only, because its support lies on the joint itself",
+        ),
         ("support: {at: 0.8, stiffness: 1e-9}", "1e-9", "too soft to compute"),
         ("note: a", "lateral", "shaft-1: it is not supported: it needs a joint at either end, a joint and a `support`"),
     ],

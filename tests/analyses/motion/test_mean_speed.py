@@ -475,4 +475,4 @@ def test_law_of_a_drive_without_a_mean_torque_and_beside_a_motion_over_time_is_r
     over_time = "transient: {duration: 1 s, events: [{at: motor, time: 0.5 s, stop: {}}]}"
     with pytest.raises(InputError) as caught:
         torsion.parse(text(drive=", drive: {slip: 1 %}", analyses=over_time), "drum.yaml")
-    assert "the `drive` of 'motor' follows the mean speed and does not act in a motion over time" in str(caught.value)
+    assert "the `drive` of 'motor' follows the mean speed and does not act in a transient response" in str(caught.value)

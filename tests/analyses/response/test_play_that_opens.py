@@ -215,7 +215,9 @@ def test_a_train_damped_by_mode_keeps_its_play_closed_or_has_no_response(torque:
         return
     with pytest.raises(SolveError, match="damped by mode") as refused:
         torsion.run(torsion.parse(text, "x.yaml"))
-    words = "'teeth' is in a train that is damped by mode, and its play or stages in the response are not built"
+    words = (
+        "'teeth' is in a train that is damped by mode, and its backlash or stages in the response are not supported yet"
+    )
     assert refused.value.located.startswith(
         f"x.yaml:7:13: {words} (give the damping of the components)\n    - coupling:"
     )

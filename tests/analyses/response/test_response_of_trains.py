@@ -330,7 +330,7 @@ def test_many_resonances_are_bounded_in_number_and_it_is_said(build, operation, 
     monkeypatch.setattr(grid, "MOST_PEAKS", 10)
     found = response(study, system)
     assert len(found.speed) <= 3 + 200 + 2 * 40 + 2 * 10  # two further points by each of 40 resonances
-    assert "stand out most" in found.remark
+    assert "most prominent" in found.remark
     assert response(study, system, speeds=np.array([10.0, 10.5])).remark == ""
 
 
@@ -356,4 +356,4 @@ def test_peaks_between_the_points_of_a_large_train_are_bounded():
     wide = np.tile(torque, (1, 1, 20))
     peaks, remark = grid.missed_peaks(x, wide, sound)
     assert len(peaks) == grid.FEWEST_PEAKS
-    assert "the 100 that stand out most" in remark
+    assert "the 100 most prominent" in remark

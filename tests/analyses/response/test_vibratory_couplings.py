@@ -176,7 +176,7 @@ def test_what_does_not_settle_has_no_answer_and_fails_its_check(monkeypatch: pyt
     lost = ~response_.following.settled
     assert lost.any()
     assert (response_.status[lost] == Status.SINGULAR).all()
-    assert "does not settle" in response_.remark
+    assert "does not converge" in response_.remark
     assert {check.verdict for check in found.need(Checks).lines if check.clause == "T_KW"} == {"fail"}
 
 

@@ -141,8 +141,10 @@ def test_the_plan_says_the_largest_difference_that_was_found_and_promises_none(
         for key, (used, _) in alone.checks.items()
         for k, place in enumerate(places)
     )
-    assert f"of {len(places)} of these variants, solved separately too, the utilisations differ by {exact:.1e}" in words
-    assert "of the others by an unknown amount" in words
+    assert (
+        f"For {len(places)} variants, also solved separately, the utilisations differ by at most {exact:.1e}" in words
+    )
+    assert "for the others the difference is unknown" in words
     assert "right to" not in words
 
 
@@ -211,7 +213,7 @@ def test_variants_that_do_not_say_the_same_by_themselves_are_all_solved_so(monke
 )
 def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(given: dict[str, str], why: str) -> None:
     words = method(torsion.run(drive(**given)))
-    assert words.startswith("every variant solved and judged by itself")
+    assert words.startswith("every variant solved and judged separately")
     assert why in words
 
 

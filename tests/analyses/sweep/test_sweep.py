@@ -287,7 +287,7 @@ def test_the_first_page_says_that_variants_fail_where_the_file_passes() -> None:
     assert 0 < whole.failing < 128
     assert (made.sign, found.exit_status) == ("!", 1)
     share, low, high = (number(100.0 * one, 3) for one in (whole.probability, whole.lower, whole.upper))
-    says = f"{share} % of the variants fail a check ({low} to {high} %), although no check of the file as it stands"
+    says = f"{share} % of the variants fail a check (95 % CI {low} to {high} %)"
     assert dict(made.lines)["Sweep"].startswith(says)
     none = replace(found.need(Sweep), any_fails=replace(whole, failing=0, probability=0.0, lower=0.0, upper=0.0291))
     assert dict(first_page.box(found.having(sweep=none)).lines)["Sweep"] == "none of 128 variants fails (0 to 2.91 %)"
@@ -326,7 +326,7 @@ def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: lis
         ('vary: {"*.mass": {uniform: 5 %}}', "6:46", "no component has a key `mass`"),
         ('vary: {"*.inertia": {uniform: 5 %}}, together: [[disc-1.inertia, disc-3.inertia]]', "6:87", "disc-3"),
         ("vary: {coupling-1.stiffness: {uniform: 5 %}}, samples: 1000", "6:94", "512 or 1024"),
-        ("samples: 128", "6:38", "no figure of the file varies"),
+        ("samples: 128", "6:38", "no parameter of the file varies"),
     ],
 )
 def test_faults_of_a_sweep_are_located(sweep: str, place: str, words: str) -> None:

@@ -139,7 +139,9 @@ def test_a_share_of_a_mean_torque_that_stays_does_not_follow_the_law_of_the_load
     by_share, by_amount = (braked(0.2, 0.1, share=share, law=law) for share in (True, False))
     assert by_amount.speed[0, -1] < 0.8 * by_amount.speed_before
     assert by_share.torque == pytest.approx(by_amount.torque, rel=1e-8, abs=1e-6 * by_amount.peak.max())
-    assert "mean torques (they stay those of the begin; the law of a load acts by an event `load`)" in by_share.acting
+    assert (
+        "mean torques (they stay at their initial values; the law of a load acts by an event `load`)" in by_share.acting
+    )
 
 
 ENGINE = """engine: {name: m, cylinders: 4, strokes: 4, firing_order: [1, 3, 4, 2], inertia: 0.5, stiffness: 5 MN*m/rad,
@@ -217,7 +219,9 @@ def test_names_without_a_periodic_torque_are_refused(names: str, words: str) -> 
 def test_a_method_is_not_compared_on_a_motion_with_orders() -> None:
     text = scene(AT_SPEED + STEP + ", method: newmark, step: 1 ms")
     (fault,) = torsion.run(torsion.parse(text)).plan.unanswered
-    assert fault.why == "methods are compared on linear motions, and not beside order 1 at m (50 N m, by its angle)"
+    assert fault.why == (
+        "methods are compared on linear motions, not together with order 1 at m (50 N m, by its angle)"
+    )
     assert fault.remedy.endswith("`torques: none`")
     assert moved(text.replace(STEP, STEP + ", torques: none")).compared is not None
 
@@ -271,6 +275,6 @@ def test_an_order_that_would_take_hours_is_refused_with_what_to_do() -> None:
     study = torsion.parse(FAST.replace("duration: 2 s", "duration: 1 h"))
     settings = study.analyses["transient"]
     assert isinstance(settings, TransientSettings)
-    with pytest.raises(SolveError, match="no more than 1000000 are computed") as refused:
+    with pytest.raises(SolveError, match="1000000 steps \\(about ten minutes\\) are the limit") as refused:
         transient(study, assemble(study.train), settings)
     assert "leave torques out with `torques`" in refused.value.hint

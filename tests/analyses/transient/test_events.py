@@ -90,7 +90,7 @@ def test_a_stop_takes_the_mean_torque_away_along_its_ramp() -> None:
         ("events: [{at: screw, short-circuit: {coefficients: {line: 8}, decay: [1, 1], reclose: 2}}]", "after `clear`"),
         ("events: [{at: screw, short-circuit: {phases: 2, coefficients: {line: 8}, decay: [1, 1]}}]", "of 2 phases"),
         ("events: [{at: screw, step: {torque: 1}}], samples: 10", "at least 100"),
-        ("events: [{at: screw, step: {torque: 1}}], modes: none", "`all` or how many"),
+        ("events: [{at: screw, step: {torque: 1}}], modes: none", "`all` or the number"),
         ("events: [{at: screw, step: {torque: 1}}], plot: [nothing]", "no component is called 'nothing'"),
         ("events: [{at: screw, step: {torque: 1}}], export: xls", "none of 'npz'"),
         ("events: [{at: screw, step: {torque: 1}}], fatigue: {amplitude: 1, cycles: 1, slope: 5, at: no}", "'no'"),
@@ -108,7 +108,7 @@ def test_a_stop_takes_the_mean_torque_away_along_its_ramp() -> None:
         ("events: [{at: screw, ice: {torque: 1, angle: 361 deg}}]", "at most 360 deg"),
         ("events: [{at: screw, ice: {torque: 1, case: 1, ramp: -90 deg}}]", "at least 0 deg"),
         ("events: [{at: screw, ice: {torque: 1, case: 1, turns: 2, ramp: 361 deg}}]", "at most 360 deg for 2 turns"),
-        ("events: [{at: screw, ice: {torque: 1, case: 1, factor: 1}}]", "a factor of its own"),
+        ("events: [{at: screw, ice: {torque: 1, case: 1, factor: 1}}]", "contains its factor"),
         ("events: [{at: motor-1, stop: {}}, {at: motor-1, stop: {share: 1 %}}]", "together end 101 %"),
         (
             "events: [{at: screw, step: {torque: 1}}], fatigue: {amplitude: 1, cycles: 1, slope: 5, at: screw}",

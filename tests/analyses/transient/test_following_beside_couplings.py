@@ -156,7 +156,7 @@ def test_a_small_play_is_none() -> None:
 def test_a_motion_of_too_many_steps_says_how_far_it_comes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(collocation, "MOST_STEPS", 120)  # of two interfaces
     text = THREE.format("stiffness: 6e4, clearance: {angle: 0.02 rad, viscous: 20}")
-    with pytest.raises(SolveError, match=r"60 steps reach 0\.\d+ s of 1 s only.*shorten `duration`") as refused:
+    with pytest.raises(SolveError, match=r"60 steps reach only 0\.\d+ s of 1 s;.*shorten `duration`") as refused:
         moved(text, duration=1.0, events=START)
     assert refused.value.path == ("analyses", "transient")
 
@@ -202,7 +202,7 @@ def test_a_clutch_that_never_slips_is_a_linear_coupling(name: str) -> None:
 
 def test_parts_with_speeds_of_their_own_beside_a_joint_are_refused() -> None:
     text = THREE.replace(BEFORE, f"{JOINT}{DISC}{BEFORE}").format(NEVER)
-    with pytest.raises(SolveError, match="speeds of their own beside uneven joints"):
+    with pytest.raises(SolveError, match="parts at different speeds together with uneven joints"):
         moved(text, duration=0.1, events=START, initial={"speed": {"motor": "10 rad/s", "pump": "0 rad/s"}})
 
 

@@ -301,7 +301,7 @@ def test_the_report_lists_what_couplings_did() -> None:
     )
     findings = torsion.run(torsion.parse(text))
     blocks = {getattr(block, "caption", ""): block for block in chapter(findings)}
-    assert tuple(blocks["Couplings with play, friction, stages or a capacity"].rows[0][:3]) == ("clutch", "0", "0")
+    assert tuple(blocks["Couplings with backlash, friction, stages or a capacity"].rows[0][:3]) == ("clutch", "0", "0")
     assert any("clutch" in row for row in blocks["Events of these couplings"].rows)
     assert any("clutch" in what for what, _ in findings.plan.left_out)
 

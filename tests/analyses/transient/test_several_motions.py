@@ -36,7 +36,7 @@ def test_every_motion_has_results_verdicts_and_a_section_of_its_own() -> None:
     assert [check.what for check in checks] == [f"greatest torque of the motion over time {k}" for k in ("trip", "hit")]
     assert [check.verdict for check in checks] == ["pass", "fail"]
     blocks = list(chapter(found))
-    assert [one.text for one in blocks if isinstance(one, Heading)][1:] == ["Motion: trip", "Motion: hit"]
+    assert [one.text for one in blocks if isinstance(one, Heading)][1:] == ["Transient: trip", "Transient: hit"]
     drawn = [one.name for one in blocks if isinstance(one, Figure)]
     assert "motion hit rubber" in drawn
     assert "motion hit line" not in drawn
@@ -159,7 +159,7 @@ def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None
     assert "twice as many modes change a peak" in one.status
     assert "give more `modes`" in one.status
     texts = [block.text for block in chapter(found) if isinstance(block, Paragraph) and block.kind == "fail"]
-    assert texts == [f"Not to be relied upon: {one.status}."]
+    assert texts == [f"Not reliable: {one.status}."]
     (check,) = found.need(Checks).lines
     assert check.verdict == "fail"
     assert check.note == f"{one.status}; such a motion is never a pass"

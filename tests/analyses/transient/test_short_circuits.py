@@ -123,7 +123,7 @@ def test_a_range_is_scanned_as_finely_as_the_fastest_mode_needs_not_the_slowest(
 def test_a_range_that_needs_too_many_faults_is_refused() -> None:
     text = scene(TWO_PHASE + ", clear: 0.15 s, reclose: [0.2 s, 0.9 s]")
     (fault,) = torsion.run(torsion.parse(text)).plan.unanswered
-    assert "faults would be computed" in fault.why
+    assert "short circuits would be computed" in fault.why
     assert fault.is_input
 
 
@@ -132,7 +132,7 @@ def test_a_fault_that_would_begin_anew_after_the_end_of_the_motion_is_refused(re
     with pytest.raises(InputError) as refused:
         torsion.parse(scene(f"{TWO_PHASE}, clear: 0.15 s, reclose: {reclose}"))
     (fault,) = refused.value.faults
-    assert "after the end of the motion" in fault.message
+    assert "after the end of the transient response" in fault.message
     assert fault.path[-2:] == ("short-circuit", "reclose")
     assert fault.line == 12
 
@@ -209,5 +209,5 @@ def test_until_before_the_time_of_its_event_is_refused_as_it_is_a_length() -> No
     text = SCENE.replace(body, "step: {torque: 1 kN*m, until: 0.2 s}").replace("time: 50 ms", "time: 300 ms")
     with pytest.raises(InputError, match=r"`until` counts from the begin of the event.*`length: 0.2 s`"):
         torsion.parse(text)
-    with pytest.raises(InputError, match="`until` and `length` say the same"):
+    with pytest.raises(InputError, match="`until` and `length` have the same meaning"):
         torsion.parse(text.replace("until: 0.2 s", "until: 0.4 s, length: 0.4 s"))

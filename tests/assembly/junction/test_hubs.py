@@ -178,7 +178,7 @@ def test_each_hub_moves_the_frequencies_as_its_absence_from_the_file(model: str)
         ("hub: {length: 50 mm, fit: key, pressure: 60 MPa, friction: 0.1}", "5:", "has no `pressure`"),
         ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, pressure: 60 MPa}", "5:", "belong together"),
         ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: air}", "5:", "below 0.0001"),
-        ("hub: {length: 50 mm, fit: key}, step: sharp", "5:", "where a `step` is stated"),
+        ("hub: {length: 50 mm, fit: key}, step: sharp", "5:", "the place of a `step`"),
         ("hub: [{length: 50 mm, fit: key}, {length: 60 mm, fit: key}]", "5:", "sit on one end"),
         ("notches: {keyway: {width: 20 mm, depth: 4 mm, fillet: 5 mm}}", "5:", "not smaller than the depth"),
         ("notches: {keyway: {width: 8 mm, depth: 6 mm, fillet: 5 mm}}", "5:", "larger than half the width"),

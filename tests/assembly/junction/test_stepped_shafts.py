@@ -130,7 +130,7 @@ def test_a_large_fillet_stiffens_the_shaft_that_it_fills() -> None:
         (scene(step=", step: {undercut: {depth: 50 mm, width: 8 mm}}"), "deeper than the wall"),
         (scene(step=", step: {undercut: {depth: 3 mm, width: 8 mm, fillet: 9 mm}}"), "does not fit into the undercut"),
         (scene(step=", step: {undercut: {depth: 3 mm, width: 600 mm}}"), "reaches beyond 'a'"),
-        (scene(step=", step: {flange: {diameter: 200 mm, thickness: 30 mm}}"), "no larger than"),
+        (scene(step=", step: {flange: {diameter: 200 mm, thickness: 30 mm}}"), "not larger than"),
         (scene(step=", step: sharp", between="  - disc: {inertia: 1}"), "no shaft follows 'a' directly"),
         (scene(step=", step: {fillet: 0.5 m}").replace("200 mm", "1.2 m"), "more than half of its twist"),
         (scene(step=", step: {fillet: 0.8 m}").replace("200 mm", "2 m"), "reaches beyond 'a'"),

@@ -53,7 +53,7 @@ def test_the_change_by_sharp_steps_is_that_of_the_file_with_them() -> None:
 
 def test_a_step_in_the_bore_alone_is_named_where_steps_are_sharp() -> None:
     text = scene("steps: sharp", bore=", bore: 50 mm").replace("200 mm", "100 mm")
-    assert "left out" in parse(text).train.part("a").remark
+    assert "omitted" in parse(text).train.part("a").remark
     found = torsion.run(parse(text.replace("steps: sharp", ""))).need(SharpSteps)
     assert [one.flexibility for one in found.steps] == [None]
     assert not np.any(found.change)

@@ -41,7 +41,7 @@ BROKEN = {
         moved(SQUARE, -2) + moved(SQUARE, 2), {"triangle": FOUR + [tuple(i + 5 for i in t) for t in FOUR]}, "2 pieces",
     ),
     "joined by a point": (
-        [(-1, -1, 0), (1, -1, 0), (0, 0, 0), (1, 1, 0), (-1, 1, 0)], {"triangle": [(0, 1, 2), (2, 3, 4)]}, "by a point",
+        [(-1, -1, 0), (1, -1, 0), (0, 0, 0), (1, 1, 0), (-1, 1, 0)], {"triangle": [(0, 1, 2), (2, 3, 4)]}, "in a point",
     ),
     "three at a side": ([*SQUARE, (0, -0.5, 0)], {"triangle": [*FOUR, (0, 1, 5)]}, "overlap side"),
     "twice": (SQUARE, {"triangle": [*FOUR, FOUR[0]]}, "overlap side"),
@@ -49,7 +49,7 @@ BROKEN = {
         [(r * np.cos(k * 0.6), r * np.sin(k * 0.6), 0) for k in range(12) for r in (1, 2)],
         {"triangle": [t for k in range(0, 22, 2) for t in ((k, k + 1, k + 3), (k, k + 3, k + 2))]}, "meets itself",
     ),
-    "a flap": ([*SQUARE, (0.5, 0.4, 0)], {"triangle": [*FOUR[:3], (3, 0, 5)]}, "by a point"),
+    "a flap": ([*SQUARE, (0.5, 0.4, 0)], {"triangle": [*FOUR[:3], (3, 0, 5)]}, "meet only in a point"),
     "hanging node": (
         [(-1, -1, 0), (1, -1, 0), (0, 1, 0), (0, -1, 0), (-1, -3, 0), (1, -3, 0)],
         {"triangle": [(0, 1, 2), (4, 3, 0), (4, 5, 3), (5, 1, 3)]}, "meets itself hanging",

@@ -166,5 +166,5 @@ def test_a_lossy_material_is_a_complex_shear_modulus(trains, eta: float) -> None
 
 
 def test_bars_of_a_wrong_number_are_refused() -> None:
-    with pytest.raises(ValueError, match="laws are those of 1 shafts; expected 2"):
+    with pytest.raises(ValueError, match="laws are for 1 shafts; expected 2"):
         Shafts(np.array([1, 2]), (uniform_shafts(1.0, 1.0, 1.0),)).at(np.zeros(1))

@@ -41,14 +41,15 @@ def test_steps_with_their_times(bare: Findings) -> None:
     plan = Plan(
         (PlanLine("w", "m", "s", 0.012445, "y"), PlanLine("v", "n", "t", 2.5, "z")), (("l", "o"),), {"lib": "1"}
     )
-    head, done, left, versions = provenance.steps(replace(bare, plan=plan))
+    head, done, time, left, versions = provenance.steps(replace(bare, plan=plan))
     assert head == Heading("Appendix: what was computed")
     assert isinstance(done, Table)
     assert isinstance(left, Table)
-    assert done.rows == (("w", "m", "s", "12.4", "y"), ("v", "n", "t", "2500", "z"))
+    assert done.rows == (("w", "m", "s", "y"), ("v", "n", "t", "z"))
+    assert time == Paragraph("Computing time: 2.51 s.")
     assert left.rows == (("l", "o"),)
     assert versions == KeyValues((("lib", "1"),))
-    assert len(list(provenance.steps(replace(bare, plan=replace(plan, left_out=(), versions={}))))) == 2
+    assert len(list(provenance.steps(replace(bare, plan=replace(plan, left_out=(), versions={}))))) == 3
 
 
 def test_the_input_with_its_checksums_and_those_of_its_meshes(bare: Findings) -> None:
@@ -60,9 +61,7 @@ def test_the_input_with_its_checksums_and_those_of_its_meshes(bare: Findings) ->
     sums = [
         hashlib.sha256((SCENES / name).read_bytes()).hexdigest() for name in ("keyed_shaft.yaml", "keyed_60_mm.msh")
     ]
-    assert (
-        f"keyed_shaft.yaml, SHA-256 {sums[0]}. The whole report was computed from this text and the meshes" in said.text
-    )
+    assert f"keyed_shaft.yaml, SHA-256 {sums[0]}. The report was computed from this text and its meshes" in said.text
     assert said.text.endswith(f"keyed_60_mm.msh, SHA-256 {sums[1]}.")
     assert text == Verbatim((SCENES / "keyed_shaft.yaml").read_text(encoding="utf-8"))
     _, said, _ = provenance.input_file(replace(bare, study=replace(bare.study, file="")))

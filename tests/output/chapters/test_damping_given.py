@@ -58,9 +58,9 @@ def test_internal_damping_in_all_its_measures() -> None:
         "tail": ("material alloy", "0.012500", number(2.0 * math.pi * 0.0125), "80.000", "–"),
         "v ring": ("c = 7.5", "–", "–", "–", "7.5000"),
     }
-    assert "Taken as undamped: dry, steel." in texts(found)
+    assert "Undamped: dry, steel." in texts(found)
     assert next(iter(chapter(found))) == Heading("Appendix: damping")
-    assert "Taken as undamped" not in " ".join(texts(solved("2", SMALL)))
+    assert "Undamped" not in " ".join(texts(solved("2", SMALL)))
 
 
 SMALL = """
@@ -136,7 +136,7 @@ def test_next_to_no_damping_is_no_prediction() -> None:
     found = solved("2", TEXT + EXCITED)
     weak = replace(found.need(DampedModes), damping_ratio=np.array([0.5, 0.9e-4, 1e-4, 0.02, 0.5e-4]))
     (said,) = [text for text in texts(found.having(damped_modes=weak)) if "damping ratio" in text]
-    assert said.startswith("The damping ratio of mode 2, 5 is below 0.01 %: amplitudes")
+    assert said.startswith("The damping ratio of mode 2, 5 is below 0.01 %: the amplitudes")
     strong = replace(weak, damping_ratio=np.array([0.5, 1e-4]))
     for one in (found.having(damped_modes=strong), found.having(damped_modes=weak, response=None),
                 found.having(damped_modes=None)):  # fmt: skip
@@ -147,7 +147,7 @@ def test_an_undamped_train_says_so_where_it_responds(undamped: Findings, bare: F
     assert list(chapter(bare)) == []
     head, said = chapter(undamped)
     assert head == Heading("Appendix: damping")
-    assert said.text.startswith("Nothing in the train takes energy out")
+    assert said.text.startswith("The train has no damping.")
     text = "name: x\ntrain: [disc: {name: a, inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
     text += "excitations: [{at: a, torque: 1}]\nanalyses: {response: {frequencies: {from: 1, to: 2, steps: 3}}}\n"
     over_frequency = torsion.run(torsion.parse(text))

@@ -126,14 +126,14 @@ def test_introduction_states_harmonics_what_they_leave_out_and_the_drive(train: 
     """The fourteen harmonics at the second speed leave out most of what is known."""
     (said,) = texts(list(chapter(answered(train))))
     assert said == (
-        f"{MODEL} 3 speeds, up to 14 harmonics of the common period; largest harmonic left out, estimated: 2.5·10⁻¹¹ "
-        "of the largest kept; mean torque of the drive 11.500 to 14.250 N m."
+        f"{MODEL} 3 speeds, up to 14 harmonics of the common period; estimated maximum omitted harmonic: 2.5·10⁻¹¹ "
+        "of the largest; mean torque of the drive 11.500 to 14.250 N m."
     )
     fixed = (Line(Fraction(2), None, ("a",)), Line(None, 3.0, ("b",)), Line(None, 4.0, ("b",)))
     nothing = np.full(3, np.nan)
     bare = answered(train, lines=fixed, harmonics=np.zeros(3, dtype=int), truncation=nothing, drive=nothing)
     assert texts(list(chapter(bare))) == [
-        f"{MODEL} 3 speeds, no periodic motion at any of them. Torques of fixed frequency are left out of it."
+        f"{MODEL} 3 speeds, no periodic motion at any of them. Torques of fixed frequency are not included."
     ]
     some = texts(list(chapter(answered(train, drive=np.array([np.nan, 3.25, np.nan])))))[0]
     assert some.endswith("mean torque of the drive 3.2500 to 3.2500 N m.")
@@ -144,16 +144,16 @@ def test_speeds_that_are_not_to_be_relied_on_with_the_reason(train: Findings) ->
     found = answered(train, status=status, why=("no end", "", ""), is_unstable=[False, True, False])
     blocks = list(chapter(found))
     assert [type(block) for block in blocks][:4] == [Heading, Paragraph, Table, Table]
-    flagged = table(blocks, "not to be relied on")
-    grows = "small deviations grow: the train does not settle in this motion"
+    flagged = table(blocks, "with unreliable amplitudes")
+    grows = "unstable: the train does not settle in this motion"
     assert flagged.rows == (
         ("429.72", "none found", "−0.250", "1.5·10⁻¹²", "no end"),
         ("620.70", "ok, unstable", "0.750", "2.5·10⁻¹¹", grows),
         ("811.69", "coarse", "−0.500", "–", "more harmonics would be needed"),
     )
     assert flagged.marks == ("fail", "fail", "note")
-    assert flagged.caption.endswith("they are marked in the figures")
-    bare = table(list(chapter(answered(train, status=status, growth=None))), "not to be relied on")
+    assert flagged.caption.endswith("marked in the figures")
+    bare = table(list(chapter(answered(train, status=status, growth=None))), "with unreliable amplitudes")
     assert [(row[0], row[2]) for row in bare.rows] == [("429.72", "–"), ("811.69", "–")]
 
 
@@ -168,7 +168,7 @@ def test_of_more_than_twenty_such_speeds_the_first_twenty_are_listed(train: Find
         torque = np.ones((count, 4, len(train.system.spans)))
         coarse = replace(found.need(PeriodicResponse), torque=torque, **few)
         vars(coarse)["is_unstable"] = np.zeros(count, dtype=bool)
-        flagged = table(list(chapter(found.having(periodic=coarse))), "not to be relied on")
+        flagged = table(list(chapter(found.having(periodic=coarse))), "with unreliable amplitudes")
         assert [row[0] for row in flagged.rows] == [f"{n}.00" for n in (301, *range(303, 322))]
         assert flagged.caption.endswith(words)
 
@@ -223,7 +223,7 @@ def test_both_methods_side_by_side_in_one_unit(train: Findings) -> None:
     )  # fmt: skip
     assert found.marks == tuple("fail" if row[7] else "" for row in found.rows)
     assert [column.unit for column in found.columns] == ["", "", "kN m", "rpm", "kN m", "rpm", "%", ""]
-    assert found.caption.endswith("of the sum true to phase")
+    assert found.caption.endswith("of the total (all)")
 
 
 def test_first_order_without_a_reliable_value_has_none_beside_the_exact_one(train: Findings) -> None:
@@ -270,13 +270,14 @@ def test_half_range_of_two_orders_has_its_closed_form(train: Findings, unknown: 
 
 
 def test_rules_on_the_first_order_name_where_the_exact_one_exceeds_it_most(train: Findings) -> None:
-    text = "The rules and the synthesis judge the first-order response, not the exact periodic one."
+    text = "The rules judge the first-order response, not the exact periodic response."
     ruled = replace(train, study=torsion.parse(TRAIN + "rules: [coupling-maker]\n"))
     assert first_order_judged(answered(train)) == first_order_judged(answered(ruled, torque={})) == ""
     most = half_range(EXACT["first"][1])
     share = 100.0 * (most / 6400.0 - 1.0)
     wanted = (
-        f"{text} The exact one exceeds it most in first: largest half range {most:.1f} N m at 620.70 rpm against "
+        f"{text} The maximum excess of the exact response is in first: total amplitude {most:.1f} N m at 620.70 "
+        "rpm against "
         f"6400.0 N m at 763.94 rpm of the first order (+{share:.1f} %)."
     )
     assert first_order_judged(answered(ruled)) == wanted
@@ -284,7 +285,7 @@ def test_rules_on_the_first_order_name_where_the_exact_one_exceeds_it_most(train
     assert (blocks[2].text, blocks[2].kind) == (wanted, "note")
     fixed = (Line(Fraction(2, 3), None, ("a",)), Line(None, 3.0, ("b",)), Line(Fraction(2), None, ("b",)))
     assert first_order_judged(answered(ruled, lines=fixed)) == (
-        f"{text} The exact one exceeds it most in first: largest amplitude of order 2/3 8000.0 N m at 620.70 rpm "
+        f"{text} The maximum excess of the exact response is in first: amplitude of order 2/3 8000.0 N m at 620.70 rpm "
         "against 44.000 N m at 859.44 rpm of the first order (+18100 %)."
     )
     singular = np.full((4, 3), Status.SINGULAR, dtype=np.uint8)
@@ -296,7 +297,7 @@ def test_curves_at_the_orders_of_the_joints_and_twice_them(train: Findings) -> N
     status = np.array([Found.NONE, Found.OK, Found.COARSE], dtype=np.uint8)
     blocks = list(chapter(answered(train, status=status, is_unstable=[False, True, False])))
     first, tube, last = (block for block in blocks if isinstance(block, Figure))
-    assert [block.caption.split(" by")[0] for block in (first, tube, last)] == [
+    assert [block.caption.split(", orders")[0] for block in (first, tube, last)] == [
         "Torque in first", "Torque in tube", "Torque in last"
     ]  # fmt: skip
     assert (first.name, tube.name) == ("periodic-1-0", f"periodic-3-{len(train.system.spans) - 2}")
@@ -327,7 +328,7 @@ def test_of_many_elements_sixty_rows_are_listed_and_the_six_largest_drawn() -> N
     sizes = {f"c{k}": [[0] * 4, [0] * 4, [0.01 * k, 0.01, 0.01, 0]] for k in range(1, 18) if k != 16}
     blocks = list(chapter(answered(made, first={}, torque=sizes)))
     found = table(blocks, "First order against")
-    assert (len(found.rows), found.caption.endswith("of the sum true to phase; 60 of 64 rows")) == (60, True)
+    assert (len(found.rows), found.caption.endswith("of the total (all); 60 of 64 rows")) == (60, True)
     assert [row[0] for row in found.rows if row[1] == "all"] == [f"c{k}" for k in range(1, 18) if k != 16]
-    drawn = [block.caption.split()[2] for block in blocks if isinstance(block, Figure)]
+    drawn = [block.caption.split()[2].rstrip(",") for block in blocks if isinstance(block, Figure)]
     assert drawn == ["c11", "c12", "c13", "c14", "c15", "c17"]

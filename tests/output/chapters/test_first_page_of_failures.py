@@ -152,7 +152,7 @@ def test_what_fails_on_a_branch_that_is_not_drawn_is_said_in_the_sketch_and_its_
     bad = check("fail", where="bc 77", value=1e8), check("not kept", where="bc 5", value=60.0)
     made = judged(run("\n".join(comb(130))), *bad, check(where="bc 8"))
     figures = figure(made, "utilisation")
-    assert "the main line alone" in figures.caption
+    assert "only the main line" in figures.caption
     words = "✗ FAIL 2.00·10⁸ %: bc 77, on a branch that is not drawn"
     assert words in figures.caption
     found = dict(texts(svg(figures)))

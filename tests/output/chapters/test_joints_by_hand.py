@@ -136,7 +136,7 @@ def test_couples_in_kilonewton_metres_with_bearings_and_force() -> None:
         ("pot", "driving", "0.040000", "5.0000", "3", "1.0000", "1.5000", "7.6540", NONE, "77.000"),
     ]
     assert [(column.title, column.unit) for column in made.columns][-6:] == [
-        ("Order", ""), ("Amplitude, normal", "kN m"), ("Amplitude, in plane", "kN m"), ("Largest", "kN m"),
+        ("Order", ""), ("Amplitude, normal", "kN m"), ("Amplitude, in plane", "kN m"), ("Maximum", "kN m"),
         ("Bearings", "N"), ("Force across", "N"),
     ]  # fmt: skip
     assert made.columns[2].unit == "kN m"
@@ -154,12 +154,12 @@ def test_couples_without_bearings_and_force() -> None:
 @pytest.mark.parametrize(
     ("changed", "cells", "gain"),
     [
-        ({}, ("30", "300", "6.2500"), "falls from 25.000 % to 5.0000 %: 80 % of it is saved."),
+        ({}, ("30", "300", "6.2500"), "decreases from 25.000 % to 5.0000 %, by 80 %."),
         ({"index_before": 0.3, "index_best": 0.1}, ("30", "300", "6.2500"),
-         "falls from 30.000 % to 10.000 %: 66.67 % of it is saved."),
-        ({"best": (-20 * DEG,), "index_best": 1e-13}, ("30", "−20", "6.2500"), "from 25.000 % to 0 %: 100 % of it is"),
+         "decreases from 30.000 % to 10.000 %, by 66.67 %."),
+        ({"best": (-20 * DEG,), "index_best": 1e-13}, ("30", "−20", "6.2500"), "from 25.000 % to 0 %, by 100 %."),
         ({"best": (1e-13,), "sensitivity": (ROUNDING,), "index_before": ROUNDING}, ("30", "0", "0"),
-         "The line already turns evenly"),
+         "The line already rotates uniformly"),
     ],
 )  # fmt: skip
 def test_the_best_choice_and_its_gain(changed: dict, cells: tuple[str, ...], gain: str) -> None:
@@ -168,10 +168,10 @@ def test_the_best_choice_and_its_gain(changed: dict, cells: tuple[str, ...], gai
     assert isinstance(made, Table)
     assert isinstance(said, Paragraph)
     assert rows(made) == [("outer", *cells)]
-    assert (made.caption, made.short) == ("Best phase of pot, cv", "Best phase of pot, cv, deg")
+    assert (made.caption, made.short) == ("Optimum phase of pot, cv", "Optimum phase of pot, cv, deg")
     assert gain in said.text
     assert said.brief
-    assert f"Best phase: outer {cells[1]} deg." in list(joint_tables.in_short(JOINTS, found))[1]
+    assert f"Optimum phase: outer {cells[1]} deg." in list(joint_tables.in_short(JOINTS, found))[1]
 
 
 def test_a_choice_for_other_joints_than_are_named_is_refused() -> None:
@@ -186,12 +186,12 @@ def test_a_line_in_words() -> None:
         (sentence,) = joint_tables.in_short(JOINTS, line(0, 1, **changed))
         return sentence
 
-    uneven = "The line of inner, straight turns its last shaft with an index of fluctuation of"
-    assert said() == f"{uneven} 23.450 %; its cross joints act as one of 25.000 deg."
+    uneven = "The line of inner, straight rotates its last shaft with a degree of non-uniformity of"
+    assert said() == f"{uneven} 23.450 %; its cross joints act as one joint of 25.000 deg."
     assert said(resultant=1e-7) == f"{uneven} 23.450 %."
-    assert said(resultant=1e-5) == f"{uneven} 23.450 %; its cross joints act as one of 0.00057296 deg."
-    assert said(index=1e-13) == "The line of inner, straight turns its last shaft evenly."
-    assert said(index=ROUNDING) == "The line of inner, straight turns its last shaft evenly."
+    assert said(resultant=1e-5) == f"{uneven} 23.450 %; its cross joints act as one joint of 0.00057296 deg."
+    assert said(index=1e-13) == "The line of inner, straight rotates its last shaft uniformly."
+    assert said(index=ROUNDING) == "The line of inner, straight rotates its last shaft uniformly."
 
 
 def test_curves_over_the_angle_as_columns(bare: Findings) -> None:
@@ -217,8 +217,8 @@ def test_blocks_of_the_chapter_in_their_order(bare: Findings) -> None:
     made = blocks(bare, JOINTS)
     heads = [(block.text, block.level) for block in made if isinstance(block, Heading)]
     assert heads == [
-        ("Universal joints", 1), ("Joints together", 2), ("Secondary couples", 2), ("The best choice", 2),
-        ("What could not be said of the joints", 2),
+        ("Universal joints", 1), ("Joints together", 2), ("Secondary couples", 2), ("Optimum angles", 2),
+        ("Not computed for the joints", 2),
     ]  # fmt: skip
     assert list(figures(made)) == [
         "joint-motion-1",
@@ -251,28 +251,28 @@ def test_what_is_not_known_has_no_heading(bare: Findings) -> None:
 def test_motion_with_and_without_a_speed(bare: Findings) -> None:
     made = figures(blocks(bare, JOINTS))
     moving, still = (made[f"joint-motion-{k}"] for k in (1, 2))
-    line = moving.lines["behind inner"]
+    line = moving.lines["downstream of inner"]
     np.testing.assert_allclose(line.x, [0.0, 100.0, 250.0, 360.0], rtol=1e-14)
     curves = (0.02 * WAVE / DEG, 1 + 0.1 * WAVE, 0.17 * WAVE, 1 - 0.1 * WAVE)
     for figure, sizes, axes in (
         (moving, (1 / DEG, 30 * RPM, 900.0, 1.0), ["angle error, deg", "speed, rpm", "acceleration, rad/s²"]),
         (still, (1 / DEG, 1.0, 1.0, 1.0), ["angle error, deg", "speed ratio", "acceleration / speed², 1/rad"]),
     ):
-        assert titles(figure) == [*axes, "torque behind / before the joint"]
+        assert titles(figure) == [*axes, "torque downstream / upstream"]
         for values, size, panel in zip(curves, (1.0, *sizes[1:]), figure.plots, strict=True):
             for drawn in panel.lines:
                 np.testing.assert_allclose(drawn.y, values * size, rtol=1e-14)
-    assert [line.name for line in moving.plots[0].lines] == ["behind inner", "behind straight"]
-    assert plot(moving).x.title == "angle of the shaft before inner, deg"
-    assert moving.caption.endswith("of the first shaft, which turns evenly at 286.479 rpm")
-    assert still.caption == "Motion behind pot, cv over the angle of the first shaft, which turns evenly"
+    assert [line.name for line in moving.plots[0].lines] == ["downstream of inner", "downstream of straight"]
+    assert plot(moving).x.title == "angle of the shaft upstream of inner, deg"
+    assert moving.caption.endswith("of the first shaft, which rotates uniformly at 286.479 rpm")
+    assert still.caption == "Motion downstream of pot, cv over the angle of the first shaft, which rotates uniformly"
 
 
 def test_couples_are_drawn_over_the_first_shaft_of_their_line(bare: Findings) -> None:
     made = figures(blocks(bare, JOINTS))
     inner, pot = (made[f"joint-couples-{k}"] for k in (1, 3))
-    assert plot(inner).x.title == "angle of the shaft before inner, deg"
-    assert plot(pot).x.title == "angle of the shaft before pot, deg"
+    assert plot(inner).x.title == "angle of the shaft upstream of inner, deg"
+    assert plot(pot).x.title == "angle of the shaft upstream of pot, deg"
     assert titles(inner) == ["on the driving shaft, kN m", "on the driven shaft, kN m"]
     driving, driven = inner.plots
     sizes = {"about the normal": 0.3, "in the plane": 0.4, "resultant": 0.5, "in the turning yoke": 0.5}
@@ -301,28 +301,28 @@ def test_points_of_the_index_stand_in_the_range_that_is_drawn(
     assert line_.x == pytest.approx([-170.0, 0.0, 45.0, 190.0])
     assert line_.y == pytest.approx([40.0, 20.0, 30.0, 10.0])
     assert plot(made).x.title == f"{variable} of outer, deg"
-    assert made.caption == f"Index of fluctuation of inner, cv over the {variable} of outer"
+    assert made.caption == f"Degree of non-uniformity of inner, cv over the {variable} of outer"
 
 
 def test_the_index_of_three_joints_and_of_two_that_are_free(bare: Findings) -> None:
     even = optimum(index_best=1e-13, index_before=ROUNDING)
     three = figures(blocks(bare, together((FIRST, EVEN, EVEN), (line(0, 1, 2, optimum=even),))))["joint-index-1"]
-    assert three.caption.endswith("of outer, the other joints as they are")
+    assert three.caption.endswith("of outer, the other joints unchanged")
     assert [marks.y[0] for marks in plot(three).marks] == [0.0, 0.0]
     free = optimum(names=("outer", "cv"), before=(0.1, 0.2), best=(0.3, 0.4), sensitivity=(0.1, 0.2))
     two = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=free),))))["joint-index-1"]
-    assert two.caption.endswith("of outer; the best point moves all free joints")
+    assert two.caption.endswith("of outer; the optimum moves all free joints")
 
 
 def test_the_summary_has_the_verdict_where_a_rule_judges(bare: Findings, train: Findings) -> None:
     head, said = summary(bare.having(joints=JOINTS, checks=Checks(())))
     assert head == Heading("Summary")
     assert isinstance(said, Points)
-    assert [sentence.split(" turns")[0] for sentence in said.items[:2]] == [
+    assert [sentence.split(" rotates")[0] for sentence in said.items[:2]] == [
         "The line of inner, straight",
         "The line of pot, cv",
     ]
-    assert said.items[2].startswith("Best phase")
+    assert said.items[2].startswith("Optimum phase")
     judged = list(summary(train.having(joints=JOINTS)))
     assert train.need(Checks).lines
     assert any(isinstance(block, Paragraph) and block.kind != "plain" for block in judged)
@@ -356,7 +356,9 @@ def test_response_to_the_order_of_a_joint() -> None:
     error = np.full_like(response.joint_error, 0.5)
     error[at, place] = 0.0951
     found = found.having(response=replace(response, joint_error=error))
-    made = next(block for block in chapter(found) if isinstance(block, Table) and "each joint's shaft" in block.caption)
+    made = next(
+        block for block in chapter(found) if isinstance(block, Table) and "the order of each joint" in block.caption
+    )
     assert len(response.lines) > 1
     assert made.rows == ((
         "hooke", "order 5", joint_motion.number(size[at]), joint_motion.number(response.speed[at] * RPM),

@@ -216,7 +216,7 @@ def test_holzer_table_obeys_the_laws_of_a_geared_train(geared: Findings, mode: i
         assert value(row[1]) == pytest.approx(angle[name], rel=1e-6, abs=1e-12)
         assert row[1] == "0" or len(row[1].lstrip("−0.").replace(".", "")) == 7
         if name == "screw ground":
-            assert (row[0], row[2]) == ("held", "held")
+            assert (row[0], row[2]) == ("fixed", "fixed")
         else:
             wanted = inertia[name], torque[name]
             assert (value(row[0]), value(row[2])) == pytest.approx(wanted, rel=1e-6)

@@ -110,9 +110,9 @@ def test_blocks_of_the_chapter_in_their_order(operated: Findings) -> None:
     assert [type(block) for block in found] == [*kinds, Heading, Points]
     assert [block.level for block in found if isinstance(block, Heading)] == [1, 2, 2, 2]
     assert texts(found) == [
-        "Bending of the shafts", f"Speeds are those of drive. {AXES}", "Whirl over the speed",
-        "1 of the modes below grow by themselves in the speed range: the shaft is unstable there.",
-        "Answer to the secondary couples", "What could not be said of the bending",
+        "Bending of the shafts", f"Speeds are speeds of drive. {AXES}", "Whirl over the speed",
+        "1 of the modes below are unstable in the speed range.",
+        "Response to the secondary couples", "Not computed for the bending",
     ]  # fmt: skip
     assert [block.name for block in found if isinstance(block, Figure)] == ["whirl-2", "bending-2"]
     assert found[-1] == Points(("one", "two"))
@@ -121,10 +121,10 @@ def test_blocks_of_the_chapter_in_their_order(operated: Findings) -> None:
 
 
 def test_supports_and_lowest_frequencies_at_rest(operated: Findings) -> None:
-    found = table(blocks(operated, shaft("tube")), "what supports them")
+    found = table(blocks(operated, shaft("tube")), "and their supports")
     assert found.rows == (("tube", "1.5000", "1/2", "front at 0.1000 m, rear at 1.400 m", "6.50000", "–"),)
     other = shaft("tube", at_rest=InPlanes(NONE, np.array([8.5])))
-    assert table(blocks(operated, other), "what supports them").rows[0][4:] == ("–", "8.50000")
+    assert table(blocks(operated, other), "and their supports").rows[0][4:] == ("–", "8.50000")
 
 
 def test_critical_speeds_up_to_twice_the_range_and_two_of_every_order(operated: Findings) -> None:
@@ -141,14 +141,14 @@ def test_critical_speeds_up_to_twice_the_range_and_two_of_every_order(operated: 
     assert found.rows[0][6] == "0.00290"
     assert [row[7] for row in found.rows] == ["no", "yes", "yes", "no", "no", "no"]
     assert found.marks == ("", "note", "note", "", "", "")
-    assert found.caption.endswith("; above 1718.9 rpm only the lowest two of an order")
+    assert found.caption.endswith("; above 1718.9 rpm the lowest two of each order")
 
 
 def test_without_speeds_every_critical_speed_is_listed_and_none_lies_in_a_range(bare: Findings) -> None:
     found = table(blocks(bare, shaft("tube", whirl=None, answers=())), "Critical bending")
     assert [float(row[3]) for row in found.rows] == pytest.approx([one.speed * RPM for one in CRITICAL], rel=1e-4)
     assert {row[7] for row in found.rows} == {"no"}
-    assert found.caption.endswith("no bound is known for the amplitude")
+    assert found.caption.endswith("damping ratio 0: unbounded amplitude")
 
 
 def test_speeds_of_the_bending_come_before_those_of_the_operation(operated: Findings) -> None:
@@ -184,14 +184,14 @@ def test_whirl_by_frequency_with_its_least_decrement(operated: Findings) -> None
     found = table(blocks(operated, shaft("tube")), "Whirl over")
     assert found.rows == (
         ("tube", "1", "5.0000", "3.0000", "forward, ellipse", "−0.200", "859.44", "UNSTABLE from 572.96 rpm"),
-        ("tube", "2", "11.000", "9.0000", "backward, ellipse", "0", "286.48", "nothing damps it"),
+        ("tube", "2", "11.000", "9.0000", "backward, ellipse", "0", "286.48", "undamped"),
         ("tube", "3", "7.0000", "13.000", "nearly in a plane", "0.200", "572.96", "stable"),
     )
     assert found.marks == ("fail", "", "")
     undamped = replace(WHIRL, log_decrement=np.tile([2e-9, 0.0, -1e-9, 0.3], (3, 1)))
     found = table(blocks(operated, shaft("tube", whirl=undamped)), "Whirl over")
     assert [(row[5], row[7]) for row in found.rows] == [
-        ("0", "nothing damps it"), ("0.300", "stable"), ("2.00·10⁻⁹", "stable"), ("0", "nothing damps it")
+        ("0", "undamped"), ("0.300", "stable"), ("2.00·10⁻⁹", "stable"), ("0", "undamped")
     ]  # fmt: skip
     assert not [text for text in texts(blocks(operated, shaft("tube", whirl=undamped))) if "by themselves" in text]
 
@@ -231,7 +231,7 @@ def test_largest_displacement_and_moment_of_every_order_with_place_and_speed(ope
     """Moments are largest where displacements are smallest; at unreliable speeds there is none."""
     bad = answer(4, 7000.0, 700.0, Status.OK, Status.NEAR_SINGULAR, Status.SINGULAR)
     found = table(
-        blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), answer(2, 300.0, 30.0), bad))), "Answer"
+        blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), answer(2, 300.0, 30.0), bad))), "Response"
     )
     rows = (
         ("tube", "0", "9.0000", "1.250", "572.96", "0.18000", "0.2500", "572.96", "0 of 3"),
@@ -267,7 +267,7 @@ def test_curves_of_displacement_moment_and_force(operated: Findings) -> None:
     sizes = (np.ones(2), np.array([0.02, 0.2]), np.array([0.002, 2.0]))
     shapes = (worst, worst, np.array([2.0, 8.0, 7.0]))
     for panel, size, shape in zip(drawn.plots, sizes, shapes, strict=True):
-        still_, moving = (named(panel)[name] for name in ("order 0, at rest", "order 2"))
+        still_, moving = (named(panel)[name] for name in ("order 0, static", "order 2"))
         assert still_.x == pytest.approx(SPEED * RPM)
         assert moving.x == pytest.approx((SPEED + 2.0) * RPM)
         assert still_.y == pytest.approx(size[0] * shape)
@@ -277,7 +277,7 @@ def test_curves_of_displacement_moment_and_force(operated: Findings) -> None:
     assert levels(drawn) == {
         "critical speeds of these orders": [pytest.approx(30.0 * RPM)], "rated speed": [pytest.approx(750.0)],
     }  # fmt: skip
-    assert (drawn.name, drawn.caption[:26]) == ("bending-2", "tube: largest displacement")
+    assert (drawn.name, drawn.caption[:26]) == ("bending-2", "tube: maximum amplitude of")
     (drawn,) = figures(
         blocks(operated, shaft("tube", answers=(replace(bad, status=bad.status[[0, 2, 0]]),))), "bending"
     )

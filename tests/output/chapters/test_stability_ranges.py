@@ -97,8 +97,8 @@ def test_introduction_counts_speeds_and_lists_the_first_six_modes(operated: Find
     blocks = list(chapter(with_stability(operated)))
     assert [type(block) for block in blocks] == [Heading, Paragraph, Paragraph, Table, Figure]
     assert stated(blocks)[0] == (
-        (f"{MODEL} 4 speeds of drive as requested, 3 more in and around zones. Where both were used, monodromy and "
-        "Hill's matrix differ by at most 0.0012 1/s. Elastic modes with straight joints: w1 = 11.000, w2 = 22.000, "
+        (f"{MODEL} 4 speeds of drive as requested, 3 more near unstable ranges. Monodromy matrix and "
+        "Hill matrix differ by at most 0.0012 1/s. Elastic modes with straight joints: w1 = 11.000, w2 = 22.000, "
         "w3 = 33.000, w4 = 44.000, w5 = 55.000, w6 = 66.000 rad/s and higher."), "plain",
     )  # fmt: skip
 
@@ -108,14 +108,15 @@ def test_introduction_counts_speeds_and_lists_the_first_six_modes(operated: Find
     [
         ({"modes": np.arange(1.0, 7.0)}, "w6 = 6.0000 rad/s."),
         ({"check": math.nan},
-         "zones. The second method was too large for this train: the growth rates stand unchecked."),
+         "near unstable ranges. The second method is too large for this train. The growth rates are from one method."),
         ({"check": math.nan, "growth": np.full(7, np.nan)},
-         "zones. No periodic motion was found at any of them, so that no growth rate is known."),
-        ({"check": math.nan, "growth": np.array([np.nan, -1.0, *[np.nan] * 5])}, "zones. The second method was too"),
+         "near unstable ranges. No periodic motion was found at any speed, so that no growth rate is known."),
+        ({"check": math.nan, "growth": np.array([np.nan, -1.0, *[np.nan] * 5])},
+         "near unstable ranges. The second method is too"),
         ({"kept": 3, "left_out": 0.005678},
-         ("1/s. The train is reduced to 3 of 7 elastic modes; with twice as many the growth rates change by at most "
-         "0.0057 1/s where that was tried.")),
-        ({"loses": False}, "1/s. Nothing in the train damps: a growth of 0 is the best there is. Elastic"),
+         ("1/s. The model has 3 of 7 elastic modes. With twice as many modes the growth rates change by at most "
+         "0.0057 1/s.")),
+        ({"loses": False}, "1/s. The train has no damping: the minimum growth is 0. Elastic"),
     ],
 )  # fmt: skip
 def test_introduction_says_how_sure_the_rates_are(operated: Findings, changed: dict[str, Any], words: str) -> None:
@@ -125,10 +126,10 @@ def test_introduction_says_how_sure_the_rates_are(operated: Findings, changed: d
 @pytest.mark.parametrize(
     ("line", "text", "kind"),
     [
-        (check(-0.4, "pass"), "No deviation grows at any speed of {}.", "pass"),
-        (check(math.inf, note="no motion"), "Stability cannot be stated at every speed of {}: no motion.", "fail"),
-        (check(0.0, note="a part"), "No unstable range was found, but the answer for {} is not whole: a part.", "fail"),
-        (check(0.5), "The train is unstable within {}: the fastest growth 0.5000 1/s at 450.00 rpm.", "fail"),
+        (check(-0.4, "pass"), "No deviation grows at any speed in {}.", "pass"),
+        (check(math.inf, note="no motion"), "Stability is not known at every speed in {}: no motion.", "fail"),
+        (check(0.0, note="a part"), "No unstable range was found, but {} is not covered completely: a part.", "fail"),
+        (check(0.5), "The train is unstable in {}: maximum growth 0.5000 1/s at 450.00 rpm.", "fail"),
     ],
 )
 def test_verdict_in_words(operated: Findings, bare: Findings, line: Check, text: str, kind: str) -> None:
@@ -150,13 +151,13 @@ def test_ranges_with_growth_per_revolution_and_what_lies_in_the_operation(operat
         ("599.999000", "610.000000", KIND, "2.0000", "600.000", factors[0], "UNSTABLE", ""),
         ("590.000000", "600.001000", KIND, "2.0000", "600.000", factors[0], "UNSTABLE", ""),
         ("910.000000+", "930.000000", KIND, "300000", "920.00", factors[1], "outside",
-         "it goes on below 910 rpm, where stability was not requested"),
+         "continues below 910 rpm (not requested)"),
         ("700.000000", "710.000000?", KIND, "1.5000", "705.00", factors[2], "UNSTABLE",
-         "from 710 to 720 rpm nothing is known"),
+         "710 to 720 rpm not known"),
         ("870.000000", "890.000000+", KIND, "2.5000", "880.00", factors[3], "UNSTABLE",
-         "it goes on above 890 rpm, where stability was not requested"),
+         "continues above 890 rpm (not requested)"),
         ("820.000000?", "830.000000", KIND, "3.5000", "825.00", factors[4], "UNSTABLE",
-         "from 810 to 820 rpm nothing is known"),
+         "810 to 820 rpm not known"),
     )  # fmt: skip
     found = tables(list(chapter(with_stability(operated, ranges=ranges))))[0]
     assert found.rows == rows
@@ -164,10 +165,10 @@ def test_ranges_with_growth_per_revolution_and_what_lies_in_the_operation(operat
     assert (
         found.caption
         == found.short
-        == ("Unstable ranges of speed (+ goes on beyond the speeds requested; ? nothing is known beyond)")
+        == ("Unstable ranges of speed (+ continues beyond the requested speeds; ? not computed beyond)")
     )
     assert [column.title for column in found.columns][3:] == [
-        "Largest growth", "At speed", "Factor per revolution", "Within the operation", "Beyond its ends"
+        "Maximum growth", "Speed", "Factor per revolution", "In the operating range", "Beyond the range"
     ]  # fmt: skip
     assert {row[6] for row in tables(list(chapter(with_stability(bare, ranges=ranges))))[0].rows} == {"UNSTABLE"}
     plain = tables(list(chapter(with_stability(operated))))[0]
@@ -188,11 +189,11 @@ def test_speeds_without_an_answer_and_the_curve_of_growth(operated: Findings) ->
     blocks = list(chapter(with_stability(operated, ranges=(), unsolved=speed)))
     assert [type(block) for block in blocks] == [Heading, Paragraph, Paragraph, Table, Figure]
     (found,) = tables(blocks)
-    assert found.caption == "Speeds without an answer; 30 of 31"
+    assert found.caption == "Speeds without a solution; 30 of 31"
     assert [row[0] for row in found.rows] == [f"{n}.00" for n in range(301, 331)]
     assert found.marks == ("fail",) * 30
     (found,) = tables(list(chapter(with_stability(operated, ranges=(), unsolved=speed[:2]))))
-    assert (found.caption, len(found.rows)) == ("Speeds without an answer", 2)
+    assert (found.caption, len(found.rows)) == ("Speeds without a solution", 2)
     assert grown(list(chapter(with_stability(operated)))[-1]) == {
         "speed": pytest.approx([300.0, 340.0, 420.0, 450.0, 480.0, 600.0, 900.0]),
         "growth": STABILITY.growth.tolist(), "rated": pytest.approx(750.0),
@@ -203,7 +204,7 @@ def test_speeds_without_an_answer_and_the_curve_of_growth(operated: Findings) ->
 def test_restrictions_name_the_ranges_and_where_nothing_is_known(operated: Findings) -> None:
     """Speeds without a motion are not repeated where a range ends at them, below or above."""
     growth = np.array([-0.5, np.nan, 0.3, np.nan, 0.2, np.nan, -0.8])  # unknown: 300 to 420, 420 to 480, 480 to 900
-    words = "No periodic motion was found from {} rpm: nothing is known there."
+    words = "No periodic motion was found from {} rpm; stability is not known there."
     for ends, missing in (
         ({}, ["300 to 420", "420 to 480", "480 to 900"]), ({"unknown": (300.0, None)}, ["480 to 900"]),
         ({"unknown": (None, 900.0)}, ["300 to 420", "420 to 480"]),
@@ -219,7 +220,7 @@ def test_restrictions_name_the_ranges_and_where_nothing_is_known(operated: Findi
     silent = with_stability(operated, check(math.inf, note="no motion at all"), growth=growth)
     assert restrictions(silent, silent.need(Stability)) == [
         f"Unstable range: 420.0 to 480.0 rpm, {KIND}. Not for operation.",
-        "No answer on the stability of the whole train: no motion at all.",
+        "Stability of the whole train not computed: no motion at all.",
     ]
 
 
@@ -249,7 +250,7 @@ def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Find
     (found,) = tables(blocks)
     assert found.rows == (
         ("10.00", "−1.000", "500.00", "0", "0", "stable at the 3 speeds of the map"),
-        ("20.00", "0.5000", "500.00", "100", "33.3", "UNSTABLE, in part unknown"),
+        ("20.00", "0.5000", "500.00", "100", "33.3", "UNSTABLE, partly unknown"),
         ("30.000", "–", "–", "–", "100", "no periodic motion"),
         ("40.00", "5.000·10⁻⁶", "300.00", "0", "0", "stable at the 3 speeds of the map"),
     )
@@ -261,8 +262,9 @@ def test_map_by_value_with_its_largest_growth_and_share_of_speeds(operated: Find
     ]
     assert [block.level for block in blocks if isinstance(block, Heading)] == [1, 2]
     assert stated(blocks) == [(
-        ("Growth over speed and joint angle, on 4 of 9 elastic modes. At 5 points the whole train was computed too: "
-        "largest difference 0.0012 1/s. At 4 of 12 points no periodic motion was found; they are hatched."), "note"
+        ("Growth over speed and joint angle, on 4 of 9 elastic modes. At 5 points the full model was also "
+        "computed: maximum difference 0.0012 1/s. At 4 of 12 points no periodic motion was found; they are "
+        "hatched."), "note"
     )]  # fmt: skip
     cells = plot(blocks[-1]).cells
     np.testing.assert_array_equal(cells.values, GROWN.T)
@@ -276,7 +278,7 @@ def test_value_of_a_map_that_is_unknown_at_one_speed_is_stable_at_the_others(ope
     growth = np.array([[-1.0, 0.5], [np.nan, 0.6], [-2.0, -0.7]])
     (found,) = tables(mapped(operated, growth, over="damping", value=np.array([0.5, 2.0])))
     assert found.rows == (
-        ("0.5000", "−1.000", "300.00", "0", "33.3", "stable at 2 of 3 speeds, in part unknown"),
+        ("0.5000", "−1.000", "300.00", "0", "33.3", "stable at 2 of 3 speeds, partly unknown"),
         ("2.000", "0.6000", "500.00", "66.7", "0", "UNSTABLE"),
     )
     assert found.marks == ("fail", "fail")
@@ -285,8 +287,8 @@ def test_value_of_a_map_that_is_unknown_at_one_speed_is_stable_at_the_others(ope
 def test_map_over_a_factor_has_no_unit_and_says_where_it_found_another_motion(operated: Findings) -> None:
     blocks = mapped(operated, np.full((3, 2), -1.0), over="torque", value=np.array([0.5, 2.0]), elsewhere=1, checked=1)
     assert stated(blocks) == [(
-        ("Growth over speed and factor on the mean torque, on 4 of 9 elastic modes. At 1 point the whole train was "
-        "computed too: largest difference 0.0012 1/s. At 1 point it settled in another periodic motion."), "plain"
+        ("Growth over speed and factor on the mean torque, on 4 of 9 elastic modes. At 1 point the full model was "
+        "also computed: maximum difference 0.0012 1/s. At 1 point it settled in another periodic motion."), "plain"
     )]  # fmt: skip
     assert plot(blocks[-1]).y.title == "factor on the mean torque"
     assert plot(blocks[-1]).cells.y.tolist() == [0.5, 2.0]
@@ -301,11 +303,11 @@ def test_thirteen_values_spread_over_a_map_are_listed(operated: Findings) -> Non
 @pytest.mark.parametrize(
     ("ranges", "words"),
     [
-        ((zone(320, 330, 480, 1),), " the unstable range above lies between them and"),
+        ((zone(320, 330, 480, 1),), " the unstable range above that lies between them."),
         ((zone(320, 330, 480, 1), zone(300, 310, 320, 1), zone(510, 530, 550, 1)),
-         " 2 of the 3 unstable ranges above lie between them and"),
+         " 2 of the 3 unstable ranges above that lie between them."),
         ((zone(320, 330, 480, 1), zone(450, 460, 500, 1), zone(490, 500, 600, 1)),
-         " 1 of the 3 unstable ranges above lies between them and"),
+         " 1 of the 3 unstable ranges above that lies between them."),
         ((zone(290, 295, 310, 1), zone(690, 700, 710, 1)), ""),
     ],
 )  # fmt: skip
@@ -314,7 +316,7 @@ def test_map_says_how_many_ranges_fall_between_its_speeds(
 ) -> None:
     both = with_stability(operated, ranges=ranges)
     text = stated(mapped(both, np.full((3, 2), -1.0)))[-1][0]
-    said = f" The map knows its 3 speeds alone:{words} cannot be seen in it."
+    said = f" The map has 3 speeds only. It does not show{words}"
     assert text.endswith(f"1/s.{said if words else ''}")
 
 
@@ -348,8 +350,8 @@ def test_tilting_shafts_by_title_and_their_verdicts(operated: Findings) -> None:
     numbers = ("4.0000", "1.0000", "7.5000", "8.5000", "3.0000", "7.0000")
     assert tables(blocks)[0].rows == (("front", "joint of front", *numbers), ("tail", "joint of tail", *numbers))
     assert stated(blocks)[1:] == [
-        ("No tilting motion of front grows at the speeds that were looked at.", "pass"),
-        ("No tilting motion of tail grows at the speeds that were looked at (in part).", "fail"),
+        ("No tilting motion of front grows at the computed speeds.", "pass"),
+        ("No tilting motion of tail grows at the computed speeds (in part).", "fail"),
         ("end is unstable: its tilt grows by up to 0.7500 1/s at 450.00 rpm.", "fail"),
         ("stub is unstable: its tilt grows by up to 0.2500 1/s at 450.00 rpm (short).", "fail"),
     ]
@@ -370,7 +372,7 @@ def test_ranges_of_the_tilt_within_and_outside_the_operation(operated: Findings,
     found = tables(blocks)[1]
     assert found.rows == (
         ("tail", "250.000000", "299.000000", "several resonances together", "0.12500", "260.00", "outside"),
-        ("tail", "310.000000 (open)", "340.000000", "the mean part of the couple feeds the motion", "0.12500", "320.00",
+        ("tail", "310.000000 (open)", "340.000000", "excited by the mean couple", "0.12500", "320.00",
          "UNSTABLE"),
         ("tail", "890.000000", "910.000000 (open)", "sum of 1 and 2", "0.12500", "895.00", "UNSTABLE"),
         ("tail", "901.000000", "910.000000", "principal of 2", "0.12500", "905.00", "outside"),

@@ -136,9 +136,9 @@ def test_a_train_without_shafts_has_one_sentence() -> None:
     discs = "train: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]"
     found = torsion.run(torsion.parse(f"name: x\n{discs}\nanalyses:\n  check:\n"))
     _, sentence = chapter(found)
-    assert "all models of it are the same" in sentence.text
+    assert "all models are the same" in sentence.text
     assert results(found)["check"]["models"] == []
-    assert "all models of it are the same" in printed(screen(document(found)))
+    assert "all models are the same" in printed(screen(document(found)))
 
 
 def test_a_study_that_does_not_ask_has_no_chapter() -> None:

@@ -142,9 +142,9 @@ def test_with_a_speed_the_curves_have_its_units(solve: Solve) -> None:
     found = solve("full")
     panels = {panel.y.title: panel.lines for panel in figures(found)["joint-motion-1"].plots}
     line = panels["speed, rpm"][0]
-    assert line.name == "behind " + NAME.strip('"')
+    assert line.name == "downstream of " + NAME.strip('"')
     assert line.y.max() == pytest.approx(60.0 / math.cos(math.radians(15.0)) * 30.0 / math.pi, rel=1e-12)
-    assert set(panels) == {"angle error, deg", "speed, rpm", "acceleration, rad/s²", "torque behind / before the joint"}
+    assert set(panels) == {"angle error, deg", "speed, rpm", "acceleration, rad/s²", "torque downstream / upstream"}
 
 
 def test_couples_of_a_cross_joint_have_the_closed_mean_and_amplitude(solve: Solve) -> None:
@@ -167,7 +167,7 @@ def test_a_couple_that_stands_still_has_no_figure_and_no_order(solve: Solve) -> 
 def test_the_best_choice_is_told_with_its_gain_and_drawn_with_both_points(solve: Solve) -> None:
     found = solve("full")
     best = found.need(Joints).lines[0].optimum
-    assert [row[0] for row in table(found, "Best phase").rows] == ["joint-2", "joint-3"]
+    assert [row[0] for row in table(found, "Optimum phase").rows] == ["joint-2", "joint-3"]
     drawn = figures(found)["joint-index-1"]
     line = drawn.lines["index of fluctuation"]
     (at, size), shown = ((one.x[0], one.y[0]) for one in plot(drawn).marks)
@@ -175,13 +175,13 @@ def test_the_best_choice_is_told_with_its_gain_and_drawn_with_both_points(solve:
     assert np.interp(at, line.x, line.y) == pytest.approx(size, rel=1e-4)
     assert (at, size) == (pytest.approx(100.0), pytest.approx(100 * best.index_before))
     assert line.x[0] <= shown[0] <= line.x[-1]
-    assert "is saved" in terminal(found, 200)
+    assert "degree of non-uniformity decreases" in terminal(found, 200)
 
 
 def test_a_line_that_turns_evenly_shows_no_rounding(solve: Solve) -> None:
     row = table(solve("even"), "as one cross joint").rows[0]
     assert (row[1], row[3], row[5], row[7], row[8]) == ("0", "–", "–", "–", "0")
-    assert "nothing to gain" in terminal(solve("even"))
+    assert "already rotates uniformly" in terminal(solve("even"))
     assert [(one.x[0], one.y[0]) for one in plot(figures(solve("even"))["joint-index-1"]).marks][1] == (0.0, 0.0)
     assert table(solve("even"), "Speed and acceleration").rows[1][4] == "0"
 

@@ -23,7 +23,7 @@ def loop_faults(study: Study, path: Path) -> list[Fault]:
     """The fault of closed loops in a train whose shafts have inertia: there is no exact model of it."""
     if not (study.train.has_shafts and study.train.has_loops):
         return []
-    message = "errors are against the exact model, which takes no closed loops, and `links` closes one"
+    message = "errors are against the exact model, which does not support closed loops, and `links` closes one"
     return [Fault(path, message, "leave `links` or the check out")]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.shafts import bar_segments
 from torsion.assembly.system import System
+from torsion.sources import source
 
 TOGETHER = 1e-6  # relative; modes nearer to each other than that are one, and any mixture of their shapes is right
 NEGLIGIBLE = 1e-9  # of the largest torque of a harmonic: torques that stay below are rounding and are not compared
@@ -39,6 +40,7 @@ def shape_weights(system: System) -> FloatArray:
     return weight
 
 
+@source("AllemangBrown1982")
 def shape_errors(shape: FloatArray, exact: FloatArray, frequency: FloatArray, weight: FloatArray) -> FloatArray:
     """(modes,) 1 - MAC of every shape (stations, modes) against the exact one of the same number.
 

@@ -47,7 +47,7 @@ NOTHING_TO_DIVIDE = (
     "frequencies are right to rounding."
 )
 OWN_SEGMENTS = "The `segments` that the file gives its shafts are not used: the study divides them itself."
-SECTIONS = "Sections given by a mesh were solved beforehand; that time is not counted."
+SECTIONS = "Sections given by a mesh were solved beforehand and are not part of the time."
 EPS = float(np.finfo(np.float64).eps)
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 LINES = 3  # that are compared: those with the largest torques
@@ -55,9 +55,10 @@ DEGREES = (1, 2, 4, 8)  # of finite elements, where there are many other methods
 ELIMINATION, DENSE = "two-sided elimination", "dense solve"
 MODAL, CORRECTED = "modal superposition", "modal superposition, static correction"
 MEANING = (
-    "The error is that of the complex torque at an end of a shaft, in a coupling or in an elastic gear mesh, relative "
-    "to the largest amplitude of that torque over the compared speeds; the worst of all torques counts. Where "
-    "a shaft is lumped, the torque at its end is that of the last segment and of the inertia of half a segment beyond."
+    "The error is the error of the complex torque at an end of a shaft, in a coupling or in an elastic gear mesh. "
+    "It is relative to the largest amplitude of this torque over the compared speeds; the worst of all torques "
+    "counts. The torque at the end of a lumped shaft includes the last segment and the inertia of half a segment "
+    "beyond."
 )
 ENCLOSED = (
     "Reference: the exact model in twice as many pieces. Its bound is the larger of half its certified enclosure, "
@@ -68,12 +69,12 @@ DIVIDED = (
     "the difference to the exact model in half as many pieces and of the worst residual."
 )
 AS_GIVEN = (
-    "Reference: two-sided elimination itself, whose error is given as 0 for that reason; its bound is its worst "
-    f"residual, and every line is `ok`: rounding moves it by at most {NEAR_SINGULAR_LOSS:g} of itself."
+    "Reference: two-sided elimination, whose error is therefore 0. Its bound is its worst residual. Every line is "
+    f"`ok`: rounding changes it by at most {NEAR_SINGULAR_LOSS:g} of its value."
 )
 JOINTS = (
-    f"{MODAL} without static correction is not drawn: joints excite, and modes alone do not add up to the twist that "
-    "a joint imposes."
+    f"{MODAL} without static correction is not drawn: joints excite, and the modes do not add up to the twist that a "
+    "joint imposes."
 )
 
 
@@ -140,8 +141,8 @@ def timed_frequencies(
     number = len(wanted)
     whole = "the first elastic mode" if number == 1 else f"the first {number} elastic modes"
     meaning = (
-        f"The error is the largest relative error of {whole}, shapes and torques included in the time. Where a "
-        "discretisation has fewer modes it has no error and is not drawn."
+        f"The error is the largest relative error of {whole}; the time includes shapes and torques. A discretisation "
+        "with fewer modes has no error and is not drawn."
     )
     columns = tuple(f"mode {k + 1}, {f:.6g} Hz" for k, f in enumerate(wanted.tolist()))
     last = highest if count is None and highest > 0.0 else float(wanted[-1])
@@ -213,8 +214,8 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
     rows, remarks = timed(_curves(case, effort), effort, "response", progress)
     rpm, number = harmonics.speed * 30.0 / pi, "one line" if len(lines) == 1 else f"{len(lines)} lines"
     compared = (
-        f"Compared: {number} at {len(rpm)} speeds from {rpm[0]:.6g} to {rpm[-1]:.6g} rpm; the time is that of all of "
-        "them together, sources and mean torque counted as assembly."
+        f"Compared: {number} at {len(rpm)} speeds from {rpm[0]:.6g} to {rpm[-1]:.6g} rpm; the time is the sum over "
+        "all speeds, sources and mean torque counted as assembly."
     )
     return TimedQuantity(
         "response", "Response torques", f"{MEANING} {compared}", DIVIDED if study.train.has_shafts else AS_GIVEN,
@@ -234,7 +235,7 @@ def _sound(harmonics: Harmonics, system: System) -> tuple[Harmonics, tuple[str, 
         raise SolveError("at none of the compared speeds the response is beyond doubt; give the damping of the train")
     keys = tuple((given.loads[k].line.order, given.loads[k].line.frequency) for k in kept)
     lost = int(np.count_nonzero(~sound))
-    remark = (f"{lost} of {len(sound)} speeds are left out: an undamped train is in resonance there.",) if lost else ()
+    remark = (f"{lost} of {len(sound)} speeds are omitted: an undamped train is in resonance there.",) if lost else ()
     return replace(harmonics, speed=harmonics.speed[sound], keys=keys), remark
 
 

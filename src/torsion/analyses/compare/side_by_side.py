@@ -29,7 +29,7 @@ from torsion.study import Study
 
 Model = Literal["lumped", "fem", "exact"]
 TORQUE_FACTOR = 10.0  # error of a torque over that of a frequency in a shaft divided for the highest excited frequency
-SAME_WITHOUT_SHAFTS = "No shaft of this train has an inertia of its own: all models of it are the same."
+SAME_WITHOUT_SHAFTS = "No shaft of this train has inertia: all models are the same."
 
 
 class CheckSettings(Declared):
@@ -63,13 +63,13 @@ class TorquesCompared:
     Both are compared equally far from their own resonances: peaks with peaks.
     """
 
-    error: FloatArray = result("1", ("speed",), "relative, the largest of all orders; null where it is not known")
+    error: FloatArray = result("1", ("speed",), "relative, the largest of all orders; null if unknown")
     largest: float  # of all; NaN where there is none
     worst_speed: int | None = result("", (), "position of the speed of the largest error, or null")
     worst_order: Fraction | None = result("", (), "its order of the reference, or null")
     worst_frequency: float | None = result("Hz", (), "its fixed frequency, or null")
     component: str = result("", (), "component of the largest error", key="worst_component")
-    left_out: int = result("", (), "speeds and orders at which a model has no answer that can be trusted")
+    left_out: int = result("", (), "speeds and orders at which a model has no reliable solution")
 
 
 @reported
@@ -79,28 +79,28 @@ class ModelCompared:
     model: str = result("", (), "exact (first), lumped or fem")
     division: str = result("", (), "segments, elements or pieces of the shafts, in words")
     certified: bool = result("", (), "counts prove the frequencies", key="is_certified")
-    frequency: FloatArray = result("Hz", ("mode",), "null where the model has no such mode")
-    frequency_error: FloatArray = result("1", ("mode",), "signed; null where the model has no such mode")
+    frequency: FloatArray = result("Hz", ("mode",), "null if the model has no such mode")
+    frequency_error: FloatArray = result("1", ("mode",), "signed; null if the model has no such mode")
     shape_error: FloatArray = result(  # infinite where it has no such mode, NaN where no station has a shape
         "1", ("mode",), "1 - MAC at the stations of the train, weighted by inertia; null for none"
     )
     below: int = result("", (), "elastic modes below `check.highest_Hz`", key="modes_below")
-    torques: TorquesCompared | None = result("", (), "of the response; null where none were compared")
+    torques: TorquesCompared | None = result("", (), "of the response; null if not compared")
     modes_seconds: float = result("", (), "time of assembly and modes")
-    torques_seconds: float = result("", (), "time of the response torques; 0 where there are none")
+    torques_seconds: float = result("", (), "time of the response torques; 0 without a response")
     tolerances: tuple[float, float, float]  # of frequencies, shapes and torques
 
-    @derived("1", (), "magnitude; null where a mode is missing")
+    @derived("1", (), "magnitude; null if a mode is missing")
     def largest_frequency_error(self) -> float:
         """NaN where there is none."""
         return float(np.fmax.reduce(np.abs(self.frequency_error), initial=math.nan))
 
-    @derived("1", (), "null where a mode is missing or no shape could be compared")
+    @derived("1", (), "null if a mode is missing or no shape could be compared")
     def largest_shape_error(self) -> float:
         """NaN where there is none."""
         return float(np.fmax.reduce(self.shape_error, initial=math.nan))
 
-    @derived("1", (), "null where no torque was compared")
+    @derived("1", (), "null if no torque was compared")
     def largest_torque_error(self) -> float:
         """NaN where there is none."""
         return math.nan if self.torques is None else self.torques.largest
@@ -130,7 +130,7 @@ class Compared:
     speed: FloatArray | None = result(
         "rad/s", ("speed",), "reference speeds at which torques are compared, or null", default=None
     )
-    same: str = result("", (), "why all models are the same; empty where they were compared", default="")
+    same: str = result("", (), "why all models are the same; empty if they were compared", default="")
     no_torques: str = result("", (), "why no torques were compared", default="")
 
     @derived("", (), "models with an error above the tolerance")

@@ -201,7 +201,7 @@ def timed(
         if not remark and len(found) < len(curve):
             ended.append(curve[0].curve)
     if ended:
-        remarks.append(f"Finer discretisations are not run where rounding alone is left: {', '.join(ended)}.")
+        remarks.append(f"Finer discretisations are not run if only rounding is left: {', '.join(ended)}.")
     start, turn = pace.clock(), 0
     while turn < pace.rounds or pace.clock() - start < pace.seconds:
         turning = [one for one in tried if turn < pace.slow_rounds or sum(one.first) <= pace.slow]

@@ -22,6 +22,7 @@ from torsion.assembly.matrices import Matrices, matrices
 from torsion.assembly.shafts import bar_segments
 from torsion.assembly.system import System
 from torsion.primitives import Bar
+from torsion.sources import source
 from torsion.study import Study
 
 _End = tuple[int, str, int, int, float, float, float]  # number of the component, and a row of `Ends`
@@ -241,6 +242,7 @@ def _imposed(system: System, load: Load) -> ComplexArray:
     return np.asarray(angle[condensed.node])
 
 
+@source("CraigKurdila2006", "ch. 11")
 def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArray]:
     """Torques (speeds, ends) N m of every harmonic from the lowest `count` modes.
 

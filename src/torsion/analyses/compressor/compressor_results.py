@@ -13,7 +13,7 @@ class EndFound:
     given: str = result("", (), "its file, or its constant pressure", key="pressures")
     area: float = result("m**2", (), "of the piston on this side")
     clearance: float | None = result("1", (), "volume at its dead centre / swept volume; null without volumes")
-    imep: float = result("Pa", (), "indicated mean effective pressure, positive where it takes work")
+    imep: float = result("Pa", (), "indicated mean effective pressure, positive if the cylinder absorbs work")
     power: float | None = result("W", (), "indicated, at the speed of the harmonics; or null")
     angle: FloatArray = result("rad", ("crank angle",), "from the dead centre of the head end")
     pressure: FloatArray = result("Pa", ("crank angle",), "absolute")
@@ -42,7 +42,7 @@ class ThrowFound:
     angle: float = result("rad", (), "crank angle of its dead centre of the head end")
     mean_torque: float = result("N*m", (), "that its gas absorbs")
     inertia: float = result("kg*m**2", (), "mean of its moving masses")
-    ends: tuple[EndFound, ...] = result("", (), "those that have a pressure of their own")
+    ends: tuple[EndFound, ...] = result("", (), "orders that have their own pressure")
     harmonics: tuple[ThrowHarmonic, ...] = result("", (), "ascending")
 
 
@@ -54,7 +54,7 @@ class CompressorFound:
     speed: float | None = result("rad/s", (), "own speed of the harmonics: rated, else the highest; or null")
     indicated: float = result("N*m", (), "mean torque that the gas absorbs", key="indicated_torque_Nm")
     efficiency: float = result("1", (), "mechanical: that / torque at the shaft")
-    mean_torque: float | None = result("N*m", (), "that the operation has it absorb at that speed; or null")
+    mean_torque: float | None = result("N*m", (), "power absorbed at that speed according to `operation`; or null")
     throws: tuple[ThrowFound, ...] = result("", (), "from the first end of the crankshaft")
     rigid: tuple[complex, ...] = result("N*m", (), "sum of all throws by order, as phasors, reference angle zero",
                                         key="sum_of_throws_Nm")  # fmt: skip

@@ -37,7 +37,11 @@ def run(work: Work) -> None:
     variation = study.variations.get("design")
     if variation is None or work.solve is None:
         of_all = study.case is not None and "design" in study.analyses
-        why = "searched once for the file and all its cases" if of_all else "no figure of the file is chosen"
+        why = (
+            "searched once for the file and all its cases"
+            if of_all
+            else "no parameter of the file is a design variable"
+        )
         work.log.without("design", why)
         return
     modes = _modes(work, settings)
@@ -53,7 +57,7 @@ def run(work: Work) -> None:
         is_fast = _is_fast(trials)
         most = settings.evaluations or (TOGETHER if is_fast else JUDGED)
         if not is_fast:
-            work.progress(f"design, trains solved by themselves: at most {duration(most * seconds)}", 0.0)
+            work.progress(f"design, trains solved separately: at most {duration(most * seconds)}", 0.0)
         trials.limit = max(most // searched, 20)
         method = search(trials)
         best = list(_best(trials))

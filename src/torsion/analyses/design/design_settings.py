@@ -59,10 +59,11 @@ class DesignSettings(Declared):
     """Settings of `design`."""
 
     choose: dict[str, Choice] = required(
-        "figures by `component.key`, and what each may be: `from` and `to`, `values`; of a component a `catalogue`"
+        "design variables by `component.key` with their values: `from` and `to`, or `values`; for a component a "
+        "`catalogue`"
     )
     aim: Annotated[Any, WithJsonSchema(AIM)] = given(
-        "margin: the greatest smallest margin to the limits of all checks; or {mode-2.frequency: 40 Hz}", "margin"
+        "margin: maximise the smallest margin to the limits of all checks; or {mode-2.frequency: 40 Hz}", "margin"
     )
     keep: tuple[dict[str, Condition], ...] = given(
         f"what the choice has to keep, of {SUBJECTS}: {{outside: [30 Hz, 36 Hz]}}, `below`, `above`", ()
@@ -115,7 +116,7 @@ class DesignSettings(Declared):
         """What the file lacks for them."""
         if self.target is None and not study.rules:
             hint = "name `rules`, or aim at {mode-2.frequency: 40 Hz}"
-            yield Fault(("aim",), "`aim: margin` has no limit to keep: the file names no rules", hint)
+            yield Fault(("aim",), "`aim: margin` has no limit: the file has no rules", hint)
         if self.robust and "sweep" not in study.analyses:
             hint = "`sweep: {vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
             yield Fault(("robust",), "`robust` is at the worst of `sweep`, which the file does not name", hint)
@@ -185,7 +186,7 @@ def _kept(words: str, condition: Condition, place: tuple[str | int, ...]) -> Kep
             raise refuse("`outside` excludes `below` and `above`", "leave one out", (*place, "outside"))
         pair = condition.outside
         if not isinstance(pair, list | tuple) or len(pair) != 2:
-            raise refuse(f"{shown(pair)} is no pair of values", "[30 Hz, 36 Hz]", (*place, "outside"))
+            raise refuse(f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", (*place, "outside"))
         low, high = (_read(value, subject, (*place, "outside", k)) for k, value in enumerate(pair))
         said = f"outside {pair[0]} to {pair[1]}"
     else:

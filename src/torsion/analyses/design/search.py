@@ -9,6 +9,7 @@ import numpy as np
 
 from torsion.analyses.design.trials import Trials
 from torsion.arrays import FloatArray
+from torsion.sources import source
 
 CURVE, MAP = 200, 200  # values of one figure, and of each of two
 VALLEYS = 3  # of which the best is refined
@@ -108,6 +109,7 @@ def _other(low: FloatArray, high: FloatArray, middle: FloatArray) -> FloatArray:
     return np.where(high - middle >= middle - low, high, low)
 
 
+@source("StornPrice1997")
 def _evolution(trials: Trials) -> str:
     """Differential evolution of all figures, lists as whole numbers; then the lists one by one, and the ranges."""
     from scipy.optimize import differential_evolution
@@ -143,7 +145,7 @@ def _evolution(trials: Trials) -> str:
     for top in tops:
         step = [0.0 if one.places else NEAR * one.law.width for one in figures]
         _refined(trials, top, step, left)
-    return f"differential evolution, seed {trials.settings.seed}, then every list by itself and the ranges refined"
+    return f"differential evolution, seed {trials.settings.seed}, then every list separately and the ranges refined"
 
 
 def _others(trials: Trials, every: Sequence[FloatArray | None]) -> None:

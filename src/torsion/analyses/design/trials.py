@@ -233,8 +233,8 @@ class Trials:
             return ""
         alone, why = sum(one.alone for one in benches), "; ".join(dict.fromkeys(one.why for one in benches if one.why))
         if not self.is_together:
-            return f"; every train solved and judged by itself: {why or 'more than numbers of one train vary'}"
-        few = f"{alone:,} trains and the best by themselves" if alone else "the best by itself"
+            return f"; every train solved and judged separately: {why or 'more than numbers of one train vary'}"
+        few = f"{alone:,} trains and the best separately" if alone else "the best by itself"
         return f"; judged side by side, {few}" + (f": {why}" if why else "")
 
     @property

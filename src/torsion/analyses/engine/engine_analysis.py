@@ -184,8 +184,8 @@ def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[Misfire
     if response is None or len(engine.cylinders) == 1:
         return tuple
     if work.study.case is not None and not engine.tries_all:
-        what = f"misfire of each cylinder of {work.study.train.parts[engine.part].name} beside this case"
-        work.log.without(what, f"the file as it stands has it; {STATED}, in a case `based_on` this one")
+        what = f"misfire of each cylinder of {work.study.train.parts[engine.part].name} in addition to this case"
+        work.log.without(what, f"the nominal case contains it; {STATED}, in a case `based_on` this one")
         return tuple
     if why := without_answer(response):
         work.log.without(f"misfire of each cylinder of {work.study.train.parts[engine.part].name}", why)
@@ -201,7 +201,7 @@ def engine_faults(study: Study) -> Iterator[Fault]:
         yield Fault(part.path, message, "give the crank angle at which its first cylinder fires: `phase: 60 deg`")
     chance = [part for part in parts if part.engine is not None and part.engine.by_chance]
     if chance and (study.train.has_nonlinear_couplings or "transient" in study.analyses):
-        what = "a motion over time" if "transient" in study.analyses else "play, friction, stages or a clutch"
+        what = "a motion over time" if "transient" in study.analyses else "backlash, friction, stages or a clutch"
         message = f"`phase: worst` adds magnitudes, and {what} does not follow so"
         yield Fault((*chance[0].path, "phase"), message, "give the angle, in several cases")
     for part in parts:

@@ -17,7 +17,9 @@ class CylinderFound:
     station: str = result("", (), "its throw")
     firing: float = result("rad", (), "crank angle at which it fires, from reference angle zero")
     state: Literal["firing", "motored", "cut out"] = result("", (), "firing, motored (misfire) or cut out")
-    share: float = result("1", (), "its heat / that of a cylinder of the engine in balance; 0 where it does not fire")
+    share: float = result(
+        "1", (), "its heat / heat of a cylinder of the balanced engine; 0 for a cylinder without firing"
+    )
 
 
 @reported
@@ -27,7 +29,7 @@ class HarmonicFound:
     order: Fraction = result("", (), "per revolution of the crankshaft, exact")
     gas: complex = result("N*m", (), "of the gas")
     masses: complex = result("N*m", (), "of the moving masses")
-    motored: complex | None = result("N*m", (), "of the gas of a cylinder without heat; null where it is not known")
+    motored: complex | None = result("N*m", (), "gas torque of a misfiring cylinder; null if unknown")
     tangential: float | None = result("Pa", (), "magnitude of the sum / (piston area times half the stroke), or null")
     rigid: float = result("1", (), "magnitude of the sum of exp(-i order firing angle) over the cylinders")
     by_mode: tuple[float, ...] = result(
@@ -92,7 +94,7 @@ class EngineFound:
     gas_mean: float | None = result("N*m", (), "mean gas torque of a firing cylinder for that, or null")
     imep: float | None = result("Pa", (), "the indicated mean effective pressure that this needs, or null")
     stated: float | None = result("Pa", (), "that at which the gas torque is given, or null", key="stated_imep_Pa")
-    efficiency: float = result("1", (), "mechanical: mean torque / that of the gas")
+    efficiency: float = result("1", (), "mechanical: mean torque / mean gas torque")
     keeps_power: bool = result("", (), "the other cylinders make up for those that do not fire")
     cylinders: tuple[CylinderFound, ...] = result("", (), "in the order of their numbers")
     harmonics: tuple[HarmonicFound, ...] = result("", (), "ascending")
@@ -100,12 +102,12 @@ class EngineFound:
     inertia: float = result("kg*m**2", (), "mean of the moving masses of a cylinder")
     inertia_harmonics: tuple[complex, ...] = result("kg*m**2", (), "of a revolution, 1, 2, ..: complex amplitudes")
     varying: tuple[VaryingInertia, ...] = result("", (), "by mode; empty without masses or modes")
-    stress_modulus: float | None = result("m**3", (), "least of journal and pin, or null")
+    stress_modulus: float | None = result("m**3", (), "minimum of journal and pin, or null")
     words: tuple[tuple[str, str], ...] = result("", (), "figures of its data sheet: what, and value with unit")
-    remarks: tuple[str, ...] = result("", (), "what is estimated or left out")
+    remarks: tuple[str, ...] = result("", (), "what is estimated or omitted")
     superposed: Callable[[], Sequence[MisfireFound]] = field(default=tuple, repr=False, compare=False)
 
-    @derived("", (), "every cylinder in turn, first none; empty where not known")
+    @derived("", (), "every cylinder in turn, first none; empty if not known")
     def misfires(self) -> tuple[MisfireFound, ...]:
         """Superposed where an output first needs them: no verdict reads them."""
         return tuple(self.superposed())

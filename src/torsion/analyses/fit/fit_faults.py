@@ -28,7 +28,9 @@ def fit_faults(study: Study) -> list[Fault]:
                  for one in settings.measured)  # fmt: skip
     count = len(frequencies) + points
     if len(settings.vary) > count and not any(one.signal for one in settings.measured):
-        message = f"{len(settings.vary)} figures vary, and {count} value{'s were' if count != 1 else ' was'} measured"
+        message = (
+            f"{len(settings.vary)} parameters vary, and {count} value{'s were' if count != 1 else ' was'} measured"
+        )
         faults.append(Fault((*FIT, "vary"), message, "vary fewer, or give more measurements", at_key=True))
     return faults
 
@@ -70,7 +72,7 @@ def _place_faults(study: Study, one: Measured, path: Path) -> list[Fault]:
         if not torque_spans(study, name):
             elastic = [part.name for part in study.train.parts if torque_spans(study, part.name)]
             hint = f"one of {', '.join(elastic)}" if elastic else "the train has none"
-            return [Fault(path, f"'{name}' is no coupling and no shaft, and carries no torque of its own", hint)]
+            return [Fault(path, f"'{name}' is neither a coupling nor a shaft, and carries no torque", hint)]
         return []
     names = [station.name for station in study.train.stations if not station.is_ground and station.ratio > 0]
     if name in names:

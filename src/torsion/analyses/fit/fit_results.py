@@ -16,9 +16,9 @@ class FittedFigure:
     name: str = result("", (), "component and key")
     given: str = result("", (), "its value in the file, as written there")
     fitted: str = result("", (), "the fitted value")
-    factor: float = result("1", (), "fitted value over that of the file")
+    factor: float = result("1", (), "updated value / value of the file")
     prior: float = result("1", (), "standard deviation of its logarithm before the fit, as the file states it")
-    deviation: float = result("1", (), "standard deviation of its logarithm behind the fit, over `others` too")
+    deviation: float = result("1", (), "standard deviation of its logarithm after the fit, over `others` too")
     lower: float = result("1", (), "lower end of the 95 % interval, of `others` too, over the value of the file")
     upper: float = result("1", (), "upper end of the 95 % interval")
     shift: float = result("1", (), "ln of the factor over the deviation before the fit")
@@ -30,13 +30,15 @@ class FittedMode:
     """A measured natural frequency."""
 
     mode: int = result("", (), "with which it is paired, from 1")
-    is_given: bool = result("", (), "the file says the number; else modes rise with the frequencies, in their bands")
+    is_given: bool = result("", (), "the number is from the file; else modes rise with the frequencies, in their bands")
     measured: float = result("Hz", (), "as measured")
     within: float = result("1", (), "its standard deviation")
-    lower: float = result("Hz", (), "least frequency with every figure within two of its deviations before the fit")
+    lower: float = result(
+        "Hz", (), "minimum frequency with every parameter within two of its deviations before the fit"
+    )
     upper: float = result("Hz", (), "greatest such frequency")
-    before: float = result("Hz", (), "of the file as it stands")
-    after: float = result("Hz", (), "with the fitted figures, solved as a file of its own")
+    before: float = result("Hz", (), "of the nominal case")
+    after: float = result("Hz", (), "with the updated parameters, solved as a separate file")
     residual: float = result("1", (), "ln of fitted over measured, in deviations of the measurement")
     is_outside: bool = result("", (), "the measured frequency lies outside its band")
 
@@ -51,17 +53,19 @@ class FittedCurve:
     unit: str = result("", (), "of the amplitudes")
     origin: str = result("", (), "torsiogram, or signal whose orders were tracked")
     within: float = result("1", (), "standard deviation of an amplitude, and in rad of a phase, as stated")
-    deviation: FloatArray = result("1", ("point",), "the same with what a signal leaves at the orders beside this one")
+    deviation: FloatArray = result(
+        "1", ("point",), "the same with the remainder of a signal at the neighbouring orders"
+    )
     speed: FloatArray = result("rad/s", ("point",), "of the reference")
     measured: FloatArray = result("", ("point",), "amplitude as measured")
-    before: FloatArray = result("", ("point",), "of the file as it stands")
+    before: FloatArray = result("", ("point",), "of the nominal case")
     after: FloatArray = result("", ("point",), "with the fitted figures")
     residual: FloatArray = result("1", ("point",), "ln of fitted over measured, in deviations of the measurement")
     phase_residual: FloatArray | None = result(
         "1", ("point",), "fitted less measured phase in such deviations; null without phases"
     )
     curve_speed: FloatArray = result("rad/s", ("speed",), "speeds of the curves")
-    curve_before: FloatArray = result("", ("speed",), "amplitude of the file as it stands")
+    curve_before: FloatArray = result("", ("speed",), "amplitude of the nominal case")
     curve_after: FloatArray = result("", ("speed",), "amplitude with the fitted figures")
     unused: int = result(
         "", (), "windows of a signal outside the speed range, or in whose noise the order is lost", default=0
@@ -72,7 +76,7 @@ class FittedCurve:
 class Direction:
     """A combination of figures, and how much the measurements say of it."""
 
-    information: float = result("1", (), "deviation before the fit over that from the measurements alone")
+    information: float = result("1", (), "deviation before the fit / deviation from only the measurements")
     is_unidentified: bool = result("", (), "no measurement says anything of it")
     words: str = result("", (), "the combination in words")
 
@@ -81,7 +85,7 @@ class Direction:
 class OtherFit:
     """Another set of figures that agrees nearly as well."""
 
-    factor: FloatArray = result("1", ("figure",), "values over those of the file")
+    factor: FloatArray = result("1", ("figure",), "values / values of the file")
     chi2: float = result("1", (), "sum of the squared residuals of the measurements")
     prior_chi2: float = result("1", (), "sum of the squared shifts of the figures")
     words: str = result("", (), "the values in words")
@@ -102,9 +106,9 @@ class Fit:
     chi2: float = result("1", (), "sum of the squared residuals of the measurements")
     freedom: float = result("1", (), "degrees of freedom: measurements less the figures that they determine")
     prior_chi2: float = result("1", (), "sum of the squared shifts of the figures")
-    rank: int = result("", (), "combinations of figures of which the measurements say anything")
+    rank: int = result("", (), "combinations of parameters that the measurements identify")
     steps: int = result("", (), "steps of Gauss and Newton, of all searches")
-    searches: int = result("", (), "searches, each from another start, of which this is the best")
+    searches: int = result("", (), "searches, each from another start; this is the best")
     others: tuple[OtherFit, ...] = result(
         "", (), "other minima by at most 6 greater in the sum of squares of measurements and figures, the best first"
     )

@@ -40,7 +40,7 @@ def run(work: Work) -> None:
     """Where the file was read with figures that vary; the fitted file is solved the ordinary way too."""
     settings, variation = work.settings("fit", FitSettings), work.study.variations.get("fit")
     if variation is None or work.solve is None:
-        work.log.without("fit", "no figure of the file varies")
+        work.log.without("fit", "no parameter of the file varies")
         return
     with work.log.step("fit to measurements", "the file names it") as step:
         made = curves(work.study, settings.measured)
@@ -82,7 +82,7 @@ class Problem:
         self.measured, self.sigma = np.concatenate(measured), np.concatenate(within)
         if len(self.deviation) > self.sigma.size:
             were = "value was" if self.sigma.size == 1 else "values were"
-            message = f"{len(self.deviation)} figures vary, and {self.sigma.size} {were} measured"
+            message = f"{len(self.deviation)} parameters vary, and {self.sigma.size} {were} measured"
             raise InputError([Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")])
 
     def fitted(self) -> Fitted:
@@ -205,7 +205,7 @@ def _warnings(made: Fit, found: Fitted) -> Iterator[str]:
             side = "below" if one.measured < one.lower else "above"
             yield (
                 f"The measured {one.measured:.6g} Hz of mode {one.mode} lies {side} the band of that mode, "
-                f"{one.lower:.6g} to {one.upper:.6g} Hz with every figure within two of its deviations: the mode is "
+                f"{one.lower:.6g} to {one.upper:.6g} Hz with every parameter within two deviations. The mode is "
                 "another one, the measurement is wrong, or the model lacks something."
             )
     if made.is_wrong:
@@ -213,17 +213,18 @@ def _warnings(made: Fit, found: Fitted) -> Iterator[str]:
         if share is None:
             share, each = made.chi2 / made.measurements, "measured value"
         yield (
-            f"Chi2 is {share:.3g} for each {each}, above {MOST_CHI2:g}: of {made.searches} searches none found values "
-            "that explain the measurements as exactly as `within` says. The model lacks something, a measured "
-            "frequency is of another mode, or `within` is stated too small; the deviations and intervals do not hold."
+            f"Chi2 is {share:.3g} for each {each}, above {MOST_CHI2:g}: of {made.searches} searches none found "
+            "values that explain the measurements as exactly as `within` requires. The model lacks something, a "
+            "measured frequency is of another mode, or `within` is stated too small; the deviations and intervals "
+            "do not hold."
         )
     if made.others:
         other, rest = made.others[0], len(made.others) - 1
         more = other.chi2 + other.prior_chi2 - made.chi2 - made.prior_chi2
         yield (
-            f"Other figures agree nearly as well: {other.words} (sum of squares greater by {max(more, 0.0):.2g})"
-            f"{f', and {rest} more' if rest else ''}. The measurements do not decide between them; intervals, "
-            "deviations and what is known reach over all of them."
+            f"Other values agree nearly as well: {other.words} (sum of squares greater by "
+            f"{max(more, 0.0):.2g}){f', and {rest} more' if rest else ''}. The measurements do not decide between "
+            "them; intervals, deviations and what is known reach over all of them."
         )
     for figure in made.figures:
         if abs(figure.shift) > FARTHEST - 1e-6:

@@ -27,7 +27,7 @@ class Reading(Declared):
     """A row of a torsiogram."""
 
     speed: fields.Speed = required("of the component `at` of `operation`")
-    amplitude: Any = required("half range of one order: deg or rad, rpm or rad/s, N*m")
+    amplitude: Any = required("amplitude (zero to peak) of one order: deg or rad, rpm or rad/s, N*m")
     phase: Phase | None = given("of a cosine over the angle of the component `at` of `operation`")
 
 
@@ -45,13 +45,13 @@ class Measured(Declared):
 
     frequency: fields.Frequency | None = given("a measured natural frequency")
     mode: Annotated[int, Field(ge=1)] | None = given(
-        "its number, from 1 (default: modes rise with the frequencies, each in its band where they can)"
+        "its number, from 1 (default: modes rise with the frequencies, each in its band if possible)"
     )
     torsiogram: Rows | None = given("CSV file of one order over speed: columns `speed`, `amplitude`, `phase`")
     signal: str | None = given(
         "file of a signal over time: two columns, time and speed; or one, the times of pulses, with `pulses`",
     )
-    at: str | None = given("where it was measured: a point, or of a torque a coupling or shaft")
+    at: str | None = given("place of the measurement: a point, or for a torque a coupling or shaft")
     order: fields.Exact | None = given("per revolution of the component `at` of `operation`")
     orders: Annotated[tuple[fields.Exact, ...], fields.OneOrMany] = given("orders of a signal that are fitted", ())
     quantity: Literal["angle", "speed", "torque"] | None = given("what a torsiogram is of")

@@ -49,5 +49,5 @@ def unidentified(each: Sequence[Direction], *, only_frequencies: bool) -> list[s
             words = f"No measurement identifies {one.words}: changed so, every measured value stays as it is"
             if only_frequencies and "common factor" in one.words:
                 words += " (frequencies never identify the common scale of stiffnesses and inertias)"
-            found.append(f"{words}. What is stated of it is what the file stated beforehand.")
+            found.append(f"{words}. Its values are the prior values of the file.")
     return found

@@ -91,7 +91,7 @@ def _of_signal(study: Study, one: Measured, path: Path) -> Iterator[Curve]:
         angle, error = tracked.angle[:, k], tracked.error[:, k]
         used = np.flatnonzero(inside & (np.abs(angle) >= SEEN * error))
         if not used.size:
-            message = f"order {order} does not stand out of the noise in any of {np.count_nonzero(inside)} windows"
+            message = f"order {order} does not exceed the noise in any of {np.count_nonzero(inside)} windows"
             hint = "longer windows (`revolutions`), or leave it out; are `pulses` right?"
             raise InputError([Fault((*path, "orders"), message, hint)])
         used = used[np.argsort(reference[used], kind="stable")]
@@ -130,7 +130,7 @@ def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked"
     steps = np.diff(time)
     gap = int(steps.argmax())
     if one.pulses is None and steps[gap] > GAP * np.median(steps):
-        message = f"behind {time[gap]:.6g} s samples are missing, for {steps[gap]:.3g} s"
+        message = f"after {time[gap]:.6g} s samples are missing, for {steps[gap]:.3g} s"
         raise InputError([Fault(place, message, "a signal without gaps: cut it there")])
     _refuse_orders(one, own, path)
     highest = one.pulses or _samples(time, values[1])

@@ -43,7 +43,7 @@ class Train:
             study = self.variation.study(factors)
         except InputError as error:
             message = "; ".join(fault.message for fault in error.faults)
-            raise SolveError(f"the file with fitted figures is at fault: {message}", "a smaller deviation") from None
+            raise SolveError(f"the file with updated parameters is invalid: {message}", "a smaller deviation") from None
         return study, self._assembled(study)
 
     def _assembled(self, study: Study) -> System:

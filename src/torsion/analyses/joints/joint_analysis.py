@@ -103,7 +103,7 @@ def _torques(
         return [requested.torque] * len(every), []
     speed = operation.speed
     if not speed or not states_mean_torque(train, operation):
-        return [None] * len(every), ["no torque is known: secondary couples are left out"]
+        return [None] * len(every), ["no torque is known: secondary couples are omitted"]
     if known is None:
         known = mean_torques(train, assemble(train), operation, np.array([speed]))
     column = int(np.argmin(np.abs(known.speed - speed)))
@@ -116,8 +116,8 @@ def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], requested: Joi
     for line in lines:
         names = ", ".join(every[k].name for k in line.joints)
         if joint_lines.has_third_order(every, line.joints):
-            found.append(f"{names}: the resulting angle and the optimum are of the cross joints alone; "
-                         "speeds include the tripods")  # fmt: skip
+            found.append(f"{names}: the resulting angle and the optimum include only the cross joints; speeds "
+                         "include the tripods")  # fmt: skip
         if requested.optimise and line.optimum is None:
             found.append(f"{names}: no {requested.optimise} of a cross joint is free to be chosen on this line")
     return found
@@ -146,10 +146,10 @@ def _freedom(place: Placed, requested: JointsSettings) -> list[Fault]:
     """The joint that may be changed must change something."""
     where = (*PLACE, "joint")
     if requested.optimise is None:
-        message = "`joint` names what may be changed, and nothing is optimised"
+        message = "`joint` lists joints that may change, and nothing is optimised"
         return [Fault(where, message, "add `optimise: phase`")]
     if place.joint.kind != "cross":
-        return [Fault(where, f"'{place.name}' is no cross joint; it has nothing to choose", "name a cross joint")]
+        return [Fault(where, f"'{place.name}' is not a cross joint; it has nothing to choose", "name a cross joint")]
     if place.before is None and requested.optimise != "angle":
         message = f"'{place.name}' is the first of its line; its {requested.optimise} changes nothing"
         return [Fault(where, message, "name a later joint")]

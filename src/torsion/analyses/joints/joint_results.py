@@ -24,7 +24,7 @@ class CoupleFound:
     order: int = result("", (), "of the amplitudes: 2 of a cross joint, 3 of a tripod, 0 of a steady couple")
     largest: float = result("N*m", (), "largest resultant over the revolution")
     bearing: float | None = result(
-        "N", (), "largest bearing reaction; null where no distance of bearings is given", default=None
+        "N", (), "largest bearing reaction; null without a distance of bearings", default=None
     )
 
 
@@ -42,17 +42,17 @@ class JointFound:
     ratio: Fraction = result("", (), "speed of its driving shaft / reference speed, exact")
     order: int = result("", (), "of its excitation per revolution of its driving shaft; 0 if it does not excite")
     amplitude: complex = result("rad", (), "complex amplitude of that order of its transmission error")
-    unevenness: float = result("1", (), "of it alone: (largest - smallest driven speed) / mean")
+    unevenness: float = result("1", (), "of this joint only: (largest - smallest driven speed) / mean")
     speed: float | None = result("rad/s", (), "mean speed of its driving shaft at the rated point, or null")
     torque: float | None = result("N*m", (), "mean torque in its driving shaft, or null")
     error: FloatArray = result("rad", ("angle",), "of its driven shaft against the first shaft of the line")
     speed_ratio: FloatArray = result("1", ("angle",), "speed of its driven shaft / speed of the first shaft")
     acceleration: FloatArray = result("1/rad", ("angle",), "acceleration of its driven shaft / speed squared")
-    torque_ratio: FloatArray = result("1", ("angle",), "torque behind it / torque before it")
-    couples: tuple[CoupleFound, ...] = result("", (), "on its shafts; empty where no torque is known")
-    steepest: float = result("1/rad", (), "greatest magnitude of acceleration / speed squared", default=0.0)
+    torque_ratio: FloatArray = result("1", ("angle",), "torque after it / torque before it")
+    couples: tuple[CoupleFound, ...] = result("", (), "on its shafts; empty without a known torque")
+    steepest: float = result("1/rad", (), "maximum magnitude of acceleration / speed squared", default=0.0)
     force: float = result(
-        "N", (), "greatest force across the driving shaft, of a tripod with a single bearing; else 0", default=0.0
+        "N", (), "maximum force across the driving shaft of a tripod with a single bearing; otherwise 0", default=0.0
     )
 
 
@@ -72,10 +72,10 @@ class LineFound:
     resultant: float = result("rad", (), "angle of the one cross joint that does the same at order 2")
     phase: float = result("rad", (), "its phase")
     classical: float = result("rad", (), "small-angle sum of the handbooks")
-    index: float = result("1", (), "(greatest - least) / mean speed of the last shaft")
+    index: float = result("1", (), "(maximum - minimum) / mean speed of the last shaft")
     greatest: Extreme = result("", (), "greatest speed")
     least: Extreme = result("", (), "least speed")
-    optimum: "OptimumFound | None" = result("", (), "the best choice; null where none was requested", default=None)
+    optimum: "OptimumFound | None" = result("", (), "the best choice; null if not requested", default=None)
 
 
 @reported
@@ -84,7 +84,7 @@ class OptimumFound:
 
     variable: Literal["phase", "angle", "plane"] = result("", (), "phase, angle or plane")
     names: tuple[str, ...] = result("", (), "the joints that were free")
-    before: tuple[float, ...] = result("rad", (), "of every free joint as the file says")
+    before: tuple[float, ...] = result("rad", (), "of every free joint in the file")
     best: tuple[float, ...] = result("rad", (), "of every free joint")
     index_before: float = result("1", (), "index as the file says")
     index_best: float = result("1", (), "index of the best choice")

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray
+from torsion.sources import source
 
 DEGREE = 13  # of the displacement in an element
 POINTS = DEGREE + 4  # of Gauss: exact for the product of two functions and a moment of area of degree 4
@@ -51,6 +52,7 @@ class Segment:
         outer, bore = self.diameters(share)
         return np.asarray(math.pi / 64.0 * (outer - bore) * (outer + bore) * (outer**2 + bore**2))
 
+    @source("Cowper1966")
     def shear_coefficient(self, share: FloatArray) -> FloatArray:
         """Cowper's coefficient of a hollow circular section with the Poisson's ratio of E and G."""
         poisson = self.youngs_modulus / (2.0 * self.shear_modulus) - 1.0
@@ -86,6 +88,7 @@ def size(shear: bool) -> int:
     return 2 * DEGREE + 1 if shear else DEGREE + 1
 
 
+@source("SzaboBabuska1991", "ch. 3")
 def element(section: Segment, shear: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Stiffness, N/m, mass, kg, and rotary inertia of the sections, kg, by quadrature that is exact for cones.
 

@@ -150,7 +150,7 @@ def assemble_lateral(
 def _cells(beam: Beam, frequency: float, shear: bool, elements: int) -> tuple[tuple[Cell, ...], FloatArray]:
     """Elements from start to end, and the places of their nodes, m."""
     if not beam.length > 0 or any(not 0 <= point.at <= beam.length * (1 + 1e-12) for point in beam.points):
-        raise ValueError(f"{beam.name or 'beam'}: it has no length, or a point stands beside it")
+        raise ValueError(f"{beam.name or 'beam'}: it has no length, or a point is next to it")
     apart = 1e-12 * beam.length  # places nearer to each other are one, but for rounding
     sections: list[tuple[float, Segment]] = []
     begin = 0.0

@@ -87,7 +87,7 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     beam = Beam(tuple(segments), tuple(points), names)
     lacks, place = "", Path()
     if any(at not in (0, len(row)) for _, _, at in joints):
-        lacks = "a joint stands between its ends"
+        lacks = "a joint lies between its ends"
     elif len(faults) == before:
         lacks, place = next(_lacking(train, row, beam), (lacks, place))
     faults += [] if lacks else of_material
@@ -137,7 +137,7 @@ def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[F
         part, every = train.parts[bar.part], _supports_of(train, bar)
         for number, (support, path) in enumerate(every):
             if support.at > bar.length:
-                message = f"the support stands {support.at:g} m along a shaft of {bar.length:g} m"
+                message = f"the support lies {support.at:g} m along a shaft of {bar.length:g} m"
                 faults.append(Fault((*path, "at"), message, "at most the length of the shaft"))
                 continue
             place = bar.length - support.at if is_from_behind else support.at
@@ -200,6 +200,6 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, P
     elif len({point.at for point in beam.points}) < len(beam.points):
         pinned = any(point.fixation == "pinned" for point in beam.points)
         where = "on the joint itself" if pinned else "where another does"
-        yield f"it is supported at one place only, as its support stands {where}", (*given[-1][1], "at")
+        yield f"it is supported at one place only, because its support lies {where}", (*given[-1][1], "at")
     else:
         yield "it is supported at one place only: add another `support`, or a joint at an end", given[-1][1]

@@ -36,7 +36,7 @@ class Answer:
 
     order: int = result("", (), "per revolution of the shaft; 0 stands still")
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds, more of them around resonances")
-    displacement: ComplexArray = result("m", ("speed", "place", "direction"), "[y, z] complex amplitude, half range")
+    displacement: ComplexArray = result("m", ("speed", "place", "direction"), "[y, z] complex amplitude (zero to peak)")
     moment: ComplexArray  # (speeds, places, 2) N m, E I u'' with its damping share: [.., 0] bends in y, about z
     force: ComplexArray = result(
         "N", ("speed", "point", "direction"), "[y, z] complex amplitude, of the shaft on its joints and supports"

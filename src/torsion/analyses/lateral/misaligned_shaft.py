@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from torsion.arrays import FloatArray
 from torsion.kernels.periodic.monodromy import ANGLE_PER_STEP, FEWEST_STEPS, radau, through_steps
 from torsion.kinematics.cross import transfer
+from torsion.sources import source
 
 NEUTRAL = 1e-10  # growth / speed that counts as none: rounding of a monodromy matrix moves it by 1e-12
 MOST_STEPS_AT_A_TIME = 2000
@@ -133,6 +134,7 @@ def monodromies(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT
     return np.asarray(rate[:, :, None] * whole / rate[:, None, :])
 
 
+@source("ZhuWang", "eq. 7, corrected")
 def growth(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT) -> Growth:
     """Growth over positive speeds (rad/s) by the eigenvalues of the monodromy matrix."""
     at = np.atleast_1d(np.asarray(speeds, dtype=float))

@@ -68,17 +68,17 @@ class ShaftFound:
     parts: tuple[int, ...]  # of its shafts
     ratio: Fraction = result("", (), "its speed / reference speed, exact; orders are per revolution of the shaft")
     length: float = result("m", (), "its length")
-    position: FloatArray = result("m", ("place",), "along the shaft; the end between two elements stands twice")
+    position: FloatArray = result("m", ("place",), "along the shaft; the end between two elements is listed twice")
     point: tuple[Holding, ...] = result("", (), "joints and supports that hold it", key="points")
     at_rest: InPlanes = result("", (), "natural frequencies without rotation", key="at_rest_Hz")
     critical: tuple[Critical, ...] = result(
         "", (), "of order 1, then of the orders of the joints' couples, by speed", key="critical_speeds"
     )
-    whirl: Whirl | None = result("", (), "over speed; null where no speeds are given")
+    whirl: Whirl | None = result("", (), "over speed; null without speeds")
     answers: tuple[Answer, ...] = result("", (), "to the secondary couples, one an order; empty without a torque")
     elements: int = result("", (), "finite elements")
     tilting: Tilting | None = result(
-        "", (), "of a driven shaft on supports, where a torque is known and it is nearly rigid", default=None
+        "", (), "of a driven, nearly rigid shaft on supports with a known torque", default=None
     )
     remark: str = ""  # why its tilting was left out
 
@@ -87,8 +87,8 @@ class ShaftFound:
 class Lateral:
     """The bending side of the train."""
 
-    shafts: tuple[ShaftFound, ...] = result("", (), "shafts that bend; all speeds are those of the reference")
-    remarks: tuple[str, ...] = result("", (), "what was left out, and why")
+    shafts: tuple[ShaftFound, ...] = result("", (), "shafts that bend; all speeds are speeds of the reference")
+    remarks: tuple[str, ...] = result("", (), "what was omitted, and why")
     shear: bool = result("", (), "shear deflection is in the beams", key="has_shear", default=False)
 
 
@@ -116,9 +116,11 @@ def lateral(
         "which the file does not say") for shaft in shafts if shaft.lacks or shaft.loads
     ]  # fmt: skip
     if reference is None:
-        remarks.append("no speeds are given: whirl over speed and the answer to the secondary couples are left out")
+        remarks.append(
+            "no speeds are given: whirl over speed and the response to the secondary couples are not computed"
+        )
     elif every and torque is None:
-        remarks.append("no torque is known: the answer to the secondary couples is left out")
+        remarks.append("no torque is known: the response to the secondary couples is not computed")
     remarks += [f"{shaft.name}: {shaft.remark}" for shaft in found if shaft.remark]
     return Lateral(tuple(found), tuple(remarks), wanted.shear)
 
@@ -210,7 +212,7 @@ def _none_held(train: Train, shafts: Sequence[BendingShaft], is_requested: bool)
     held = [train.parts[bar.part].path for bar in train.bars if train.shaft(bar).support]
     where: Path = PLACE if is_requested or not held else (*held[0], "support")
     if not shafts:
-        return [Fault(where, "the train has no shaft, and nothing else bends", at_key=True)]
+        return [Fault(where, "the train has no shaft, and only shafts bend", at_key=True)]
     reasons = "; ".join(f"{shaft.name}: {shaft.lacks}" for shaft in shafts)
     return [Fault(where, f"no shaft of the train can bend: {reasons}", at_key=True)]
 

@@ -44,7 +44,7 @@ class Zone:
 
     lower: float = result("rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s")
     upper: float = result("rad/s", (), "and ends", key="to_rad_per_s")
-    is_open: tuple[bool, bool] = result("", (), "[from, to] the range goes on beyond the speeds looked at")
+    is_open: tuple[bool, bool] = result("", (), "[from, to] the range continues beyond the computed speeds")
     kind: str = result(  # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
         "", (), "principal, sum, difference, several, or mean couple", key="type"
     )
@@ -118,7 +118,7 @@ def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
         if soft.size and soft[0] < (1.0 - RIGID) * rigid:
             return (
                 f"it bends too easily to be taken for rigid (lowest frequency in {plane} {soft[0]:.4g} Hz, rigid "
-                f"{rigid:.4g} Hz); the parametric stability of its tilt is left out"
+                f"{rigid:.4g} Hz); the parametric stability of its tilt is not computed"
             )
     return ""
 

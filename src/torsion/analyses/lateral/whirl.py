@@ -11,6 +11,7 @@ import numpy as np
 from torsion.analyses.lateral.bending_modes import EPS, Planes
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.results import reported, result
+from torsion.sources import source
 
 SPARE_MODES = 8  # modes at rest, beside as many as are reported, among which damped ones are sought
 OVERDAMPED = 1e-7  # |Im s|/|s| below which a motion does not oscillate
@@ -25,7 +26,7 @@ class Whirl:
     """Modes of a shaft over its speed. Columns ascend by frequency, backward whirl first where directions are pure."""
 
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")  # `whirl` itself returns those of the shaft
-    frequency: FloatArray = result("Hz", ("speed", "mode"), "of the oscillation; null where fewer modes oscillate")
+    frequency: FloatArray = result("Hz", ("speed", "mode"), "of the oscillation; null if fewer modes oscillate")
     log_decrement: FloatArray = result("1", ("speed", "mode"), "negative: the shaft is unstable")
     direction: FloatArray = result("1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse")
 
@@ -44,6 +45,7 @@ class Critical:
     )
 
 
+@source("Genta2005")
 def whirl(planes: Planes, speed: FloatArray, modes: int) -> Whirl:
     """The lowest modes over speeds (speeds,) rad/s: `modes` backward and as many forward ones.
 

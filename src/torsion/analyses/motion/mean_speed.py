@@ -36,10 +36,10 @@ class MeanSpeedDrift:
     last: float = result("rad/s", (), "highest one", key="to_rad_per_s")
     growth: float = result("1/s", (), "fastest drift")
     at: float = result("rad/s", (), "where")
-    slope: float = result("N*m*s/rad", (), "slope missing at the machine, at its own speed; null where none was found")
+    slope: float = result("N*m*s/rad", (), "slope missing at the machine, at its own speed; null if not found")
     machine: str = result("", (), "the machine that drives, at which the slope is missing")
     given: float = result("N*m*s/rad", (), "slopes and damping of the file that act on the mean speed, at that machine")
-    slip: float = result("N*m*s/rad", (), "slope that 1 % of slip has at that machine; null where no speed is rated")
+    slip: float = result("N*m*s/rad", (), "slope at 1 % slip of that machine; null without a rated speed")
 
 
 def lost_torque(there: Orbit) -> float:

@@ -73,7 +73,7 @@ class PeriodicResponse:
         "", ("order",), "per revolution of the reference, ascending, exact", record="order"
     )
     angle: ComplexArray = result(
-        "rad", ("speed", "order", "station"), "complex amplitude at own speed; null where there is no periodic motion",
+        "rad", ("speed", "order", "station"), "complex amplitude at own speed; null without a periodic motion",
         printed=("speed", "named station"),
     )  # fmt: skip
     torque: ComplexArray = result(
@@ -84,14 +84,14 @@ class PeriodicResponse:
         "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
     )
     drive: FloatArray = result(
-        "N*m", ("speed",), "mean torque of all drives at the reference speed; null where the train is fixed"
+        "N*m", ("speed",), "mean torque of all drives at the reference speed; null if the train is fixed"
     )
     harmonics: np.ndarray = result("", ("speed",), "of the common period")
     truncation: FloatArray = result(
-        "1", ("speed",), "estimated largest harmonic left out / largest kept", key="left_out"
+        "1", ("speed",), "estimated largest omitted harmonic / largest included harmonic", key="left_out"
     )
     status: np.ndarray  # (speeds,) uint8: Found
-    why: tuple[str, ...] = result("", (), "of every speed: why there is no periodic motion; else empty")
+    why: tuple[str, ...] = result("", (), "of every speed: why the periodic motion was not found, or empty")
     orbits: tuple[Orbit | None, ...]  # (speeds,)
     growth: FloatArray | None = result("1/s", ("speed",), "of small deviations; null if not computed", default=None)
     others: "PeriodicResponse | None" = result(
@@ -105,7 +105,7 @@ class PeriodicResponse:
             mean=self.mean[..., groups.spans], others=self.others and self.others.condensed(groups),
         )  # fmt: skip
 
-    @derived("", ("speed",), "ok, coarse (harmonics left out above 1e-10) or none (no motion found)", key="status")
+    @derived("", ("speed",), "ok, coarse (omitted harmonics above 1e-10) or none (no motion found)", key="status")
     def status_words(self) -> np.ndarray:
         """(speeds,)."""
         return words(self.status, Found)

@@ -39,17 +39,17 @@ Value = Annotated[float, BeforeValidator(_read_value, json_schema_input_type=flo
 class MapSettings(Range):
     """Settings of `map` in `stability`."""
 
-    over: Over = required("angle (of all cross joints), damping or torque (factors on what the file says)")
+    over: Over = required("angle (of all cross joints), damping or torque (factors on the values of the file)")
     first: Value = required("lowest value: an angle with its unit, or a factor", alias="from")
     last: Value = required("highest value", alias="to")
     steps: Annotated[int, Field(ge=2, le=2000)] = given("number of values", 101)
-    modes: Annotated[int, Field(ge=1, le=60)] | None = given("elastic modes kept (default: those that matter)")
+    modes: Annotated[int, Field(ge=1, le=60)] | None = given("number of elastic modes (default: the modes that matter)")
 
 
 class StabilitySettings(Declared):
     """Settings of `stability`."""
 
-    speeds: SpeedRange | None = given("speeds (default: those of the operation)")
+    speeds: SpeedRange | None = given("speeds (default: from `operation`)")
     method: Method = given("`monodromy` in steps of time, or `hill`: the eigenvalues of Hill's matrix", "monodromy")
     modes: Annotated[int, Field(ge=1, le=1000)] | None = given(
         "reduce to so many elastic modes (default: all of a short train, else those up to three times the highest "
@@ -64,7 +64,7 @@ def motion_faults(study: Study, path: Path) -> list[Fault]:
         message = f"the exact motion of joints is built for the model lumped, and this is {study.model}"
         return [Fault(path, message, "model: lumped")]
     if study.train.has_loops:
-        message = "the exact motion of joints takes no closed loops, and `links` closes one"
+        message = "the exact motion of joints does not support closed loops, and `links` closes one"
         return [Fault(path, message, "leave one out")]
     return []
 
@@ -115,7 +115,9 @@ def run_periodic(work: Work) -> None:
     system, log, first_order = work.system, work.log, work.get(Response)
     method = work.study.setting("analyses", "response", "method")
     if system.tables:
-        log.without(PERIODIC, "a coupling follows a table, which has no motion over time; the first order stands")
+        log.without(
+            PERIODIC, "a coupling follows a table, which has no transient response; the results are of the first order"
+        )
         return
     joints, requested = exciting_joints(system), method == "harmonic-balance"
     if not joints:
@@ -157,7 +159,7 @@ def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> 
         reasons = "; ".join(dict.fromkeys(one for one in found.why if one))
         log.without(f"{PERIODIC} at {int(nothing.sum())} of {nothing.size} speeds", f"none was found: {reasons}")
     if (found.status == Found.COARSE).any():
-        log.without(f"{PERIODIC}, in part", "at some speeds the harmonics left out exceed 1e-10 of the largest")
+        log.without(f"{PERIODIC}, in part", "at some speeds the omitted harmonics exceed 1e-10 of the largest")
     if any(line.order is None for line in first_order.lines):
         log.without(f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints")
     groups = work.system.groups
@@ -191,7 +193,7 @@ def run_stability(work: Work) -> None:
     if found.unsolved.size:
         number = found.unsolved.size
         log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")
-    log.without("vibratory torques, in the stability", "joints and mean torque alone make the periodic motion there")
+    log.without("vibratory torques, in the stability", "only joints and mean torque excite the periodic motion there")
     work.put(stability=found)
 
 

@@ -39,7 +39,7 @@ class StabilityMap:
     over: Over = result("", (), "angle, damping or torque")
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     value: FloatArray = result("", ("value",), "joint angles in rad, or factors")
-    growth: FloatArray = result("1/s", ("speed", "value"), "null where no periodic motion was found")
+    growth: FloatArray = result("1/s", ("speed", "value"), "null if no periodic motion was found")
     modes: int = result("", (), "elastic modes kept")
     of_modes: int = result("", (), "of so many")
     error: float = result("1/s", (), "largest difference to the whole train at the points checked")
@@ -71,7 +71,7 @@ def stability_map(
     """Growth rates at ascending reference speeds (speeds,) rad/s and values (values,): angles in rad, or factors."""
     at = replace(scene(study, system, vibratory=False), laws="negative")
     if not at.layout.steps:
-        raise SolveError("a stability map needs a joint; nothing else varies with the angle")
+        raise SolveError("a stability map needs a joint; only joints depend on the angle")
     harmonics_at_least(at)  # raises SolveError before anything is computed
     shapes = basis(at.layout)
     fewer = modes_that_matter(at, shapes, float(np.max(speeds)), modes)

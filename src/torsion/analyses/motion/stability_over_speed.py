@@ -42,7 +42,7 @@ class Stability:
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds, more of them in and around unstable ranges")
     requested: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
     growth: FloatArray = result(
-        "1/s", ("speed",), "of the fastest growing small deviation; null where there is no periodic motion"
+        "1/s", ("speed",), "of the fastest growing small deviation; null without a periodic motion"
     )
     frequency: FloatArray = result("rad/s", ("speed",), "of that motion, within half of the common frequency")
     amplitude_growth: FloatArray = result(
@@ -51,16 +51,14 @@ class Stability:
     ranges: tuple[UnstableRange, ...] = result("", (), "unstable ranges of speed")
     modes: FloatArray = result("rad/s", ("mode",), "elastic ones of the train with straight joints")
     method: str = result("", (), "monodromy or hill")
-    check: float = result("1/s", (), "largest difference to the other method; null where it was too large")
+    check: float = result("1/s", (), "largest difference to the other method; null if too large")
     unsolved: FloatArray = result("rad/s", ("unsolved",), "speeds without a periodic motion")
-    loses: bool = result(
-        "", (), "something damps; where nothing does, a growth of 0 is the best there is", key="something_damps"
-    )
+    loses: bool = result("", (), "the train is damped; without damping the best growth is 0", key="something_damps")
     kept: int | None = result(
         "", (), "elastic modes that the train is reduced to; null for all", key="modes_kept", default=None
     )
     drift: FloatArray | None = result(
-        "1/s", ("speed",), "growth of a deviation of the mean speed; null where it was not distinguished", default=None
+        "1/s", ("speed",), "growth of a deviation of the mean speed; null if not distinguished", default=None
     )
     drifts: tuple[MeanSpeedDrift, ...] = result("", (), "where the mean speed drifts, at most one", default=())
     doubtful: FloatArray | None = result(

@@ -111,7 +111,7 @@ class UnstableRange(Zone):
     first: float = result("rad/s", (), "lower boundary, reference speed", key="from_rad_per_s")
     last: float = result("rad/s", (), "upper boundary", key="to_rad_per_s")
     is_open: tuple[bool, bool] = result(
-        "", (), "[below, above] the range goes on beyond the speeds requested", key="goes_on"
+        "", (), "[below, above] the range continues beyond the requested speeds", key="goes_on"
     )
     growth: float = result("1/s", (), "largest growth found within")
     at: float = result("rad/s", (), "where")

@@ -90,7 +90,7 @@ class Response(Displayed, Keyed):
     lines: tuple[Line, ...] = result("", ("line",), "harmonic components of the excitation", record="")
     frequency: FloatArray = result("Hz", ("speed", "line"), "of the component")
     angle: ComplexArray = result(
-        "rad", ("speed", "line", "station"), "complex amplitude at own speed; null where the status is not ok",
+        "rad", ("speed", "line", "station"), "complex amplitude at own speed; null if the status is not ok",
         printed=("speed", "named station"), known_by="status",
     )  # fmt: skip
     torque: ComplexArray = result(
@@ -106,7 +106,7 @@ class Response(Displayed, Keyed):
         "1", ("speed", "line"), "estimated relative error of the first-order joint model; 0 without joints"
     )
     system: System = field(repr=False)  # whose stations and spans these are; `response` may have refined it
-    remark: str = result("", (), "what the refinement of speeds left out", default="")
+    remark: str = result("", (), "what the refinement of speeds omitted", default="")
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not requested
     by_magnitude: bool = result(
         "", (), "amplitudes of engines whose phase is any are added by their magnitudes, and so all orders",
@@ -146,7 +146,7 @@ class Response(Displayed, Keyed):
         """(speeds, lines)."""
         return words(self.status, Status)
 
-    @derived("", (), "orders that excite and `orders` does not name, exact; empty where a rule judges all")
+    @derived("", (), "orders that excite and are not in `orders`, exact; empty if a rule judges all")
     def orders_left_out(self) -> tuple[Fraction | None, ...]:
         """Ascending."""
         return tuple(line.order for line in self.left_out)
@@ -159,8 +159,8 @@ class Synthesis:
     half_range: FloatArray = result(
         "N*m",
         ("speed", "span"),
-        "(max - min)/2; of couplings with play, friction or stages at least that of the exact motion beside it, null "
-        "where none is known",
+        "(max - min)/2; for couplings with backlash, friction or stages at least the amplitude of the exact motion; "
+        "null if unknown",
         printed=("element", "speed"),
     )
     peak: FloatArray = result(
@@ -171,7 +171,7 @@ class Synthesis:
     )
     rms: FloatArray = result("N*m", ("speed", "span"), "root mean square", printed=("element", "speed"))
     bound: FloatArray = result(
-        "N*m", ("speed", "span"), "sum of magnitudes, or a larger half range", printed=("element", "speed")
+        "N*m", ("speed", "span"), "sum of magnitudes, or a larger total amplitude", printed=("element", "speed")
     )
     turns: Fraction  # common cycle in revolutions of the reference station; 0 where lines have none
 
@@ -188,9 +188,9 @@ class FrequencyResponse:
     frequency: FloatArray = result("Hz", ("frequency",), "ascending, refined around resonances")
     requested: np.ndarray = result("", ("frequency",), "the frequency is one of those requested", key="is_asked")
     sources: tuple[str, ...] = result("", (), "what excites")
-    speed: float = result("rad/s", (), "reference speed at which damping was taken; 0 where none is given")
+    speed: float = result("rad/s", (), "reference speed at which damping was taken; 0 if the file has none")
     angle: ComplexArray = result(
-        "rad", ("frequency", "station"), "complex amplitude at own speed; null where the status is not ok",
+        "rad", ("frequency", "station"), "complex amplitude at own speed; null if the status is not ok",
         printed=("frequency", "named station"), known_by="status",
     )  # fmt: skip
     torque: ComplexArray = result(
@@ -200,7 +200,7 @@ class FrequencyResponse:
     residual: FloatArray = result("1", ("frequency",), "relative equilibrium residual")
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     system: System = field(repr=False)  # as of `Response`
-    remark: str = result("", (), "what the refinement of frequencies left out", default="")
+    remark: str = result("", (), "what the refinement of frequencies omitted", default="")
     balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
     following: Following | None = field(default=None, repr=False)  # None without a table over vibratory torque
 
@@ -243,10 +243,10 @@ def _in_gigabytes(number: float, digits: int = 3) -> str:
 
 
 Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse | Balanced | Following)
-SEVERAL_BY_BALANCE = "play, friction or stages have several solutions from {}, of which the largest stands"
-NONE_BY_BALANCE = "harmonic balance has no answer at {} points: use motion over time"
-SEVERAL_BY_TABLE = "a stiffness over vibratory torque has several solutions from {}; the largest stands"
-NONE_BY_TABLE = "a stiffness over vibratory torque does not settle at {} points, which have no answer"
+SEVERAL_BY_BALANCE = "backlash, friction or stages have several solutions from {}; the results use the largest"
+NONE_BY_BALANCE = "harmonic balance failed at {} points: use a transient analysis"
+SEVERAL_BY_TABLE = "a stiffness over vibratory torque has several solutions from {}; the results use the largest"
+NONE_BY_TABLE = "a stiffness over vibratory torque does not converge at {} points, which have no solution"
 Block = TypeVar("Block", Balanced, Following)
 
 

@@ -122,7 +122,9 @@ class _Rows:
         amplitude = np.abs(self._twists(span, self.solved(others), self._own(span))).max(axis=0)
         opens = (self.mean[span] == 0.0) & (coupling.half > 0.0)
         if (opens | (amplitude >= coupling.first(self.mean[span]))).any():
-            raise SolveError(f"'{name}' {loops}, and its play or stages in the response are not built", hint, place)
+            raise SolveError(
+                f"'{name}' {loops}, and its backlash or stages in the response are not supported yet", hint, place
+            )
         return Amplitudes(amplitude, amplitude, amplitude, np.ones(len(amplitude), dtype=np.int64))
 
     def solutions(self, span: int, found: Mapping[int, Amplitudes], at: IntArray, number: int) -> Amplitudes:

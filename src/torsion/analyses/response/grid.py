@@ -251,5 +251,5 @@ def missed_peaks(x: FloatArray, torque: ComplexArray | FloatArray, sound: np.nda
     most = min(MOST_PEAKS, max(FEWEST_PEAKS, MOST_VALUES // (8 * torque[0].size)))
     if len(found) <= most:
         return found, ""
-    remark = f"{len(found)} peaks lie between the points; the {most} that stand out most were computed"
+    remark = f"{len(found)} peaks lie between the points; the {most} most prominent were computed"
     return np.sort(found[np.argsort(first, kind="stable")[:most]]), remark

@@ -28,7 +28,7 @@ class Line:
     frequency: float | None = result("Hz", (), "null for an order", key="fixed_frequency_Hz")
     sources: tuple[str, ...] = result("", (), "what excites it")
     own_orders: tuple[Fraction, ...] = result(
-        "", (), "of each source per revolution of its own shaft, exact; none of a fixed frequency", default=()
+        "", (), "of each source per revolution of the shaft of the source, exact; none of a fixed frequency", default=()
     )
 
     @property

@@ -32,7 +32,7 @@ def modal_sums(
     modes, rigid = _basis(system)
     if sources.twist is not None or sources.loop_twist is not None:
         raise SolveError(
-            "damping by mode takes no joints or meshes that excite", "give the components their damping", PATH
+            "damping by mode does not support joints or meshes that excite", "give the components their damping", PATH
         )
     own = np.concatenate([np.zeros(rigid.shape[1]), 2.0 * math.pi * modes.frequency])[:, None]
     ratio = np.concatenate([np.zeros(rigid.shape[1]), system.modal_ratios(len(modes.frequency))])[:, None]

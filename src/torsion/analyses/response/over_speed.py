@@ -69,8 +69,8 @@ class ResponseSettings(Declared):
     )
     frequencies: FrequencyRange | None = given("also the response to the torques that act at every frequency")
     method: Literal["first-order", "harmonic-balance"] | None = given(
-        "how joints are treated (default: `harmonic-balance` beside the first order where a joint is bent by more than "
-        "10 degrees or the first order estimates its own error as more than 1 %)"
+        "how joints are treated. Default: first order; in addition `harmonic-balance`, if a joint angle exceeds 10 "
+        "degrees or the first order estimates its error as more than 1 %"
     )
 
 
@@ -160,7 +160,7 @@ def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
     if speeds is not None:
         found = np.unique(np.asarray(speeds, dtype=np.float64))
         if not (found.size and (found > 0.0).all() and np.isfinite(found).all()):
-            raise InputError([Fault(("speeds",), "these are no speeds of a response", "one or more, above 0 rad/s")])
+            raise InputError([Fault(("speeds",), "these are not speeds of a response", "one or more, above 0 rad/s")])
         return found
     if study.operation.speeds is None:
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
@@ -294,7 +294,7 @@ def _found(work: Work) -> Response:
         step.method = "two-sided elimination, every order apart"
         step.size = f"{len(found.lines)} lines at {found.speed.size} speeds ({int(found.requested.sum())} requested)"
         if ruled and requested_orders(study) is not None:
-            step.size += "; all orders, not only those of `orders`: the rules judge them together"
+            step.size += "; all orders, not only `orders`: the rules judge them together"
         if found.remark:
             step.size += f"; {found.remark}"
     for line in found.left_out:
@@ -316,6 +316,6 @@ def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Sy
             there = response_at(work.study, work.system, found, more)
             total = merged(total, synthesis(there), found.speed, more)
             found = merged(found, there, found.speed, more)
-        step.method = "parabolas through the shares of the limits; ends of barred ranges"
+        step.method = "parabolas through the utilisations; ends of barred ranges"
         step.size = f"{found.speed.size - before} speeds"
     return found, total

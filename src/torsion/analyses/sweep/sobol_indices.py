@@ -7,10 +7,13 @@ from torsion.analyses.sweep.sweep_results import SobolIndex
 from torsion.analyses.variants.one_by_one import Answers
 from torsion.analyses.variants.sampling import LEVEL, SCRAMBLES
 from torsion.arrays import FloatArray
+from torsion.sources import source
 
 LEAST_SPREAD = 1e-9  # relative: below it an answer does not vary
 
 
+@source("Saltelli2010")
+@source("Jansen1999")
 def sobol_indices(points: Points, answers: Answers) -> tuple[SobolIndex, ...]:
     """Of every frequency and share of a limit that all variants have; nothing of one that does not vary."""
     columns = len(points.shape)

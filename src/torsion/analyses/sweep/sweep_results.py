@@ -13,7 +13,7 @@ class VariedFigure:
     """A figure of the file that varies."""
 
     name: str = result("", (), "component and key")
-    law: str = result("", (), "how it varies about the figure of the file")
+    law: str = result("", (), "how it varies about the value of the file")
     together: int = result("", (), "figures with the same number vary as one")
     unit: str | None = None  # of values in place of the file's, of lists the row; None of a law about the file's
 
@@ -26,15 +26,17 @@ class SweptCheck:
     clause: str = result("", (), "its clause")
     where: str = result("", (), "component")
     what: str = result("", (), "what was compared")
-    failing: int = result("", (), "variants that exceed the limit, are not judged, or have no answer")
+    failing: int = result("", (), "variants that exceed the limit, are not judged, or failed")
     probability: float = result("1", (), "share of the variants that fail")
-    lower: float | None = result("1", (), "lower end of its 95 % interval; null of a grid, which is no sample")
+    lower: float | None = result("1", (), "lower end of its 95 % interval; null for a grid, which is not a sample")
     upper: float | None = result("1", (), "upper end")
-    median: float | None = result("1", (), "median share of the limit that is used; null where none is known")
-    best: float | None = result("1", (), "least share of the limit that is used")
-    worst: float | None = result("1", (), "greatest share of the limit that is used")
-    decides: str = result("", (), "figure with which the share goes most (by rank); empty where none does")
-    correlation: float | None = result("1", (), "rank correlation with that figure, -1 to 1; null where none is known")
+    median: float | None = result("1", (), "median utilisation; null if unknown")
+    best: float | None = result("1", (), "minimum utilisation")
+    worst: float | None = result("1", (), "maximum utilisation")
+    decides: str = result(
+        "", (), "parameter that correlates most with the utilisation (by rank); empty without a correlation"
+    )
+    correlation: float | None = result("1", (), "rank correlation with that parameter, -1 to 1; null if unknown")
     utilisation: FloatArray  # (variants,), NaN where unknown
     fails: BoolArray  # (variants,)
 
@@ -45,9 +47,9 @@ class GridAxis:
 
     figures: tuple[str, ...] = result("", (), "their names")
     words: tuple[str, ...] = result("", ("value",), "the values as the file would state them")
-    number: FloatArray = result("", ("value",), "of the first figure, in `unit`; null where they are no such numbers")
+    number: FloatArray = result("", ("value",), "of the first parameter, in `unit`; null without such numbers")
     unit: str = result("", (), "of the numbers")
-    in_file: float | None = result("", (), "value of the file in that unit; null where it is none such")
+    in_file: float | None = result("", (), "value of the file in that unit; null without a value in it")
 
     @property
     def is_numeric(self) -> bool:
@@ -65,10 +67,10 @@ class Turn:
     """Where, along the one figure of a curve, a check begins or ceases to fail."""
 
     check: int = result("", (), "its place among the checks, from 0")
-    kept: float = result("", (), "value at which it is kept, in the unit of the figure")
-    failing: float = result("", (), "the value beside it at which it is not")
+    kept: float = result("", (), "value that meets the limit, in the unit of the parameter")
+    failing: float = result("", (), "the neighbouring value that exceeds the limit")
     between: float | None = result(
-        "", (), "where the limit is reached, the share of it being taken as linear between both; null where unknown"
+        "", (), "where the limit is reached, the share of it being taken as linear between both; null if unknown"
     )
 
 
@@ -77,11 +79,11 @@ class Grid:
     """All combinations of the values of some figures; of variants the last figure changes first."""
 
     axes: tuple[GridAxis, ...] = result("", (), "the figures")
-    frequency: FloatArray = result("Hz", ("mode", "variant"), "natural frequencies; null where unknown")
-    utilisation: FloatArray = result("1", ("check", "variant"), "share of the limit, of the checks of the sweep")
-    greatest: FloatArray = result("1", ("variant",), "greatest share of all checks; null where none is known")
-    decisive: IntArray = result("", ("variant",), "the check that has it, from 0; -1 where none is known")
-    fails: BoolArray = result("", ("variant",), "a check fails, or the variant has no answer")
+    frequency: FloatArray = result("Hz", ("mode", "variant"), "natural frequencies; null if unknown")
+    utilisation: FloatArray = result("1", ("check", "variant"), "utilisation, of the checks of the sweep")
+    greatest: FloatArray = result("1", ("variant",), "maximum utilisation of all checks; null if unknown")
+    decisive: IntArray = result("", ("variant",), "the check with the maximum, from 0; -1 if unknown")
+    fails: BoolArray = result("", ("variant",), "a check fails, or the variant failed")
     turns: tuple[Turn, ...] = result("", (), "of a curve, where checks begin or cease to fail")
     why: tuple[tuple[int, str], ...] = ()  # variant without an answer, and its fault
 
@@ -103,7 +105,7 @@ class SobolIndex:
 
     of: str = result("", (), "mode, or check and component")
     figure: str = result("", (), "figure, or those that vary as one with it")
-    first: float = result("1", (), "share of the variance that goes with the figure alone")
+    first: float = result("1", (), "share of the variance due to only this parameter")
     first_error: float = result("1", (), "half of its 95 % interval")
     total: float = result("1", (), "share of the variance that would go if the figure were known")
     total_error: float = result("1", (), "half of its 95 % interval")
@@ -117,9 +119,9 @@ class Sweep:
     samples: int = result("", (), "number of variants")
     method: str = result("", (), "how they are made: sobol, latin, random or grid")
     seed: int = result("", (), "of the samples")
-    unsolved: int = result("", (), "variants without an answer; each counts as failing")
+    unsolved: int = result("", (), "variants that failed; each counts as a failed check")
     faults: tuple[str, ...] = result("", (), "why, each cause once")
-    nominal: FloatArray = result("Hz", ("mode",), "natural frequencies of the file as it stands")
+    nominal: FloatArray = result("Hz", ("mode",), "natural frequencies of the nominal case")
     mean: FloatArray = result("Hz", ("mode",), "mean natural frequency")
     deviation: FloatArray = result("Hz", ("mode",), "standard deviation")
     low: FloatArray = result("Hz", ("mode",), "2.5 % of the variants lie below")
@@ -127,13 +129,13 @@ class Sweep:
     least: FloatArray = result("Hz", ("mode",), "least frequency of any variant")
     greatest: FloatArray = result("Hz", ("mode",), "greatest frequency of any variant")
     checks: tuple[SweptCheck, ...] = result("", (), "every check, the likeliest to fail first")
-    any_fails: SweptCheck | None = result("", (), "at least one check fails; null where none is judged")
-    indices: tuple[SobolIndex, ...] = result("", (), "Sobol's indices, where they are requested")
+    any_fails: SweptCheck | None = result("", (), "at least one check fails; null if nothing is judged")
+    indices: tuple[SobolIndex, ...] = result("", (), "Sobol's indices, if requested")
     grid: Grid | None = result("", (), "of a grid what every variant answers; null of samples and of large grids")
     factor: FloatArray  # (variants, figures) over the figure of the file; of ranges the value, of lists the row
     frequency: FloatArray  # (modes, variants) Hz, NaN where unknown
     fail_at_most: float | None = result(
-        "1", (), "share of the variants that may fail a check; null where the file permits none", default=None
+        "1", (), "share of the variants that may fail a check; null without `permitted`", default=None
     )
 
     @property

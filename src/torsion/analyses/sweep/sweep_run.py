@@ -27,7 +27,7 @@ def run(work: Work) -> None:
     settings = work.settings("sweep", SweepSettings)
     variation, modes = work.study.variations.get("sweep"), work.get(Modes)
     if variation is None or work.solve is None:
-        work.log.without("sweep", "no figure of the file varies")
+        work.log.without("sweep", "no parameter of the file varies")
         return
     points = _points(work, variation)
     with work.log.step("sweep", "the file names it") as step:
@@ -35,7 +35,7 @@ def run(work: Work) -> None:
         each = chunks_of(work, variation)
         if settings.judges(work.study) and each[0].size < VERDICTS_AT_ONCE:  # else it takes no time to speak of
             seconds = each[-1].end * sum(line.seconds for line in work.log.lines)
-            work.progress(f"sweep, every variant solved by itself: {duration(seconds)}", 0.0)
+            work.progress(f"sweep, every variant solved separately: {duration(seconds)}", 0.0)
         parts = (work.answered or in_turn)(work, variation, each)
         values, answers = joined(each[-1].end, nominal.size, parts)
         step.method, step.size = answers.method, points.words
@@ -72,7 +72,7 @@ def _answers(work: Work, variation: Variation, values: FloatArray) -> Answers:
     found, how = judged_together(work, variation, values, count)
     if found is None:
         found = solved(work, variation, values, count, judged=True)
-        how = f"every variant solved and judged by itself: {how}"
+        how = f"every variant solved and judged separately: {how}"
     found.method = how
     return found
 

@@ -31,11 +31,12 @@ class SweepSettings(Declared):
     )
     together: tuple[tuple[str, ...], ...] = given("figures that vary as one, such as two couplings of one batch", ())
     samples: Annotated[int, Field(ge=FEWEST, le=MOST)] | None = given(
-        f"how many variants (default: {CHECKED} that are judged, 16384 of frequencies alone)"
+        f"number of variants (default: {CHECKED} with checks, 16384 with only frequencies)"
     )
     method: Method | None = given(
         "sobol: eight scrambled sequences, a power of two of samples; latin hypercube; random; or grid, all "
-        "combinations of lists and steps (default: grid where every figure has such and no samples are given, or sobol)"
+        "combinations of lists and steps. Default: grid if every parameter has a list or steps and `samples` is "
+        "missing, else sobol"
     )
     seed: Annotated[int, Field(ge=0)] = given("of the samples; the same seed gives the same variants", 1)
     indices: bool = given(
@@ -46,7 +47,7 @@ class SweepSettings(Declared):
         "share of the variants that may fail a check, for example 1 %; more is FAIL (default: any variant that fails "
         "restricts the verdict and makes the exit status 1)"
     )
-    results: tuple[Result, ...] = given("what each variant answers (default: checks where the file names rules)", ())
+    results: tuple[Result, ...] = given("results of each variant (default: checks if the file has rules)", ())
 
     def refuse_clashes(self) -> None:
         """Sobol's samples are a power of two, a grid has none, and one figure alone does not vary together."""
@@ -58,7 +59,7 @@ class SweepSettings(Declared):
         if count is not None and self.method in (None, "sobol") and count & (count - 1):
             above = 1 << count.bit_length()
             raise refuse(
-                f"{count} samples are no power of two, as sobol takes them",
+                f"{count} samples are not a power of two, which sobol needs",
                 f"{above // 2} or {above}, or `method: random`", "samples",
             )  # fmt: skip
         if self.indices and self.method not in (None, "sobol"):
@@ -85,7 +86,7 @@ class SweepSettings(Declared):
             hint = "name `rules`" if not study.rules else "`results: [checks]`"
             yield Fault(("fail_at_most",), "no variant can fail, as none is checked", hint)
         if "checks" in self.results and not study.rules:
-            yield Fault(("results",), "no variant can be checked, as the file names no rules", "name `rules`")
+            yield Fault(("results",), "no variant can be checked, because the file has no rules", "name `rules`")
         shape = {one.column: one.places for one in figures}
         if self.drawn(figures) != "grid":
             sets = len(shape) + 2

@@ -16,6 +16,8 @@ MOST_AMOUNTS = 4  # orders of one component that are named with their amplitudes
 STEPS_PER_PERIOD = 8.0  # of the highest order, at most about, at a tolerance of 1e-6
 SECONDS_PER_STEP = 3e-4  # of one station at which orders act
 
+LEFT_OUT = "(left out by `torques`)"  # end of the words of a periodic torque that the file leaves out
+
 
 @dataclass(frozen=True)
 class ActingTorques:
@@ -50,7 +52,7 @@ def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
         if settings.torques is None or name in settings.torques:
             acting += _in_words(name, torques, has_amounts=True)
         else:
-            not_acting += (f"{words} (left out by `torques`)" for words in _in_words(name, torques, has_amounts=False))
+            not_acting += (f"{words} {LEFT_OUT}" for words in _in_words(name, torques, has_amounts=False))
 
     reason = _reason_without_mean(study, settings)
     if reason:
@@ -60,7 +62,9 @@ def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
             event.at for event in settings.events if event.body.drives or isinstance(event.body, Stop)
         )
         but = f", but for those at {', '.join(replaced)} that events end or replace" if replaced else ""
-        acting.append(f"mean torques (they stay those of the begin{but}; the law of a load acts by an event `load`)")
+        acting.append(
+            f"mean torques (they stay at their initial values{but}; the law of a load acts by an event `load`)"
+        )
 
     swept = dict.fromkeys(one.name for one in study.train.torques if one.order is None and one.frequency is None)
     not_acting += (f"excitation at {name} (of the response over frequency only)" for name in swept)

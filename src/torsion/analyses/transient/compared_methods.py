@@ -40,9 +40,9 @@ class ComparedMethod:
     """A method beside the exact motion."""
 
     method: str = result("", (), "as the file names it")
-    step: float | None = result("s", (), "its step; null where it chooses its steps by `tolerance`")
+    step: float | None = result("s", (), "its step; null if `tolerance` controls the steps")
     error: float | None = result(
-        "1", (), "largest error of a torque, of the largest torque of its span; null where the method has no answer"
+        "1", (), "largest error of a torque, relative to the largest torque of its span; null if the method failed"
     )
     seconds: float = result("s", (), "run time of the march", key="run_time_s")
 
@@ -55,10 +55,10 @@ def linear_curves(study: Study, system: System, settings: TransientSettings, pla
     study, system = without_excluded_torques(study, system, settings)
     events = settings.events
     if study.train.has_nonlinear_couplings or torques_follow(study, system, events):
-        message = "methods are compared on linear motions, without play, friction, starts, loads, joints or sweeps"
+        message = "methods are compared on linear motions, without backlash, friction, starts, loads, joints or sweeps"
         orders = [words for words in acting_torques(study, settings).acting if words.endswith("by its angle)")]
         if orders:
-            message = f"methods are compared on linear motions, and not beside {', '.join(orders)}"
+            message = f"methods are compared on linear motions, not together with {', '.join(orders)}"
         raise InputError([Fault((*place, "method"), message, "method: exact" + "; or `torques: none`" * bool(orders))])
     before, modes = state_before(study, system, settings, place), kept_modes(system, settings.modes, place)[0]
     points, shape = points_of_events(study, system, events, before, place, turns=False), shapes(system, modes)

@@ -54,15 +54,17 @@ class Switching:
     work: float = result("J", (), "work of all torques on the motion")
     damped: float = result("J", (), "energy that the damping of the linear train took")
     sensitive_after: float | None = result(
-        "s", (), "from when on halved steps change a torque by more than 1e-6 of its peak: read statistics there, "
-        "not single values; null where they never do"
+        "s", (), "time from which halved steps change a torque by more than 1e-6 of its peak: read statistics "
+                 "there, not single values; null if this never happens"
     )  # fmt: skip
     band_change: float = result(
-        "1", (), "change of the torques, of their peak, on doubling the band of modes that is kept; 0: all are"
+        "1",
+        (),
+        "change of the torques, relative to their peak, with twice the band of modes; 0: all modes are included",
     )
     scatter: FloatArray | None = result(
-        "N*m", ("span",), "by how much the greatest torque of the motion with halved steps differs, where it is "
-        "sensitive: greatest and least torques are those of both, and verdicts add it", default=None
+        "N*m", ("span",), "difference of the maximum torque with halved steps, if the motion is sensitive. Maximum "
+                          "and minimum torques are over both step sizes, and verdicts add the difference", default=None
     )  # fmt: skip
 
 

@@ -173,11 +173,13 @@ def build(
     is_driven = changes_speed(system, events)
     has_laws = speed is None and torques_follow(study, system, events)
     if is_driven and speed is not None:
-        raise SolveError("the joints of the train turn unevenly, and a settled vibration beside them is not built")
+        raise SolveError(
+            "the joints of the train turn unevenly, and a settled vibration with them is not supported yet"
+        )
     before = state_before(study, system, settings, place, vibrates=False, speed=speed)
     cuts = joint_cuts(system, before.mean)
     if cuts and before.speeds:
-        message = "parts that turn at speeds of their own beside uneven joints are not built"
+        message = "parts at different speeds together with uneven joints are not supported yet"
         raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`", (*place, "initial"))
     replaced = replaced_dampers(study, system, settings, place)
     bare = opened(without_dampers(parts_of(system, cuts), replaced), found)
@@ -216,11 +218,11 @@ def _modes(bare: System, before: State, place: Path) -> Modes:
     if bare.bars is None:
         return kept_modes(bare, "all", place)[0]
     if before.torque.any() or before.twist.any():
-        message = "play and friction beside finite elements begin without any torque"
+        message = "backlash and friction together with finite elements start without torque"
         raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`, or take `model: lumped`", place)
     found = modes_as_discretised(bare, MOST_OF_ELEMENTS + 1)
     if len(found.frequency) > MOST_OF_ELEMENTS:
-        message = f"play and friction take all modes, and the finite elements have more than {MOST_OF_ELEMENTS}"
+        message = f"backlash and friction need all modes, and the finite elements have more than {MOST_OF_ELEMENTS}"
         raise SolveError(message, "take `model: lumped`, or a lower highest frequency", place)
     return found
 

@@ -53,7 +53,7 @@ class Lasting(Kind):
     @model_validator(mode="after")
     def _given_once(self) -> Self:
         if self.length is not None and self.until is not None:
-            raise refuse("`until` and `length` say the same", "keep `length`", "until")
+            raise refuse("`until` and `length` have the same meaning", "keep `length`", "until")
         return self
 
     @property
@@ -132,8 +132,8 @@ class Sine(Lasting):
     torque: SignedTorque = required("amplitude (half range)")
     frequency: fields.Frequency | None = given("its frequency")
     order: fields.Exact | None = given(
-        "cycles per revolution of the point's own shaft: at its speed before the events, or by its angle "
-        "where any torque or joint follows the motion (an order, a cylinder, a start, a load)"
+        "cycles per revolution of the point's own shaft: at its speed before the events. If a torque or joint "
+        "follows the motion (an order, a cylinder, a start, a load): by its angle"
     )
     decay: Length | None = given("time in which it falls to 1/e (default: it does not)")
     phase: fields.Angle = given("phase at its begin", 0.0)
@@ -196,11 +196,11 @@ class Stop(Lasting):
 class Clutch(Kind):
     """A clutch closes or opens: its capacity over time from here on."""
 
-    key, meaning = "clutch", "{torque, close or open}: a coupling with `capacity` closes or opens; `at` names it"
+    key, meaning = "clutch", "{torque, close or open}: a coupling with `capacity` closes or opens; `at` is its name"
 
     torque: Rows | None = given("[[time, torque], ...]: its capacity, which stays as it is after the last row")
-    close: Time | None = given("time in which its capacity rises from nothing to that of the coupling")
-    open: Time | None = given("time in which it falls from that of the coupling to nothing")
+    close: Time | None = given("time in which its capacity rises from zero to the capacity of the coupling")
+    open: Time | None = given("time in which it falls from the capacity of the coupling to zero")
 
     def refuse_clashes(self) -> None:
         if [self.torque, self.close, self.open].count(None) != 2:

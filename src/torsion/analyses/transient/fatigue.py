@@ -7,8 +7,10 @@ import numpy as np
 from torsion.analyses.transient.transient_settings import Fatigue
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
+from torsion.sources import source
 
 
+@source("ASTM-E1049")
 def cycles(points: FloatArray) -> Iterator[tuple[float, float, float]]:
     """(half range, mean, count) of every cycle of turning points (points,) N m."""
     import rainflow
@@ -16,6 +18,7 @@ def cycles(points: FloatArray) -> Iterator[tuple[float, float, float]]:
     return ((spread / 2.0, mean, count) for spread, mean, count, *_ in rainflow.extract_cycles(points))
 
 
+@source("Miner1945")
 def miner(counted: Iterable[tuple[float, float, float]], line: Fatigue) -> float:
     """The sum of count / cycles borne; by Goodman an amplitude is divided by 1 - mean/ultimate, infinite from there."""
     found = 0.0

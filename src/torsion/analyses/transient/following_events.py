@@ -17,6 +17,7 @@ from torsion.kernels.transient import torque_laws
 from torsion.kernels.transient.collocation import Law
 from torsion.kernels.transient.dry_friction import DryFriction
 from torsion.kernels.transient.torque_history import Piece
+from torsion.sources import note
 
 WORST = "worst"
 SAME_SPEED = 1e-9  # relative, or rad/s
@@ -28,14 +29,14 @@ def _read_rows(value: Any) -> Any:
         raise refuse("a table over speed is a list", "[[0 rpm, 900 N*m], [1500 rpm, 0 N*m]]")
     rows = read_table(value)
     if rows[0][0] != 0.0:
-        raise refuse("a table over speed for a motion over time begins at 0 rpm", "add its row [0 rpm, ...]")
+        raise refuse("a table over speed for a transient response begins at 0 rpm", "add its row [0 rpm, ...]")
     return rows
 
 
 def _read_law(value: Any) -> Any:
     if isinstance(value, str):
         if value not in ("propeller", "constant"):
-            raise refuse(f"'{value}' is no law of load", "propeller, constant, or a table [[speed, torque], ...]")
+            raise refuse(f"unknown load law '{value}'", "propeller, constant, or a table [[speed, torque], ...]")
         return value
     rows = _read_rows(value)
     if any(torque < 0.0 for _, torque in rows):
@@ -78,8 +79,8 @@ class Start(Kind):
     key, drives = "start", True
     meaning = "{torque or pull_out, slip, synchronous; pulsation, slip_pulsation, line, off}: a motor is switched on"
 
-    torque: Rows | None = given("[[speed, torque], ...] from 0 rpm on; its last line goes on beyond it")
-    pull_out: fields.Torque | None = given("greatest torque of an induction motor, in place of a table (Kloss)")
+    torque: Rows | None = given("[[speed, torque], ...] from 0 rpm on; its last piece is extrapolated")
+    pull_out: fields.Torque | None = given("breakdown torque of an induction motor, in place of a table (Kloss)")
     slip: PullOut | None = given("slip at which it pulls out")
     synchronous: fields.Speed | None = given("synchronous speed")
     pulsation: Pulsation | None = given("{torque, decay} at line frequency")
@@ -87,8 +88,8 @@ class Start(Kind):
         "[[speed, amplitude], ...] of a synchronous motor that starts: it pulsates at twice the slip frequency"
     )
     phase: Phase = given(
-        "phase of the cosine that `slip_pulsation` begins with; worst: several are computed, and the greatest torques "
-        "of all are judged", "worst"
+        "initial phase of the cosine of `slip_pulsation`; worst: several phases are computed, and the maximum "
+        "torques are judged", "worst"
     )  # fmt: skip
     line: fields.Frequency = given("line frequency", 50.0)
     off: Length | None = given("time after which it is switched off (default: never)")
@@ -118,6 +119,7 @@ class Start(Kind):
         if self.torque is not None:
             yield torque_laws.BySpeed(0, torque_laws.table(self.torque), window)
         else:
+            note("Kloss1916")
             yield torque_laws.InductionMotor(0, self.pull_out or 0.0, self.slip or 1.0, self.synchronous or 1.0, window)
         if self.slip_pulsation is not None:
             twice = 4.0 * math.pi * self.line
@@ -150,7 +152,7 @@ class Load(Kind):
     @model_validator(mode="after")
     def _no_more_than_its_law(self) -> Self:
         if not isinstance(self.law, str) and (self.torque is not None or self.speed is not None):
-            raise refuse("a table says torque and speed itself", "leave `torque` and `speed` out", "law")
+            raise refuse("a table contains torque and speed", "leave `torque` and `speed` out", "law")
         return self
 
     def is_beyond(self, law: Law, regime: int, late: float) -> bool:

@@ -79,13 +79,13 @@ def joint_cuts(system: System, mean: Steady | None) -> tuple[JointCut, ...]:
     rigid[spans] = False
     body = connected(len(system.stations), system.driving[rigid], system.driven[rigid])
     if system.groups is not None:
-        message = "joints in motion over time are not built beside shafts of so many segments"
+        message = "the transient analysis does not support joints together with shafts of so many segments"
         raise SolveError(message, "give them fewer `segments`", _place(system, int(spans[0])))
     joined = np.ones(len(rigid), dtype=bool)
     joined[spans] = False
     part = connected(len(system.stations), system.driving[joined], system.driven[joined])
     if len(np.unique(part)) < len(spans) + 1:
-        message = "joints close a loop, and their motion over time is not built"
+        message = "joints close a loop, and their transient response is not supported yet"
         raise SolveError(message, "leave one out", _place(system, int(spans[-1])))
     weight = np.zeros(len(body))
     np.add.at(weight, body, system.inertia)
@@ -118,13 +118,13 @@ def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Ste
     stations = [one.station for one in system.dampers] + [one.station for one in system.train.torques]
     acted = bool(np.isin(stations, inside).any())
     if len(beside) != 1 or acted or not np.isfinite(system.flexibility[beside]).all():
-        message = f"beside the joint '{name}' there is no inertia and not just one elastic span"
+        message = f"the joint '{name}' needs an inertia or exactly one elastic span next to it"
         raise SolveError(message, "give the yoke there an inertia: `inertia: [driving, driven]`", place)
     elastic = int(beside[0])
     ends = int(system.driving[elastic]), int(system.driven[elastic])
     behind = ends[1] if ends[0] in inside else ends[0]
     if not heavy[behind] or elastic in joint_spans(system) or system.spans[elastic].ratio != 1:
-        message = f"the elastic span beside the joint '{name}' leads to no inertia of the same speed"
+        message = f"the elastic span next to the joint '{name}' leads to no inertia of the same speed"
         raise SolveError(message, "give the yokes of the joint an inertia: `inertia: [driving, driven]`", place)
     if sign < 0.0 and joint.series:
         message = f"the driving yoke of the tripod '{name}' has no inertia"

@@ -104,18 +104,19 @@ class Ice(Kind):
     meaning = "{class or torque, case or angle and factor, turns, ramp}: a propeller that mills ice"
 
     ice_class: IceClassName | None = given(
-        "ice class, which says the greatest torque by diameter, hub_ratio, pitch_ratio and ducted of the propeller "
-        "(to be verified)",
+        "ice class, which gives the maximum torque from diameter, hub_ratio, pitch_ratio and ducted of the "
+        "propeller (to be verified)",
         alias="class",
     )
-    torque: fields.Torque | None = given("Q_max, the greatest ice torque at the propeller, where no class is given")
+    torque: fields.Torque | None = given("Q_max, the maximum ice torque at the propeller, without a class")
     thickness: Thickness | None = given("H_ice of a class (default: the design ice of the class)")
     speed: fields.Speed | None = given(
-        "n of a class: speed of the propeller in bollard condition (default: its rated speed, else that of the milling)"
+        "n of a class: speed of the propeller in bollard condition (default: its rated speed, else the speed of the "
+        "milling)"
     )
     case: Literal[1, 2, 3, 4] | None = given("case of the ice rules: factor, angle and blocks (to be verified)")
-    factor: fields.Number = given("C_q, where no case is given", 1.0)
-    angle: Contact | None = given("angle of contact alpha_i, where no case is given")
+    factor: fields.Number = given("C_q, without a case", 1.0)
+    angle: Contact | None = given("angle of contact alpha_i, without a case")
     turns: Revolutions | None = given(
         "revolutions of the milling (default: 6, of a class 2 for each metre of its ice, to be verified)"
     )
@@ -124,7 +125,7 @@ class Ice(Kind):
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
         if (self.torque is None) == (self.ice_class is None):
-            what = "has a `torque` or a `class`" if self.torque is None else "of a `class` has no `torque` of its own"
+            what = "has a `torque` or a `class`" if self.torque is None else "of a `class` has no separate `torque`"
             raise refuse(f"ice {what}", f"give one of them; the classes are {', '.join(get_args(IceClassName))}")
         for key in ("thickness", "speed"):
             if self.ice_class is None and getattr(self, key) is not None:
@@ -132,7 +133,7 @@ class Ice(Kind):
         if (self.case is None) == (self.angle is None):
             raise refuse("ice has a `case`, or an `angle` and a `factor`", "give one of them")
         if self.case is not None and "factor" in self.model_fields_set:
-            raise refuse("a case of ice has a factor of its own", "leave `factor` out, or `case`", "factor")
+            raise refuse("a case of ice contains its factor", "leave `factor` out, or `case`", "factor")
         if self.ramp > math.pi * self.revolutions:
             hint = f"at most {180 * self.revolutions:g} deg for {self.revolutions:g} turns"
             raise refuse("the two ramps are longer than the milling", hint, "ramp")

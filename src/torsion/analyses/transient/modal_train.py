@@ -29,11 +29,13 @@ def kept_modes(system: System, count: int | Literal["all"], place: Path = PATH) 
     a train too large for all.
     """
     if system.groups is not None:
-        raise SolveError("a shaft has too many segments for motion over time", "give it fewer `segments`", place)
+        raise SolveError("a shaft has too many segments for a transient response", "give it fewer `segments`", place)
     size = system.condensed.tree.size
     if count == "all" and system.bars is None:
         if size > MOST_MODES:
-            message = f"motion over time takes all modes, and the train has {size} stations, more than {MOST_MODES}"
+            message = (
+                f"the transient response needs all modes, and the train has {size} stations, more than {MOST_MODES}"
+            )
             raise SolveError(message, "keep the lowest, for example `modes: 100`", place)
         found = modes_as_discretised(system, None)
         return found, found

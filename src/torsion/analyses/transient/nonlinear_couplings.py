@@ -58,7 +58,9 @@ def opened(system: System, found: tuple[Coupling, ...]) -> System:
     without = massless(bare)
     for one in found:
         if without[system.driving[one.span]] or without[system.driven[one.span]]:
-            message = f"'{one.part.name}' ends at a point without inertia, and its play or friction needs one"
+            message = (
+                f"'{one.part.name}' ends at a point without inertia, and its backlash or friction needs an inertia"
+            )
             raise SolveError(message, "give the point, or a half of the coupling, an inertia", one.part.path)
     return bare
 

@@ -42,19 +42,19 @@ class NonlinearPeak:
     exact: float | None = result(
         "N*m",
         (),
-        "amplitude of the exact motion that begins as the response is, settled; null where it does not settle",
+        "settled amplitude of the exact motion that starts from the response; null if it does not settle",
     )
     difference: float | None = result("1", (), "of the response from the exact motion, of the latter")
     half_range: float = result("N*m", (), "(max - min)/2 of the exact motion in its last window, all components")
     greatest: float = result("N*m", (), "largest magnitude of its torque in that window")
     from_rest: float | None = result(
-        "N*m", (), "amplitude of the exact motion that begins without vibration, where the response has several "
-        "solutions; null elsewhere, or where it does not settle"
+        "N*m", (), "amplitude of the exact motion that starts without vibration, if the response has several "
+                   "solutions; null otherwise, or if it does not settle"
     )  # fmt: skip
     solutions: int = result("", (), "of harmonic balance at that speed; the response has the largest")
     several_from: float | None = result("rad/s", (), "lowest reference speed of several solutions; null for none")
     several_to: float | None = result("rad/s", (), "highest of them")
-    opens_from: float | None = result("rad/s", (), "lowest reference speed at which its play opens; null for none")
+    opens_from: float | None = result("rad/s", (), "lowest reference speed at which its backlash opens; null for none")
     opens_to: float | None = result("rad/s", (), "highest of them")
     mode: int = result("", (), "mode of the linear train with the largest share of its energy in the coupling, from 1")
     natural_frequency: float = result("Hz", (), "of that mode with all such couplings as stiff as at these amplitudes")
@@ -68,7 +68,7 @@ class NonlinearPeak:
 class NonlinearPeaks:
     """Every coupling with play, friction or stages."""
 
-    each: tuple[NonlinearPeak, ...] = result("", (), "every coupling with play, friction or stages", key="")
+    each: tuple[NonlinearPeak, ...] = result("", (), "every coupling with backlash, friction or stages", key="")
     computed: Synthesis | None = None  # of the response alone, with which the exact motions are compared
 
 

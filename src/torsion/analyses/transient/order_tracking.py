@@ -35,9 +35,13 @@ class OrderSettings(Declared):
     """Settings of `orders`."""
 
     at: Annotated[tuple[str, ...], OneOrMany] = given(
-        "couplings, shafts or gears whose torque is tracked (default: those of `plot`, else the largest torque)", ()
+        "couplings, shafts or gears whose torque is tracked (default: the components of `plot`, else the largest "
+        "torque)",
+        (),
     )
-    reference: str | None = given("point over whose angle (default: that of `operation.at`, else the first)")
+    reference: str | None = given(
+        "point whose angle is the reference (default: the point of `operation.at`, else the first)"
+    )
     track: Annotated[tuple[Order, ...], OneOrMany] = given(
         "orders of the reference that are tracked (default: those that excite the train)", ()
     )
@@ -80,7 +84,7 @@ class OrderTracking:
     time: FloatArray = result("s", ("window",), "middle of each window")
     speed: FloatArray = result("rad/s", ("window",), "of the reference, mean of each window")
     aliased: float = result("1", (), "largest change of an amplitude with half of the samples, of the largest")
-    left_out: int = result("", (), "windows left out, as the torque changes too fast for their samples")
+    left_out: int = result("", (), "windows omitted, because the torque changes too fast for their samples")
     each: tuple[TrackedTorque, ...] = result("", (), "every torque that is tracked")
 
 

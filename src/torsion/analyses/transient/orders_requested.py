@@ -40,7 +40,7 @@ def orders_requested(
     if not peak.size or (given is None and not sweeps):
         return None
     if given is not None and study.has_joints and not (system.lumped_inertia[station] or system.held[station]):
-        message = f"the angle of '{name}', a point without inertia, is no coordinate of the motion"
+        message = f"the angle of '{name}', a point without inertia, is not a coordinate of the motion"
         raise InputError([Fault((*place, "orders", "reference"), message, "name a point with an inertia")])
     named = (given.at if given else ()) or settings.plot
     names = [study.train.parts[number].name for number in system.span_part.tolist()]

@@ -26,7 +26,7 @@ class Passage:
     speed: float = result("rad/s", (), "reference speed there")
     frequency: float = result("Hz", (), "of the mode")
     seconds: float = result("s", (), "how long within the range of half the power")
-    share: float = result("1", (), "greatest amplitude, of the steady one at that speed; by a closed form")
+    share: float = result("1", (), "maximum amplitude / steady amplitude at that speed; by a closed form")
 
 
 def _excitations(

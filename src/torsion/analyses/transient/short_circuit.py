@@ -52,28 +52,29 @@ class ShortCircuit(Kind):
     """-T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)), added to what acts otherwise."""
 
     key = "short-circuit"
-    meaning = "{coefficients, decay, sense, load, phases, line, clear, reclose}: electrical fault of a machine"
+    meaning = "{coefficients, decay, sense, load, phases, line, clear, reclose}: short circuit of an electrical machine"
 
     phases: Literal[2, 3] | None = given("2 or 3: checks the coefficients, for 3 have no part at twice the frequency")
     coefficients: Coefficients = required("{line, double, mean}: amplitudes, of the rated torque; the maker's")
     decay: Annotated[tuple[Length, Length], Field()] = required("[T_1, T_2]: times of decay")
     sense: Sense = given(
-        "brakes: -T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)) is added in the machine's "
-        "sense of rotation, the torque that physics has for a generator and a motor, with T_r the machine's own rated "
-        "torque; drives: the same with +; both: both are computed and the worse is judged, as the angle of the fault "
-        "and the sign of a maker's coefficients are rarely known",
+        "brakes: -T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)) is added in the "
+        "machine's sense of rotation, as for a real generator or motor. T_r is the rated torque of the machine. "
+        "drives: the same with +. both: both are computed and the worse is judged, because the angle of the short "
+        "circuit and the sign of the coefficients are rarely known",
         "both",
     )
     load: Literal["stays", "falls"] = given(
-        "stays: the mean torque of the machine acts during the fault too; falls: it is gone while the fault lasts",
+        "stays: the mean torque of the machine also acts during the short circuit; falls: it is zero during the "
+        "short circuit",
         "stays",
     )
     line: fields.Frequency = given("line frequency", 50.0)
-    clear: Length | None = given("time after which the fault is cleared (default: never)")
+    clear: Length | None = given("time after which the short circuit is cleared (default: never)")
     reclose: Reclose | None = given(
-        "time after which the fault begins anew, for as long; [shortest, longest]: scanned in steps of a tenth of the "
-        "period of the highest natural frequency up to three times that of the line, finer beside the three worst "
-        "times, and the worst is judged; it begins anew before the end of the motion"
+        "time after which the short circuit begins again, for the same duration, before the end of the transient "
+        "response. [shortest, longest]: the worst time of this range is judged. The steps are a tenth of the period "
+        "of the highest natural frequency up to three times the line frequency, finer near the three worst times"
     )
 
     @model_validator(mode="after")
@@ -81,8 +82,10 @@ class ShortCircuit(Kind):
         if self.reclose is not None and (self.clear is None or self.reclose[0] <= self.clear):
             raise refuse("`reclose` comes after `clear`", "give `clear`, and a later `reclose`", "reclose")
         if self.phases is not None and (self.phases == 2) != (self.coefficients.double != 0.0):
-            hint = "`double` is of a fault of 2 phases alone"
-            raise refuse(f"the coefficients are not of a fault of {self.phases} phases", hint, "coefficients")
+            hint = "`double` is only for a short circuit of 2 phases"
+            raise refuse(
+                f"the coefficients do not belong to a short circuit of {self.phases} phases", hint, "coefficients"
+            )
         return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:

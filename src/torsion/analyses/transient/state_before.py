@@ -104,7 +104,7 @@ def _lack_of_stop(events: Sequence[Event], event: Event) -> Lack:
     if any(isinstance(one.body, Start) for one in there) or math.isclose(sum(late), 1.0, rel_tol=1e-9):
         return None
     message = f"the mean torque of '{event.at}' drives, and a load would take its place"
-    return message, f"`{{at: {event.at}, time: {event.time:g} s, stop: {{}}}}` beside it, or the load at another point"
+    return message, f"add `{{at: {event.at}, time: {event.time:g} s, stop: {{}}}}`, or put the load at another point"
 
 
 def _lack_of_order(events: Sequence[Event], event: Event, mean: float) -> Lack:

@@ -45,7 +45,7 @@ class TransientMotion:
     least: FloatArray = result("N*m", ("span",), "least torque")
     least_at: FloatArray = result("s", ("span",), "when")
     before: FloatArray = result("N*m", ("span",), "mean torque before the events")
-    reversals: IntArray = result("", ("span",), "how often the torque changes its sign; of a gear its teeth separate")
+    reversals: IntArray = result("", ("span",), "sign changes of the torque (at a gear: separations of the teeth)")
     unresolved: FloatArray = result(
         "N*m",
         ("span",),
@@ -57,20 +57,20 @@ class TransientMotion:
     system: System | None = None
     name: str = result("", (), "name of the motion", default="")
     change: float | None = result(
-        "1", (), "largest change of a peak, of itself, with twice as many modes; null where all are kept", default=None
+        "1", (), "largest relative change of a peak with twice as many modes; null with all modes", default=None
     )
     rated: FloatArray | None = result("N*m", ("span",), "mean torque at the rated point, or null", default=None)
     stress: FloatArray | None = result(
-        "Pa", ("span",), "shear stress at the peak; null where it is no shaft", default=None
+        "Pa", ("span",), "shear stress at the peak; null except for a shaft", default=None
     )
-    damage: FloatArray | None = result("1", ("span",), "Miner's sum; null where it was not requested", default=None)
+    damage: FloatArray | None = result("1", ("span",), "Miner's sum; null if not requested", default=None)
     switching: Switching | None = result(
-        "", (), "events of couplings with play, friction, stages or a capacity; null without them", default=None
+        "", (), "events of couplings with backlash, friction, stages or a capacity; null without them", default=None
     )
     steps: int = result("", (), "steps for the torques that follow the motion; 0: there are none", default=0)
     following: tuple[str, ...] = result("", (), "torques that follow the motion", default=())
     undamped: tuple[str, ...] = result(
-        "", (), "points whose `damping` is left out, as the law of a load damps there", default=()
+        "", (), "points whose `damping` is omitted, because the law of a load damps there", default=()
     )
     left_in_series: float = result(
         "1", (), "largest last term of their series over a step, of the largest of them", default=0.0
@@ -78,28 +78,28 @@ class TransientMotion:
     passages: tuple[Passage, ...] = result("", (), "resonances that the changing speed passes", default=())
     changes: tuple[Change, ...] = result("", (), "when a torque that follows the motion changes its law", default=())
     compared: ComparedMethod | None = result("", (), "the method that is compared, or null", default=None)
-    orders: OrderTracking | None = result("", (), "torques by orders of a shaft; null where none are", default=None)
+    orders: OrderTracking | None = result("", (), "torques by orders of a shaft; null without orders", default=None)
     is_rare: bool = result(
         "", (), "no motion of normal operation: T_Kmax2 limits its couplings", key="rare", default=False
     )
-    ice: tuple[IceTorque, ...] = result("", (), "greatest ice torques that follow from a class", default=())
+    ice: tuple[IceTorque, ...] = result("", (), "maximum ice torques of a class", default=())
     slowed: float | None = result(
         "1", (), "largest change of a propeller's mean speed over a revolution in ice, of that before; null "
         "without ice, and where torques follow the speed", default=None
     )  # fmt: skip
     slip_phase: tuple[float, ...] = result(
-        "rad", (), "phases of slip pulsations that the file leaves open: those of the worst, whose curves these are; "
-        "greatest and least torques are those of all that were computed", default=()
+        "rad", (), "phases of slip pulsations that the file leaves open. The curves are of the worst phases; "
+                   "maximum and minimum torques are over all computed phases", default=()
     )  # fmt: skip
     phases_computed: int = result("", (), "how many sets of these phases were computed", default=0)
     worst_fault: str = result(
-        "", (), "sense and time of reclosing of the worst short circuit, whose curves these are; greatest and least "
-        "torques are those of all that were computed; empty where one was", default=""
+        "", (), "sense and time of reclosing of the worst short circuit. The curves are of this short circuit; "
+                "maximum and minimum torques are over all computed ones; empty for a single one", default=""
     )  # fmt: skip
     faults_computed: int = result("", (), "how many short circuits were computed; 0: one, or none", default=0)
     acting: tuple[str, ...] = result("", (), "torques that act: periodic ones, mean ones, events", default=())
     not_acting: tuple[str, ...] = result(
-        "", (), "torques of the file that are no part of the motion, with the reason", default=()
+        "", (), "torques of the file that do not act in the transient response, with the reason", default=()
     )
     fastest: float = 0.0  # rad/s of modes and torques
     turns: tuple[FloatArray, ...] = ()  # of every span, values at which its torque turns, while damage is counted
@@ -145,11 +145,11 @@ class TransientMotion:
             message = "impacts make the motion sensitive, and halved steps change a peak"
             found.append(f"{message} by {change:.2g} %: compute a longer time, whose peaks differ less")
         if self.phases_computed and self.switching is not None:
-            message = "beside play, friction, stages and clutches a few phases need not show the worst of a pulsation"
+            message = "with backlash, friction, stages or clutches, a few phases may miss the worst one of a pulsation"
             found.append(f"{message}: name its `phase`, in several motions")
         if self.slowed is not None and abs(self.slowed) > SPEED_KEPT:
-            what = "the ice slows the train" if self.slowed < 0.0 else "beside ice the train runs faster"
-            message = f"{what} by {100.0 * abs(self.slowed):.3g} %, and torques are those of the speed before"
+            what = "the ice slows the train" if self.slowed < 0.0 else "the ice torque changes the speed of the train"
+            message = f"{what} by {100.0 * abs(self.slowed):.3g} %, and torques have the values of the speed before"
             found.append(f"{message}: let them follow it (`start` or `load`)")
         return "; ".join(found) or "ok"
 

@@ -58,14 +58,14 @@ def _read_band(value: Any) -> Any:
     if value == "all":
         return value
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise refuse("`modes` is `all` or how many of the lowest are kept", "all, or for example 50")
+        raise refuse("`modes` is `all` or the number of lowest modes", "all, or for example 50")
     return value
 
 
 class Fatigue(Declared):
     """Cycles counted by rainflow, their damage summed after Miner: each is (amplitude/`amplitude`)**slope / cycles."""
 
-    amplitude: fields.Torque = required("torque amplitude (half range) borne for `cycles` cycles")
+    amplitude: fields.Torque = required("torque amplitude (zero to peak) borne for `cycles` cycles")
     cycles: fields.Number = required("number of cycles at that amplitude")
     slope: fields.Number = required("exponent m of the line amplitude**m * cycles = constant")
     at: Annotated[tuple[str, ...], OneOrMany] = given("names of the couplings, shafts or gears (default: all)", ())
@@ -82,12 +82,12 @@ class Fatigue(Declared):
 class TransientSettings(Declared):
     """Settings of `transient`: of one motion, or of each in a list of them."""
 
-    name: str = given("name of the motion, where there are several", "")
+    name: str = given("name of the transient response, if there are several", "")
     duration: Length = required("how long the motion is computed")
     initial: Initial = given(
-        "rest, steady (mean and periodic torques of the operating speed), {speed: rpm}, of parts that turn against "
-        "each other {speed: {point: rpm}} (others: at rest), or a static twist that is released, "
-        "{torque: {span: N*m}} (default: steady where the operation has a speed, else rest)"
+        "rest; steady (mean and periodic torques of the operating speed); {speed: rpm}; {speed: {point: rpm}} for "
+        "parts at different speeds (others: at rest); or {torque: {span: N*m}}, a static twist that is released. "
+        "Default: steady if the operation has a speed, else rest"
     )
     events: tuple[Event, ...] = given(
         "what happens, each at a point: [{at: motor-1, step: {torque: 100 N*m}}, ...]", ()
@@ -96,37 +96,37 @@ class TransientSettings(Declared):
         tuple[str, ...] | None,
         BeforeValidator(_read_torques, json_schema_input_type=Literal["none"] | tuple[str, ...]),
     ] = given(
-        "[names] of the components whose periodic torques (ripple, excitations, orders of engines, propellers and "
-        "compressors) act, by the angle of their shaft; none: no periodic torque (default: all of the file)"
+        "[names] of the components whose periodic torques act, by the angle of their shaft: ripple, excitations, "
+        "orders of engines, propellers and compressors. none: no periodic torque (default: all of the file)"
     )
     samples: Annotated[int, Field(ge=100, le=MOST_SAMPLES)] | None = given(
-        "samples of the curves; peaks are found between them, and nothing else depends on them "
+        "samples of the curves; the program finds peaks between them, and other results do not depend on them "
         f"(default: {DEFAULT_PER_PERIOD} of the shortest period, at most {DEFAULT_MOST})"
     )
     tolerance: Annotated[float, Quantity("1", at_least=1e-12, at_most=1e-2)] = given(
-        "of torques that follow the motion: largest term left in their series over a step, of the largest torque; a "
-        "tenth of it beside nonlinear couplings",
+        "for torques that follow the motion: largest remaining term of their series over a step, relative to the "
+        "largest torque; a tenth of it with nonlinear couplings",
         1e-6,
     )
     method: Literal[
         "exact", "dop853", "radau", "newmark", "wilson", "hht", "generalised-alpha", "bathe", "houbolt",
         "central-differences", "linear-acceleration", "runge-kutta-4", "precise",
     ] = given(
-        "exact, or a method that is compared with it: its error and run time are reported beside the exact motion of a "
-        "linear train", "exact"
+        "exact, or a method that is compared with it: its error and run time are reported next to the exact motion "
+        "of a linear train", "exact"
     )  # fmt: skip
     step: Length | None = given("step of the compared method; not of `exact`, `dop853` and `radau`")
     modes: Annotated[Any, BeforeValidator(_read_band, json_schema_input_type=int | Literal["all"])] = given(
-        "all, or how many of the lowest elastic modes are kept; then the change with twice as many is reported", "all"
+        "all, or the number of lowest elastic modes; then the change with twice as many is reported", "all"
     )
     plot: Annotated[tuple[str, ...], OneOrMany] = given(
         "names of elements whose torque, and points whose speed is drawn (default: the largest torques, both ends)", ()
     )
     export: Literal["npz", "csv"] | None = given("also write all samples: motion.npz, or motion.csv of each motion")
     orders: OrderSettings | None = given(
-        "{at, reference, track, highest}: torques by orders of a shaft, where the speed changes by 8 revolutions or "
-        "more (default: where orders excite the train and its speed changes by itself or by a program; "
-        "none beside play, friction, stages and clutches)"
+        "{at, reference, track, highest}: torques by orders of a shaft, if the speed changes by 8 revolutions or "
+        "more. Default: if orders excite the train and its speed changes freely or by a program; none with "
+        "backlash, friction, stages or clutches"
     )
     duty: Literal["normal", "rare"] | None = given(
         "normal, or rare: a short circuit, an emergency, a misoperation, for which couplings have `max_torque_rare` "
@@ -170,7 +170,7 @@ def transient_faults(study: Study) -> list[Fault]:
     if not every:
         found.append(Fault(PATH, "the list of motions is empty", "`- {name: start, duration: 2 s, events: [...]}`"))
     if every and study.model == "exact" and study.train.has_shafts:
-        message = "motion over time takes shafts as lumped masses or finite elements, not the model exact"
+        message = "the transient response supports lumped or finite-element shafts, not the model exact"
         found.append(Fault(("analyses", "model"), message, "model: lumped"))
     for settings, path in every:
         if len(every) > 1 and (not settings.name or settings.name in seen):
@@ -259,7 +259,10 @@ def _reclosed_late(settings: TransientSettings, path: Path) -> Iterator[Fault]:
     for number, event in enumerate(settings.events):
         again = event.body.reclose if isinstance(event.body, ShortCircuit) else None
         if again is not None and event.time < settings.duration <= event.time + again[1]:
-            message = f"the fault begins anew at {event.time + again[1]:g} s, after the end of the motion"
+            message = (
+                f"the short circuit begins again at {event.time + again[1]:g} s, after the end of the "
+                "transient response"
+            )
             hint = f"a `reclose` below {settings.duration - event.time:g} s, or a longer `duration`"
             yield Fault((*path, "events", number, "short-circuit", "reclose"), message, hint)
 
@@ -297,7 +300,7 @@ def _order_faults(
         message = f"order {max(given_orders.track):g} is tracked, and the waterfall ends at {highest:g}"
         yield Fault((*path, "orders", "highest"), message, f"{max(given_orders.track):g} or more, or leave it out")
     if study.train.has_nonlinear_couplings:
-        message = "orders of a motion with play, friction, stages or a capacity are not built"
+        message = "orders of a transient response with backlash, friction, stages or a capacity are not supported yet"
         yield Fault((*path, "orders"), message, "leave it out, or make the couplings linear")
 
 

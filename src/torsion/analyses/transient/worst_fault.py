@@ -41,7 +41,10 @@ class FaultScan:
         variants = {number: fault.variants(self.frequency) for number, fault in self.faults.items()}
         count = math.prod(map(len, variants.values())) + WORST_TIMES * 2 * (FINER - 1) * len(self.scanned)
         if count > MOST_FAULTS:
-            message = f"{count} faults would be computed, of all senses and times of reclosing: more than {MOST_FAULTS}"
+            message = (
+                f"{count} short circuits would be computed, for all senses and times of reclosing: more than "
+                f"{MOST_FAULTS}"
+            )
             raise InputError([Fault((*self.place, "events"), message, "a narrower range `reclose`, or state `sense`")])
         combinations = product(*variants.values())
         return [_with_faults(self.settings, dict(zip(variants, each, strict=True))) for each in combinations]

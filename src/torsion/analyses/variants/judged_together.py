@@ -45,9 +45,9 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
         used[places], fails[places] = np.nan, False
     solved(work, variation, values, modes, judged=True, known=answers, places=places)
     return answers, (
-        f"judged side by side; of {len(compared)} of these variants, solved separately too, the utilisations differ by "
-        f"{difference:.1e} at most, and of the others by an unknown amount; "
-        f"{len(places)} variants near a limit solved separately"
+        f"judged side by side; {len(places)} variants near a limit solved separately. For {len(compared)} variants, "
+        f"also solved separately, the utilisations differ by at most {difference:.1e}; for the others the difference "
+        "is unknown"
     )
 
 

@@ -34,7 +34,7 @@ Share = Annotated[
 def _amount(value: Any, key: str) -> tuple[Fraction, str]:
     """A number and its unit as the file writes them; empty for a bare number."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise refuse(f"{shown(value)} is no number with a unit", "such as 55 mm", key)
+        raise refuse(f"{shown(value)} is not a number with a unit", "such as 55 mm", key)
     try:
         return units.amount(value) if isinstance(value, str) else (Fraction(repr(value)), "")
     except (units.UnitFault, ValueError, OverflowError) as fault:
@@ -45,8 +45,8 @@ class Choice(Declared):
     """Values of one figure in place of that of the file: a list, a range, or the rows of a catalogue."""
 
     values: tuple[Any, ...] | None = given("alternatives, each written as the file would: [56 mm, 60 mm, 65 mm]")
-    first: Amount | None = given("least value of a range, with its unit", alias="from")
-    last: Amount | None = given("greatest value, in the same unit", alias="to")
+    first: Amount | None = given("minimum of a range, with its unit", alias="from")
+    last: Amount | None = given("maximum, in the same unit", alias="to")
     steps: Annotated[int, Field(ge=2, le=MOST_STEPS)] | None = given("how many values from one end to the other")
     step: Amount | None = given("distance of the values, in the same unit, in place of `steps`")
     catalogue: str | None = given("CSV file whose rows are alternatives of the component; a column a key, with `name`")
@@ -141,10 +141,10 @@ class Law(Choice):
     normal: Width | None = given("standard deviation, the mean being the file's value: 5 %")
     lognormal: Width | None = given("standard deviation of the logarithm, the median being the file's value")
     triangular: Annotated[tuple[Share, ...], fields.OneOrMany] | None = given(
-        "likeliest at the file's value, falling to nothing this far from it; or the least, the likeliest and the "
-        "greatest share of the file's value: [70 %, 80 %, 100 %]"
+        "half width: most likely at the file's value, zero at this distance. Or minimum, mode and maximum relative "
+        "to the file's value: [70 %, 80 %, 100 %]"
     )
-    within: Width | None = given("no value farther from the file's than this; of `normal` (default: 3 deviations)")
+    within: Width | None = given("for `normal`: largest distance from the file's value (default: 3 deviations)")
 
     def refuse_clashes(self) -> None:
         """One way alone, and `within` with a normal law."""
@@ -157,7 +157,7 @@ class Law(Choice):
         if not low > 0.0:
             raise refuse("the share of a symmetric triangle is below 100 %", "such as +-15 %", "triangular")
         if not low <= middle <= high or low == high:
-            hint = "least, likeliest and greatest share of the file's value: [70 %, 80 %, 100 %]"
+            hint = "minimum, mode and maximum relative to the file's value: [70 %, 80 %, 100 %]"
             raise refuse(f"{low:g}, {middle:g} and {high:g} do not rise", hint, "triangular")
         if self.within is not None and (self.normal is None or self.within <= self.normal):
             raise refuse(

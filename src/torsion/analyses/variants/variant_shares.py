@@ -202,11 +202,11 @@ def unfit(work: Work) -> str:
 
     study, system, train, response = work.study, work.system, work.study.train, work.get(Response)
     if not work.rules.are_pointwise(study):
-        return "a rule of the file is not judged at each speed by itself"
+        return "a rule of the file is not judged at each speed separately"
     if any(name in study.analyses or ANALYSES[name].wanted(study) for name in READ):
         return "the file has other analyses that are judged"
     if response is None or response.system is not system or system.bars is not None:
-        return "shafts are not lumped, or are divided for the response alone"
+        return "shafts are not lumped, or have other segments for the response"
     if system.tables or system.groups is not None or system.condensed.extra.size:
         return "shafts of very many segments, tables or loops"
     if train.modal_damping or not np.isfinite(system.flexibility).all() or study.has_supports:

@@ -24,6 +24,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.junction.profile import Profile
 from torsion.assembly.junction.profile_mesh import CLOSE, Meridian, meridian
 from torsion.errors import SolveError
+from torsion.sources import source
 
 ORDER = 10  # of the quadrature: r^3 with two gradients of degree 3, and one more for curved sides
 GRADED = 10  # halvings of the triangles at a sharp corner before the first solution
@@ -79,6 +80,8 @@ class Solved:
         return (self.excess[1] - self.excess[0]) / 2.0
 
 
+@source("Foeppl1905")
+@source("PragerSynge1947")
 def solved(profile: Profile, fine: float = FINE) -> Solved:
     """A line by elements of degree 4, divided until the bounds of its excess length are `fine` apart.
 

@@ -72,7 +72,7 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
                 faults.append(fault)
             if not _is_smooth(one, two):
                 why = fault.message if fault else "the table has no such step"
-                found = _remarked(found, one.part, f"its step to '{two.name}' is left out: {why}")
+                found = _remarked(found, one.part, f"its step to '{two.name}' is omitted: {why}")
             continue
         smaller = min(ends, key=lambda end: end.outer)
         remark = f"its step to '{two.name}' ({step.words}) twists as {1e3 * excess:.4g} mm of '{smaller.bar.name}'"
@@ -108,8 +108,8 @@ def _hubs(train: Train, shorter: dict[str, float], faults: list[Fault]) -> tuple
     for bar in train.bars:
         found[bar.name] = found.get(bar.name, 0.0) + shorter.get(bar.name, 0.0)
         if found[bar.name] > MOST_WITH_HUBS * bar.length:
-            message = f"hubs and fillets take all of the twist of '{bar.name}'"
-            faults.append(Fault(train.parts[bar.part].path, message, "join it with the shaft beside it"))
+            message = f"hubs and fillets take up the complete twist of '{bar.name}'"
+            faults.append(Fault(train.parts[bar.part].path, message, "join it with the adjacent shaft"))
             del found[bar.name]
     return train, found
 
@@ -163,7 +163,7 @@ def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken
     one, two = ends
     names = f"'{one.bar.name}' and '{two.bar.name}'"
     if any(end.bar.section is not None for end in ends):
-        return Fault(path, f"one of {names} has a `section` by mesh", "a step is that of two round shafts")
+        return Fault(path, f"one of {names} has a `section` by mesh", "a step lies between two round shafts")
     if max(one.bore, two.bore) >= min(one.outer, two.outer):
         return Fault(path, f"{names} do not touch", "the bore of one is not smaller than the diameter of the other")
     smaller, larger = sorted(ends, key=lambda end: end.outer)
@@ -171,7 +171,7 @@ def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken
     if step.flange is not None:
         face = step.flange.diameter
         if face <= larger.outer:
-            return Fault((*path, "flange"), f"the flange is no larger than {names}", "`diameter` is its outer one")
+            return Fault((*path, "flange"), f"the flange is not larger than {names}", "`diameter` is its outer one")
     elif one.outer == two.outer:
         return Fault(path, f"{names} have the same diameter", "leave `step` out, or give a `flange`")
     height, reach = (face - smaller.outer) / 2.0, 0.0
@@ -190,7 +190,7 @@ def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken
     taken[name] = taken.get(name, 0.0) + reach
     if reach and taken[name] > smaller.bar.length:
         hint = "the corners at both of its ends, and its hubs, together have room in its length"
-        return Fault(path, f"the corner reaches into what else stands on '{name}'", hint)
+        return Fault(path, f"the corner reaches into another detail of '{name}'", hint)
     return None
 
 
@@ -202,7 +202,9 @@ def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> 
     smaller, larger = sorted((one, two), key=lambda end: end.outer)
     unit = smaller.outer
     if step.form == "handbook":
-        return unit * handbook(larger.outer / unit), "by a handbook's table, from memory, to be verified"
+        return unit * handbook(larger.outer / unit), (
+            "by a handbook's table, not checked against the edition in force, to be verified"
+        )
     is_plain = step.chamfer is None and step.undercut is None and step.flange is None
     if is_plain and one.bore == two.bore and one.bar.shear_modulus == two.bar.shear_modulus:
         height = (larger.outer - unit) / 2.0

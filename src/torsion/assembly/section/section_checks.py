@@ -116,7 +116,7 @@ def _refuse_pinches(mesh: Triangles, edge: Boundary) -> None:
     count = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
     if np.any(count > 1):
         at = mesh.points[np.argmax(count)]
-        raise SectionFault("the section is joined by a point alone", "a cross-section is one piece", at)
+        raise SectionFault("the parts of the section meet only in a point", "a cross-section is one piece", at)
 
 
 def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:

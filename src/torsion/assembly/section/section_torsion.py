@@ -18,6 +18,7 @@ from scipy.sparse.linalg import splu
 
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.section.section_mesh import Boundary, Triangles, boundary
+from torsion.sources import source
 
 ORDER = 8  # of the quadrature: exact for degree 4 on straight triangles, and for r^2 on curved ones
 _ALONG = np.linspace(0.0, 1.0, 17)  # places on a side of the boundary at which the stress is looked at
@@ -52,6 +53,7 @@ def moments(mesh: Triangles) -> Moments:
     return Moments(area, centroid, float(np.sum((x * x + y * y) * dx)))
 
 
+@source("Prandtl1903")
 def solve_level(mesh: Triangles, degree: int) -> Level:
     """Bounds of the torsion constant and the largest stress, by elements of degree 2 or 4 on a sound mesh."""
     element = skfem.ElementTriP4() if degree == 4 else skfem.ElementTriP2()

@@ -47,9 +47,9 @@ EndPressures = Annotated[Any, BeforeValidator(_pressures, json_schema_input_type
 class CompressorThrow(Declared):
     """A throw with the cylinder on it."""
 
-    angle: fields.Angle = required("crank angle at which the piston is at the dead centre of its head end, at which "
-                                   "the volume of that is smallest; the direction of its cylinder is contained in "
-                                   "it: 0 deg for both throws of an opposed pair")  # fmt: skip
+    angle: fields.Angle = required("crank angle of the dead centre of the head end (smallest volume of the head "
+                                   "end); it includes the direction of the cylinder: 0 deg for both throws of an "
+                                   "opposed pair")  # fmt: skip
     bore: Length = required("diameter of the cylinder")
     piston_rod: Annotated[float, Quantity("m", at_least=0, usual="piston rod")] = given(
         "diameter of the piston rod, which takes area from the crank end", 0.0
@@ -76,7 +76,7 @@ class Compressor(Component, keyword="compressor", sort="line"):
     throws: Annotated[tuple[CompressorThrow, ...], Field(min_length=1, max_length=20)] = required(
         "from the first end of the crankshaft"
     )
-    absolute: bool | None = given("true: pressures are absolute; false: above that of the surroundings")
+    absolute: bool | None = given("true: pressures are absolute; false: gauge pressures")
     surroundings: Crankcase = given("absolute pressure outside of the cylinders", 101325.0)
     tdc: fields.Angle | None = given("angle in files over the crank angle at which the head end is at its dead centre")
     mechanical_efficiency: Annotated[float, Quantity("1", above=0, at_most=1, usual="efficiency")] = given(
@@ -87,7 +87,7 @@ class Compressor(Component, keyword="compressor", sort="line"):
         "of every throw with the mean of its moving masses; one value for all", ()
     )
     crank_inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
-        "of every throw alone, in place of `inertia`; the mean of `reciprocating` is added", ()
+        "of every throw without masses, in place of `inertia`; the mean of `reciprocating` is added", ()
     )
     stiffness: Annotated[tuple[fields.Stiffness, ...], OneOrMany] = given("between throws; one value for all", ())
     damping: Annotated[tuple[fields.Damping, ...], OneOrMany] = given("to ground, by throw; one value for all", ())
@@ -187,7 +187,10 @@ class Compressor(Component, keyword="compressor", sort="line"):
                 if drives > SMALL * float(np.abs(end.torque).max()):
                     key = "head_end" if end.end == "head end" else "crank_end"
                     message = f"the {end.end} of throw {one.number} drives the shaft: {drives:.5g} N m on the mean"
-                    hint = "rows stand as the piston moves, volumes and travel from the dead centre of their own end"
+                    hint = (
+                        "rows follow the motion of the piston; volume and travel count from the dead centre of "
+                        "the same end"
+                    )
                     fault = GasFault(message, hint)
                     build.faults.append(self._fault(build, record.part, (one.number - 1, key), fault))
 

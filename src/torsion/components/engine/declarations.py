@@ -153,7 +153,7 @@ def _row(value: object) -> Row:
             raise refuse("`a` and `b` are of one unit", ROW)
         return _item(value, "order", _order), complex(a, -b), unit
     if not isinstance(value, list | tuple) or len(value) != 3:
-        raise refuse(f"{shown(value)} is no row of harmonics", ROW)
+        raise refuse(f"{shown(value)} is not a row of harmonics", ROW)
     size, unit = _item(value, 1, _amount)
     if size < 0:
         raise refuse("an amplitude is not negative", "turn its phase by 180 deg", (1,))
@@ -173,14 +173,14 @@ def _item(whole: Any, step: str | int, read: Callable[[Any], Found]) -> Found:
 
 def _rows(value: Any) -> tuple[Row, ...]:
     if not isinstance(value, list | tuple) or not value:
-        raise refuse(f"{shown(value)} is no table of harmonics", f"rows {ROW}")
+        raise refuse(f"{shown(value)} is not a table of harmonics", f"rows {ROW}")
     if all(isinstance(row, tuple) and len(row) == 3 and isinstance(row[1], complex) for row in value):
         return tuple(value)
     read = tuple(_item(value, place, _row) for place in range(len(value)))
     orders = [order for order, _, _ in read]
     twice = next((place for place, order in enumerate(orders) if order in orders[:place]), None)
     if twice is not None:
-        raise refuse(f"order {orders[twice]} stands twice in the table", "one row an order", (twice,))
+        raise refuse(f"the table lists order {orders[twice]} twice", "one row an order", (twice,))
     return read
 
 
@@ -217,12 +217,12 @@ class TableAt(Declared):
 
     imep: Pressure | None = given("indicated mean effective pressure; needs `geometry`")
     torque: Annotated[float, Quantity("N*m", above=0)] | None = given("mean torque of the engine")
-    speed: fields.Speed | None = given("speed of the engine; the load is then that of the table")
+    speed: fields.Speed | None = given("speed of the engine; the table then includes the load")
     rows: Rows = required(f"rows {ROW}")
 
     def refuse_clashes(self) -> None:
         if [self.imep, self.torque, self.speed].count(None) != 2:
-            raise refuse("a table stands at one of `imep`, `torque` and `speed`", "{imep: 5 bar, rows: [...]}")
+            raise refuse("give a table exactly one of `imep`, `torque` and `speed`", "{imep: 5 bar, rows: [...]}")
 
     @property
     def key(self) -> Literal["imep", "torque", "speed"]:
@@ -258,15 +258,15 @@ class Gas(Declared):
                                         "CSV file with a column of that", ())  # fmt: skip
     diagram: Diagrams = given("file of the pressure over the crank angle, {file, speed}, or a list of them", ())
     tdc: fields.Angle | None = given("angle in the file at which the cylinder is at firing top dead centre")
-    absolute: bool | None = given("true: pressures of the file are absolute; false: above that of the surroundings")
+    absolute: bool | None = given("true: pressures of the file are absolute; false: gauge pressures")
     cycle: Literal["wiebe"] | None = given("closed cycle computed from the figures below, heat by a Wiebe function")
     compression_ratio: Annotated[float, Quantity("1", above=1, usual="compression ratio")] | None = given(
         "of the `cycle`"
     )
     charge: Pressures = given("absolute pressure when compression begins, and of the intake; one value, or by load", ())
     exhaust: Pressures = given("absolute pressure of the exhaust stroke (four strokes); one value, or by load", ())
-    imep: Pressures = given("indicated mean effective pressure of the `cycle`, one or a rising list of loads; beside a "
-                            "`diagram`, to compare", ())  # fmt: skip
+    imep: Pressures = given("indicated mean effective pressure of the `cycle`, one or a rising list of loads; with "
+                            "a `diagram`, a value to compare with", ())  # fmt: skip
     p_max: Pressures = given("peak pressure, absolute; one value, or by load", ())
     gamma: Annotated[float, Quantity("1", above=1, usual="ratio of heats")] = given("ratio of heats", 1.35)
     shape: Annotated[float, Quantity("1", at_least=0, usual="shape of a heat release")] = given(
@@ -302,12 +302,14 @@ class Gas(Declared):
         if len(speeds) == 1 and speeds[0] is not None:
             raise refuse("one diagram stands for every speed", "leave its `speed` out, or give several", "diagram")
         if len(speeds) > 1 and self.imep:
-            raise refuse("`imep` is compared with that of one diagram, and there are several", "leave it out", "imep")
+            raise refuse(
+                "`imep` is compared with the value of one diagram, and there are several", "leave it out", "imep"
+            )
         if len(speeds) > 1 and None in speeds and any(one is not None for one in speeds):
             raise refuse("of several diagrams all have a speed, or none", "over speed, or over load", "diagram")
         at = [getattr(one, one.key) for one in self.tables] or [one for one in speeds if one is not None]
         if any(before >= after for before, after in pairwise(at)):
-            raise refuse("several tables or diagrams stand in rising order", "", "tables" if self.tables else "diagram")
+            raise refuse("list several tables or diagrams in rising order", "", "tables" if self.tables else "diagram")
 
 
 BY_LOAD = ("charge", "exhaust", "imep", "p_max")

@@ -52,19 +52,19 @@ class Engine(Component, keyword="engine", sort="line"):
     strokes: Literal[2, 4] = required("of a cycle")
     firing_order: tuple[Number, ...] = given("numbers of the cylinders as they fire, evenly spaced", ())
     firing_angles: tuple[fields.Angle, ...] = given("crank angle at which each cylinder fires, cylinder 1 first", ())
-    phase: Phase | None = given("crank angle at which its first cylinder fires, at reference angle zero; "
-                                       "needed where a train has several engines")  # fmt: skip
+    phase: Phase | None = given("crank angle at which its first cylinder fires, at reference angle zero; needed if "
+                                "a train has several engines")  # fmt: skip
     throws: Throws = given("cylinders on each throw from the first end: [[1, 2], [3, 4]] (default: one each)", ())
     reverse: bool = given("true: the train meets its last throw first", False)
     power: fields.Power | None = given("rated power; shares the load where several drive one train")
     mechanical_efficiency: Annotated[float, Quantity("1", above=0, at_most=1, usual="efficiency")] = given(
-        "mean torque / that of the gas", 1.0
+        "mean torque / mean gas torque", 1.0
     )
     inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
         "of every throw with the mean of its rods and pistons, from the first end; one value for all", ()
     )
     crank_inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
-        "of every throw alone, in place of `inertia`; the mean of `masses` is added", ()
+        "of every throw without masses, in place of `inertia`; the mean of `masses` is added", ()
     )
     stiffness: Annotated[tuple[fields.Stiffness, ...], OneOrMany] = given(
         "between throws, from the first end; one value for all", ()
@@ -77,11 +77,11 @@ class Engine(Component, keyword="engine", sort="line"):
     web: Web | None = given("{thickness, width} of its webs: the report then estimates the stiffness of a throw")
     geometry: Geometry | None = given("{bore, stroke, rod_length, offset} of a cylinder")
     masses: Masses | None = given("{reciprocating}, or {piston, rod} of a cylinder, for their torque")
-    gas: Gas | None = given("gas torque of a cylinder; without it the moving masses alone excite")
+    gas: Gas | None = given("gas torque of a cylinder; without it only the moving masses excite")
     misfire: Misfire = given("cylinders without fuel; needs motored harmonics", ())
     cut_out: Numbers = given("cylinders with their valves open: no gas torque", ())
     imbalance: tuple[tuple[Number, Share], ...] = given(
-        "list of [cylinder, its heat / that of the others]: [[1, 105 %], [6, 95 %]]", ()
+        "list of [cylinder, heat relative to the other cylinders]: [[1, 105 %], [6, 95 %]]", ()
     )
     keep_power: bool = given("true: the other cylinders make up for `misfire` and `cut_out`", False)
     orders: Annotated[int, Field(ge=1, le=MOST_ORDER)] | None = given(

@@ -16,6 +16,7 @@ from torsion.components.engine.record import PressureCurve
 from torsion.kernels.engine.gas_law import GasLaw
 from torsion.kernels.engine.gas_torque import Cylinder, Diagram
 from torsion.kernels.engine.wiebe_cycle import Cycle, UnreachablePressure, fitted
+from torsion.sources import source
 from torsion.two_columns import Columns, pairs
 
 COLUMNS = Columns(
@@ -93,7 +94,7 @@ def _harmonics(rows: Sequence[Row], frame: Frame, mean: float, *key: str | int) 
         if number.denominator != 1:
             least = Fraction(1, frame.revolutions)
             kind = "four" if frame.revolutions == 2 else "two"
-            raise GasFault(f"order {order} is no multiple of {least}", f"those of {kind} strokes are", *key, place)
+            raise GasFault(f"order {order} is not a multiple of {least}", f"those of {kind} strokes are", *key, place)
         size = frame.known("a tangential pressure").tangential if unit == "Pa" else 1.0
         if number <= frame.harmonics:
             found[int(number)] = amplitude * size
@@ -122,7 +123,7 @@ def _of_tables(gas: Gas, frame: Frame) -> Law:
     orders = [frozenset(order for order, _, _ in one.rows) for one in gas.tables]
     odd = next((order for order in sorted(frozenset.union(*orders)) if any(order not in one for one in orders)), None)
     if odd is not None:
-        raise GasFault(f"order {odd} stands in some of the tables and not in others", "the same orders in each",
+        raise GasFault(f"order {odd} is missing in some of the tables", "the same orders in each",
                        "tables")  # fmt: skip
     if key == "speed":
         at = np.array([one.speed for one in gas.tables], dtype=np.float64)
@@ -149,7 +150,7 @@ def _diagram(gas: Gas, place: int, frame: Frame, cylinder: Cylinder) -> Diagram:
         raise GasFault(str(error.args[0]), str(error.args[-1]), "diagram") from None
     angle, pressure = rows[:, 0] - (gas.tdc or 0.0), rows[:, 1] + (0.0 if gas.absolute else gas.crankcase)
     if pressure.min() <= 0:
-        hint = "is it above that of the surroundings? then `absolute: false`" if gas.absolute else "of a vacuum?"
+        hint = "for gauge pressures write `absolute: false`" if gas.absolute else "of a vacuum?"
         raise GasFault(f"'{file}' has a pressure that is not above 0", hint, "diagram")
     degrees = math.degrees(angle[-1] - angle[0])
     if not math.isclose(angle[-1] - angle[0], cylinder.period, rel_tol=1e-6):
@@ -183,7 +184,7 @@ def _of_diagrams(gas: Gas, frame: Frame) -> Law:
         return Law(law, "indicator diagrams over the speed, each with its own load", curves, remarks)
     loads = firing[:, 0].real
     if any(before >= after for before, after in pairwise(loads)):
-        raise GasFault("several diagrams without a speed stand in order of rising load", "lowest imep first", "diagram")
+        raise GasFault("list several diagrams without a speed in order of rising load", "lowest imep first", "diagram")
     at, rows = np.append(none[0, 0].real, loads), np.concatenate([none[:1], firing])
     if at[0] >= at[1]:
         raise GasFault("the diagram gives no more torque than its compression mirrored", "is `tdc` right?", "diagram")
@@ -196,6 +197,7 @@ def _cycle(cycle: Cycle, imep: float, peak: float) -> Cycle:
     return fitted(cycle, imep, peak)
 
 
+@source("Wiebe1970")
 def _of_cycle(gas: Gas, frame: Frame) -> Law:
     cylinder, needed = frame.known("a cycle"), ("exhaust",) if frame.revolutions == 2 else ("exhaust_opens",)
     ports = gas.exhaust_opens or math.pi, gas.scavenge_opens or gas.exhaust_opens or math.pi
@@ -222,7 +224,7 @@ def _of_cycle(gas: Gas, frame: Frame) -> Law:
     )  # fmt: skip
     at, rows = np.append(none[0, 0].real, firing[:, 0].real), np.concatenate([none[:1], firing])
     if at[0] >= at[1]:
-        raise GasFault("the imep is below that of the motored cycle", "the cycle would take heat away", "imep")
+        raise GasFault("the imep is below the imep of the motored cycle", "the cycle would take heat away", "imep")
     motored = np.concatenate([none[:1], none]) if several else none
     law = GasLaw("load", at, rows, motored, not several, float(at[-1]))
     ends = dict.fromkeys((made[0], made[-1]))
@@ -252,4 +254,4 @@ def _fitted(gas: Gas, cylinder: Cylinder, load: int, ports: tuple[float, float])
         message = f"no begin of the heat release gives a peak of {(peak or 0.0) / BAR:.5g} `bar`{place}"
         raise GasFault(message, f"with these figures it can be {reach}", "p_max") from None
     except ValueError:
-        raise GasFault("with these figures the cycle has no answer", "is the duration too long?", "duration") from None
+        raise GasFault("the cycle has no solution with these data", "is the duration too long?", "duration") from None

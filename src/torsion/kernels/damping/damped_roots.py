@@ -16,6 +16,7 @@ from torsion.kernels.reduction import rigidity
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.sweeps import EPS, Layout, layout
 from torsion.kernels.tree import Tree
+from torsion.sources import source
 
 if TYPE_CHECKING:
     from torsion.kernels.spring_law import SpringLaw
@@ -178,6 +179,8 @@ def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) ->
     return total
 
 
+@source("Ehrlich1967")
+@source("Aberth1973")
 def polish_together(
     train: DampedTree, start: ComplexArray, zeros: int, *, lossy: float = 1.0, mirrored: bool = False
 ) -> ComplexArray:

@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from torsion.sources import source
+
 
 class Optimum(NamedTuple):
     """Settings of a ring that make the greatest magnification of the mode smallest."""
@@ -20,6 +22,7 @@ class Optimum(NamedTuple):
     magnification: float
 
 
+@source("DenHartog1956", "eq. 3.21")
 def viscous(ratio: float) -> Optimum:
     """Of a ring without stiffness, of `ratio` = its inertia / that of the mode (Den Hartog 1956, 3.21).
 
@@ -29,6 +32,7 @@ def viscous(ratio: float) -> Optimum:
     return Optimum(0.0, 1.0 / math.sqrt(2.0 * (1.0 + ratio) * (2.0 + ratio)), (2.0 + ratio) / ratio)
 
 
+@source("NishiharaAsami2002")
 def tuned(ratio: float) -> Optimum:
     """Of a ring on a spring: the exact minimum of the greatest magnification (Nishihara and Asami 2002)."""
     root = math.sqrt(4.0 + 3.0 * ratio)

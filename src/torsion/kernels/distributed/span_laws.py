@@ -188,7 +188,7 @@ class Shafts:
         """The shafts of each law."""
         edges = np.cumsum([0, *(law.size for law in self.laws)]).tolist()
         if edges[-1] != self.size:
-            raise ValueError(f"the laws are those of {edges[-1]} shafts; expected {self.size}")
+            raise ValueError(f"the laws are for {edges[-1]} shafts; expected {self.size}")
         return tuple(slice(a, b) for a, b in pairwise(edges))
 
     def at(self, square: ArrayLike) -> Pi:

@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from torsion.sources import source
+
 
 @dataclass(frozen=True)
 class Throw:
@@ -14,6 +16,7 @@ class Throw:
     radius: float  # of the crank
 
 
+@source("Carter")
 def carter(throw: Throw, shear_modulus: float) -> float:
     """N m/rad after Carter (Nestorides, handbook; to be verified)."""
     (d_j, bore_j, l_j), (d_p, bore_p, l_p), (thick, wide) = throw.journal, throw.pin, throw.web
@@ -21,6 +24,7 @@ def carter(throw: Throw, shear_modulus: float) -> float:
     return math.pi * shear_modulus / 32.0 / (length + 1.5 * throw.radius / (thick * wide**3))
 
 
+@source("KerWilson")
 def ker_wilson(throw: Throw, shear_modulus: float) -> float:
     """N m/rad after Ker Wilson (Nestorides, handbook; to be verified)."""
     (d_j, bore_j, l_j), (d_p, bore_p, l_p), (thick, wide) = throw.journal, throw.pin, throw.web

@@ -55,7 +55,7 @@ def of_loop(crank: CrankSlider, travel: FloatArray, pressure: FloatArray, meet: 
     turn = int(np.argmax(travel[rows]))
     if not 0 < turn < len(rows) - 1:
         hint = "expansion and suction, then compression and discharge"
-        raise NoLoop(None, "the rows are no loop of two branches", hint)
+        raise NoLoop(None, "the rows do not form a loop of two branches", hint)
     wrong = np.flatnonzero((np.diff(travel[rows]) > 0) != (np.arange(len(rows) - 1) < turn))
     if wrong.size:
         place, turns = int(rows[wrong[0] + 1]), "it rises once and falls once"

@@ -19,6 +19,7 @@ from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.lapack import call, routine
 from torsion.kernels.long_chain.temple import Chain, quotient
+from torsion.sources import source
 
 _BRACKET = 2.0**-6  # relative width of the bracket of a square from which quotients take fewer sweeps than halving
 _SETTLED = 1e-14  # of the width of the bracket: an error of the shift that the shape does not show
@@ -149,6 +150,7 @@ def factor_of(chain: Chain) -> BidiagonalFactor:
     return BidiagonalFactor(diagonal, lower, product, square, np.empty(size), np.empty(4 * size))
 
 
+@source("ParlettDhillon1997")
 def lowest_modes(chain: Chain, wanted: int) -> Iterator[ChainMode]:
     """The lowest `wanted` elastic modes in ascending order, one at a time; the chain has at least so many."""
     counts, rigid, guess = Counts(factor_of(chain)), int(chain.is_free), list[float]()

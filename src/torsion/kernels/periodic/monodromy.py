@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.sources import source
 
 STAGES = 7  # order 13
 ANGLE_PER_STEP = 1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
@@ -72,6 +73,7 @@ def at_times(samples: FloatArray, share: FloatArray) -> FloatArray:
     return np.asarray(out.reshape(len(share), *samples.shape[1:]))
 
 
+@source("HairerWanner1996")
 def monodromy(
     mass: FloatArray, damping: FloatArray, stiffness: FloatArray, period: float, steps: int, stages: int = STAGES,
     *, visited: list[FloatArray] | None = None,

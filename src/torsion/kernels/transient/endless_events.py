@@ -53,8 +53,8 @@ def refuse_too_many_steps(reached: list[float], number: int, most: int, watched:
     if number < most and (needed <= most or pace[-1] > GAIN * pace[0]):
         return
     message = (
-        f"{number} steps reach {time:.4g} s of {duration:.4g} s only, and no more than {most} are computed (about ten "
-        "minutes): the torques that follow the motion, or modes that they excite, are too fast"
+        f"{number} steps reach only {time:.4g} s of {duration:.4g} s; {most} steps (about ten minutes) are the "
+        "limit. The torques that follow the motion, or modes that they excite, are too fast"
     )
     hint = (
         "shorten `duration`, leave torques out with `torques`, or damp fast modes (also fewer `segments` of shafts, "

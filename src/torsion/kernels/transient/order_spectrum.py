@@ -11,11 +11,13 @@ from collections.abc import Callable
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.sources import source
 
 ROUNDS = 60  # of Newton's method within brackets, which halve
 SETTLED = 1e-13  # of the whole angle
 
 
+@source("Harris1978")
 def hann(count: int) -> FloatArray:
     """(count,) of mean 1.
 

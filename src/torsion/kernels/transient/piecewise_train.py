@@ -179,7 +179,7 @@ def _torques(train: PiecewiseTrain, laws: list[Law]) -> tuple[FloatArray, FloatA
         torque = np.asarray(np.linalg.solve(left, right)) if len(laws) else right
     except np.linalg.LinAlgError:
         message, hint = (
-            "rigid clutches stand beside each other, and nothing divides their torque",
+            "rigid clutches are parallel to each other, and nothing divides their torque",
             "give one a stiffness",
         )
         raise SolveError(message, hint) from None

@@ -13,10 +13,13 @@ import math
 
 import numpy as np
 
+from torsion.sources import source
+
 LATEST = 4.0  # x by which every amplitude has been at its greatest: without damping at 2.16
 GRID = 801  # points; the second search is between two of the first
 
 
+@source("Lewis1932")
 def share_of_steady(p: float) -> float:
     """The greatest amplitude over the steady one."""
     from scipy.special import wofz

@@ -122,8 +122,8 @@ def _barred(cases: Cases) -> Iterator[Table]:
     ]
     if rows:
         titles = "< Case -> | From [rpm] -> from rpm | To [rpm] -> to rpm"
-        caption = "Barred ranges of the cases"
-        yield table(titles, rows, caption, short="Barred ranges of the cases")
+        caption = "Cases: barred ranges"
+        yield table(titles, rows, caption, short="Cases: barred ranges")
 
 
 def _frequencies(cases: Cases) -> Iterator[Block]:

@@ -33,12 +33,12 @@ def overview(cases: Cases) -> Table:
         ))  # fmt: skip
         marks.append(word if findings.is_judged else "")
     columns = head(
-        "< Case -> | < Report | Checks | Failed -> failed | Highest utilisation [%] -> utilisation, % | "
+        "< Case -> | < Report | Checks | Failed -> failed | Highest utilisation [%] -> util., % | "
         "< Component and clause -> component | < Verdict ->"
     )
     return table(
         tuple(replace(column, is_files=column.title == "Report") for column in columns), rows,
-        "Cases of the model file", marks=marks, short="Cases",
+        "Cases of the model file", marks=marks, short="Cases", rows_in_summary=4,
     )  # fmt: skip
 
 

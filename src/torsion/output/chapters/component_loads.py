@@ -241,7 +241,7 @@ def couplings(findings: Findings) -> Iterator[Block]:
         ))  # fmt: skip
     yield Heading("Couplings")
     yield Paragraph(
-        f"The power loss is the sum over {orders_together(findings)}; with relative damping ψ it is ψ ω T²/(4 π k). "
+        f"The power loss is the sum over {orders_together(findings)}, for relative damping ψ: ψ ω T²/(4 π k). "
         "Each value is a maximum over the speed range."
     )
     yield table(

@@ -42,7 +42,7 @@ def _one(found: CompressorFound, place: int) -> Iterator[Block]:
         ])  # fmt: skip
     unit = scale("N m", [float(np.abs(found.effort).max())])
     each = {f"throw {one.number}": own * unit.factor for one, own in zip(found.throws, found.effort, strict=True)}
-    caption = f"Torque that {found.name} takes from the crankshaft{_at(found)}, gas and moving masses"
+    caption = f"Torque of {found.name} on the crankshaft{_at(found)}, gas and moving masses"
     yield compressor_curves.effort(
         f"compressor-{place + 1}-effort", caption, np.degrees(found.turned), each, unit.unit
     )  # fmt: skip
@@ -58,7 +58,7 @@ def _throws(found: CompressorFound) -> Table:
     rows = [(one.number, one.station, degrees(one.angle), one.inertia, one.mean_torque) for one in found.throws]
     return table(
         "< Throw | < Station | Outer dead centre at [deg] | Moving masses, mean inertia [kg m²] | "
-        "Mean torque of its gas [N m]",
+        "Mean gas torque [N m]",
         rows, f"Throws of {found.name}; the gas absorbs the mean torque",
     )  # fmt: skip
 
@@ -74,28 +74,28 @@ def _ends(found: CompressorFound) -> Table:
     return table(
         "< Throw | < End | < Pressures | Area [cm²] | Clearance [%] | Lowest [bar] | Highest [bar] | imep [bar] | "
         "Indicated power [kW]",
-        rows, f"Ends of the cylinders of {found.name}; absolute pressures; imep positive where the gas takes work",
+        rows, f"Ends of the cylinders of {found.name}; absolute pressures; positive imep: the gas absorbs work",
     )  # fmt: skip
 
 
 def _balance(found: CompressorFound) -> Iterator[Block]:
     """The torque of the pressures beside that of the operation."""
     rows = [
-        ("Mean torque that the gas absorbs", found.indicated, "N m"),
-        ("Torque at its shaft for that, with the mechanical efficiency", found.needed, "N m"),
-        ("Mean torque that the operation has it absorb", found.mean_torque, "N m"),
+        ("Mean torque absorbed by the gas", found.indicated, "N m"),
+        ("Shaft torque for it, with the mechanical efficiency", found.needed, "N m"),
+        ("Mean torque of the operation", found.mean_torque, "N m"),
     ]
     yield table("< Quantity | Value | < Unit", [row for row in rows if row[1] is not None],
                 f"Balance of mean torque of {found.name}{_at(found)}")  # fmt: skip
     if found.mean_torque is None:
-        yield Paragraph("The operation names no mean torque: that of the pressures stands beside no other.", "note")
+        yield Paragraph("The operation has no mean torque to compare with the pressures.", "note")
         return
     off = found.mean_torque / found.needed - 1.0 if found.needed else math.inf
     more = "more" if off > 0 else "less"
-    words = f"The operation has it absorb {abs(100 * off):.3g} % {more} than its pressures need"
+    words = f"The torque of the operation is {abs(100 * off):.3g} % {more} than the pressures need"
     if abs(off) > SAME_LOAD:
-        yield Paragraph(f"{words}: the harmonics are those of the pressures as given, the mean torques those of the "
-                        "operation. One of the two is of another load.", "note")  # fmt: skip
+        yield Paragraph(f"{words}. The harmonics follow the pressures, the mean torques follow the operation. One of "
+                        "them is for another load.", "note")  # fmt: skip
     else:
         yield Paragraph(f"{words}.")
 
@@ -115,6 +115,6 @@ def _harmonics(found: CompressorFound) -> Table:
         f" | Throw {one.number}, gas [N m] | Throw {one.number}, masses [N m] | Throw {one.number}, both [N m]"
         for one in found.throws
     )
-    whole = " | All throws [N m] | Its phase [deg]" if several else ""
+    whole = " | All throws [N m] | Phase [deg]" if several else ""
     caption = f"Harmonics of {found.name}{_at(found)}: amplitudes by throw"
     return table(titles + whole, rows, caption + (", sum as phasors from reference angle zero" if several else ""))

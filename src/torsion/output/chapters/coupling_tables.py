@@ -13,32 +13,30 @@ from torsion.output.figures.figure import Axis, Figure
 from torsion.output.numbers import NONE, given, number, rpm, scale
 
 GIVEN = 8  # significant digits of a figure of the file
-LINEAR = "Stiffness k and loss factor η are linear between the points of a table, each by itself, as makers print them."
-BEYOND = {True: "the values at its ends hold beyond them", False: "nothing is computed beyond its ends"}
+LINEAR = "Stiffness k and loss factor η are interpolated linearly between the points of a table."
+BEYOND = {True: "constant outside the table", False: "not computed outside the table"}
 BY_FREQUENCY = (
-    "Every harmonic component of the response has k and η of its own frequency. A mode has the k of its own natural "
-    "frequency, and one Holzer table each: modes are not orthogonal, and no motion over time is a sum of them. On "
-    "every piece of the table d ln k/d ln ω is at most {}; below 2 each mode has exactly one frequency, which Sturm "
-    "counts on both sides of it and this slope enclose."
+    "Every harmonic component has k and η at its frequency. Every mode has k at its natural frequency and its"
+    " own Holzer table. These modes are not orthogonal. On every interval of a table d ln k/d ln ω is at most"
+    " {}. Below 2 every mode has exactly one frequency, which Sturm counts prove."
 )
 BY_TORQUE = (
-    "Over mean torque k is the tangent of the static curve. Every speed of the response has the k of its own mean "
-    "torque; modes, and all that does not name a speed, have that of {} rpm."
+    "A table over mean torque gives the tangent stiffness. Every speed has k at its mean torque. Modes have k"
+    " at {} rpm."
 )
 BY_VIBRATION = (
-    "Over vibratory torque, half range, k and η of every speed are those of the half range of all harmonic components "
-    "that they lead to. Modes, and all that does not name a speed, have the first stiffness of the table, that of "
-    "small vibration; at the last one they lie elsewhere, and peaks of the response show where."
+    "A table over vibratory torque gives k and η at the total torque amplitude of each speed. Modes have the "
+    "first stiffness of the table (small vibration)."
 )
 LOSS = (
-    "The modal loss factor is the sum over all elements of their share of the elastic energy times their loss factor; "
-    "half of it is about the damping ratio."
+    "The modal loss factor is the sum of elastic energy share times loss factor over all components. The "
+    "damping ratio is about half of it."
 )
-NO_COMPLEX = "A table gives k and η at real frequencies alone, so that there are no complex modes."
+NO_COMPLEX = "A table gives k and η only at real frequencies. Complex modes are not computed."
 LAW = (
-    "A viscoelastic law holds at every complex s: harmonic components take K(iω) = k (1 + iη), modes their k(ω), and "
-    "damped modes K(s) itself, of relaxing terms with one state more each. The points below are samples of it. In "
-    "N m/rad:"
+    "A viscoelastic law holds at every complex s. Harmonic components use K(iω) = k (1 + iη), modes use k(ω),"
+    " and damped modes use K(s) with one state for each relaxing term. The points below are samples of the "
+    "law. In N m/rad:"
 )
 UNITS = {"frequency": Axis("frequency", "Hz"), "mean torque": Axis("mean torque of the coupling", "N m")}
 UNITS["vibratory torque"] = Axis("vibratory torque of the coupling", "N m")
@@ -47,7 +45,7 @@ UNITS["vibratory torque"] = Axis("vibratory torque of the coupling", "N m")
 def chapter(findings: Findings) -> Iterator[Block]:
     """Tables as given, their figures, and the modes."""
     found = findings.need(CouplingTables)
-    yield Heading("Couplings and dampers by table or law")
+    yield Heading("Couplings and dampers with tables or laws")
     if linear := [one for one in found.tables if one.law is None]:
         yield Paragraph(f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in linear)}.")
     for one in found.tables:
@@ -81,8 +79,8 @@ def _as_given(found: CouplingTables) -> blocks.Table:
             *(values.tolist() for values in (one.at, one.stiffness, one.loss_factor, one.viscous)), strict=True
         )
     ]  # fmt: skip
-    titles = "< Element -> | < Over -> | At -> | k own [N m/rad] -> k | Loss factor η -> η | Viscous c [N m s/rad]"
-    return table(titles, rows, "Couplings and dampers by table, as given")
+    titles = "< Component -> | < Over -> | At -> | k own [N m/rad] -> k | Loss factor η -> η | Viscous c [N m s/rad]"
+    return table(titles, rows, "Couplings and dampers with tables: input data")
 
 
 def _at_modes(found: CouplingTables) -> blocks.Table:
@@ -95,10 +93,10 @@ def _at_modes(found: CouplingTables) -> blocks.Table:
         for one in sorted(found.at_modes, key=lambda one: one.mode)
     ]  # fmt: skip
     titles = (
-        "Mode -> | Frequency [Hz] -> Hz | < Element -> | k own [N m/rad] -> k | Loss factor η -> η | "
+        "Mode -> | Frequency [Hz] -> Hz | < Component -> | k own [N m/rad] -> k | Loss factor η -> η | "
         "Share of the elastic energy [%] -> share, % | Modal loss factor of the train -> modal η"
     )
-    return table(titles, rows, "Couplings and dampers by table at the modes")
+    return table(titles, rows, "Couplings and dampers with tables: values at the modes")
 
 
 def _figure(found: CouplingTables, one: Table, name: str) -> Figure:

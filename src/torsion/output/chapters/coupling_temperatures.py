@@ -12,11 +12,11 @@ from torsion.output.figures.ranges import SPEED
 from torsion.output.numbers import RPM, number, rpm
 
 TEXT = (
-    "A coupling softens as it warms, and its heat changes with its stiffness: at a temperature of equilibrium it gives "
-    "off what it makes. All of them up to the permissible temperature are listed. A run-up takes the lowest, a "
-    "run-down may stay at the highest; between two stable ones lies an unstable one, from which it cools or warms. "
-    "Where there is none, or none above the last unstable one, the coupling runs away. Each coupling is computed with "
-    "all others as cold as their surroundings, and all other results are of cold couplings."
+    "A coupling softens with temperature, and its power loss depends on its stiffness. At thermal equilibrium"
+    " the coupling loses as much heat as it generates. The table lists all equilibria up to the permissible "
+    "temperature. A run-up reaches the lowest; a coast-down can stay at the highest. Without a stable "
+    "equilibrium above the last unstable one, the coupling overheats. Each coupling is computed with the "
+    "others cold. All other results are for cold couplings."
 )
 
 
@@ -29,7 +29,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         away = np.flatnonzero(np.isnan(one.highest))
         if away.size:
             ends = f"{rpm(float(one.speed[away[0]]))} to {rpm(float(one.speed[away[-1]]))} rpm"
-            text = f"{one.coupling} runs away at {away.size} of {one.speed.size} speeds, from {ends}."
+            text = f"{one.coupling} overheats at {away.size} of {one.speed.size} speeds, from {ends}."
             yield Paragraph(text, "note")
     rows = [
         (
@@ -39,10 +39,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
         for one in each for root in one.equilibria
     ]  # fmt: skip
     yield table(
-        "< Coupling -> | Speed [rpm] -> rpm | Temperature [°C] -> °C | Heat [W] -> W | k own [N m/rad] | "
+        "< Coupling -> | Speed [rpm] -> rpm | Temperature [°C] -> °C | Power loss [W] -> W | k own [N m/rad] | "
         "Loss factor η | < Equilibrium -> is",
         rows,
-        "Temperatures of equilibrium of couplings, at the worst speed and at those with several",
+        "Equilibrium temperatures of couplings, at the worst speed and at speeds with several equilibria",
         short="Temperatures of couplings",
     )
     for place, one in enumerate(each, 1):
@@ -54,4 +54,4 @@ def _figure(one: CouplingTemperature, name: str) -> Figure:
     lines = (Line("lowest", x, one.lowest, 0), Line("highest", x, one.highest, 1))
     levels = (Level("permissible", one.permissible, is_reached=True), Level("surroundings", one.surroundings, "pale"))
     y = Axis("temperature", "°C", low=min(0.0, one.surroundings))
-    return Figure(name, f"{one.coupling}: temperatures of equilibrium", (Panel(SPEED, y, lines, levels),))
+    return Figure(name, f"{one.coupling}: equilibrium temperatures", (Panel(SPEED, y, lines, levels),))

@@ -17,6 +17,7 @@ from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, counted, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference, tolerated_rpm
 
+MOST_IN_SUMMARY = 3  # on the terminal without `-v`
 MOST_ORDERS = 12  # in the figure
 MOST_ROWS = 60
 IN_RANGE = "Critical speeds in the speed range"
@@ -94,6 +95,17 @@ def _distance(one: CriticalSpeed, speed: float) -> str:
     return number(100 * (one.speed / speed - 1), 3)
 
 
+def _summary(inside: list[CriticalSpeed], reference: str) -> str:
+    """The lowest critical speeds in the range in one sentence."""
+    if not inside:
+        return ""
+    lowest = [
+        f"{rpm(one.speed)} rpm ({one.line.named(reference)}, mode {one.mode})" for one in inside[:MOST_IN_SUMMARY]
+    ]
+    more = f", and {len(inside) - MOST_IN_SUMMARY} more" if len(inside) > MOST_IN_SUMMARY else ""
+    return f"{IN_RANGE}: {', '.join(lowest)}{more}"
+
+
 def _list(found: Crossings, speed: float | None, reference: str) -> Table:
     """The critical speeds in the range, and how far they lie from the rated speed (rad/s)."""
     distance = "Distance from rated [%] | " if speed else ""
@@ -108,4 +120,5 @@ def _list(found: Crossings, speed: float | None, reference: str) -> Table:
         rows,
         IN_RANGE + rest,
         short=IN_RANGE,
+        summary=_summary(inside, reference),
     )

@@ -8,10 +8,10 @@ from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import given, number
 
 WHAT = (
-    "Each mode of the train without the ring is taken as one undamped mass, the inertia that the mode has at the "
-    "housing; the best ring makes its greatest magnification (angle over static angle) smallest: by oil or silicone "
-    "alone (Den Hartog), or on a spring with viscous damping beside it (Nishihara and Asami). It is a first choice: "
-    "other modes, damping of the train and the orders that excite are in the response, which judges."
+    "Each mode of the train without the ring is one undamped mass, with the modal inertia at the housing. The"
+    " optimum ring minimises the peak magnification (amplitude / static twist): viscous (Den Hartog), or "
+    "tuned with a spring and viscous damping (Nishihara and Asami). Use this as a first estimate. Check it in"
+    " the forced response, which includes all modes, the damping and the excitation."
 )
 
 
@@ -31,11 +31,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
         for one in found
     ]  # fmt: skip
     yield table(
-        "< Damper -> | Mode without the ring -> mode | At [Hz] -> Hz | Inertia of the mode [kg m²] | "
-        "Ring / inertia of the mode | Best viscous damping [N m s/rad] -> best c alone | Magnification with it | "
-        "Best stiffness [N m/rad] -> best k | Best damping beside it [N m s/rad] -> its c | Magnification with both | "
+        "< Damper -> | Mode without the ring -> mode | Frequency [Hz] -> Hz | Modal inertia [kg m²] | "
+        "Ring / modal inertia | Optimum viscous c [N m s/rad] -> viscous c | Magnification, viscous | "
+        "Optimum k, tuned [N m/rad] -> tuned k | Optimum c, tuned [N m s/rad] -> tuned c | Magnification, tuned | "
         "Magnification as given -> as given",
         rows,
-        "Best rings, at the damper's own speed",
-        short="Best rings of the dampers",
+        "Optimum damper rings, at the speed of the damper",
+        short="Optimum damper rings",
     )

@@ -17,8 +17,8 @@ from torsion.results import listed
 
 MODEL = (
     "Internal damping of a loss factor η enters as k (1 + i η), with η = ψ/(2π) = 1/M, independent of frequency; "
-    "viscous damping c as i ω c. Damping to ground acts on the deviation from the mean motion, at the component's own "
-    "speed."
+    "viscous damping c as i ω c. Damping to ground acts on the deviation from the mean motion, at the speed of "
+    "the component."
 )
 BARELY = 1e-4  # damping ratio: below what any real train has
 GIVEN = {"psi": "ψ", "magnifier": "M", "loss_factor": "η", "viscous": "c", "damping": "c"}
@@ -31,8 +31,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         if response is not None or findings.get(FrequencyResponse) is not None:
             yield Heading("Appendix: damping")
             yield Paragraph(
-                "Nothing in the train takes energy out: at a resonance the response has no finite value and is not "
-                "printed.", "note"
+                "The train has no damping. At a resonance the response has no finite value.", "note"
             )  # fmt: skip
         return
     yield Heading("Appendix: damping")
@@ -40,20 +39,21 @@ def chapter(findings: Findings) -> Iterator[Block]:
         ratios = listed([f"{number(100.0 * one)} %" for one in by_mode])
         of = "every elastic mode" if len(by_mode) == 1 else "the elastic modes in turn, the last of all above"
         yield Paragraph(
-            f"Damping ratio of {of}: {ratios}, in place of damping of the components. The response is the sum over all "
-            "modes, with the exact static rest."
+            f"Damping ratio of {of}: {ratios}, in place of the damping of the components. The response is the sum "
+            "over all "
+            "modes with the exact static remainder."
         )
         return
     yield Paragraph(MODEL)
     yield from (one for one in (_elements(findings), _grounds(findings)) if one.rows)
     bare = [e.name for e in elements(system) if system.flexibility[e.spans[0]] > 0 and not damps(system, e)]
     if bare:
-        yield Paragraph(f"Taken as undamped: {listed(bare)}.")
+        yield Paragraph(f"Undamped: {listed(bare)}.")
     damped = findings.get(DampedModes)
     if damped is not None and response is not None and (damped.damping_ratio < BARELY).any():
         weak = listed([str(k + 1) for k in np.flatnonzero(damped.damping_ratio < BARELY).tolist()])
         ratio = f"The damping ratio of mode {weak} is below {100 * BARELY:g} %"
-        text = f"{ratio}: amplitudes at its resonances rest on next to no damping and are no prediction."
+        text = f"{ratio}: the amplitudes at its resonances are not reliable."
         yield Paragraph(text, "note")
 
 
@@ -67,7 +67,7 @@ def _elements(findings: Findings) -> Table:
             eta, viscous = (float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous))
             losses = (eta, 2 * math.pi * eta, 1 / eta) if eta else [NONE] * 3
             rows.append((element.name, _as_given(findings, element.part), *losses, viscous or NONE))
-    columns = "< Element | < As given | Loss factor η | Relative damping ψ | Magnifier M | Viscous c [N m s/rad]"
+    columns = "< Component | < Input | Loss factor η | Relative damping ψ | Magnifier M | Viscous c [N m s/rad]"
     return table(columns, rows, "Internal damping")
 
 
@@ -90,7 +90,7 @@ def _grounds(findings: Findings) -> Table:
         value = _value(findings, damper.station, speed)
         rows.append((station.name, model, given(factor), value, part.source or NOT_STATED))
     at = f" at {given_rpm(speed)} rpm" if speed is not None else ""
-    return table(f"< At | < Model | < Factor | Value{at} [N m s/rad] | < Source", rows, "Damping to ground")
+    return table(f"< Component | < Model | < Factor | Value{at} [N m s/rad] | < Source", rows, "Damping to ground")
 
 
 def _value(findings: Findings, station: int, speed: float | None) -> str:

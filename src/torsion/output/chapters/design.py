@@ -14,8 +14,8 @@ from torsion.results import listed
 
 FILE = "designed.yaml"
 WHAT = (
-    "A margin is ln(limit / value), of a least value ln(value / limit); the smallest of all checks with a limit "
-    "counts. The search tries choices; what is chosen was then solved and judged as a file of its own."
+    "The margin is ln(limit / value) for a maximum and ln(value / limit) for a minimum. The minimum over all "
+    "checks with a limit counts. The program solves and checks the chosen candidate with the full method."
 )
 MOST_ROWS = 8  # of a list or a catalogue that are drawn
 NEAR = 1e-4  # logarithm of a frequency over the aim, from which that is not reached
@@ -27,24 +27,24 @@ def chapter(findings: Findings) -> Iterator[Block]:
     """The choice, its rivals and figures of all that was tried."""
     found = findings.need(Design)
     yield Heading("Design")
-    kept = f"; to be kept: {'; '.join(found.kept)}" if found.kept else ""
+    kept = f"; constraints: {'; '.join(found.kept)}" if found.kept else ""
     worst = f", {found.solves:,} trains" if found.solves != found.evaluations else ""
     over = _judged(found, findings).removeprefix("; ")
     yield Paragraph(
         (f"{over[:1].upper()}{over[1:]}. " if over else "")
-        + f"Aim: {found.aim}{kept}. {counted(found.evaluations, 'choice')} tried{worst}: {found.method}."
+        + f"Objective: {found.aim}{kept}. {counted(found.evaluations, 'candidate')}{worst}: {found.method}."
         + (f" {WHAT}" if not _is_frequency(found) else "")
     )
     yield _said(found)
     if found.unsolved:
-        yield Paragraph(f"{counted(found.unsolved, 'choice')} without an answer: {'; '.join(found.faults)}", "note")
+        yield Paragraph(f"{counted(found.unsolved, 'candidate')} not solved: {'; '.join(found.faults)}", "note")
     if found.uncounted:
         yield Paragraph(
-            f"No margin, because the limit is to be verified: {listed(found.uncounted, '; ')}. A choice that does "
-            "not keep such a limit comes last.", "note",
+            f"Unconfirmed limits do not enter the objective: {listed(found.uncounted, '; ')}. Candidates that exceed "
+            "one rank last.", "note",
         )  # fmt: skip
-    rows = [(one.name, one.range, one.before or "none of these", one.chosen) for one in found.figures]
-    yield table("< Figure | < What it may be | < As in the file | < Chosen", rows, "What is chosen")
+    rows = [(one.name, one.range, one.before or "another value", one.chosen) for one in found.figures]
+    yield table("< Variable | < Range | < Nominal | < Chosen", rows, "Design variables")
     yield _best(found)
     yield from _figures(found)
 
@@ -52,19 +52,19 @@ def chapter(findings: Findings) -> Iterator[Block]:
 def conclusion(found: Design) -> str:
     """What is chosen, in one sentence."""
     if found.chosen is None:
-        return f"no choice is proven: {found.verdict}"
+        return f"no candidate passes: {found.verdict}"
     one = found.best[found.chosen - 1]
     words = ", ".join(f"{figure.name} {figure.chosen}" for figure in found.figures)
     if one.frequency is not None:
-        was = "" if found.before_frequency is None else f" (as the file stands {number(found.before_frequency)} Hz)"
+        was = "" if found.before_frequency is None else f" (nominal {number(found.before_frequency)} Hz)"
         missed = found.aims[(found.values == found.picked).all(axis=1)]
         words = f"{words}: {found.aim} is not reached" if missed.size and missed[0] < -NEAR else words
         reached = f"{number(one.frequency)} Hz{was}"
     else:
-        was = "" if found.before is None else f" (as the file stands {number(_share(found.before), 4)} %)"
-        reached = "" if one.utilisation is None else f"at most {number(100.0 * one.utilisation, 4)} % of a limit{was}"
-    broken = "" if one.is_allowed else "; no choice keeps all that it has to"
-    return f"{words}: {reached}; solved by itself: {one.proven}{broken}"
+        was = "" if found.before is None else f" (nominal {number(_share(found.before), 4)} %)"
+        reached = "" if one.utilisation is None else f"utilisation at most {number(100.0 * one.utilisation, 4)} %{was}"
+    broken = "" if one.is_allowed else "; no candidate meets all constraints"
+    return f"{words}: {reached}; full method: {one.proven}{broken}"
 
 
 def design_line(findings: Findings) -> Iterator[tuple[str, str]]:
@@ -78,16 +78,16 @@ def _judged(found: Design, findings: Findings) -> str:
     """Of which cases the search and the solution are; empty where the file has none."""
     case, cases = findings.study.case, findings.study.cases
     if case is not None:
-        return f"; searched and judged for the case {case.name} alone"
+        return f"; case {case.name} only"
     if not cases:
         return ""
     silent = [name for name in cases if name not in found.cases]
     without = f"; not judged: {listed(silent)}" if silent else ""
     own = f" and its case{'s' * (len(found.cases) > 1)} {listed(found.cases)}" if found.cases else ""
-    names = f"the file as it stands{own}"
+    names = f"the nominal case{own}"
     if found.is_over_cases or not found.cases:
         return f"; searched and solved over {names}{without}"
-    return f"; searched for the file as it stands, solved by itself over {names}{without}"
+    return f"; searched for the nominal case, solved over {names}{without}"
 
 
 def _said(found: Design) -> Paragraph:
@@ -95,11 +95,11 @@ def _said(found: Design) -> Paragraph:
     failed = [k for k, one in enumerate(found.best, start=1) if one.proven == "disagrees"]
     words = f"Chosen: {conclusion(found)} ({found.verdict})."
     if found.chosen is not None:
-        words += f" The file with these values is {FILE}, beside this report."
+        words += f" The file with these values is {FILE}."
     if failed:
         words += (
-            f" The ordinary solution disagrees with the search on choice {listed(map(str, failed))}, "
-            "and the next best was taken."
+            f" The full method disagrees with the search on candidate {listed(map(str, failed))}. The next best "
+            "candidate was taken."
         )
     is_good = found.chosen is not None and found.best[found.chosen - 1].proven == "kept"
     return Paragraph(words, "pass" if is_good and found.best[(found.chosen or 1) - 1].is_allowed else "note")
@@ -126,16 +126,17 @@ def _best(found: Design) -> Block:
         for k, one in enumerate(found.best, start=1)
     ]  # fmt: skip
     return filled(table(
-        "Choice -> | < Values | Smallest margin -> margin | Of its limit [%] | < Decided by | Frequency [Hz] -> Hz | "
+        "Candidate -> | < Values | Minimum margin -> margin | Utilisation [%] | < Governing check | Frequency "
+        "[Hz] -> Hz | "
         "Mass [kg] -> kg | Cost | < Verdict",
-        rows, "The best choices", short="The best choices",
+        rows, "Best candidates", short="Best candidates",
     ))  # fmt: skip
 
 
 def _words(one: Candidate, *, is_chosen: bool) -> str:
-    kept = "keeps all" if one.is_allowed else "does not keep all"
+    kept = "constraints met" if one.is_allowed else "constraint violated"
     margin = "" if one.proven_margin is None else f", margin {number(one.proven_margin, 4)}"
-    proven = f"; solved by itself: {one.proven}{margin}" if one.proven else ""
+    proven = f"; full method: {one.proven}{margin}" if one.proven else ""
     return f"{'chosen; ' if is_chosen else ''}{kept}{proven}"
 
 
@@ -151,7 +152,7 @@ def _figures(found: Design) -> Iterator[Figure]:
 
 
 def _quantity(found: Design) -> tuple[str, str]:
-    return ("distance from the frequency, −|ln(f / aim)|", "") if _is_frequency(found) else ("smallest margin", "")
+    return ("distance from the target, −|ln(f / target)|", "") if _is_frequency(found) else ("minimum margin", "")
 
 
 def _titled(found: Design) -> str:
@@ -178,7 +179,7 @@ def _curve(found: Design) -> Figure:
     symbol: Symbol | None = "disc" if found.rows[0] else None
     lines = (Line(_quantity(found)[0], x[at], y[at], "first", symbol=symbol),)
     broken = ~found.allowed & np.isfinite(y)
-    marks = (Marks("not everything is kept", x[broken], y[broken], "cross", "unstable"),) if broken.any() else ()
+    marks = (Marks("constraint violated", x[broken], y[broken], "cross", "unstable"),) if broken.any() else ()
     level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
     panel = Panel(
         _axis(found, 0), Axis(*_quantity(found)), lines, level, marks=(*marks, *_marks(found, x, y)), height=240.0
@@ -197,9 +198,7 @@ def _rows(found: Design) -> Figure:
         at = at[np.argsort(other[at], kind="stable")]
         lines.append(Line(found.rows[listed_at][int(one)], other[at], found.aims[at], pen, symbol="disc"))
     shown = np.isin(row, best[:MOST_ROWS]) & ~found.allowed & np.isfinite(found.aims)
-    marks = (
-        (Marks("not everything is kept", other[shown], found.aims[shown], "cross", "unstable"),) if shown.any() else ()
-    )
+    marks = (Marks("constraint violated", other[shown], found.aims[shown], "cross", "unstable"),) if shown.any() else ()
     level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
     panel = Panel(_axis(found, 1 - listed_at), Axis(*_quantity(found)), tuple(lines), level,
                   marks=(*marks, *_marks(found, other, found.aims)), height=260.0)  # fmt: skip
@@ -248,12 +247,12 @@ def _front(found: Design) -> Figure:
     x, y, (name, unit) = found.amounts, found.aims, AMOUNTS[found.against]
     kept, known = found.allowed, np.isfinite(found.amounts) & np.isfinite(found.aims)
     each: tuple[tuple[str, np.ndarray, Symbol, Pen], ...] = (
-        ("keeps all", known & kept, "dot", "plain"),
-        ("does not keep all", known & ~kept, "cross", "pale"),
+        ("constraints met", known & kept, "dot", "plain"),
+        ("constraint violated", known & ~kept, "cross", "pale"),
     )
     marks = [Marks(words, x[at], y[at], symbol, pen) for words, at, symbol, pen in each if at.any()]
     line = Line(f"best up to this {name}", found.front_amount, found.front_margin, "best", symbol="ring")
     level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
     panel = Panel(Axis(name, unit), Axis(*_quantity(found)), (line,), level,
                   marks=(*marks, *_marks(found, x, y)), height=240.0)  # fmt: skip
-    return Figure("design_front", f"{_titled(found)} against {name}, of all choices tried", (panel,))
+    return Figure("design_front", f"{_titled(found)} against {name}, all candidates", (panel,))

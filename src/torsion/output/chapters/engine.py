@@ -65,13 +65,13 @@ def _sheet(engine: EngineFound) -> Iterator[tuple[str, str]]:
     if engine.inertia:
         yield "Mean inertia of the moving masses of a cylinder", f"{given(engine.inertia)} kg m²"
     if engine.stress_modulus is not None:
-        yield "Least section modulus of journal and pin", f"{given(engine.stress_modulus * 1e9)} mm³"
+        yield "Minimum section modulus of journal and pin", f"{given(engine.stress_modulus * 1e9)} mm³"
 
 
 def _cylinders(engine: EngineFound) -> Table:
     rows = [(one.number, one.station, degrees(one.firing), one.state, 100 * one.share) for one in engine.cylinders]
     return table(
-        "< Cylinder | < Throw | Fires at [deg] | < State | Heat, of one in balance [%]", rows,
+        "< Cylinder | < Throw | Fires at [deg] | < State | Heat input / balanced cylinder [%]", rows,
         f"Cylinders of {engine.name}; crank angle from reference angle zero",
     )  # fmt: skip
 
@@ -80,37 +80,32 @@ def _balance(engine: EngineFound) -> Iterator[Block]:
     """Mean torque and mean pressure that go together, and what they differ from the figures of the file."""
     if engine.speed is not None and engine.mean_torque is not None:
         rows = [
-            ("Mean torque as it runs", number(engine.mean_torque), "N m"),
-            ("Mean torque with every cylinder firing alike", number(engine.balanced_torque), "N m"),
+            ("Mean torque", number(engine.mean_torque), "N m"),
+            ("Mean torque with equal firing of all cylinders", number(engine.balanced_torque), "N m"),
             ("Mean gas torque of a firing cylinder", number(engine.gas_mean), "N m"),
-            ("Indicated mean effective pressure for it", _bar(engine.imep), "bar"),
-            ("The same, at which the gas torque is given", _bar(engine.stated), "bar"),
+            ("Indicated mean effective pressure", _bar(engine.imep), "bar"),
+            ("Indicated mean effective pressure of the gas data", _bar(engine.stated), "bar"),
         ]
         caption = f"Balance of mean torque of {engine.name} at {rpm(engine.speed)} rpm"
         yield table("< Quantity | Value | < Unit", [row for row in rows if row[1] != NONE], caption)
     if engine.speed is not None and engine.mean_torque is None:
-        yield Paragraph(
-            "The operation names no mean torque: the gas torque is that of the file at every speed.", "note"
-        )
+        yield Paragraph("The operation has no mean torque. The gas torque of the file applies at every speed.", "note")
     for curve in engine.curves:
         if curve.stated is not None and curve.name.partition(" at ")[0] != "cycle":
-            text = (
-                f"{curve.name}: the diagram has an imep of {_bar(curve.imep)} `bar`, stated are {_bar(curve.stated)}."
-            )
+            text = f"{curve.name}: imep of the diagram {_bar(curve.imep)} `bar`, stated {_bar(curve.stated)} `bar`."
             yield Paragraph(text.replace("`", ""))
     if engine.imep is not None and engine.stated is not None:
         off = engine.imep / engine.stated - 1.0
         if abs(off) > SAME_LOAD:
             yield Paragraph(
                 f"The mean torque of the load needs {abs(100 * off):.3g} % {'more' if off > 0 else 'less'} mean "
-                "pressure than that at which the gas torque is given; its harmonics follow the load as the data "
-                "sheet says.", "note",
+                "pressure than the gas data. The harmonics follow the load as in the data sheet.", "note",
             )  # fmt: skip
     idle = [one for one in engine.cylinders if one.state != "firing"]
     if idle:
-        rest = "the others make up for it" if engine.keeps_power else "the mean torque falls by their share"
+        rest = "the other cylinders compensate" if engine.keeps_power else "the mean torque decreases by their share"
         names = ", ".join(f"{one.number} ({one.state})" for one in idle)
-        yield Paragraph(f"Cylinders that do not fire: {names}; {rest}. They give no mean torque.")
+        yield Paragraph(f"Cylinders without combustion: {names}; {rest}.")
 
 
 def _bar(pressure: float | None) -> str:
@@ -138,7 +133,6 @@ def _harmonics(engine: EngineFound) -> Table:
     at = "" if engine.speed is None else f" at {rpm(engine.speed)} rpm"
     each = "amplitude [N m] | phase [deg]"
     titles = f"Order | Gas, {each} | Masses, {each} | Sum, {each} | Sum, tangential [bar]"
-    titles = titles.replace("phase", "its phase")
     load = "" if engine.gas_mean is None else f" and {number(engine.gas_mean)} N m mean gas torque"
     return table(titles, rows, f"Harmonics of a firing cylinder of {engine.name}{at}{load}; phase at its firing TDC")
 
@@ -175,8 +169,8 @@ def _sums(engine: EngineFound) -> Table:
     named = "".join(f" | {word.capitalize()} mode" for word in MODES[:modes])
     return table(
         f"Order | Rigid{named} | < ", rows,
-        f"Sums of phasors over the cylinders of {engine.name}; by mode, weighted with its angle at the throws / the "
-        "largest of these",
+        f"Sums of phasors over the cylinders of {engine.name}; by mode, weighted with the angle of the throws / its "
+        "maximum",
     )  # fmt: skip
 
 
@@ -190,24 +184,24 @@ def varying(engine: EngineFound | CompressorFound) -> Iterator[Block]:
     if not listed:
         first = min(one.lower for one in known)
         yield Paragraph(
-            "The inertia of crank and rod varies over the revolution; the analyses take its mean. The lowest range in "
-            f"which that would make an undamped mode unstable begins at {rpm(first)} rpm (estimate, to be verified)."
+            "The inertia of crank and rod varies over the revolution; the analyses use its mean. The estimated lowest "
+            f"speed of parametric instability of an undamped mode is {rpm(first)} rpm."
         )
         return
     rows = [
         (one.mode, one.harmonic, 100 * one.share, one.lower * RPM, one.upper * RPM,
          NONE if one.damping is None else number(100 * one.damping), 25 * one.share,
-         "stable" if one.is_stable else "to be examined")
+         "stable" if one.is_stable else "check")
         for one in listed
     ]  # fmt: skip
     yield Paragraph(
-        "The inertia of crank and rod varies over the revolution; the analyses take its mean. Where the variation "
-        "acts on a mode at twice its frequency divided by a whole number, the undamped mode is unstable in a range "
-        "about that speed; with more damping than a quarter of the variation it is not (first order; an estimate, to "
-        "be verified)."
+        "The inertia of crank and rod varies over the revolution; the analyses use its mean. If a harmonic of the "
+        "variation has twice the frequency of a mode, divided by a whole number, the undamped mode is unstable "
+        "near this "
+        "speed. A damping ratio above a quarter of the variation prevents the instability (first-order estimate)."
     )
     yield table(
         "Mode | Harmonic of the revolution | Variation [%] | From [rpm] | To [rpm] | Damping ratio of the mode [%] | "
-        "Damping ratio that is enough [%] | < Estimate",
-        rows, f"Varying inertia of {engine.name}: ranges of its speed in which an undamped mode would be unstable",
+        "Required damping ratio [%] | < Estimate",
+        rows, f"Varying inertia of {engine.name}: speed ranges of parametric instability of an undamped mode",
     )  # fmt: skip

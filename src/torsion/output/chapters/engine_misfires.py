@@ -74,7 +74,7 @@ def _by_element(engine: EngineFound, each: list[Element], unit: Scale) -> Table:
     return table(
         f"< Component -> | All firing [{unit.unit}] -> all firing, {unit.unit} | Speed [rpm] | "
         f"Worst misfire [{unit.unit}] -> worst misfire, {unit.unit} | Speed [rpm] -> rpm | < Cylinder -> | "
-        "Worst misfire / all firing" + " | Nominal stress, worst misfire [N/mm²]" * has_stress,
+        "Ratio" + " | Nominal stress, worst misfire [N/mm²]" * has_stress,
         rows, f"Misfire of one cylinder of {engine.name}: maximum total vibratory torque of every component",
         short=f"Misfire of one cylinder of {engine.name}",
     )  # fmt: skip

@@ -21,6 +21,6 @@ def states(findings: Findings) -> Iterator[str]:
             who = "all others" if words and len(numbers) == len(firing) else named
             words.append(f"{who} with {100 * share:.4g} % of the heat")
         words += ["any phase to the rest of the train (magnitudes are added)"] if part.engine.by_chance else []
-        words += ["every cylinder in turn (the worst of each check; all else is of this one)"] * part.engine.tries_all
+        words += ["each cylinder in turn (the worst of each check)"] * part.engine.tries_all
         if words:
             yield f"{part.name} with {listed(words)}"

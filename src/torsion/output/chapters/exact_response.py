@@ -36,8 +36,9 @@ SMALLEST = 0.01  # of an element's largest torque: smaller orders are not compar
 WORDS = {Found.OK: "ok", Found.COARSE: "coarse", Found.NONE: "none found"}
 Point = tuple[float, int]  # N m, position of the speed
 MODEL = (
-    "The joints as they are, at any angle: Newton harmonic balance on the train's full equations of motion, with "
-    "every multiple of the common order and the drive's mean torque as unknown. Amplitudes are half ranges."
+    "The joints are modelled exactly, for any angle: Newton harmonic balance of the full equations of motion,"
+    " with all multiples of the common order and the mean drive torque as unknowns. Amplitudes are zero to "
+    "peak."
 )
 
 
@@ -72,12 +73,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _flagged_table(found, np.flatnonzero(bad).tolist())
     if found.others is not None:
         yield Paragraph(
-            "At some peaks the equations have several periodic motions. Which of them the train settles in depends on "
-            "how it comes there; where deviations grow it does not stay. The curves and tables hold the one called "
-            "`reported`.", "note"
+            "At some peaks the equations have several periodic motions. The approach to the speed decides which one "
+            "occurs; an unstable motion does not persist. Curves and tables show the motion called `reported`.", "note"
         )  # fmt: skip
         yield table(
-            "Speed [rpm] | < Motion | Largest torque amplitude [N m] | Order | < in | Growth of deviations [1/s]",
+            "Speed [rpm] | < Motion | Maximum torque amplitude [N m] | Order | < in | Growth rate [1/s]",
             _motions(findings, found, found.others),
             "Periodic motions found at the same speed, at the highest peaks",
         )
@@ -96,12 +96,12 @@ def _introduction(findings: Findings, found: PeriodicResponse) -> Paragraph:
     kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion at any of them"
     text = f"{MODEL} {counted(found.speed.size, 'speed')}, {kept}"
     if known.size:
-        text += f"; largest harmonic left out, estimated: {number(float(known.max()), 2)} of the largest kept"
+        text += f"; estimated maximum omitted harmonic: {number(float(known.max()), 2)} of the largest"
     if np.isfinite(found.drive).any():
         least, most = number(float(np.nanmin(found.drive))), number(float(np.nanmax(found.drive)))
         text += f"; mean torque of the drive {least} to {most} N m"
     left_out = any(line.order is None for line in findings.need(Response).lines)
-    return Paragraph(text + "." + (" Torques of fixed frequency are left out of it." if left_out else ""))
+    return Paragraph(text + "." + (" Torques of fixed frequency are not included." if left_out else ""))
 
 
 def _flagged(found: PeriodicResponse) -> BoolArray:
@@ -116,16 +116,16 @@ def _flagged_table(found: PeriodicResponse, bad: Sequence[int]) -> Table:
         k = shown[place]
         unstable = bool(found.is_unstable[k])
         growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
-        why = found.why[k] or ("small deviations grow: the train does not settle in this motion" if unstable else
+        why = found.why[k] or ("unstable: the train does not settle in this motion" if unstable else
                                "more harmonics would be needed")  # fmt: skip
         state = WORDS[found.status[k]] + (", unstable" if unstable else "")
         rows.append((speed, state, growth, number(float(found.truncation[k]), 2), why))
         marks.append("fail" if unstable or found.why[k] else "note")
     rest = f"; the first {MOST_FLAGGED} of {len(bad)}" if len(bad) > MOST_FLAGGED else ""
     return table(
-        "Speed [rpm] | < Periodic motion | Growth of deviations [1/s] | Harmonic left out | < Why",
+        "Speed [rpm] | < Periodic motion | Growth rate [1/s] | Omitted harmonic | < Reason",
         rows,
-        f"Speeds whose amplitudes are not to be relied on; they are marked in the figures{rest}",
+        f"Speeds with unreliable amplitudes, marked in the figures{rest}",
         marks=marks,
     )
 
@@ -161,13 +161,13 @@ def _table(findings: Findings, compared: tuple[Compared, ...], unit: Scale) -> T
         rows.append((row.element.name, line, *both[0], *both[1], change, remark))
     rest = f"; {MOST_ROWS} of {len(compared)} rows" if len(compared) > MOST_ROWS else ""
     return table(
-        f"< Element -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | At speed [rpm] | "
-        f"Exact [{unit.unit}] -> exact, {unit.unit} | At speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->",
+        f"< Component -> | Order -> | First order [{unit.unit}] -> first order, {unit.unit} | Speed [rpm] | "
+        f"Exact [{unit.unit}] -> exact, {unit.unit} | Speed [rpm] -> at rpm | Difference [%] -> % | < Remark ->",
         rows,
-        "First order against exact: largest torque over the speed range, of every order above 1 % and (all) of the "
-        f"sum true to phase{rest}",
+        "First order against exact: maximum torque over the speed range, of every order above 1 % and of the total "
+        f"(all){rest}",
         marks=["fail" if row[-1] else "" for row in rows],
-        short="Exact periodic response, largest torque",
+        short="Exact periodic response, maximum torque",
     )
 
 
@@ -188,7 +188,7 @@ def _figure(findings: Findings, element: Element) -> Figure:
     ]
     return of_torsion(findings, curves_over_speed.periodic(
         f"periodic-{element.part}-{element.spans[0]}",
-        f"Torque in {element.name} by both methods, orders of the joints", first_speed=response.speed * RPM,
+        f"Torque in {element.name}, orders of the joints, both methods", first_speed=response.speed * RPM,
         speed=found.speed * RPM, lines=pairs, unit=unit.unit, none=found.status == Found.NONE,
         coarse=found.status == Found.COARSE, grows=found.is_unstable, unstable=unstable_rpm(findings),
         rated=rated_rpm(findings),
@@ -257,14 +257,14 @@ def first_order_judged(findings: Findings) -> str:
     if not rows or not findings.study.rules:
         return ""
     together = [row for row in rows if row.order is None] or rows
-    text = "The rules and the synthesis judge the first-order response, not the exact periodic one."
+    text = "The rules judge the first-order response, not the exact periodic response."
     worst = max((row for row in together if np.isfinite(row.excess)), key=lambda row: row.excess, default=None)
     if worst is None or worst.first is None:
         return text
     response, exact = findings.need(Response), findings.need(PeriodicResponse)
     return (
-        f"{text} The exact one exceeds it most in {worst.element.name}: largest "
-        f"{'half range' if worst.order is None else f'amplitude of order {worst.order}'} "
+        f"{text} The maximum excess of the exact response is in {worst.element.name}: "
+        f"{'total amplitude' if worst.order is None else f'amplitude of order {worst.order}'} "
         f"{number(worst.exact[0])} N m at {rpm(float(exact.speed[worst.exact[1]]))} rpm against "
         f"{number(worst.first[0])} N m at {rpm(float(response.speed[worst.first[1]]))} rpm of the first order "
         f"({_signed(worst.excess)} %)."

@@ -8,22 +8,22 @@ from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import NONE, number, rpm
 
 TEXT = (
-    "K_{t} is the largest shear stress in the fillet over the nominal one of the smaller end, T/W_{p}, of a step "
-    "between two long shafts, by finite elements of axisymmetric torsion; beside it the fit of Peterson's chart 3.12 "
-    "(Pilkey 1997, to be verified), which holds for solid shafts and 0.25 ≤ step height / radius ≤ 4. Peak stress: "
-    "K_{t} times the nominal vibratory stress, half range of all orders, at its worst speed. Limits of class rules are "
-    "those of nominal stresses with factors of their own; no K_{t} enters them. Corners of no stated radius, "
-    "among them the other corner of a flange or undercut and that between unlike bores, and the mouths of hubs are not "
-    "in it. A short shaft between two larger ones is computed with both of its steps. Beside a larger shaft of thin "
-    "wall K_{t} is so large that the peak is at least the nominal stress of that."
+    "K_{t} is the maximum shear stress in the fillet over the nominal stress T/W_{p} of the smaller end, for "
+    "a shoulder between two long shafts (finite elements of axisymmetric torsion). The column Peterson gives "
+    "the fit of chart 3.12 (Pilkey 1997, edition not confirmed) for solid shafts and 0.25 ≤ shoulder height /"
+    " radius ≤ 4. The peak stress is K_{t} times the total nominal stress amplitude at its worst speed. Class"
+    " limits apply to nominal stresses and include their own factors. Corners without a stated radius, the "
+    "second corner of a flange or undercut, corners between different bores and hub mouths are not included. "
+    "A short shaft between two larger shafts is computed with both shoulders. At a larger shaft with a thin "
+    "wall the peak is at least its nominal stress."
 )
 NOTCHES = (
-    "Keyways and splines: K_{t} of the section alone, by plane finite elements, over T/W_{p} of the plain shaft; no "
-    "key presses on the flanks, and what the ends of the groove add is not in it. Beside a keyway d/4 wide with flanks "
-    "of d/8 stands the fit of Peterson's chart 5.2 (from memory, to be verified), which lies 2 % "
-    "(radius d/100) to 7 % (0.07 d) above the elements; those hold within 1e-3. Radial oil holes: the formula of IACS "
-    "UR M53 for the largest normal stress, over √3: the shear of equal distortion energy. The nominal stress is "
-    "that at the end of the shaft where the notch stresses it most."
+    "Keyways and splines: K_{t} of the section over T/W_{p} of the plain shaft, by plane finite elements. The"
+    " pressure of the key and the ends of the groove are not included. For a keyway of width d/4 and depth "
+    "d/8 the column Peterson gives the fit of chart 5.2 (edition not confirmed), 2 % (radius d/100) to 7 % "
+    "(0.07 d) above the finite elements; their error is below 1e-3. Radial oil holes: the formula of IACS UR "
+    "M53 for the maximum normal stress, over √3. The nominal stress is at the end of the shaft with the "
+    "highest notch stress."
 )
 
 
@@ -45,7 +45,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     ]  # fmt: skip
     yield table(
         "< Shaft | < Detail | Radius [mm] | d [mm] | D [mm] | K_{t} | Error of K_{t} [%] | Peterson | "
-        "Nominal [N/mm²] | Peak [N/mm²] | At speed [rpm] | Endurance limit [N/mm²] -> endurance | Utilisation [%]",
+        "Nominal [N/mm²] | Peak [N/mm²] | Speed [rpm] | Endurance limit [N/mm²] -> endurance | Utilisation [%]",
         rows,
         "Shear stress in fillets and notches",
         marks=["fail" if one.utilisation is not None and one.utilisation > 1.0 else "" for one in found],

@@ -1,4 +1,4 @@
-"""The cover of a report: the verdict in a box, the train by its utilisation, its speeds, the worst checks as bars."""
+"""The cover of a report: the verdict in a box, the train by its utilisation, its speeds, the worst checks."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -29,13 +29,13 @@ from torsion.rules.verdict_line import Check, Checks
 
 MOST_BESIDE = 3  # failed checks of components that are not drawn, in words
 MOST_CRITICAL = 5  # critical speeds that are drawn
-MOST_SHARES = 5  # checks that are drawn as bars
+MOST_SHARES = 5  # checks that are drawn
 HEIGHT = 130.0  # px from the lowest to the highest axis of the sketch, at most
 KEY = "Train with the utilisation of stress or torque; an outline with a sign marks a failed check. Not to scale"
 
 
 def blocks(findings: Findings) -> Iterator[Block]:
-    """One page: the verdict, the cases, the train by its utilisation, the speeds, and the worst checks as bars."""
+    """One page: the verdict, the cases, the train by its utilisation, the speeds, and the worst checks."""
     train, joining = _train(findings)
     yield box(findings)
     if findings.cases:
@@ -175,7 +175,7 @@ def _strength(findings: Findings, response: Response | None, critical: CriticalS
 
 
 def _shares(findings: Findings) -> Iterator[Figure]:
-    """The worst checks as bars, over all judged cases; nothing if no check has a utilisation."""
+    """The worst checks over all judged cases; nothing if no check has a utilisation."""
     cases = judged(findings.each) if findings.cases else {"": findings}
     rows = [
         row
@@ -184,7 +184,7 @@ def _shares(findings: Findings) -> Iterator[Figure]:
     ]
     if not rows:
         return
-    bars = tuple(
+    shares = tuple(
         Share(
             row.check.where, symbols(row.check.clause) + f" ({row.worst})" * bool(row.worst),
             np.inf if row.check.utilisation is None else row.check.utilisation, check_words.use(row.check),
@@ -192,4 +192,4 @@ def _shares(findings: Findings) -> Iterator[Figure]:
         for row in rows[:MOST_SHARES]
     )  # fmt: skip
     few = f"the {MOST_SHARES} worst of {len(rows)} checks" if len(rows) > MOST_SHARES else "worst first"
-    yield Figure("shares", f"Utilisation of the limits, {few}", (Shares(bars),))
+    yield Figure("shares", f"Utilisation of the limits, {few}", (Shares(shares),))

@@ -14,14 +14,15 @@ from torsion.output.reported_values import reference
 
 MOST_POINTS, MOST_PAIRS = 60, 20
 WHAT = (
-    "Each figure has a value and a standard deviation before the fit, those of the file; the fit moves it only as far "
-    "as the measurements, with the deviations that are stated for them, outweigh that. Deviations are of the "
-    "logarithm; intervals hold where model and deviations are right. All other chapters are of the file as it stands: "
-    "solve the fitted file (report-fitted.yaml, beside the report) for those of the fitted train."
+    "Each parameter has a prior: the value of the file and a standard deviation. The fit moves it as far as "
+    "the measurements outweigh the prior. Deviations are of the logarithm; intervals hold if model and "
+    "deviations are correct. All other chapters are for the file before the fit. To compute the fitted train,"
+    " solve report-fitted.yaml."
 )
 IDENTIFIED = (
-    "Combinations of figures, the best known first. Information is the deviation before the fit over the deviation "
-    "that the measurements alone leave: above 1 they say more than was known, below 1 less, at 0 nothing."
+    "Combinations of parameters, the best identified first. Information is the prior deviation over the "
+    "deviation from the measurements: above 1 the measurements dominate, at 0 they do not identify the "
+    "combination."
 )
 
 
@@ -36,7 +37,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(_agreement(found))
     if found.others:
         rows = [(one.words, number(one.chi2, 3), number(one.prior_chi2, 3)) for one in found.others]
-        yield table("< Figures | Chi2 | Squared shifts", rows, "Other figures that agree nearly as well")
+        yield table("< Parameters | Chi2 | Squared shifts", rows, "Other solutions that agree nearly as well")
     if found.modes:
         yield _modes(found)
     for place, curve in enumerate(found.curves, start=1):
@@ -44,7 +45,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _points(findings, curve)
     yield from _identified(found)
     hertz = ", ".join(number(one, 7) for one in found.frequency.tolist())
-    yield Paragraph(f"The natural frequencies of the fitted file, solved the ordinary way, are {hertz} Hz.")
+    yield Paragraph(f"The natural frequencies of the fitted file are {hertz} Hz.")
 
 
 def conclusion(found: Fit) -> Paragraph:
@@ -52,7 +53,7 @@ def conclusion(found: Fit) -> Paragraph:
     outside = [f"mode {one.mode} at {number(one.measured, 5)} Hz" for one in found.modes if one.is_outside]
     words = f" Measured outside its band: {', '.join(outside)}." if outside else ""
     if found.others:
-        several = f"{counted(len(found.others), 'other set')} of figures agree{'s' * (len(found.others) == 1)}"
+        several = f"{counted(len(found.others), 'other solution')} agree{'s' * (len(found.others) == 1)}"
         words += f" {several} nearly as well (chapter Fit)."
     return Paragraph(f"Fit to measurements: {_agreement(found)}{words}", "fail" if found.fails else "note")
 
@@ -61,14 +62,15 @@ def _agreement(found: Fit) -> str:
     """Chi2 over its degrees of freedom, and what that says."""
     known = f"{counted(found.measurements, 'measured value')}, χ² {number(found.chi2, 3)}"
     if found.reduced is None:
-        left = "no measurement is left over, so that nothing checks the model"
-        return f"{known}: {'the fit does not reach what was measured' if found.is_wrong else left}."
+        left = "the measurements determine the parameters exactly and do not check the model"
+        return f"{known}: {'the fit does not reach the measurements' if found.is_wrong else left}."
     words = "model and stated deviations agree with the measurements"
     if found.is_wrong:
-        words = "the model lacks something, or the deviations are stated too small"
+        words = "the model is incomplete, or the stated deviations are too small"
     elif found.reduced < 0.25:
         words = "the measurements scatter less than their stated deviations"
-    return f"{known} with {given(found.freedom, 3)} degrees of freedom, {number(found.reduced, 3)} for each: {words}."
+    freedom = f"{given(found.freedom, 3)} degrees of freedom, χ² per degree of freedom {number(found.reduced, 3)}"
+    return f"{known} with {freedom}: {words}."
 
 
 def _figures(found: Fit) -> Block:
@@ -81,9 +83,10 @@ def _figures(found: Fit) -> Block:
         for one in found.figures
     ]  # fmt: skip
     return table(
-        "< Figure -> | < In the file -> | < Fitted -> | Factor | 95 % from -> from | 95 % to -> to | "
-        "Deviation before [%] | Deviation after [%] -> ± % | Moved, in deviations | Known [%]",
-        rows, "Fitted figures (known: the share of what is known that the measurements give)", short="Fitted figures",
+        "< Parameter -> | < Nominal -> | < Fitted -> | Factor | 95 % from -> from | 95 % to -> to | "
+        "Deviation before [%] | Deviation after [%] -> ± % | Shift, in deviations | Identified [%]",
+        rows, "Updated parameters (identified: share of the information from the measurements)",
+        short="Updated parameters",
     )  # fmt: skip
 
 
@@ -141,9 +144,9 @@ def _points(findings: Findings, curve: FittedCurve) -> Block:
         )
         for k in shown.tolist()
     ]  # fmt: skip
-    rest = "" if shown.size == curve.speed.size else f" (the {MOST_POINTS} of {curve.speed.size} that agree least)"
+    rest = "" if shown.size == curve.speed.size else f" (the {MOST_POINTS} largest residuals of {curve.speed.size})"
     if curve.unused:
-        rest += f"; {counted(curve.unused, 'window')} outside the speed range or lost in noise not used"
+        rest += f"; {counted(curve.unused, 'window')} outside the speed range or in noise omitted"
     phase = "" if curve.phase_residual is None else " | Residual of the phase -> of phase"
     unit, each = size.unit, f"Residual, in deviations of {number(100.0 * curve.within, 3)} %"
     if varies:
@@ -162,9 +165,9 @@ def _identified(found: Fit) -> Iterator[Block]:
         (number(0.0 if one.is_unidentified else one.information, 3), one.words.replace(" -", " −"))
         for one in found.directions
     ]
-    yield table("Information | < Combination", rows, "What the measurements say of the figures")
+    yield table("Information | < Combination", rows, "Identified combinations of parameters")
     names = [one.name for one in found.figures]
     pairs = sorted(combinations(range(len(names)), 2), key=lambda pair: -abs(float(found.correlation[pair])))
     if pairs:
         each = [(names[a], names[b], number(float(found.correlation[a, b]), 3)) for a, b in pairs[:MOST_PAIRS]]
-        yield table("< Figure | < And | Correlation", each, "Correlation of fitted figures")
+        yield table("< Parameter | < Parameter | Correlation", each, "Correlation of updated parameters")

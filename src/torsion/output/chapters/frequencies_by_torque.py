@@ -11,13 +11,13 @@ from torsion.output.numbers import number, rpm, scale
 
 MOST_ROWS, MOST_MODES = 13, 8
 TEXT = (
-    "At every speed each coupling by mean torque has the tangent stiffness of the mean torque that it carries, so "
-    "that a natural frequency is a curve over the speed; an order may meet it nowhere, once or several times. Critical "
-    "speeds are sought within the speed range alone."
+    "Every coupling with a table over mean torque has the tangent stiffness at the mean torque of each speed."
+    " The natural frequencies therefore depend on the speed, and an order can have no, one or several "
+    "critical speeds. The program searches the speed range."
 )
 OF_PENDULUMS = (
-    "The field that holds a pendulum grows with the square of the speed, so that a natural frequency is a curve over "
-    "the speed, which an order meets once at most. Critical speeds are sought within the speed range alone."
+    "The restoring force of a pendulum grows with the square of the speed. The natural frequencies therefore "
+    "depend on the speed. The program searches the speed range for critical speeds."
 )
 
 

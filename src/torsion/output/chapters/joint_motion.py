@@ -22,13 +22,13 @@ from torsion.rules.verdict_line import Checks
 RAD = 180.0 / np.pi
 Curves = list[tuple[str, FloatArray]]  # label; (angles,)
 AXES = (
-    "Angles count from the plane of a joint's two shafts. A couple is what the joint puts on that shaft: about the "
-    "normal n of the joint's plane, and about the axis in that plane that is square to the shaft."
+    "Angles count from the plane of the two shafts of a joint. A secondary couple acts on its shaft about the"
+    " normal n of this plane, and about the axis in the plane that is perpendicular to the shaft."
 )
 MODEL = (
-    "In the response joints are taken to first order: of the transmission error the order 2 of the driving shaft "
-    "(order 3 of a tripod with a single bearing), as an imposed twist, together with the alternating part of the mean "
-    "torque it transmits. Higher orders are not printed from this model, which is wrong for them at leading order."
+    "The response models joints to first order: order 2 of the driving shaft (order 3 for a tripod with a "
+    "single bearing) as imposed twist, and the alternating part of the transmitted mean torque. The model is "
+    "not valid for higher orders, and the report omits them."
 )
 
 
@@ -59,14 +59,14 @@ def alone(findings: Findings) -> Iterator[Block]:
         yield joint_tables.couples(found)
         yield from (_couples(found, k) for k, joint in enumerate(found.joints) if any(c.order for c in joint.couples))
     if any(line.optimum is not None for line in found.lines):
-        yield Heading("The best choice", 2)
+        yield Heading("Optimum angles", 2)
         for k, line in enumerate(found.lines):
             yield from joint_tables.optimum(found, line)
             if line.optimum is not None and line.optimum.over.size:
                 yield _index(found, k, line, line.optimum)
     yield from _response(findings, found)
     if found.remarks:
-        yield Heading("What could not be said of the joints", 2)
+        yield Heading("Not computed for the joints", 2)
         yield Points(found.remarks, brief=True)
 
 
@@ -97,9 +97,9 @@ def _response(findings: Findings, found: Joints) -> Iterator[Block]:
             rows.append((joint.name, f"order {order(wanted)}", *torque, error))
     yield Heading("Excitation of the train", 2)
     yield table(
-        "< Joint | Line | Largest torque through the joint [N m] | At speed [rpm] | Estimated model error there [%]",
+        "< Joint | < Order | Maximum torque in the joint [N m] | Speed [rpm] | Estimated model error [%]",
         rows,
-        "The order of each joint's shaft: response of the train",
+        "Response of the train to the order of each joint",
     )
     yield Paragraph(f"{MODEL} {joint_model(findings)}".strip())
 
@@ -115,14 +115,14 @@ def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
         ("acceleration / speed²", "1/rad", square, "acceleration")
         if speed is None
         else ("acceleration", "rad/s²", square, "acceleration"),
-        ("torque behind / before the joint", "", 1.0, "torque_ratio"),
+        ("torque downstream / upstream", "", 1.0, "torque_ratio"),
     ]
     panels = [
-        (title, unit, size, [(f"behind {joint.name}", getattr(joint, values) * size) for joint in found])
+        (title, unit, size, [(f"downstream of {joint.name}", getattr(joint, values) * size) for joint in found])
         for title, unit, size, values in curves
     ]
-    turning = "which turns evenly" if speed is None else f"which turns evenly at {speed * RPM:.6g} rpm"
-    caption = f"Motion behind {names(joints, line)} over the angle of the first shaft, {turning}"
+    turning = "which rotates uniformly" if speed is None else f"which rotates uniformly at {speed * RPM:.6g} rpm"
+    caption = f"Motion downstream of {names(joints, line)} over the angle of the first shaft, {turning}"
     return _turn(f"joint-motion-{place + 1}", caption, joints, found[0], panels)
 
 
@@ -154,7 +154,7 @@ def _turn(
     name: str, caption: str, joints: Joints, first: JointFound, panels: list[tuple[str, str, float, Curves]]
 ) -> Figure:
     """Curves over the angle of the shaft before the first joint of a line."""
-    quantity, angle = f"angle of the shaft before {first.name}", joints.angle * RAD
+    quantity, angle = f"angle of the shaft upstream of {first.name}", joints.angle * RAD
     return joint_curves.joint_turn(name, caption, angle=angle, panels=panels, quantity=quantity)
 
 
@@ -167,10 +167,10 @@ def _index(joints: Joints, place: int, line: LineFound, found: OptimumFound) -> 
         is_drawn = found.variable == "angle" or first <= at <= last
         return RAD * (at if is_drawn else first + (at - first) % (2.0 * np.pi)), 100.0 * index if index > STILL else 0.0
 
-    rest = ", the other joints as they are" if len(line.joints) > 2 else ""
-    moved = "; the best point moves all free joints" if len(found.names) > 1 else ""
+    rest = ", the other joints unchanged" if len(line.joints) > 2 else ""
+    moved = "; the optimum moves all free joints" if len(found.names) > 1 else ""
     caption = (
-        f"Index of fluctuation of {names(joints, line)} over the {found.variable} of {found.names[0]}{rest}{moved}"
+        f"Degree of non-uniformity of {names(joints, line)} over the {found.variable} of {found.names[0]}{rest}{moved}"
     )
     return joint_curves.joint_index(
         f"joint-index-{place + 1}", caption, values=found.over * RAD, index=100.0 * found.index_over,

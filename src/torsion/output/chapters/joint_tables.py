@@ -13,7 +13,7 @@ from torsion.output.blocks import Block, Paragraph, Table, table
 from torsion.output.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale, settled
 
 Series = tuple[str, FloatArray]  # title with unit; (angles,)
-LINES = "Joints of a shaft line as one: angle, speed ratios, index"  # on the terminal
+LINES = "Joints of a shaft line together"  # on the terminal
 STILL = 1e-12  # rad: an amplitude or an index below it is rounding of angles of order one
 ASSEMBLY = "1 deg"  # of error, for which the sensitivity is stated
 
@@ -31,8 +31,8 @@ def geometry(joints: Joints) -> Table:
         for k, joint in enumerate(joints.joints)
     ]  # fmt: skip
     return table(
-        "< Joint -> | < Kind -> | Angle β [deg] -> angle | Plane to the previous joint's [deg] -> plane | "
-        "Phase of the yokes [deg] -> phase | Driving yoke from its plane at angle zero [deg] | q = tan²(β/2)",
+        "< Joint -> | < Kind -> | Angle β [deg] -> angle | Plane against the previous joint [deg] -> plane | "
+        "Phase of the yokes [deg] -> phase | Driving yoke from the plane at angle zero [deg] | q = tan²(β/2)",
         rows,
         "Angles of the joints",
         short="Universal joints, angles in deg",
@@ -49,10 +49,10 @@ def alone(joints: Joints) -> Table:
         rows.append((joint.name, *orders, size, math.degrees(size), phase, _percent(joint.unevenness)))
     return table(
         "< Joint -> | Order, own shaft -> order | Order, reference | Error amplitude [rad] | "
-        "Error amplitude [deg] -> error, deg | Its phase [deg] | Unevenness [%]",
+        "Error amplitude [deg] -> error, deg | Phase [deg] | Speed fluctuation [%]",
         rows,
-        "Each joint by itself: transmission error, and unevenness (largest less smallest driven speed, over the mean)",
-        short="Each joint by itself: transmission error",
+        "Single joints: transmission error and speed fluctuation (maximum − minimum driven speed) / mean",
+        short="Single joints: transmission error",
     )
 
 
@@ -70,11 +70,11 @@ def lines(joints: Joints) -> Table:
             degrees(settled(line.phase, math.tau)) if varies else NONE, *ends[0], *ends[1], _percent(line.index),
         ))  # fmt: skip
     return table(
-        "< Joints -> | Resultant angle [deg] -> as one, deg | Small-angle sum [deg] -> small-angle | Phase [deg] | "
-        "Greatest speed ratio -> greatest | at [deg] | Least -> | at [deg] | Index of fluctuation [%] -> index, %",
+        "< Joints -> | Resultant angle [deg] -> resultant, deg | Small-angle sum [deg] -> small-angle | Phase [deg] | "
+        "Maximum speed ratio -> maximum | at [deg] | Minimum -> | at [deg] | Degree of non-uniformity [%] -> "
+        "non-uniformity, %",
         rows,
-        "Joints of one shaft line as one cross joint, everything between them taken as rigid; angles of its first "
-        "shaft",
+        "Joints of one shaft line as one cross joint, rigid between them; angles of the first shaft",
         short=LINES,
     )
 
@@ -93,11 +93,11 @@ def at_speed(joints: Joints) -> Iterator[Table]:
     ]  # fmt: skip
     if rows:
         yield table(
-            "< Joint -> | Mean speed [rpm] -> rpm | Greatest behind it [rpm] | Least [rpm] | "
-            "Largest acceleration behind it [rad/s²] -> rad/s² behind | Speed × angle [deg/min]",
+            "< Joint -> | Mean speed [rpm] -> rpm | Maximum downstream [rpm] | Minimum [rpm] | "
+            "Maximum acceleration downstream [rad/s²] -> rad/s² | Speed × angle [deg/min]",
             rows,
-            "Speed and acceleration of the shaft behind each joint, the first shaft of the line turning evenly",
-            short="Speed and acceleration behind each joint",
+            "Speed and acceleration of the shaft downstream of each joint; the first shaft rotates uniformly",
+            short="Speed and acceleration downstream of each joint",
         )
 
 
@@ -119,11 +119,10 @@ def couples(joints: Joints) -> Table:
     return table(
         f"< Joint -> | < Shaft -> on the shaft | Torque [{torque.unit}] | Mean [{unit.unit}] -> mean | Order -> | "
         f"Amplitude, normal [{unit.unit}] -> normal | Amplitude, in plane [{unit.unit}] -> in plane | "
-        f"Largest [{unit.unit}] -> largest{bearings}{force}",
+        f"Maximum [{unit.unit}] -> maximum{bearings}{force}",
         rows,
-        "Secondary couples on the shafts, for the mean torque in the joint's driving shaft: amplitudes are half ranges "
-        "of that order of the shaft whose torque is constant; bearings and force are largest values over the "
-        "revolution",
+        "Secondary couples on the shafts for the mean torque in the driving shaft: amplitudes of one order, zero to "
+        "peak; bearing and transverse forces are maxima over the revolution",
         short=f"Secondary couples, {unit.unit}",
     )
 
@@ -132,10 +131,10 @@ def optimum(joints: Joints, line: LineFound) -> Iterator[Block]:
     """What the best choice is and what it gains; nothing where none was sought."""
     found = line.optimum
     if found is not None:
-        title = f"Best {found.variable} of {names(joints, line)}"
+        title = f"Optimum {found.variable} of {names(joints, line)}"
         yield table(
-            f"< Joint -> | {found.variable.capitalize()} now [deg] -> now | Best [deg] -> best | "
-            f"Index if {ASSEMBLY} off the best [%] -> index if {ASSEMBLY} off, %",
+            f"< Joint -> | {found.variable.capitalize()} now [deg] -> now | Optimum [deg] -> optimum | "
+            f"Non-uniformity with an error of {ASSEMBLY} [%] -> with {ASSEMBLY} error, %",
             [
                 (name, degrees(before), _best(best), _percent(off))
                 for name, before, best, off in zip(
@@ -156,22 +155,22 @@ def _gained(found: OptimumFound) -> str:
     """The gain in a sentence."""
     before, best = _percent(found.index_before), _percent(found.index_best)
     if found.index_before <= STILL:
-        return "The line already turns evenly: there is nothing to gain."
+        return "The line already rotates uniformly."
     share = given(100.0 * (1.0 - found.index_best / found.index_before), 4)
-    return f"The index of fluctuation falls from {before} % to {best} %: {share} % of it is saved."
+    return f"The degree of non-uniformity decreases from {before} % to {best} %, by {share} %."
 
 
 def in_short(joints: Joints, line: LineFound) -> Iterator[str]:
     """A line of joints in one or two sentences."""
-    found, made = line.optimum, "turns its last shaft evenly"
+    found, made = line.optimum, "rotates its last shaft uniformly"
     if line.index > STILL:
-        made = f"turns its last shaft with an index of fluctuation of {_percent(line.index)} %"
+        made = f"rotates its last shaft with a degree of non-uniformity of {_percent(line.index)} %"
         if line.resultant**2 > STILL:
-            made += f"; its cross joints act as one of {_angle(line.resultant)} deg"
+            made += f"; its cross joints act as one joint of {_angle(line.resultant)} deg"
     yield f"The line of {names(joints, line)} {made}."
     if found is not None:
         best = ", ".join(f"{name} {_best(value)} deg" for name, value in zip(found.names, found.best, strict=True))
-        yield f"Best {found.variable}: {best}. {_gained(found)}"
+        yield f"Optimum {found.variable}: {best}. {_gained(found)}"
 
 
 def names(joints: Joints, line: LineFound) -> str:

@@ -24,19 +24,19 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(found.same, "note", brief=True)
         return
     yield Paragraph(
-        "The same train with its shafts as lumped segments, as finite elements and as continua, each discretised "
-        "as in a calculation with that model alone. The continuum has no discretisation error: every error is "
-        f"relative to it. Frequencies and shapes may differ by {given(100 * found.tolerance)} %, torques by "
+        "The same train with lumped segments, finite elements and continuous shafts. The continuous model has no "
+        "discretisation error and is the reference. "
+        f"Frequencies and shapes may differ by {given(100 * found.tolerance)} %, torques by "
         f"{given(100 * found.torque_tolerance)} %."
     )
     yield from on_terminal([conclusion(found)])
     yield _summary(found)
     counted = [(f"{model.model}: {model.division}", model.certified) for model in _all(found)]
-    yield Points(tuple(text if certified else f"{text}; not certified by counts" for text, certified in counted))
+    yield Points(tuple(text if certified else f"{text}; not certified by Sturm counts" for text, certified in counted))
     yield from on_terminal([_counts(found)])
     yield Heading("Frequencies and shapes", 2)
     yield _modes(found)
-    caption = "Relative errors against the exact model, mode by mode; what is below 10⁻¹⁶ is drawn there"
+    caption = "Relative errors against the exact model, by mode; errors below 10⁻¹⁶ are drawn at 10⁻¹⁶"
     yield error_curves.modes(
         "check-modes", caption, tolerance=found.tolerance,
         frequency=[(model.model, np.abs(model.frequency_error)) for model in found.models],
@@ -44,7 +44,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     )  # fmt: skip
     if len(found.exact.frequency) > MOST_MODES:
         left_out = f"{MOST_MODES + 1} to {len(found.exact.frequency)}"
-        yield Paragraph(f"Modes {left_out} are left out of the table; see the JSON file.")
+        yield Paragraph(f"Modes {left_out} are in the JSON file.")
     yield Heading("Response torques", 2)
     yield from _torques(findings, found)
 
@@ -77,10 +77,11 @@ def _summary(found: Compared) -> Table:
         "< Model -> | Frequency [%] -> frequency, % | 1 − MAC [%] -> 1 − MAC, % | Torques [%] -> torques, % | "
         "Modes -> | Time [ms] -> ms | < Verdict ->",
         rows,
-        f"Largest errors against the exact model, of {len(exact.frequency)} modes; modes below "
+        f"Maximum errors against the exact model, of {len(exact.frequency)} modes; modes below "
         f"{number(found.highest)} Hz; times of one run of the modes and of the torques",
         marks=[row[-1].lower().strip(NONE) for row in rows],
-        short="Largest errors against the exact model",
+        short="Maximum errors against the exact model",
+        rows_in_summary=4,
     )
 
 
@@ -133,8 +134,7 @@ def _modes(found: Compared) -> Table:
     return table(
         titles,
         rows,
-        "Natural frequencies of the models, mode by mode; MAC: agreement of shapes at the stations of the train, "
-        "weighted by inertia",
+        "Natural frequencies of the models; MAC: modal assurance criterion of the shapes, weighted by inertia",
         short="Natural frequencies of the models",
     )
 
@@ -144,15 +144,15 @@ def _torques(findings: Findings, found: Compared) -> Iterator[Block]:
         yield Paragraph(f"No torques are compared: {found.no_torques}.", "note", brief=True)
         return
     yield Paragraph(
-        "Complex torques at the driving end of every component, at every requested speed and order; a "
-        "difference counts relative to the largest of these torques at that speed and order, all referred to one "
-        "speed. Every model is compared equally far from its own resonances, peaks with peaks: the error of a natural "
-        "frequency stands in the table above."
+        "Complex torques at the driving end of every component, at every requested speed and order. The error is "
+        "relative "
+        "to the maximum torque at this speed and order, referred to one speed. The models are compared at equal "
+        "distances from their own resonances; the table above has the frequency errors."
     )
     compared = [(model.model, model.torques) for model in found.models if model.torques is not None]
     if places := tuple(text for model in found.models if (text := _worst(model, found))):
         lines = [(name, torques.error) for name, torques in compared]
-        caption = "Relative error of the torques over the speed, the largest of all orders and components"
+        caption = "Maximum relative error of the torques over the speed"
         yield Points(places, brief=True)
         speed = found.speed * RPM
         figure = error_curves.torques(
@@ -161,5 +161,5 @@ def _torques(findings: Findings, found: Compared) -> Iterator[Block]:
         yield of_torsion(findings, figure)
     left_out = max(torques.left_out for _, torques in compared)
     if left_out:
-        words = f"{counted(left_out, 'answer')} that cannot be trusted (exactly in resonance without damping)."
-        yield Paragraph(f"Left out: {words}", "note")
+        words = f"{counted(left_out, 'solution')} at undamped resonances."
+        yield Paragraph(f"Omitted: {words}", "note")

@@ -21,23 +21,21 @@ def orders(found: OrderTracking | None, name: str) -> Iterator[Block]:
         text = f"{found.reference} makes {number(found.turns, 3)} revolutions; below {TURNS} no order is reported."
         yield Paragraph(text, "note")
         return
-    left = f" {counted(found.left_out, 'window')} left out: more happens there than samples show." * bool(
+    left = f" {counted(found.left_out, 'window')} omitted: the samples do not resolve the motion." * bool(
         found.left_out
     )
     yield Paragraph(
-        f"Orders: torques read at equal angles of {found.reference}, on the exact motion, in windows of {TURNS} "
-        f"revolutions (Hann), {len(found.time)} of them; orders stand 1/{TURNS} apart. What changes within a window is "
-        f"averaged. Half as many samples change no amplitude by more than {number(found.aliased, 2)} of the "
-        f"largest.{left}"
+        f"Order analysis of the torques at equal angles of {found.reference}, in {len(found.time)} windows of {TURNS} "
+        f"revolutions (Hann); order resolution 1/{TURNS}. With half as many samples no amplitude changes by more than "
+        f"{number(found.aliased, 2)} of the maximum.{left}"
     )
     rows = [row for one in found.each for row in _largest(found, one)]
     if rows:
         unit = scale("N m", [row[2] for row in rows])
-        titles = (
-            f"< Element | Order of {found.reference} | Largest amplitude [{unit.unit}] | at [rpm] | at [s] | Phase [°]"
-        )
+        titles = f"< Component | Order of {found.reference} | Maximum amplitude [{unit.unit}] | at [rpm] | at [s] | "
+        titles += "Phase [°]"
         cells = [(element, order, unit.text(size), *more) for element, order, size, *more in rows]
-        yield table(titles, cells, "Orders: largest amplitude, and its phase over the angle of the reference")
+        yield table(titles, cells, "Orders: maximum amplitude and phase against the angle of the reference")
     for one in found.each:
         yield from _figures(found, one, name)
 

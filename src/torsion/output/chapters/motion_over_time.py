@@ -1,4 +1,4 @@
-"""Chapter: the motion over time."""
+"""Chapter: transient responses."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -16,37 +16,39 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders
 from torsion.output.figures.curves_over_time import over_time
-from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale
+from torsion.output.numbers import NONE, RPM, Scale, counted, number, rpm, scale, symbols
 from torsion.output.reported_values import NOTHING
 from torsion.output.selection import Element, elements
 from torsion.results import listed
+from torsion.rules.verdict_line import Checks
 
 MOST_CURVES = 5  # in the figures: of the elements with the largest torque
 MOST_PASSAGES = 20  # lines of a table
 MOST_ORDERS = 4  # named of those that excite it
 METHOD = (
-    "Exact at every sample: every mode answers the events in closed form, and the torque of a span is the sum over the "
-    "modes. Losses of material act as modal damping, by their share of the energy."
+    "Exact at every sample: every mode has a closed-form response to the events, and a torque is the sum over"
+    " the modes. Material damping acts as modal damping by energy share."
 )
 FROM_EVENT_TO_EVENT = (
-    "Exact from event to event: between two changes of a coupling's regime the train is linear, and the time of each "
-    "is the root of the exact motion. Losses of material act as modal damping, by their share of the energy."
+    "Exact from event to event: the train is linear between two changes of a coupling's regime, and each change is a "
+    "root of the exact motion. Material damping acts as modal damping by energy share."
 )
 MOST_EVENTS = 20  # of the changes of regime that are listed
-DRIVEN = METHOD.replace("answers the events", "answers the torques of every step")
+DRIVEN = METHOD.replace("to the events", "to the torques of every step")
+TRANSIENT_RULES = ("transient", "ice")  # rules that limit the greatest torque over time
 Peaks = tuple[Element, int, int]  # an element and its spans of the greatest and the least torque
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
-    """Every motion in a section of its own; nothing where none was requested."""
+    """One section for each transient; nothing if none was requested."""
     found = findings.get(Transients)
     if found is None:
         return
-    yield Heading("Motion over time")
+    yield Heading("Transient response")
     settings = {one.name: one for one, _ in cases(findings.study)}
     for one in found.each:
         if len(found.each) > 1:
-            yield Heading(f"Motion: {one.name}", 2)
+            yield Heading(f"Transient: {one.name}", 2)
         yield from _motion(findings, one, settings[one.name])
 
 
@@ -64,10 +66,12 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     yield from _faults(found, settings)
     yield from _steady_begin(findings, found, settings)
     if found.status != "ok":
-        yield Paragraph(f"Not to be relied upon: {found.status}.", "fail", brief=True)
+        yield Paragraph(f"Not reliable: {found.status}.", "fail", brief=True)
     events = [(event.at, event.body.key, event.time, event.words) for event in settings.events]
     if events:
-        yield table("< At | < Event | Begins at [s] | < Settings", events, "Events; torques at the point's own speed")
+        yield table(
+            "< Component | < Event | Start [s] | < Settings", events, "Events; torques at the speed of the component"
+        )
     yield from _ice(found, settings)
     yield _peaks(found, rows, unit)
     if found.switching is not None:
@@ -77,8 +81,8 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     yield from _loads(findings, found, rows, settings)
     if found.unresolved.any():
         text = (
-            "Modes too fast for the times at which peaks are looked for add at most what the last column says; "
-            "verdicts add it to the peak. More `samples` resolve them."
+            "The last column bounds the torque of modes that the samples do not resolve. The checks add it to the "
+            "peak. To resolve these modes, increase `samples`."
         )
         yield Paragraph(text, "note")
     yield from _figures(findings, found, settings, unit)
@@ -91,12 +95,12 @@ def _faults(found: TransientMotion, settings: TransientSettings) -> Iterator[Blo
     if not loads:
         return
     is_both = loads == {"stays", "falls"}
-    load = "stays or falls as the file states" if is_both else "acts on" if "stays" in loads else "is gone"
+    load = "stays or falls as stated" if is_both else "stays" if "stays" in loads else "falls to zero"
     text = f"The mean torque of the machine {load} during a short circuit (`load`)."
     if found.faults_computed:
         text = (
-            f"{found.faults_computed} faults were computed; the worst: {found.worst_fault}. Its curves are shown; "
-            f"greatest and least torques are those of all. {text}"
+            f"The program computed {found.faults_computed} electrical faults. The curves show the worst: "
+            f"{found.worst_fault}. The maximum and minimum torques are over all faults. {text}"
         )
     yield Paragraph(text, "note", brief=True)
 
@@ -106,10 +110,10 @@ def _steady_begin(findings: Findings, found: TransientMotion, settings: Transien
     if not found.speed_before or settings.initial not in (None, "steady"):
         return
     if findings.study.excites and settings.torques != ():
-        text = "The motion begins with the steady vibration that periodic torques and joints make at this speed."
+        text = "The motion starts with the steady vibration at this speed."
         begun = (
-            "Beside play, friction, stages and clutches periodic torques begin at time 0, upon the mean torques alone; "
-            "the first revolutions are a transient of their own."
+            "The train has backlash, friction, stiffness stages or clutches. Therefore the periodic torques start at "
+            "time 0 with the mean torques only, and the first revolutions show their start."
         )
         yield Paragraph(text if found.switching is None else begun, "note")
     if settings.initial is None and findings.study.operation.rated is None:
@@ -117,8 +121,9 @@ def _steady_begin(findings: Findings, found: TransientMotion, settings: Transien
         excited = f", excited by {', '.join(dict.fromkeys(orders[:MOST_ORDERS]))}" if orders else ""
         more = ", ..." if len(orders) > MOST_ORDERS else ""
         text = (
-            f"The file names no `initial` and no rated speed: the motion begins steady at {rpm(found.speed_before)} "
-            f"rpm, the highest of its speeds{excited}{more}. `initial: rest` or `{{speed: ...}}` begins elsewhere."
+            f"The file has no `initial` and no rated speed. The motion starts steady at the highest speed, "
+            f"{rpm(found.speed_before)} rpm{excited}{more}. To start elsewhere, set `initial: rest` or "
+            f"`{{speed: ...}}`."
         )
         yield Paragraph(text, "note", brief=True)
 
@@ -126,12 +131,14 @@ def _steady_begin(findings: Findings, found: TransientMotion, settings: Transien
 def _introduction(found: TransientMotion, settings: TransientSettings) -> str:
     before = f"at {rpm(found.speed_before)} rpm" if found.speed_before else "at rest"
     kept = (
-        "" if found.change is None else f"Twice as many modes change no peak by more than {number(found.change, 2)}. "
+        ""
+        if found.change is None
+        else f"With twice as many modes no peak changes by more than {number(found.change, 2)}. "
     )
     return (
         f"{number(settings.duration)} s from a train {before}, in {counted(len(found.time), 'sample')}, of "
-        f"{counted(found.modes, 'elastic mode')}. {_method(found)} {kept}The balance of energy holds to "
-        f"{number(found.residual, 2)} of the largest energy."
+        f"{counted(found.modes, 'elastic mode')}. {_method(found)} {kept}Energy balance error: "
+        f"{number(found.residual, 2)} of the maximum energy."
     )
 
 
@@ -145,8 +152,8 @@ def _ice(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]
     """How the greatest torque of a class of ice was found, and what of the ice is to be verified."""
     if any(isinstance(event.body, Ice) and event.body.case for event in settings.events):
         text = (
-            "Factor, angle and blocks of the cases of ice were not compared with the printed rules: to be verified "
-            "against the edition in force."
+            "Factor, angle and milling sequence of the ice cases: edition not confirmed. Compare them with the edition "
+            "in force."
         )
         yield Paragraph(text, "note")
     if not found.ice:
@@ -157,18 +164,16 @@ def _ice(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]
          number(one.revolutions), number(one.torque * 1e-3))
         for one in found.ice
     ]  # fmt: skip
-    titles = (
-        "< Propeller | < Class | H [m] | < Propeller is | k | D [m] | d/D | P/D | n [1/s] | Revolutions "
-        "| Q_{max} [kN m]"
-    )
-    yield table(titles, rows, "Greatest ice torque of the class, to be verified against the edition in force")
+    titles = "< Propeller | < Class | H [m] | < Type | k | D [m] | d/D | P/D | n [1/s] | Revolutions | Q_{max} [kN m]"
+    yield table(titles, rows, "Maximum ice torque of the class (edition not confirmed)")
     small = "k (1 − d/D) (P/D)^0.16 (n D)^0.17 D³"
     large = "1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1"
     used = {large if one.is_large else small: ("beyond" if one.is_large else "up to") for one in found.ice}
     text = "; ".join(f"{formula} for diameters {ends} 1.8 H" for formula, ends in used.items())
     yield Paragraph(
-        f"Q_{{max}} = {text}; in kN m, with lengths in m and n in 1/s. Formula, factors, thickness of the ice and its "
-        "2 revolutions a metre were not compared with the printed rules: to be verified against the edition in force.",
+        f"Q_{{max}} = {text}; in kN m, with lengths in m and n in 1/s. Formula, factors, ice thickness and 2 "
+        "revolutions "
+        "per metre: edition not confirmed. Compare them with the edition in force.",
         "note",
     )
 
@@ -178,20 +183,22 @@ def _following(found: TransientMotion) -> Iterator[Block]:
     if not found.steps:
         return
     yield Paragraph(
-        f"These torques follow the speed or the angle of their point: {_first(found.following)}. They are found by "
-        f"exponential collocation in {counted(found.steps, 'step')}, between which the modes are exact. The last term "
-        f"kept of their series is at most {number(found.left_in_series, 2)} of the largest of them; the error is "
-        "smaller. Periodic torques of the file follow the angle of their point too, from its angle 0 on."
+        f"These torques depend on the speed or angle: {_first(found.following)}. The program computes them by "
+        f"exponential collocation in {counted(found.steps, 'step')}; the modes are exact in each step. The last series "
+        f"term is at most {number(found.left_in_series, 2)} of the largest torque and bounds the error. Periodic "
+        "torques "
+        "follow the angle of their component, starting at angle 0."
     )
     if found.undamped:
-        text = f"The damping of {_first(found.undamped)} is left out: the law of the load there damps in its place."
+        text = f"The load law replaces the damping of {_first(found.undamped)}."
         yield Paragraph(text, "note")
     if found.phases_computed:
         shown = ", ".join(f"{number(math.degrees(one), 3)} deg" for one in found.slip_phase)
         text = (
-            f"The file leaves the phase of the slip pulsation open: of {counted(found.phases_computed, 'phase')} that "
-            f"were computed, among them those at which it adds most to each torque, {shown} is the worst, and its "
-            "curves are shown; greatest and least torques are those of all."
+            f"The phase of the slip pulsation is not stated. The program computed "
+            f"{counted(found.phases_computed, 'phase')}, including the worst for each torque. The curves show the "
+            "worst "
+            f"phase, {shown}. The maximum and minimum torques are over all phases."
         )
         yield Paragraph(text, "note", brief=True)
     if found.passages:
@@ -201,24 +208,22 @@ def _following(found: TransientMotion) -> Iterator[Block]:
             for one in found.passages[:MOST_PASSAGES]
         ]  # fmt: skip
         titles = (
-            "Mode | < Excited by | Met at [s] | Reference speed [rpm] | Frequency [Hz] | Passed in [s] "
-            "| Reached, of the steady resonance [%]"
+            "Mode | < Excited by | Time [s] | Reference speed [rpm] | Frequency [Hz] | Passing time [s] "
+            "| Peak / steady resonance [%]"
         )
         more = len(found.passages) - MOST_PASSAGES
-        text = "Resonances passed: time within the range of half the power, and what a constant rate lets them reach"
-        yield table(titles, cells, text + (f"; {more} more are in results.json" if more > 0 else ""))
+        text = "Resonances passed: time in the half-power width, and peak for a constant acceleration"
+        yield table(titles, cells, text + (f"; {more} more in results.json" if more > 0 else ""))
     if found.changes:
         changed = [(_first(one.what.split(", ")), one.time) for one in found.changes[:MOST_PASSAGES]]
-        yield table(
-            "< Torque | At [s]", changed, "When a torque that follows the motion came to another part of its law"
-        )
+        yield table("< Torque | At [s]", changed, "Changes of regime of torques that depend on the motion")
 
 
 def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
     titles = (
-        f"< Element -> | Greatest torque [{unit.unit}] -> greatest, {unit.unit} | at [s] -> at, s "
-        f"| Least torque [{unit.unit}] -> least, {unit.unit} | at [s] | Before [{unit.unit}] "
-        f"| Largest / before -> times | Largest / rated | Reversals -> | Not sampled [{unit.unit}]"
+        f"< Component -> | Maximum torque [{unit.unit}] -> maximum, {unit.unit} | Time [s] -> at, s "
+        f"| Minimum torque [{unit.unit}] -> minimum, {unit.unit} | Time [s] | Initial [{unit.unit}] "
+        f"| Peak / initial -> times | Peak / rated | Reversals -> | Not sampled [{unit.unit}]"
     )
     largest = max((float(found.peak[list(one.spans)].max()) * one.ratio for one, _, _ in rows), default=0.0)
     cells = []
@@ -235,8 +240,9 @@ def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
             float(found.least_at[low]), unit.text(before), *times, int(found.reversals[spans].max()),
             unit.text(lacking),
         ))  # fmt: skip
-    text = "Torques of the motion, mean torque included; where the torque of a gear reverses its teeth separate"
-    return table(titles, cells, text, short=f"Motion over time: {found.name}" if found.name else "Motion over time")
+    text = "Torques over time including the mean torque; a torque reversal in a gear separates its teeth"
+    title = f"Transient: {found.name}" if found.name else "Transient response"
+    return table(titles, cells, text, short=title, rows_in_summary=3)
 
 
 def _known(torque: float, largest: float) -> float:
@@ -248,20 +254,25 @@ def _switching(found: Switching) -> Iterator[Block]:
     """What the nonlinear couplings did, and how far single values can be relied upon."""
     rows = [(one.coupling, one.contacts, one.separations, one.slips, number(one.heat)) for one in found.couplings]
     titles = "< Coupling -> | Contacts -> | Separations -> | Slips -> | Heat [J] ->"
-    yield table(titles, rows, "Couplings with play, friction, stages or a capacity")
+    yield table(titles, rows, "Couplings with backlash, friction, stages or a capacity")
     if found.events:
         first = [(one.time, one.coupling, one.what) for one in found.events[:MOST_EVENTS]]
         title = f"The first {len(first)} of {len(found.events)} events" if len(found.events) > len(first) else "Events"
         yield table("Time [s] | < Coupling -> | < What", first, f"{title} of these couplings")
     if found.sensitive_after is not None:
         text = (
-            f"From {number(found.sensitive_after)} s on the motion is sensitive: impacts amplify rounding until halved "
-            "steps change torques by more than 1e-6 of their peak. Read peaks, counts and heat there, not the moment. "
-            "Greatest and least torques are those of both motions, and verdicts add their difference."
+            f"From {number(found.sensitive_after)} s on the motion is sensitive: impacts amplify rounding, and "
+            "half the "
+            "step changes torques by more than 1e-6 of their peak. Peaks, counts and heat remain valid; single "
+            "values do "
+            "not. The maximum and minimum torques are over both motions. The checks add the difference."
         )
         yield Paragraph(text, "note")
     if found.band_change:
-        text = f"Twice the band of modes changes torques by {number(found.band_change, 2)} of their peaks."
+        text = (
+            "With twice the frequency range of the modes the torques change by "
+            f"{number(found.band_change, 2)} of the peak."
+        )
         yield Paragraph(text, "note")
 
 
@@ -271,11 +282,13 @@ def _compared(found: ComparedMethod | None) -> Iterator[Block]:
         return
     step = "" if found.step is None else f" with steps of {number(found.step)} s"
     error = (
-        "has no answer: it is not stable there"
+        "is unstable with this step"
         if found.error is None
-        else f"differs by {number(100.0 * found.error, 3)} % of the largest torque of a span, at most"
+        else f"differs by at most {number(100.0 * found.error, 3)} % of the largest torque"
     )
-    text = f"Compared: {found.method}{step} {error}; it takes {number(found.seconds, 2)} s. All results are exact."
+    text = (
+        f"Compared: {found.method}{step} {error} ({number(found.seconds, 2)} s). The results are from the exact method."
+    )
     yield Paragraph(text, "note")
 
 
@@ -289,18 +302,18 @@ def _loads(
             most = float(found.stress[list(element.spans)].max())
             if np.isfinite(most):
                 cells.append((element.name, number(most * 1e-6)))
-        yield table("< Shaft | Largest shear stress [N/mm²]", cells, "Nominal stress of the shafts at their peaks")
+        yield table("< Shaft | Maximum shear stress [N/mm²]", cells, "Maximum nominal stress of the shafts")
     line = settings.fatigue
     if found.damage is not None and line is not None:
         worst = [(one.name, float(found.damage[list(one.spans)].max())) for one, _, _ in rows]
-        mean = "mean torques are left out" if line.ultimate is None else f"ultimate torque {number(line.ultimate)} N m"
+        mean = "no mean torque effect" if line.ultimate is None else f"ultimate torque {number(line.ultimate)} N m"
         yield Paragraph(
             "Fatigue: cycles of every torque by rainflow (ASTM E1049), the residue as half cycles; damage after Miner, "
-            f"amplitude {number(line.amplitude)} N m borne {number(line.cycles)} times, slope {number(line.slope)}; "
+            f"amplitude {number(line.amplitude)} N m for {number(line.cycles)} cycles, slope {number(line.slope)}; "
             f"{mean}."
         )
         cells = [(name, number(sum_, 3)) for name, sum_ in worst if np.isfinite(sum_)]
-        yield table("< Element | Damage of one such motion", cells, "Miner's sums; at 1 the life is used up")
+        yield table("< Component | Damage per event", cells, "Miner damage sum; 1 is the fatigue life")
 
 
 def _figures(findings: Findings, found: TransientMotion, settings: TransientSettings, unit: Scale) -> Iterator[Block]:
@@ -311,21 +324,38 @@ def _figures(findings: Findings, found: TransientMotion, settings: TransientSett
         span = max(one.spans, key=lambda span: found.peak[span])
         time, torque = _with_peaks(found, span)
         curves = [(one.name, torque * unit.factor)]
-        caption = f"Torque in {one.name} over time" + (f", {found.name}" if found.name else "")
-        yield over_time(f"motion {mark}{one.name}", caption, time=time, lines=curves, quantity="torque", unit=unit.unit)
+        caption = f"Torque in {one.name}" + (f", {found.name}" if found.name else "")
+        yield over_time(
+            f"motion {mark}{one.name}", caption, time=time, lines=curves, quantity="torque", unit=unit.unit,
+            limits=[(words, limit * unit.factor) for words, limit in _limits(findings, one)], has_peak=True,
+        )  # fmt: skip
     stations = [(k, s.name) for k, s in enumerate(train.stations) if not s.is_ground]
     ends = [stations[0], stations[-1]] if len(stations) > 1 else stations
     ends = [one for one in stations if train.parts[train.stations[one[0]].part].name in plot] if plot else ends
     if ends:
         curves = [(name, found.speed[k] * RPM) for k, name in ends]
-        caption = "Speed over time" + (f", {found.name}" if found.name else "")
-        yield over_time(
-            f"motion {mark}speeds", caption, time=found.time, lines=curves, quantity="own speed", unit="rpm"
-        )
+        caption = "Speed" + (f", {found.name}" if found.name else "")
+        yield over_time(f"motion {mark}speeds", caption, time=found.time, lines=curves, quantity="speed", unit="rpm")
+
+
+def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:
+    """The limits of the greatest torque over time, N m: of the checks, else the rating of the manufacturer."""
+    limits = {
+        f"limit {symbols(check.clause)}": check.limit
+        for check in findings.need(Checks).lines
+        if check.where == element.name and check.rule in TRANSIENT_RULES and check.clause.startswith("T_")
+        and np.isfinite(check.limit)
+    }  # fmt: skip
+    ratings = findings.study.train.parts[element.part].ratings
+    if not limits and ratings is not None and ratings.max_torque:
+        limits = {"T_{Kmax} (manufacturer)": ratings.max_torque}
+    return list(limits.items())
 
 
 def _with_peaks(found: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarray]:
-    """The samples of a torque, and between them its greatest and least value."""
+    """The samples of a torque, and between them its maximum and minimum, if they are of the motion that is drawn."""
+    if found.faults_computed > 1 or found.phases_computed > 1:
+        return found.time, found.torque[span]
     at, value = [found.greatest_at[span], found.least_at[span]], [found.greatest[span], found.least[span]]
     place = np.searchsorted(found.time, at, side="right")
     order = np.argsort(at, kind="stable")

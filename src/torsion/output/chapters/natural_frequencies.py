@@ -24,6 +24,7 @@ from torsion.output.selection import by_part, elements
 from torsion.output.station_layout import MOST_NAMES, layout
 from torsion.results import listed
 
+MOST_IN_SUMMARY = 6  # on the terminal without `-v`
 MOST_MODES = 12  # with a shape and a Holzer table in the full report
 MODES_WITHOUT_ORDERS = 6  # with a shape where nothing excites
 MOST_TABLES, FEW_ROWS = 3, 50  # Holzer tables of the report, and their rows
@@ -139,6 +140,8 @@ def _introduction(modes: Modes) -> Paragraph:
 def frequencies(modes: Modes) -> Table:
     """Of the undamped train, with their bounds."""
     bounds = np.transpose([modes.frequency, modes.lower, modes.upper, modes.nodes]).tolist()
+    lowest = ", ".join(number(frequency) for frequency in modes.frequency[:MOST_IN_SUMMARY])
+    more = ", ..." if len(modes.frequency) > MOST_IN_SUMMARY else ""
     return table(
         "Mode -> | Frequency [Hz] -> Hz | Per minute [1/min] -> per minute | Nodes -> | Lower bound [Hz] | "
         "Upper bound [Hz]",
@@ -148,6 +151,7 @@ def frequencies(modes: Modes) -> Table:
         ],
         "Natural frequencies of the undamped train",
         short="Natural frequencies",
+        summary=f"Natural frequencies: {lowest}{more} Hz" if lowest else "",
     )  # fmt: skip
 
 
@@ -196,7 +200,7 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
     for row, (angle, moved, enters, leaves, twist) in enumerate(_settled(found)):
         inertia = float(found.inertia[row])
         link, station = found.links[row], system.stations[int(found.station[row])].name
-        own = ["held", number(angle, HOLZER), "held"]
+        own = ["fixed", number(angle, HOLZER), "fixed"]
         if math.isfinite(inertia):
             own = [number(value, HOLZER) for value in (inertia, angle, moved)]
         if found.is_chord[row]:

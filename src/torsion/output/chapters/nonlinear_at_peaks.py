@@ -9,18 +9,16 @@ from torsion.output.numbers import NONE, number, rpm
 
 DIFFERS = 0.10  # of the exact amplitude: more is pointed at
 METHOD = (
-    "The response takes play, stages and dry friction by harmonic balance: at the twist amplitude of its largest "
-    "harmonic component, about the mean twist under the mean torque, a coupling is a stiffness of its own. Natural "
-    "frequencies are those of a closed play, without friction, in the first stage. At the largest torque amplitude of "
-    "each such coupling, and in each quarter of the speeds at which it is not linear, the motion is also computed "
-    "exactly, from event to event, beginning as the response is, until it repeats itself. The synthesis and the "
-    "verdicts take the larger of both; where no exact motion settles, the synthesis has no value and no verdict "
-    "passes. The last columns are the mode that the coupling takes most part in, and its frequency as stiff as the "
-    "couplings are at these amplitudes."
+    "The response models backlash, stages and dry friction by harmonic balance: each coupling has one "
+    "stiffness for its largest harmonic twist about the mean twist. Natural frequencies are for closed "
+    "backlash, without friction, in the first stage. The program also computes the exact motion at the "
+    "largest amplitude of each coupling and in each quarter of its nonlinear speed range. The total and the "
+    "checks use the larger value. If no exact motion settles, no check passes. The last columns give the mode"
+    " with the largest share in the coupling, and its frequency at this amplitude."
 )
 TITLES = (
-    "< Coupling -> | < Harmonic component | rpm -> | Response [N m] -> | Exact [N m] -> | Difference [%] -> | "
-    "Exact, half range [N m] | Mode | Its frequency there [Hz]"
+    "< Coupling -> | < Order | Speed [rpm] -> rpm | Response [N m] -> | Exact [N m] -> | Difference [%] -> | "
+    "Exact total [N m] | Mode | Frequency [Hz]"
 )
 
 
@@ -29,7 +27,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
     found = findings.get(NonlinearPeaks)
     if found is None or not found.each:
         return
-    yield Heading("Play and friction at the peaks of the response")
+    yield Heading("Backlash and friction at the peaks of the response")
     yield Paragraph(METHOD)
     rows = [
         (
@@ -40,7 +38,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         )
         for one in found.each
     ]  # fmt: skip
-    yield table(TITLES, rows, "Torque amplitudes at the peaks", short="Play and friction at the peaks")
+    yield table(TITLES, rows, "Torque amplitudes at the peaks", short="Backlash and friction at the peaks")
     for name in dict.fromkeys(one.coupling for one in found.each):
         own = [one for one in found.each if one.coupling == name]
         if notes := " ".join([*_ranges(own[0]), *(note for one in own for note in _notes(one))]):
@@ -52,11 +50,11 @@ def _ranges(one: NonlinearPeak) -> Iterator[str]:
     if one.opens_from is not None and one.opens_to is not None:
         where = f"between {rpm(one.opens_from)} and {rpm(one.opens_to)} rpm"
         where = f"at {rpm(one.opens_from)} rpm" if one.opens_from == one.opens_to else where
-        yield f"its play opens {where}: the faces separate and hammer."
+        yield f"the backlash opens {where}: the faces separate and hammer."
     if one.several_from is not None and one.several_to is not None:
         yield (
             f"Between {rpm(one.several_from)} and {rpm(one.several_to)} rpm the response has several solutions, and "
-            "the amplitude jumps from one to another; the largest stands everywhere."
+            "the amplitude can jump between them. The report shows the largest."
         )
 
 
@@ -64,17 +62,15 @@ def _notes(one: NonlinearPeak) -> Iterator[str]:
     """What a reader must know of a comparison."""
     here = f"At {rpm(one.speed)} rpm"
     if one.from_rest is not None:
-        yield f"{here} the exact motion that begins without vibration settles at {number(one.from_rest)} N m."
+        yield f"{here} the exact motion that starts without vibration reaches {number(one.from_rest)} N m."
     if not one.ended:
-        yield (
-            f"{here} the exact motion is too much work beside a response, and was not followed until it settles: "
-            "compute the motion over time there."
-        )
+        yield (f"{here} the exact motion needs too much computing time. Compute the transient response at this speed.")
     elif one.exact is None:
-        yield f"{here} the motion that begins as the response is does not settle: compute the motion over time there."
-    elif one.difference is not None and abs(one.difference) > DIFFERS:
-        text = (
-            f"{here} the response differs by more than {100.0 * DIFFERS:.0f} %, and the exact motion is to be trusted"
+        yield (
+            f"{here} the motion that starts from the response does not settle. Compute the transient "
+            "response at this speed."
         )
+    elif one.difference is not None and abs(one.difference) > DIFFERS:
+        text = f"{here} the response differs by more than {100.0 * DIFFERS:.0f} %; use the exact motion"
         leaves = one.solutions > 1 and one.response > one.exact
-        yield text + (", which does not stay with the largest of the solutions." if leaves else ".")
+        yield text + (", which leaves the largest solution." if leaves else ".")

@@ -10,14 +10,14 @@ from torsion.output.numbers import NONE, given, number, order, rpm
 
 FAR = math.radians(30.0)  # of deflection: beyond it a linear pendulum is off by more than 2 % of its order
 WHAT = (
-    "A pendulum of the order q = sqrt(R/l) adds at the order n of its shaft the inertia m (R + l)²/(1 − n²/q²) to its "
-    "carrier, whatever the speed: more than its own below q, a negative one above, and at n = q the carrier is fixed "
-    "for that order. Its spring is the field of the turning shaft, so that natural frequencies follow the speed; "
-    "modes, and all that does not name a speed, are those at {} rpm. At rest the bobs are loose and add nothing."
+    "A pendulum of order q = sqrt(R/l) adds the inertia m (R + l)²/(1 − n²/q²) to its carrier at order n. The"
+    " inertia is larger than the mass inertia below q and negative above; at n = q the carrier is fixed for "
+    "this order. The restoring force is the centrifugal force, so that natural frequencies depend on the "
+    "speed. Modes are for {} rpm. At rest the bobs add nothing."
 )
 LINEAR = (
-    "Deflections are linear. On a circular path a deflection φ lowers the order by about φ²/16 of it, 1.7 % at 30 "
-    "degrees: it is more in {}."
+    "Deflections are linear. On a circular path a deflection φ lowers the order by about φ²/16 (1.7 % at 30 "
+    "degrees). Larger deflections: {}."
 )
 
 
@@ -34,10 +34,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
         for one in found.each
     ]
     yield table(
-        "< Pendulum -> | Tuned to order -> order | Inertia of the bobs [kg m²] | Largest deflection [deg] -> deg | "
-        "At [rpm] -> rpm",
+        "< Pendulum -> | Tuned to order -> order | Inertia of the bobs [kg m²] | Maximum deflection [deg] -> deg | "
+        "Speed [rpm] -> rpm",
         rows,
-        "Pendulums, at their own speed",
+        "Pendulums, at the speed of their shaft",
     )
     by_order = [
         (
@@ -47,8 +47,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         for one in found.each for each in one.at_orders
     ]  # fmt: skip
     if by_order:
-        titles = "< Pendulum -> | Order of its shaft -> order | Inertia there [kg m²] | Deflection [deg] -> deg | "
-        yield table(titles + "At [rpm] -> rpm", by_order, "Inertia and deflection of pendulums by order")
+        titles = "< Pendulum -> | Order of the shaft -> order | Inertia [kg m²] | Deflection [deg] -> deg | "
+        yield table(titles + "Speed [rpm] -> rpm", by_order, "Inertia and deflection of pendulums by order")
 
 
 def _degrees(angle: float | None) -> str | None:

@@ -23,13 +23,13 @@ MOST_CLAUSES = 20  # of a rule
 def steps(findings: Findings) -> Iterator[Block]:
     """Always printed."""
     plan = findings.plan
-    rows = [
-        (line.what, line.method, _singular(line.size), number(1e3 * line.seconds, 3), line.why) for line in plan.done
-    ]
+    rows = [(line.what, line.method, _singular(line.size), line.why) for line in plan.done]
     yield Heading("Appendix: what was computed")
-    yield table("< Step | < Method | < Size | Time [ms] | < Why", rows, "Steps that were done")
+    yield table("< Step | < Method | < Size | < Reason", rows, "Computed steps")
+    if seconds := sum(line.seconds for line in plan.done):
+        yield Paragraph(f"Computing time: {number(seconds, 3)} s.")
     if plan.left_out:
-        yield table("< Left out | < Why", plan.left_out, "Left out")
+        yield table("< Not computed | < Reason", plan.left_out, "Not computed")
     if plan.versions:
         yield KeyValues(tuple(plan.versions.items()))
 
@@ -61,14 +61,13 @@ def input_file(findings: Findings) -> Iterator[Block]:
     if not text:
         return
     meshes = "".join(
-        f" and the {kind} that it names"
-        + "".join(f"; {without_controls(file)}, SHA-256 {_sha256(file)}" for file in files)
+        f" and its {kind}" + "".join(f"; {without_controls(file)}, SHA-256 {_sha256(file)}" for file in files)
         for kind, files in kinds.items()
         if files
     )
     also = f"{meshes}."
-    behind = " (of this text and of its tables behind it)" if study.tables else ""
-    words = f"{study.shown_file or 'Input'}, SHA-256 {checksum(study)}{behind}. The whole report was computed from "
+    behind = " (with its tables)" if study.tables else ""
+    words = f"{study.shown_file or 'Input'}, SHA-256 {checksum(study)}{behind}. The report was computed from "
     words += "this text"
     words += ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
     yield Heading("Appendix: the input as read")

@@ -19,8 +19,9 @@ from torsion.output.reported_values import rated_rpm, reference
 from torsion.output.selection import NO_VALUE, highest, largest
 
 AXES = (
-    "y lies along the normal of the plane of the joint before the shaft (else of the one behind it), z square to y and "
-    "to the shaft. Joints hold their shafts in place and let them tilt; supports are springs."
+    "y is the normal of the plane of the joint upstream of the shaft (otherwise downstream), z is "
+    "perpendicular to y and to the shaft. Joints hold their shafts in place and let them tilt. Supports are "
+    "springs."
 )
 PURE, FLAT = 0.99, 0.1  # of a direction: a circle from the first on, nearly a line up to the second
 FARTHEST = 2.0  # times the highest speed: beyond it only the lowest two critical speeds of an order are printed
@@ -38,12 +39,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
     requested = getattr(findings.study.analyses.get("lateral"), "speeds", None) or findings.study.operation.speeds
     speeds = None if requested is None else (requested.first, requested.last)
     yield Heading("Bending of the shafts")
-    yield Paragraph(f"Speeds are those of {reference(findings)}. {AXES}")
+    yield Paragraph(f"Speeds are speeds of {reference(findings)}. {AXES}")
     yield _supports(found.shafts)
     yield _criticals(found.shafts, speeds)
     yield from _whirl(findings, found.shafts, speeds)
     if any(shaft.answers for shaft in found.shafts):
-        yield Heading("Answer to the secondary couples", 2)
+        yield Heading("Response to the secondary couples", 2)
         yield _answers(found.shafts)
         yield _forces(found.shafts)
         for count, shaft in enumerate(found.shafts, start=1):
@@ -54,7 +55,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
         yield from tilt_section(findings, found.shafts)
     if found.remarks:
-        yield Heading("What could not be said of the bending", 2)
+        yield Heading("Not computed for the bending", 2)
         yield Points(found.remarks)
 
 
@@ -68,7 +69,7 @@ def _supports(found: Shafts) -> Table:
              *(number(float(plane[0]), 6) if plane.size else NONE for plane in (shaft.at_rest.y, shaft.at_rest.z)))
             for shaft in found
         ],
-        "Shafts that bend, and what supports them",
+        "Shafts and their supports",
     )  # fmt: skip
 
 
@@ -85,11 +86,11 @@ def _criticals(found: Shafts, speeds: Range) -> Table:
             for one in _near(shaft, speeds)
         ]  # fmt: skip
     caption = (
-        "Critical bending speeds: orders are per revolution of the shaft (1: unbalance; others: its joints' couples), "
-        "speeds are those of the reference; damping ratio 0: no bound is known for the amplitude"
+        "Critical bending speeds in speeds of the reference; orders per revolution of the shaft (1: unbalance, others: "
+        "couples of joints); damping ratio 0: unbounded amplitude"
     )
     if speeds is not None:
-        caption += f"; above {rpm(FARTHEST * speeds[1])} rpm only the lowest two of an order"
+        caption += f"; above {rpm(FARTHEST * speeds[1])} rpm the lowest two of each order"
     return table(
         "< Shaft -> | Order -> | Mode | Critical speed [rpm] -> rpm | Frequency [Hz] -> Hz | < Whirl -> | "
         "Damping ratio -> | In the range -> in range",
@@ -132,12 +133,12 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
     marks = ["fail" if row[-1].startswith("UNSTABLE") else "" for row in rows]
     yield Heading("Whirl over the speed", 2)
     if grown := marks.count("fail"):
-        text = f"{grown} of the modes below grow by themselves in the speed range: the shaft is unstable there."
+        text = f"{grown} of the modes below are unstable in the speed range."
         yield Paragraph(text, "fail")
     yield table(
         "< Shaft | Mode | Frequency at the lowest speed [Hz] | at the highest [Hz] | < Whirl at the highest | "
-        "Least log. decrement | at [rpm] | < Stability",
-        rows, "Whirl over the speed range, by frequency; a negative logarithmic decrement grows", marks=marks,
+        "Minimum log. decrement | Speed [rpm] | < Stability",
+        rows, "Whirl over the speed range, by frequency; a negative logarithmic decrement is unstable", marks=marks,
     )  # fmt: skip
     for count, shaft in enumerate(found, start=1):
         over = shaft.whirl
@@ -147,7 +148,7 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
         last = float(over.speed[-1]) * float(shaft.ratio) / (2.0 * np.pi)
         crossings = [
             (one.speed * RPM, one.frequency, _inside(one, speeds),
-             f"critical speed of bending {rpm(one.speed)} rpm: order {one.order} meets {number(one.frequency)} Hz")
+             f"critical speed of bending {rpm(one.speed)} rpm: order {one.order} excites {number(one.frequency)} Hz")
             for one in _near(shaft, speeds)
         ]  # fmt: skip
         yield of_bending(shaft, frequencies_over_speed.whirl(
@@ -168,7 +169,7 @@ def _whirl_rows(shaft: ShaftFound, over: Whirl) -> Iterator[tuple[str, ...]]:
             continue
         at = int(np.nanargmin(decrement))
         least = float(decrement[at])
-        verdict = "stable" if least > -UNSTABLE else "nothing damps it"
+        verdict = "stable" if least > -UNSTABLE else "undamped"
         if grows.any():
             verdict = f"UNSTABLE from {rpm(float(speed[grows][0]))} rpm"
         yield (
@@ -190,11 +191,11 @@ def _answers(found: Shafts) -> Table:
         rows.append((shaft.name, one.order, *orbit, *moment, f"{bad} of {len(one.speed)}"))
         marks.append("note" if bad else "")
     return table(
-        f"< Shaft | Order | Largest displacement [µm] | at [m] | at [rpm] | Largest bending moment [{unit.unit}] | "
-        "at [m] | at [rpm] | Speeds without reliable answer",
+        f"< Shaft | Order | Maximum displacement [µm] | at [m] | at [rpm] | Maximum bending moment [{unit.unit}] | "
+        "at [m] | at [rpm] | Speeds without reliable value",
         rows,
-        "Answer to the secondary couples of the joints; half ranges, in the direction in which they are largest; order "
-        "0 stands still. Beside a resonance without damping there is no largest; its speeds are marked in the figures",
+        "Response to the secondary couples of the joints: amplitudes in the direction of their maximum; order 0 is "
+        "static. An undamped resonance has no maximum; the figures mark its speeds",
         marks=marks,
     )
 
@@ -208,7 +209,7 @@ def _forces(found: Shafts) -> Table:
          *_worst(shaft, one, unit.factor * extent(one.force)[:, place : place + 1])[::2])
         for shaft in found for place, held in enumerate(shaft.point) for one in shaft.answers
     ]  # fmt: skip
-    columns = f"< Shaft | < On | At [m] | Order | Largest force [{unit.unit}] | at [rpm]"
+    columns = f"< Shaft | < On | At [m] | Order | Maximum force [{unit.unit}] | at [rpm]"
     return table(columns, rows, "Forces of the shafts on their joints and supports by the secondary couples")
 
 
@@ -237,9 +238,9 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
     force = scale("N", [highest(_sound(one, extent(one.force))) for one in shaft.answers])
     orders = {answer.order for answer in shaft.answers}
     return of_bending(shaft, curves_over_speed.bending(
-        name, f"{shaft.name}: largest displacement, bending moment and force by the secondary couples, half ranges",
+        name, f"{shaft.name}: maximum amplitude of displacement, bending moment and force by the secondary couples",
         speed=[one.speed * RPM for one in shaft.answers],
-        orders=[f"order {one.order}" + ("" if one.order else ", at rest") for one in shaft.answers],
+        orders=[f"order {one.order}" + ("" if one.order else ", static") for one in shaft.answers],
         panels=[
             ("displacement", "µm", over(lambda one: MICRO * one.orbit)),
             ("bending moment", moment.unit, over(lambda one: moment.factor * extent(one.moment))),

@@ -8,14 +8,14 @@ from torsion.output.blocks import Block, Heading, Paragraph, Points, table
 from torsion.output.numbers import NONE, number, symbols
 
 INTRODUCTION = (
-    "Shafts of unlike diameter meet without a word on the corner between them. The frequencies above give such a step "
-    "no twist of its own, that is `steps: none`. A sharp corner twists most; `steps: sharp` takes it, and `step` of a "
-    "shaft its own fillet or chamfer."
+    "The file does not describe the corner between shafts of different diameter. The frequencies above "
+    "neglect the flexibility of the shoulder (`steps: none`). To include it, set `steps: sharp` (upper limit)"
+    " or state a fillet or chamfer with `step` of the shaft."
 )
 HUBS = (
-    "Of the seat of a hub only a part twists; bonded by finite elements or keyed by formula, both are models, and slip "
-    "at the mouth of a seat is in neither. Without a hub stands for a shaft that twists in all of this seat, the other "
-    "hubs as they are: how much depends on the model of the hub."
+    "A part of the seat of a hub twists with the shaft. The model is bonded (finite elements) or keyed "
+    "(formula); slip at the mouth of the seat is not included. The comparison without a hub assumes that the "
+    "whole seat twists."
 )
 
 
@@ -50,11 +50,11 @@ def moved_by_hubs(found: HubMoves) -> Iterator[Block]:
         "Hubs on the ends of shafts",
     )  # fmt: skip
     yield table(
-        "< Shaft | < End | Mode | Without the hub [Hz] | Moved by it [%]",
+        "< Shaft | < End | Mode | Without the hub [Hz] | Change [%]",
         [
             (hub.shaft, hub.end, mode, number(f, 7), number(100.0 * change, 3))
             for hub in found.each
             for mode, (f, change) in enumerate(zip(hub.frequency.tolist(), hub.change.tolist(), strict=True), 1)
         ],
-        "Natural frequencies without hubs, one at a time",
+        "Effect of each hub on the natural frequencies",
     )

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from torsion.analyses.lateral.tilt_stability import Tilting
 
 MODEL = (
-    "A joint makes the stiffness of the train vary with the angle. About the periodic motion that the joints and the "
-    "mean torque leave, small deviations grow or die out as exp(growth · t); the train is unstable where they grow, "
-    "whatever excites it. Vibratory torques are left out. A drift of the mean speed, in which the whole train turns as "
-    "one, is no such instability and is reported by itself."
+    "A joint makes the stiffness of the train vary with the angle (parametric excitation). Small deviations "
+    "from the periodic motion grow or decay as exp(growth · t). The train is unstable if a deviation grows. "
+    "Vibratory torques are not included. A drift of the mean speed of the whole train is reported separately "
+    "and is not an instability."
 )
 OVER = {
     "angle": ("joint angle", "deg"), "damping": ("factor on the damping", ""),
@@ -38,13 +38,14 @@ MOST_NAMED = 6  # modes whose frequency is stated
 SMALL = 1e-5  # 1/s: less is the error of few modes and of rounding
 BELOW, ABOVE = 0, 1  # the ends of a range
 GOES_ON, UNKNOWN = "+", "?"  # beside an end that is no boundary
-LEGEND = {GOES_ON: "goes on beyond the speeds requested", UNKNOWN: "nothing is known beyond"}
+LEGEND = {GOES_ON: "continues beyond the requested speeds", UNKNOWN: "not computed beyond"}
 TILT = (
-    "The secondary couple of a joint follows the tilt of the shaft that it drives and so makes its stiffness vary at "
-    "twice the speed of the driving shaft: small tilting motions can grow by themselves. The shaft is taken for rigid, "
-    "turning about the centre of its joint (Zhu and Wang), the driving shaft for evenly turning with the mean torque."
+    "The secondary couple of a joint depends on the tilt of the driven shaft and varies its stiffness at "
+    "twice the speed of the driving shaft. Small tilting motions can therefore grow. The model is a rigid "
+    "shaft that tilts about the centre of its joint (Zhu and Wang); the driving shaft rotates uniformly with "
+    "the mean torque."
 )
-TILT_ZONES = {"mean couple": "the mean part of the couple feeds the motion", "several": "several resonances together"}
+TILT_ZONES = {"mean couple": "excited by the mean couple", "several": "several resonances together"}
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
@@ -63,7 +64,7 @@ def chapter(findings: Findings) -> Iterator[Block]:
         if found.unsolved.size:
             yield _unsolved(found)
         yield of_torsion(findings, curves_over_speed.stability(
-            "stability-growth", "Growth rate of small deviations over the speed", speed=found.speed * RPM,
+            "stability-growth", "Growth rate over the speed", speed=found.speed * RPM,
             growth=found.growth, rated=rated_rpm(findings),
             unstable=[(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
         ))  # fmt: skip
@@ -78,21 +79,21 @@ def _sentence(words: str) -> str:
 def _introduction(findings: Findings, found: Stability) -> Paragraph:
     modes = ", ".join(f"w{k} = {number(w)}" for k, w in enumerate(found.modes[:MOST_NAMED].tolist(), start=1))
     checked = (
-        f" Where both were used, monodromy and Hill's matrix differ by at most {number(found.check, 2)} 1/s."
+        f" Monodromy matrix and Hill matrix differ by at most {number(found.check, 2)} 1/s."
         if np.isfinite(found.check)
-        else " The second method was too large for this train: the growth rates stand unchecked."
+        else " The second method is too large for this train. The growth rates are from one method."
         if np.isfinite(found.growth).any()
-        else " No periodic motion was found at any of them, so that no growth rate is known."
+        else " No periodic motion was found at any speed, so that no growth rate is known."
     )
     if found.kept is not None:
         checked += (
-            f" The train is reduced to {found.kept} of {found.modes.size} elastic modes; with twice as many the growth "
-            f"rates change by at most {number(found.left_out, 2)} 1/s where that was tried."
+            f" The model has {found.kept} of {found.modes.size} elastic modes. With twice as many modes the growth "
+            f"rates change by at most {number(found.left_out, 2)} 1/s."
         )
-    damps = "" if found.loses else " Nothing in the train damps: a growth of 0 is the best there is."
+    damps = "" if found.loses else " The train has no damping: the minimum growth is 0."
     return Paragraph(
         f"{MODEL} {counted(int(found.requested.sum()), 'speed')} of {reference(findings)} as requested, "
-        f"{int((~found.requested).sum())} more in and around zones.{checked}{damps} Elastic modes with straight "
+        f"{int((~found.requested).sum())} more near unstable ranges.{checked}{damps} Elastic modes with straight "
         f"joints: {modes} rad/s{' and higher' if found.modes.size > MOST_NAMED else ''}."
     )
 
@@ -101,20 +102,20 @@ def _verdict(findings: Findings) -> Paragraph:
     check = next(check for check in findings.need(Checks).lines if check.clause == "stability")
     where = "the operation" if findings.study.operation.speeds is not None else "the speeds requested"
     if check.verdict == "pass":
-        return Paragraph(f"No deviation grows at any speed of {where}.", "pass")
+        return Paragraph(f"No deviation grows at any speed in {where}.", "pass")
     if not np.isfinite(check.value):
-        return Paragraph(f"Stability cannot be stated at every speed of {where}: {check.note}.", "fail")
+        return Paragraph(f"Stability is not known at every speed in {where}: {check.note}.", "fail")
     if check.value <= 0:
-        return Paragraph(f"No unstable range was found, but the answer for {where} is not whole: {check.note}.", "fail")
+        return Paragraph(f"No unstable range was found, but {where} is not covered completely: {check.note}.", "fail")
     fastest = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
-    return Paragraph(f"The train is unstable within {where}: the fastest growth {fastest}.", "fail")
+    return Paragraph(f"The train is unstable in {where}: maximum growth {fastest}.", "fail")
 
 
 def _ranges(findings: Findings, found: Stability) -> Table:
     speeds, shown = findings.study.operation.speeds, found.ranges[:MOST_ROWS]
     titles = (
-        "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | Largest growth [1/s] -> growth, 1/s | "
-        "At speed [rpm] -> at rpm | Factor per revolution | < Within the operation -> operation"
+        "From [rpm] -> from rpm | To [rpm] -> to rpm | < Type -> | Maximum growth [1/s] -> growth, 1/s | "
+        "Speed [rpm] -> at rpm | Factor per revolution | < In the operating range -> operation"
     )
     further = any(_beyond(one) for one in shown)
     rows, present = [], set[str]()
@@ -131,7 +132,7 @@ def _ranges(findings: Findings, found: Stability) -> Table:
     legend = "; ".join(f"{sign} {text}" for sign, text in LEGEND.items() if sign in present)
     title = f"Unstable ranges of speed{f' ({legend})' if legend else ''}"
     rest = f"; {MOST_ROWS} of {len(found.ranges)}" if len(found.ranges) > MOST_ROWS else ""
-    titles += " | < Beyond its ends" if further else ""
+    titles += " | < Beyond the range" if further else ""
     verdicts = ["fail" if "UNSTABLE" in row else "note" for row in rows]
     return table(titles, rows, title + rest, marks=verdicts, short=title)
 
@@ -149,9 +150,9 @@ def _beyond(one: UnstableRange) -> list[str]:
     for side, (end, way) in enumerate(((one.first, "below"), (one.last, "above"))):
         if (unknown := one.unknown[side]) is not None:
             low, high = sorted((end, unknown))
-            said.append(f"from {given_rpm(low)} to {given_rpm(high)} rpm nothing is known")
+            said.append(f"{given_rpm(low)} to {given_rpm(high)} rpm not known")
         elif one.is_open[side]:
-            said.append(f"it goes on {way} {given_rpm(end)} rpm, where stability was not requested")
+            said.append(f"continues {way} {given_rpm(end)} rpm (not requested)")
     return said
 
 
@@ -163,11 +164,11 @@ def restrictions(findings: Findings, found: Stability) -> list[str]:
         stated.append(_sentence(drift))
     nothing = [check for check in findings.need(Checks).lines if check.clause == "stability" and np.isinf(check.value)]
     if nothing:
-        return stated + [f"No answer on the stability of the {check.where}: {check.note}." for check in nothing]
+        return stated + [f"Stability of the {check.where} not computed: {check.note}." for check in nothing]
     beside = [one.first for one in found.ranges if one.unknown[BELOW] is not None]
     beside += [one.last for one in found.ranges if one.unknown[ABOVE] is not None]
     return stated + [
-        f"No periodic motion was found from {given_rpm(low)} to {given_rpm(high)} rpm: nothing is known there."
+        f"No periodic motion was found from {given_rpm(low)} to {given_rpm(high)} rpm; stability is not known there."
         for low, high in found.unknown
         if not any(low <= end <= high for end in beside)
     ]
@@ -181,12 +182,10 @@ def tilt_restrictions(findings: Findings) -> list[str]:
         for zone in tilting.zones:
             low, high = widened((zone.lower * RPM, zone.upper * RPM), looked_at)
             kind = TILT_ZONES.get(zone.kind, zone.kind)
-            further = "; it goes on beyond the speeds looked at" if any(zone.is_open) else ""
+            further = "; it continues beyond the computed speeds" if any(zone.is_open) else ""
             stated.append(f"Unstable range: {low} to {high} rpm, tilt of {name}, {kind}{further}. Not for operation.")
     more = len(stated) - MOST_ROWS
-    return (
-        stated if more <= 0 else [*stated[:MOST_ROWS], f"{more} more unstable ranges of the tilt stand in its table."]
-    )
+    return stated if more <= 0 else [*stated[:MOST_ROWS], f"{more} more unstable ranges of the tilt in the table."]
 
 
 def words(one: UnstableRange, requested: tuple[float, float]) -> str:
@@ -207,8 +206,8 @@ def words(one: UnstableRange, requested: tuple[float, float]) -> str:
 def _unsolved(found: Stability) -> Table:
     stated = distinct_texts((found.unsolved[:MOST_ROWS] * RPM).tolist())
     rest = f"; {MOST_ROWS} of {found.unsolved.size}" if found.unsolved.size > MOST_ROWS else ""
-    rows = [(speed, "no periodic motion was found: nothing can be said of its stability") for speed in stated]
-    caption = f"Speeds without an answer{rest}"
+    rows = [(speed, "no periodic motion was found; stability is not known") for speed in stated]
+    caption = f"Speeds without a solution{rest}"
     return table("Speed [rpm] | < Remark", rows, caption, marks=["fail"] * len(rows))
 
 
@@ -217,7 +216,7 @@ def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
     missing = int(np.isnan(found.growth).sum())
     text = (
         f"Growth over speed and {what}, on {found.modes} of {found.of_modes} elastic modes. At "
-        f"{counted(found.checked, 'point')} the whole train was computed too: largest difference "
+        f"{counted(found.checked, 'point')} the full model was also computed: maximum difference "
         f"{number(found.error, 2)} 1/s.{_missed(findings, found)}"
     )
     if found.elsewhere:
@@ -229,7 +228,7 @@ def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
     yield Paragraph(text, "note" if missing else "plain")
     yield _values(found, f"{what.capitalize()} [{unit}]", value)
     yield curves_over_speed.stability_map(
-        "stability-map", f"Growth rate over speed and {what}; the line: growth 0", speed=found.speed * RPM,
+        "stability-map", f"Growth rate over speed and {what}; the line is growth 0", speed=found.speed * RPM,
         value=value, growth=found.growth, quantity=what, unit=unit, rated=rated_rpm(findings),
     )  # fmt: skip
 
@@ -242,9 +241,8 @@ def _missed(findings: Findings, found: StabilityMap) -> str:
         return ""
     which = "the" if len(ranges) == 1 else f"{missed} of the {len(ranges)}"
     return (
-        f" The map knows its {counted(found.speed.size, 'speed')} alone: {which} unstable "
-        f"{'range' if len(ranges) == 1 else 'ranges'} above {'lies' if missed == 1 else 'lie'} between them and "
-        "cannot be seen in it."
+        f" The map has {counted(found.speed.size, 'speed')} only. It does not show {which} unstable "
+        f"{'range' if len(ranges) == 1 else 'ranges'} above that {'lies' if missed == 1 else 'lie'} between them."
     )
 
 
@@ -262,12 +260,12 @@ def _values(found: StabilityMap, title: str, value: FloatArray) -> Table:
         at = int(np.nanargmax(growth))
         grows = growth[known] > SMALL
         where = f"{known.sum()} of {known.size} speeds" if unknown else f"the {counted(known.size, 'speed')} of the map"
-        verdict = ("UNSTABLE" if grows.any() else f"stable at {where}") + (", in part unknown" if unknown else "")
+        verdict = ("UNSTABLE" if grows.any() else f"stable at {where}") + (", partly unknown" if unknown else "")
         rows.append((number(float(value[k]), 4), number(float(growth[at]), 4), rpm(float(found.speed[at])),
                      number(100.0 * float(grows.mean()), 3), number(unknown, 3), verdict))  # fmt: skip
         marks.append("fail" if grows.any() or unknown else "")
-    columns = "| Largest growth [1/s] | At speed [rpm] | Speeds unstable [%] | Without an answer [%] | < "
-    return table(f"{title} {columns}", rows, "Fastest growth of the map, by value", marks=marks)
+    columns = "| Maximum growth [1/s] | Speed [rpm] | Unstable speeds [%] | Unknown speeds [%] | < "
+    return table(f"{title} {columns}", rows, "Maximum growth in the map, by value", marks=marks)
 
 
 def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterator[Block]:
@@ -285,7 +283,7 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
              *tilting.frequency.values(), *(rate / 2.0 for rate in tilting.shaft.decay[::-1]))
             for name, tilting in stated
         ],
-        "Shafts that tilt as rigid bodies about the centre of their joint; at rest, without torque",
+        "Rigid shafts that tilt about the centre of their joint; at rest, without torque",
     )  # fmt: skip
     for check in findings.need(Checks).lines:
         if check.clause == "tilting":
@@ -294,12 +292,12 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
             if check.value > 0:
                 yield Paragraph(f"{check.where} is unstable: its tilt grows by up to {at}{note}.", "fail")
             else:
-                text = f"No tilting motion of {check.where} grows at the speeds that were looked at{note}."
+                text = f"No tilting motion of {check.where} grows at the computed speeds{note}."
                 yield Paragraph(text, "fail" if check.fails else "pass")
     if any(tilting.zones for _, tilting in stated):
         yield _tilt_zones(findings, stated)
     for count, (name, tilting) in enumerate(stated, start=1):
-        caption = f"{name}: growth rate of its tilt by the couple of {tilting.joint}"
+        caption = f"{name}: growth rate of the tilt by the couple of {tilting.joint}"
         yield curves_over_speed.stability(
             f"tilting-{count}", caption, speed=tilting.speed * RPM, growth=np.asarray(tilting.growth),
             rated=rated_rpm(findings),
@@ -317,9 +315,8 @@ def _tilt_zones(findings: Findings, stated: "list[tuple[str, Tilting]]") -> Tabl
             kind = TILT_ZONES.get(zone.kind, zone.kind)
             rows.append((name, *ends, kind, number(zone.rate), rpm(worst), "UNSTABLE" if inside else "outside"))
     return table(
-        "< Shaft | From [rpm] | To [rpm] | < Type | Largest growth [1/s] | At speed [rpm] | < Within the operation",
+        "< Shaft | From [rpm] | To [rpm] | < Type | Maximum growth [1/s] | Speed [rpm] | < In the operating range",
         rows,
-        "Unstable ranges of the tilt (open: the range goes on beyond the speeds looked at); 1 and 2 ascend in "
-        "frequency",
+        "Unstable ranges of the tilt (open: the range continues beyond the computed speeds)",
         marks=["fail" if "UNSTABLE" in row else "note" for row in rows],
     )

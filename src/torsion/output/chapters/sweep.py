@@ -18,14 +18,14 @@ MOST_LINES, MOST_CHECKS, MOST_MODES = 6, 60, 3
 MOST_THROUGH = 60  # variants of a kind in parallel coordinates
 METHODS = {
     "sobol": "eight scrambled Sobol sequences; intervals by Student's t over the eight",
-    "latin": "a latin hypercube; intervals as of independent samples (Wilson), which is on the wide side",
+    "latin": "a latin hypercube; intervals as for independent samples (Wilson, conservative)",
     "random": "independent random samples; intervals by Wilson",
-    "grid": "all combinations of the values of what varies",
+    "grid": "all combinations of the values",
 }
 WHAT = (
-    "Probabilities are those of the laws stated here. A tolerance of a maker is an interval and no law: where one is "
-    "varied uniformly, that is an assumption. A variant without an answer, or "
-    "with a check that is not judged, counts as failing."
+    "Probabilities follow from the distributions stated here. A manufacturer's tolerance is an interval "
+    "without a distribution; a uniform distribution is an assumption. A variant that is not solved or not "
+    "judged counts as failing."
 )
 
 
@@ -38,9 +38,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(f"{counted(found.samples, 'variant')} {said}")
     if found.unsolved:
         why = "; ".join(found.faults)
-        yield Paragraph(f"{counted(found.unsolved, 'variant')} without an answer: {why}", "note")
+        yield Paragraph(f"{counted(found.unsolved, 'variant')} not solved: {why}", "note")
     rows = [(one.name, one.law, one.together) for one in found.figures]
-    yield table("< Figure | < Law about the figure of the file | Varies as one with its number", rows, "What varies")
+    yield table("< Parameter | < Distribution about the nominal value | Group", rows, "Varied parameters")
     if is_grid:
         yield from sweep_grid.sections(found)
         return
@@ -49,9 +49,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield _spread(findings, found)
     if found.any_fails is not None:
         yield _checks(found, found.any_fails)
-        used, levels = Axis("greatest share of any limit", "%"), [Level("limit", 100.0, axis="x")]
+        used, levels = Axis("maximum utilisation", "%"), [Level("limit", 100.0, axis="x")]
         spread = [(used, 100.0 * found.any_fails.utilisation, levels, ())]
-        yield variants.spread("sweep_use", "Greatest share of any limit of all variants", spread)
+        yield variants.spread("sweep_use", "Maximum utilisation of all variants", spread)
         yield _shares(found)
         yield from _failing(found)
     if found.indices:
@@ -64,10 +64,10 @@ def _spread(findings: Findings, found: Sweep) -> Figure:
     panels = []
     for mode, values in enumerate(found.frequency[:MOST_MODES], start=1):
         bands = [Band("95 % of the variants", float(found.low[mode - 1]), float(found.high[mode - 1]), "spread")]
-        levels = [Level("as in the file", float(found.nominal[mode - 1]), "rated", "x")]
+        levels = [Level("nominal", float(found.nominal[mode - 1]), "rated", "x")]
         if proven is not None and mode <= proven.lower.size:
             ends = (float(proven.lower[mode - 1]), float(proven.upper[mode - 1]))
-            levels += [Level("end of the band of the tolerances (proven)", end, "limit", "x") for end in ends]
+            levels += [Level("guaranteed bound of the tolerances", end, "limit", "x") for end in ends]
         panels.append((Axis(f"frequency of mode {mode}", "Hz"), values, levels, bands))
     return variants.spread("sweep_frequencies", "Natural frequencies of all variants", panels)
 
@@ -78,11 +78,10 @@ def _indices(found: Sweep) -> Block:
         for one in found.indices
     ]
     return table(
-        "< Answer -> | < Figure -> | By it alone -> alone | ± | With all it does -> in all | ±",
+        "< Result -> | < Parameter -> | First index -> first | ± | Total index -> total | ±",
         rows,
-        "Share of the variance of an answer that is due to a figure (Sobol's first and total index), with half of its "
-        "95 % interval",
-        short="Share of the variance due to a figure",
+        "Sensitivity: share of the variance due to a parameter (Sobol's first and total index), ± half of the 95 % CI",
+        short="Sensitivity (Sobol indices)",
     )
 
 
@@ -98,8 +97,8 @@ def _frequencies(found: Sweep) -> Block:
         for mode, row in enumerate(np.transpose(columns).tolist(), start=1)
     ]
     return table(
-        "Mode -> | As in the file [Hz] -> Hz | Mean [Hz] -> mean | Standard deviation [Hz] | 2.5 % lie below [Hz] -> "
-        "2.5 % below | 2.5 % lie above [Hz] -> 2.5 % above | Least [Hz] | Greatest [Hz]",
+        "Mode -> | Nominal [Hz] -> Hz | Mean [Hz] -> mean | Standard deviation [Hz] | 2.5 % quantile [Hz] -> 2.5 % | "
+        "97.5 % quantile [Hz] -> 97.5 % | Minimum [Hz] | Maximum [Hz]",
         rows,
         "Natural frequencies of all variants",
         short="Natural frequencies of the variants",
@@ -120,10 +119,11 @@ def _checks(found: Sweep, whole: SweptCheck) -> Block:
     rest = f" (the first {MOST_CHECKS} of {len(found.checks)})" if len(found.checks) > MOST_CHECKS else ""
     return table(
         "< Check -> | < Component -> | Variants that fail -> | Probability [%] -> fails, % | From [%] -> from | "
-        "To [%] -> to | Median of limit [%] | Worst of limit [%] -> worst, % | < Goes most with | Rank correlation",
+        "To [%] -> to | Median utilisation [%] | Maximum utilisation [%] -> maximum, % | < Correlates with | "
+        "Rank correlation",
         rows,
-        f"Probability that a check fails, with its 95 % interval{rest}",
-        short="Probability that a check fails",
+        f"Failure probability of each check (95 % CI){rest}",
+        short="Failure probability",
     )
 
 
@@ -136,10 +136,10 @@ def _shares(found: Sweep) -> Figure:
         below = np.arange(1, used.size + 1) / used.size * 100.0
         lines.append(Line(f"{one.clause}: {one.where}", used, below, pen))
     panel = Panel(
-        Axis("share of the limit", "%", low=0.0), Axis("variants below", "%", low=0.0, high=100.0), tuple(lines),
+        Axis("utilisation", "%", low=0.0), Axis("variants below", "%", low=0.0, high=100.0), tuple(lines),
         (Level("limit", 100.0, axis="x", is_reached=True),), height=240.0,
     )  # fmt: skip
-    return Figure("sweep_shares", "Variants that stay below a share of the limit, of the checks most used", (panel,))
+    return Figure("sweep_shares", "Variants below a utilisation, for the checks with the highest utilisation", (panel,))
 
 
 def _failing(found: Sweep) -> Iterator[Block]:
@@ -164,7 +164,7 @@ def _failing(found: Sweep) -> Iterator[Block]:
             ("every check passes", "pale", share[~fails][:MOST_THROUGH]),
             ("a check fails", "unstable", share[fails][:MOST_THROUGH]),
         ]
-        caption = "Values of the variants that pass and of those that fail, each figure from its least to its greatest"
+        caption = "Parameters of the variants that pass and of the variants that fail, each from minimum to maximum"
         yield variants.through("sweep_values", caption, axes=names, groups=groups)
 
 
@@ -172,5 +172,5 @@ def _over(found: Sweep, place: int) -> tuple[FloatArray, Axis]:
     """The values of a figure, and their axis: of a law relative to the file."""
     one = found.figures[place]
     if one.unit is None:
-        return 100.0 * found.factor[:, place], Axis(f"{one.name}, of the file's", "%")
+        return 100.0 * found.factor[:, place], Axis(f"{one.name} / nominal", "%")
     return found.factor[:, place], Axis(one.name, unit_words(one.unit))

@@ -24,13 +24,13 @@ def sections(found: Sweep) -> Iterator[Block]:
         yield _checks(found, found.any_fails)
     grid = found.grid
     if grid is None:
-        yield Paragraph("The variants are too many to be listed and drawn here.", "note")
+        yield Paragraph("The report does not list the variants, because there are too many.", "note")
         return
     if grid.turns:
         yield _turns(found, grid)
     elif len(grid.axes) == 1 and found.any_fails is not None and grid.axes[0].is_numeric:
         every = "every" if found.any_fails.failing else "no"
-        yield Paragraph(f"No check begins or ceases to fail between these values: {every} variant fails.")
+        yield Paragraph(f"No check changes between pass and fail in this range: {every} variant fails.")
     if len(grid.axes) == 1:
         shown = [(f"{one.clause}: {one.where}", place) for place, one in enumerate(found.checks)
                  if np.isfinite(one.utilisation).any()]  # fmt: skip
@@ -43,11 +43,13 @@ def sections(found: Sweep) -> Iterator[Block]:
             np.array(grid.shape) - 1.0
         )
         groups: list[tuple[str, Role, FloatArray]] = [
-            (f"{ENDS} variants that use limits most", "unstable", places[ranked[-ENDS:]]),
-            (f"{ENDS} variants that use them least", "best", places[ranked[:ENDS]]),
+            (f"{ENDS} variants with the highest utilisation", "unstable", places[ranked[-ENDS:]]),
+            (f"{ENDS} variants with the lowest utilisation", "best", places[ranked[:ENDS]]),
         ]
         names = [axis.name for axis in grid.axes]
-        yield variants.through("sweep_best", "Variants that use limits least and most", axes=names, groups=groups)
+        yield variants.through(
+            "sweep_best", "Variants with the lowest and highest utilisation", axes=names, groups=groups
+        )
     yield _variants(found, grid)
 
 
@@ -64,7 +66,7 @@ def _frequencies(found: Sweep) -> Block:
         (mode, *(number(value, 7) for value in row))
         for mode, row in enumerate(np.transpose([found.nominal, found.least, found.greatest]).tolist(), start=1)
     ]
-    titles = "Mode -> | As in the file [Hz] -> Hz | Least [Hz] -> least | Greatest [Hz] -> greatest"
+    titles = "Mode -> | Nominal [Hz] -> Hz | Minimum [Hz] -> minimum | Maximum [Hz] -> maximum"
     return table(titles, rows, "Natural frequencies of all variants", short="Natural frequencies of the variants")
 
 
@@ -78,8 +80,8 @@ def _checks(found: Sweep, whole: SweptCheck) -> Block:
         for one in (whole, *found.checks[:MOST_CHECKS])
     ]  # fmt: skip
     return table(
-        "< Check -> | < Component -> | Variants that fail -> fail | Least of limit [%] -> least, % | "
-        "Most of limit [%] -> most, %",
+        "< Check -> | < Component -> | Variants that fail -> fail | Minimum utilisation [%] -> minimum, % | "
+        "Maximum utilisation [%] -> maximum, %",
         rows,
         f"Checks over {counted(found.samples, 'variant')}",
         short="Checks over all variants",
@@ -91,7 +93,7 @@ def _turns(found: Sweep, grid: Grid) -> Block:
     unit = unit_words(grid.axes[0].unit)
     columns = [*head("< Check -> | < Component ->"), *(
         Column(title, unit, short=short) for title, short in
-        (("Kept at", "kept"), ("Fails at", "fails"), ("Limit reached at about", "limit at about"))
+        (("Passes at", "passes"), ("Fails at", "fails"), ("Limit at about", "limit at about"))
     )]  # fmt: skip
     rows = [
         (
@@ -101,8 +103,8 @@ def _turns(found: Sweep, grid: Grid) -> Block:
         )
         for turn in grid.turns
     ]  # fmt: skip
-    caption = f"Where checks begin or cease to fail over {grid.axes[0].name}, between neighbouring values"
-    return table(tuple(columns), rows, caption, short="Where checks begin or cease to fail")
+    caption = f"Changes between pass and fail over {grid.axes[0].name}"
+    return table(tuple(columns), rows, caption, short="Changes between pass and fail")
 
 
 def _variants(found: Sweep, grid: Grid) -> Block:
@@ -116,22 +118,24 @@ def _variants(found: Sweep, grid: Grid) -> Block:
     columns = [texts(axis.name, short=axis.name) for axis in grid.axes]
     columns += [Column(f"Mode {mode}", "Hz", short=f"mode {mode}, Hz") for mode in range(1, modes + 1)]
     if found.checks:
-        columns += head("Greatest of limits [%] -> most, % | < Of | < Verdict -> verdict")
+        columns += head("Maximum utilisation [%] -> maximum, % | < Check | < Verdict -> verdict")
     elif why:
-        columns += head("< Answer -> answer")
+        columns += head("< Status -> status")
     rows, marks = [], []
     for place in shown:
         lost, check = why.get(place), int(grid.decisive[place])
-        said = f"no answer: {lost}" if lost else "fails" if grid.fails[place] else "passes"
+        said = f"not solved: {lost}" if lost else "fails" if grid.fails[place] else "passes"
         cells = [*grid.words(place), *(number(value, 7) for value in grid.frequency[:modes, place].tolist())]
         if found.checks:
             of = f"{found.checks[check].clause}: {found.checks[check].where}" if check >= 0 else ""
             cells += [number(100.0 * float(grid.greatest[place]), 4), of, said]
         elif why:
-            cells.append(f"no answer: {lost}" if lost else "")
+            cells.append(f"not solved: {lost}" if lost else "")
         rows.append(cells)
         marks.append("fail" if grid.fails[place] else "")
     every = (
-        "Variants" if count <= MOST_ROWS else f"The {ENDS} variants that use limits least, and the {ENDS} that do most"
+        "Variants"
+        if count <= MOST_ROWS
+        else f"The {ENDS} variants with the lowest and the {ENDS} with the highest utilisation"
     )
     return table(tuple(columns), rows, every, marks=marks, short="" if found.checks else every)

@@ -12,21 +12,21 @@ from torsion.output.reported_values import reference
 MOST_ROWS = 60
 MOST_FIGURES = 6  # of a mode
 WHAT = (
-    "Every natural frequency rises with every stiffness and falls with every inertia. The least and the greatest value "
-    "of each mode within the tolerances are therefore those with all stiffnesses low and all inertias high, and the "
-    "reverse, bounds proven by counts: no combination, each figure within its tolerance, lies outside. Torques, "
-    "stresses and heat do not rise or fall in one sense; they are at the figures of the file here, and at both ends of "
-    "the couplings with the cases of the tolerances (cases: {from: tolerances})."
+    "Every natural frequency rises with every stiffness and falls with every inertia. The bounds therefore "
+    "follow from all stiffnesses low with all inertias high, and the reverse. Sturm counts prove them for "
+    "every combination within the tolerances. Torque, stress and heat are not monotonic: they are for the "
+    "nominal values, and the cases of the tolerances (cases: {from: tolerances}) give both ends of the "
+    "couplings."
 )
 MATTERS = (
-    "The figure whose tolerance moves a mode most comes first: its maker should confirm it. The sensitivity is the "
-    "relative change of the frequency over that of the figure, half the share of the elastic energy of a stiffness and "
-    "minus half that of the kinetic energy of an inertia; times the tolerance it is, to first order, what the figure "
-    "moves the mode by, either way."
+    "The dominant parameter of each mode is first. The sensitivity is the relative change of the frequency "
+    "over the relative change of the parameter: half the elastic energy share of a stiffness, minus half the "
+    "kinetic energy share of an inertia. Sensitivity times tolerance is the change of the mode to first "
+    "order."
 )
 ALONE = (
-    "Each coupling alone, all others as the file has them; the coupling that moves a mode most comes first. Without it "
-    "and with it rigid are the limits that no stiffness of this coupling passes."
+    "One coupling changes at a time, with the nominal values of the others. The coupling with the largest "
+    "effect is first. The limits are the train without the coupling and with a rigid coupling."
 )
 
 
@@ -47,7 +47,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
             )
             for mode, (f, low, high) in enumerate(zip(found.frequency, found.lower, found.upper, strict=True), start=1)
         ]
-        titles = "Mode -> | Frequency [Hz] -> Hz | Least [Hz] -> least | Greatest [Hz] -> greatest | Down [%] | Up [%]"
+        titles = (
+            "Mode -> | Frequency [Hz] -> Hz | Minimum [Hz] -> minimum | Maximum [Hz] -> maximum | Down [%] | Up [%]"
+        )
         yield table(
             titles, rows, "Natural frequencies within the tolerances", short="Frequencies within the tolerances"
         )
@@ -71,9 +73,9 @@ def _matters(found: Tolerances) -> Iterator[Block]:
         for mode in range(found.frequency.size)
         for one in sorted(found.figures, key=lambda one: -float(one.change[mode]))[:MOST_FIGURES]
     ]  # fmt: skip
-    titles = "Mode -> | < Figure -> | Tolerance [%] | Sensitivity | Moves it either way by [%] -> +- %"
+    titles = "Mode -> | < Parameter -> | Tolerance [%] | Sensitivity | Change of the mode, ± [%] -> ± %"
     rest = f" (the first {MOST_FIGURES} of {len(found.figures)} of each mode)" * (len(found.figures) > MOST_FIGURES)
-    yield table(titles, rows[:MOST_ROWS], f"Which figure matters{rest}", short="Which figure matters")
+    yield table(titles, rows[:MOST_ROWS], f"Dominant parameters{rest}", short="Dominant parameters")
 
 
 def _criticals(findings: Findings, found: Tolerances) -> Iterator[Block]:
@@ -92,13 +94,13 @@ def _criticals(findings: Findings, found: Tolerances) -> Iterator[Block]:
     ]  # fmt: skip
     within = f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
     if not rows:
-        yield Paragraph(f"Within the tolerances no critical speed lies in the speed range {within}.")
+        yield Paragraph(f"Within the tolerances the speed range {within} has no critical speed.")
         return
-    titles = "Least [rpm] | Critical speed [rpm] | Greatest [rpm] | Order | Mode | < Excited by | < In the range"
+    titles = "Minimum [rpm] | Critical speed [rpm] | Maximum [rpm] | Order | Mode | < Excited by | < In the range"
     if all(c.is_inside for c, *_ in met):
         rows, titles = [row[:-1] for row in rows], titles.rpartition(" | ")[0]
     rest = f" (the lowest {MOST_ROWS} of {len(met)})" if len(met) > MOST_ROWS else ""
-    yield table(titles, rows, f"Critical speeds that the tolerances can bring into the speed range {within}{rest}")
+    yield table(titles, rows, f"Critical speeds that can lie in the speed range {within} within the tolerances{rest}")
 
 
 def _alone(found: Tolerances) -> Iterator[Block]:
@@ -123,9 +125,9 @@ def _alone(found: Tolerances) -> Iterator[Block]:
                 )
             )  # fmt: skip
     yield table(
-        "Mode | < Coupling | Tolerance [%] | Soft [Hz] | Stiff [Hz] | Moved [%] | Without it [Hz] | Rigid [Hz]",
+        "Mode | < Coupling | Tolerance [%] | Soft [Hz] | Stiff [Hz] | Change [%] | Without it [Hz] | Rigid [Hz]",
         rows[:MOST_ROWS],
-        "What each coupling alone does to each mode",
+        "Effect of each coupling on each mode",
     )
 
 
@@ -136,15 +138,15 @@ def _aims(found: Tolerances) -> Block:
             one.mode, number(one.frequency, 7), one.coupling,
             None if one.stiffness is None else number(one.stiffness, 7),
             None if one.factor is None else number(one.factor, 5),
-            "no stiffness does it" if one.stiffness is None else "",
+            "no stiffness reaches it" if one.stiffness is None else "",
             number(one.softest, 7), number(one.stiffest, 7),
         )
         for one in found.aims
     ]  # fmt: skip
     return table(
-        "Mode -> | Where it should be [Hz] -> at Hz | < Coupling -> | Stiffness for it [N m/rad] -> k | "
-        "Stiffness / that of the file -> of the file's | < Remark -> | Without it [Hz] | Rigid [Hz]",
+        "Mode -> | Target frequency [Hz] -> target, Hz | < Coupling -> | Required stiffness [N m/rad] -> k | "
+        "Required / nominal stiffness -> k / nominal | < Remark -> | Without it [Hz] | Rigid [Hz]",
         rows,
-        "Stiffness with which a mode is where it should be",
-        short="Stiffness for the modes as aimed",
+        "Stiffness for a target frequency",
+        short="Stiffness for a target frequency",
     )

@@ -62,12 +62,13 @@ def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
 
 def _checks(findings: Findings, checks: Sequence[Check]) -> Table:
     return table(
-        "< Check -> | < Component -> | Value -> | Limit -> | < Unit -> | Utilisation [%] -> utilisation, % | "
+        "< Check -> | < Component -> | Value -> | Limit -> | < Unit -> | Utilisation [%] -> util., % | "
         "Speed [rpm] | < Order | < Rule, clause and basis | < Verdict ->",
         [_row(findings, check) for check in checks],
         "Checks, each at its worst point, worst first. Order: the main contribution",
         marks=[check.verdict for check in checks],
         short="Checks, worst first",
+        rows_in_summary=5,
     )
 
 

@@ -13,28 +13,27 @@ from torsion.output.numbers import RPM, number, rpm, scale
 
 MOST_ROWS = 9
 TEXT = (
-    "At every speed the stiffness and the loss factor of such a coupling are those at the half range T of all its "
-    "harmonic components, which follows from them. Every piece of the table is scanned for all T; of several the "
-    "largest stands, and every check is judged at each of them, the worst verdict standing. The residual compares T "
-    "with the half range of the whole train at that stiffness; where it stays above 10⁻⁹ or T still changes, the "
-    "speed has no answer, and no check passes there."
+    "At every speed the stiffness and the loss factor follow from the total torque amplitude T, which depends"
+    " on them. The program finds all solutions T of every interval of the table. The report shows the largest"
+    " solution, and every check uses the worst. The residual compares T with the amplitude of the whole train"
+    " at this stiffness. If it stays above 10⁻⁹ or T does not converge, no check passes at this speed."
 )
 
 
 def chapter(findings: Findings) -> Iterator[Block]:
     """Every coupling at its worst speed, through the range, and where it has several solutions."""
     each = findings.need(VibratoryTorques).each
-    yield Heading("Vibratory torque of couplings by table")
+    yield Heading("Couplings with a table over vibratory torque")
     yield Paragraph(TEXT)
     for one in each:
         if lost := int(np.count_nonzero(~one.settled)):
-            yield Paragraph(f"{one.coupling}: {lost} of {one.speed.size} speeds have no answer.", "note")
+            yield Paragraph(f"{one.coupling}: {lost} of {one.speed.size} speeds did not converge.", "note")
     unit = scale("N m", [float(one.torque.max(initial=0.0)) for one in each])
     rows = [
         (
             one.coupling, rpm(float(one.speed[k])), unit.text(float(one.torque[k])), int(one.number[k]),
             unit.text(float(one.smallest[k])), number(float(one.stiffness[k]), 7), number(float(one.loss_factor[k])),
-            number(float(one.residual[k]), 2), int(one.rounds[k]), "settled" if one.settled[k] else "no answer",
+            number(float(one.residual[k]), 2), int(one.rounds[k]), "converged" if one.settled[k] else "not converged",
         )
         for one in each for k in _chosen(one)
     ]  # fmt: skip
@@ -42,8 +41,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
         f"< Coupling -> | Speed [rpm] -> rpm | T [{unit.unit}] -> T | Solutions -> solutions | "
         f"Smallest [{unit.unit}] | k own [N m/rad] -> k | Loss factor η -> η | Residual | Rounds | < Status",
         rows,
-        "Couplings by table over vibratory torque, at their worst speeds and through the range",
-        short="Vibratory torque of couplings by table",
+        "Couplings with a table over vibratory torque, at the worst speeds and over the range",
+        short="Couplings with a table over vibratory torque",
     )
     for place, one in enumerate(each, 1):
         yield _figure(one, f"coupling-vibration-{place}")
@@ -65,7 +64,7 @@ def _figure(one: VibratoryTorque, name: str) -> Figure:
     if (one.number > 1).any():
         lines.append(Line("smallest solution", x, one.smallest * unit.factor, 1))
     panels = (
-        Panel(SPEED, Axis("vibratory torque, half range", unit.unit, low=0.0), tuple(lines)),
+        Panel(SPEED, Axis("total vibratory torque", unit.unit, low=0.0), tuple(lines)),
         Panel(SPEED, Axis("stiffness", stiff.unit, low=0.0), (Line("k", x, one.stiffness * stiff.factor, 0),)),
     )
-    return Figure(name, f"{one.coupling}: vibratory torque and the stiffness that it leads to", panels)
+    return Figure(name, f"{one.coupling}: total vibratory torque and stiffness", panels)

@@ -20,9 +20,9 @@ from torsion.output.figures.figure import Axis, Cells, Criticals, Figure, Line, 
 MOST_POINTS = 1200  # of a line; of a longer one first, least, greatest and last of equal bins
 LEAST_BINS = 75  # of such lines over one coordinate
 MOST_CELLS = 20_000  # of a map whose numbers are in the page
-THINNED = "# long lines: of each of equal ranges the first, least, greatest and last value; --csv writes all\n"
+THINNED = "# long lines: first, minimum, maximum and last value of equal ranges; --csv writes all\n"
 TOO_LONG = f"more than {MOST_POINTS:,} stations or elements"
-LEFT_OUT = "# a map of more numbers than a page should hold is left out; --csv writes all\n"
+LEFT_OUT = "# a map of more numbers than a page should hold is omitted; --csv writes all\n"
 
 
 class Page:

@@ -31,9 +31,7 @@ def curve(grid: Grid, lines: Sequence[tuple[str, int]]) -> Figure:
         used = [Line(words, x, 100.0 * grid.utilisation[place], pen, symbol=symbol)
                 for pen, (words, place) in enumerate(lines)]  # fmt: skip
         limit = Level("limit", LIMIT, is_reached=True)
-        panels.append(
-            Panel(axis, Axis("share of the limit", "%", low=0.0), tuple(used), (limit, *levels), bands, height=TALL)
-        )
+        panels.append(Panel(axis, Axis("utilisation", "%", low=0.0), tuple(used), (limit, *levels), bands, height=TALL))
     modes = tuple(
         Line(f"mode {mode}", x, one, mode - 1, f"mode {mode}", label_at="end", symbol=symbol)
         for mode, one in enumerate(grid.frequency[:MOST_MODES], start=1)
@@ -51,10 +49,8 @@ def maps(grid: Grid) -> Iterator[Figure]:
     used = 100.0 * grid.greatest.reshape(grid.shape) - LIMIT
     if np.isfinite(used).any():
         largest = min(max(float(np.nanmax(used[np.isfinite(used)])), LIMIT), LEAST_RANGE)
-        cells = Cells(
-            x, y, np.where(np.isinf(used), largest, used), "beyond the limit (below zero: kept)", "%", largest
-        )
-        yield Figure("sweep_map", f"Greatest share of any limit, less 100 %, over {names}",
+        cells = Cells(x, y, np.where(np.isinf(used), largest, used), "beyond the limit (below zero: met)", "%", largest)
+        yield Figure("sweep_map", f"Maximum utilisation − 100 % over {names}",
                      (Panel(across, down, cells=cells, marks=marks, height=1.3 * TALL),))  # fmt: skip
     for mode, values in enumerate(grid.frequency[:MOST_MODES], start=1):
         known, frequency = values[np.isfinite(values)], values.reshape(grid.shape)

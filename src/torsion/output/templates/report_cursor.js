@@ -81,7 +81,7 @@ const peaks = (plot) => { // abscissas of the critical speeds that are marked, o
     return points.filter((x) => x === clamp(x, ...plot.x.ends)).sort((one, other) => one - other);
   }
   const shownLines = plot.lines.filter((line) => !plot.off.has(line.name) && line.x.length > 2);
-  const main = shownLines.find((line) => line.name.includes("synthesis")) || shownLines[0];
+  const main = shownLines.find((line) => line.name.startsWith("total ")) || shownLines[0];
   if (!main) return [];
   const { x, y } = main;
   return [...x].filter((_, k) => k > 0 && k < x.length - 1 && y[k] > y[k - 1] && y[k] >= y[k + 1]);

@@ -1,0 +1,117 @@
+"""Other words for kinds and keys: read, and replaced by the key of the format as soon as the file is read."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from torsion.components import KINDS, component
+from torsion.errors import Fault
+from torsion.schema.declaration_reader import keys_of, mappings_of
+from torsion.schema.fault_text import Node, Source
+
+KINDS_BY_ALIAS = {
+    "flywheel": "disc", "spring": "coupling", "clutch": "coupling", "gearbox": "gear", "cardan": "joint",
+    "universal_joint": "joint", "impeller": "pump", "roll": "machine", "load": "machine",
+}  # fmt: skip
+KEYS_BY_ALIAS = {  # of components, and of mappings within them
+    "OD": "diameter", "outer_diameter": "diameter", "ID": "bore", "inner_diameter": "bore", "fixed": "held",
+    "relative_damping": "psi", "entrained_water": "entrained", "T_KN": "rated_torque", "T_KW": "vibratory_torque",
+    "T_Kmax": "max_torque", "P_KW": "heat_limit",
+}  # fmt: skip
+SECTIONS_BY_ALIAS = {  # of the top level, of `operation` and of `analyses: {design: }`
+    "": {"shoulders": "steps"},
+    "operation": {"reference": "at"},
+    "design": {"variables": "choose", "constraints": "keep", "objective": "aim", "pareto": "against"},
+}
+_ALIASES = {*KINDS_BY_ALIAS, *KEYS_BY_ALIAS, *(word for words in SECTIONS_BY_ALIAS.values() for word in words)}
+_ANY = re.compile(rf"(?<![\w-])(?:{'|'.join(sorted(_ALIASES))})[\"']?\s*:")
+
+
+def with_canonical_keys(source: Source) -> Source:
+    """Return the source with every alias replaced by its key, at the place of the alias; both given is a fault."""
+    if isinstance(source.data, dict) and _ANY.search(source.text):
+        faults = tuple(_section_faults(source.root))
+        return replace(source, faults=(*source.faults, *faults))
+    return source
+
+
+def aliases_of(keys: Iterable[str]) -> dict[str, str]:
+    """Return the aliases of the keys of a component or of a mapping within one."""
+    known = set(keys)
+    return {alias: key for alias, key in KEYS_BY_ALIAS.items() if key in known and alias not in known}
+
+
+def canonical_column(name: str, known: Iterable[str]) -> str:
+    """Return the key of a column of a CSV table, which may be an alias in small letters."""
+    keys = {alias.casefold(): key for alias, key in aliases_of(known).items()}
+    return keys.get(name, name)
+
+
+def canonical_steps(first: str, steps: list[str]) -> list[str]:
+    """Return the keys of a path behind its first word, a section or the name of a component."""
+    aliases = SECTIONS_BY_ALIAS.get(first, KEYS_BY_ALIAS)
+    return [aliases.get(step, step) for step in steps]
+
+
+def _section_faults(root: Node) -> Iterator[Fault]:
+    """Replace the aliases of a file; yield the faults."""
+    yield from _rename(root, SECTIONS_BY_ALIAS[""])
+    if (operation := root.parts.get("operation")) is not None:
+        yield from _rename(operation, SECTIONS_BY_ALIAS["operation"])
+    analyses = root.parts.get("analyses")
+    if analyses is not None and (design := analyses.parts.get("design")) is not None:
+        yield from _rename(design, SECTIONS_BY_ALIAS["design"])
+    for section in ("train", "links"):
+        if (entries := root.parts.get(section)) is not None:
+            yield from _train_faults(entries)
+
+
+def _train_faults(entries: Node) -> Iterator[Fault]:
+    """Replace the aliases of a list of components or links."""
+    if not isinstance(entries.value, list):
+        return
+    for entry in entries.parts.values():
+        yield from _rename(entry, KINDS_BY_ALIAS)
+        for kind, body in entry.parts.items():
+            if kind in KINDS:
+                yield from _mapping_faults(body, (component(str(kind)),))
+
+
+def _mapping_faults(node: Node, models: tuple[type[Any], ...]) -> Iterator[Fault]:
+    """Replace the aliases of a mapping, or of every mapping in a list, that one of `models` declares."""
+    if isinstance(node.value, list):
+        for part in node.parts.values():
+            yield from _mapping_faults(part, models)
+    if not isinstance(node.value, dict):
+        return
+    fields = [entry for model in models for entry in keys_of(model).items()]
+    yield from _rename(node, aliases_of(key for key, _ in fields))
+    for key, part in node.parts.items():
+        if key == "train":
+            yield from _train_faults(part)
+        elif inner := tuple(model for name, field in fields if name == key for model in mappings_of(field)):
+            yield from _mapping_faults(part, inner)
+
+
+def _rename(node: Node, aliases: Mapping[str, str]) -> Iterator[Fault]:
+    """Replace the aliases among the keys of a mapping; of two words for one key the first stays, with a fault."""
+    if not isinstance(node.value, dict) or not aliases.keys() & node.value.keys():
+        return
+    written: dict[str, str] = {key: key for key in node.value if key not in aliases}
+    values, parts, places = dict(node.value), dict(node.parts), dict(node.keys)
+    for word in [word for word in values if word in aliases]:
+        key = aliases[word]
+        if key in written:
+            line, column = places[word]
+            message = f"`{word}` and `{written[key]}` are the same key"
+            yield Fault((), message, "keep one of them", line=line, column=column)
+            values.pop(word)
+        else:
+            written[key] = word
+    node.value.clear()
+    node.parts.clear()
+    node.keys.clear()
+    for word, value in values.items():
+        key = aliases.get(word, word)
+        node.value[key], node.parts[key], node.keys[key] = value, parts[word], places[word]
