@@ -14,7 +14,7 @@ include_patterns = [
     "reports/*.md", "reports/papers/*.md", "shafting_specs/README.md",
 ]  # fmt: skip
 exclude_patterns = [".*", "build", "src", "tests", "benchmarks"]
-extensions = ["myst_parser", "equations", "gallery", "entrance", "assistants"]
+extensions = ["myst_parser", "equations", "gallery", "entrance", "assistants", "python_reference"]
 moved_pages = {  # addresses before 0.1.0
     "tutorial": "tutorials/first-report",
     "pump_train": "tutorials/pump-train-api",

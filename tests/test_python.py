@@ -1,20 +1,24 @@
 """The Python front: its public names, and that it has no meaning of its own."""
 
+import doctest
 import html
 import inspect
 import json
 import math
 import pickle
+import re
 import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from tests import notebook_example
 
 import torsion
 from torsion import formulas
@@ -49,7 +53,8 @@ def test_two_results_are_compared_in_python() -> None:
     assert case.modes[0].change == pytest.approx(1.0, rel=1e-9)  # sqrt(480/120) - 1
 
 
-SPECS = Path(__file__).parents[1] / "shafting_specs"
+ROOT = Path(__file__).parents[1]
+SPECS = ROOT / "shafting_specs"
 SMALL = ("usv", "pump_1200kw", "rubber_damper", "twin_motor_ferry", "joint_run_up", "ferry_cases")
 
 
@@ -359,3 +364,33 @@ def test_a_formula_takes_keywords_states_its_source_and_is_worked_by_hand(name: 
     assert all(p.kind is inspect.Parameter.KEYWORD_ONLY for p in inspect.signature(function).parameters.values())
     assert "Source: " in function.__doc__
     assert ">>> " in function.__doc__
+
+
+def test_the_notebook_prints_what_it_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    outcome = doctest.testmod(notebook_example)
+    assert outcome.attempted >= 29
+    assert not outcome.failed
+
+
+@pytest.mark.parametrize("source", ["notebook", "page"])
+def test_the_examples_are_typed(source: str, tmp_path: Path) -> None:
+    api = pytest.importorskip("mypy.api")
+    page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    examples = doctest.DocTestParser().get_examples(notebook_example.__doc__ or "")
+    blocks = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    code = "".join(example.source for example in examples) if source == "notebook" else "".join(blocks)
+    (tmp_path / "example.py").write_text(code, encoding="utf-8")
+    printed, _, status = api.run([
+        "--strict", "--config-file", str(ROOT / "pyproject.toml"), "--follow-imports", "silent",
+        "--disable-error-code", "func-returns-value", str(tmp_path / "example.py"),
+    ])  # fmt: skip
+    assert status == 0, printed
+
+
+def test_the_reference_has_every_public_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "docs" / "site")
+    lines = "\n".join(import_module("python_reference").reference())
+    names = [*torsion.__all__, *(f"formulas.{name}" for name in formulas.__all__)]
+    missing = [name for name in names if not re.search(rf"torsion\.{re.escape(name)}\b", lines)]
+    assert not missing

@@ -79,7 +79,7 @@ def plain_value(value: Any) -> Any:
         return f"{value:~C}"
     if value is None or isinstance(value, str | int | float):
         return value
-    raise refusal(f"a {type(value).__name__} cannot stand in a model file", "a number, a text, a list or a mapping")
+    raise refusal(f"a {type(value).__name__} is no value of a model file", "a number, a text, a list or a mapping")
 
 
 def build(name: str, train: Iterable[Entry], **sections: Any) -> Study:
