@@ -205,7 +205,7 @@ def test_the_remark_says_where_the_first_blade_order_meets_a_mode(solved: Findin
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        (scene("{name: x, duration: 1 s, events: [{at: screw, step: {torque: 1}}]}"), 12, "no motion over time has"),
+        (scene("{name: x, duration: 1 s, events: [{at: screw, step: {torque: 1}}]}"), 12, "no transient response has"),
         (
             scene(rubber="rated_torque: 1e3", bevel="").replace(", yield_strength: 355 MPa", ""), 12,
             "no shaft has a yield strength, and no coupling or gear a maximum torque",

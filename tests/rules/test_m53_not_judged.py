@@ -109,7 +109,7 @@ def test_a_recess_below_the_fillet_thins_the_web_of_a_semi_built_two_stroke_cran
         ("", {"diameter": 0.15}, "the crank of the train has 150 mm", PLACES),
         ("", {}, "fillets smooth", PLACES[:2]), ("", {}, "smooth down to 1.5 times its diameter", PLACES[2:]),
         ("drilling", {}, "drilled radially", PLACES[2:]),
-        ("", {}, "journal oil bores formed as those of the pin", PLACES[2:]),
+        ("", {}, "journal oil bores formed like the oil bore of the pin", PLACES[2:]),
         ("", {"journal": 0.19}, "journal oil bores with separate evidence", PLACES[2:]),
     ],
 )  # fmt: skip

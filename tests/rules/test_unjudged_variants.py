@@ -3,8 +3,7 @@
 import pytest
 
 import torsion
-from torsion.output.chapters.case_verdict import headline_of_cases
-from torsion.output.headline import headline
+from torsion.output.headline import headline, headline_of_cases
 from torsion.rules.verdict_line import Checks
 
 TRAIN = """

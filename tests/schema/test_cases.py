@@ -42,13 +42,13 @@ def with_case(body: str, base: str = BASE) -> Study:
 
 
 def numbers(findings: Findings) -> dict[str, Any]:
-    """Every result but the head that names the file, the plan with its times, and the places of faults.
+    """Every result but the head that names the file, the plan with its times, the sources, and the places of faults.
 
     Rows of zero pitch and tolerances state what the cases of a file lack.
     """
     found = results(findings)
     found["checks"] = [check for check in found["checks"] if check["clause"] not in ("zero pitch", "tolerances")]
-    return {key: value for key, value in found.items() if key not in ("scene", "plan", "cases")}
+    return {key: value for key, value in found.items() if key not in ("scene", "plan", "cases", "sources")}
 
 
 def replaced(text: str, *pairs: tuple[str, str]) -> str:
