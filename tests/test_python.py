@@ -349,7 +349,7 @@ def test_a_variant_is_the_case_with_the_same_keys() -> None:
     [
         ("spring.stifness", "unknown key `stifness`"),
         ("sprin.stiffness", "no component and no section is called `sprin` (did you mean `spring`?)"),
-        ("spring", "`spring` names a component and no key of it"),
+        ("spring", "`spring` is a component without a key"),
     ],
 )
 def test_a_wrong_path_has_the_fault_of_a_case(path: str, message: str) -> None:
