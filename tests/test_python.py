@@ -394,3 +394,9 @@ def test_the_reference_has_every_public_name(monkeypatch: pytest.MonkeyPatch) ->
     names = [*torsion.__all__, *(f"formulas.{name}" for name in formulas.__all__)]
     missing = [name for name in names if not re.search(rf"torsion\.{re.escape(name)}\b", lines)]
     assert not missing
+
+
+def test_a_train_that_nothing_excites_has_no_torque_by_name() -> None:
+    study = torsion.parse(DISCS.partition("excitations")[0])
+    with pytest.raises(KeyError, match="nothing excites"):
+        study.response()["spring"]
