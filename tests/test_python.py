@@ -400,3 +400,13 @@ def test_a_train_that_nothing_excites_has_no_torque_by_name() -> None:
     study = torsion.parse(DISCS.partition("excitations")[0])
     with pytest.raises(KeyError, match="nothing excites"):
         study.response()["spring"]
+
+
+def test_the_torque_of_a_motion_is_reached_by_name() -> None:
+    motion = solved("fan_start")["transient"].each[0]
+    torque = motion["rubber coupling"]
+    assert torque.shape == motion.time_s.shape
+    assert np.abs(torque).max() <= motion.peak.max() * (1 + 1e-9)  # the peak also counts what lies between samples
+    assert np.abs(torque).max() > 0.99 * motion.peak.max()
+    with pytest.raises(KeyError, match="did you mean 'rubber coupling'"):
+        motion["rubber couplin"]
