@@ -53,7 +53,7 @@ def test_a_range_is_passed_in_the_time_that_the_program_needs() -> None:
     assert time.share == pytest.approx(share_of_steady(ratio * w / np.sqrt(2.0 * gain)), rel=1e-6)
     assert f"passed in {time.seconds:.3g} s, {100 * time.share:.3g} % of the steady resonance" in line.note
     assert results(found)["checks"][1]["times"][0]["time_s"] == time.seconds
-    (cells,) = [one.rows for one in barred_ranges(found) if isinstance(one, Table) and "over time" in one.caption]
+    (cells,) = [one.rows for one in barred_ranges(found) if isinstance(one, Table) and "Transients in" in one.caption]
     assert cells[0][-1] == "passes"
 
 

@@ -208,7 +208,7 @@ def test_the_remark_says_where_the_first_blade_order_meets_a_mode(solved: Findin
         (scene("{name: x, duration: 1 s, events: [{at: screw, step: {torque: 1}}]}"), 12, "no motion over time has"),
         (
             scene(rubber="rated_torque: 1e3", bevel="").replace(", yield_strength: 355 MPa", ""), 12,
-            "no shaft has a yield strength, and no coupling or gear a greatest torque",
+            "no shaft has a yield strength, and no coupling or gear a maximum torque",
         ),
         (scene().replace(", power: 1.5 MW", ""), 3, "the torque of the drive is not known"),
         (scene(motion(more="initial: {speed: 720 rpm},")), 11, "the torque of the drive is not known"),

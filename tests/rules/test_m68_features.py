@@ -91,7 +91,7 @@ def classed(study, material, role="intermediate", features=(), settings=None, **
 
 
 SIZE = f"C_D {0.35 + 0.93 * 120**-0.2:.4g}"
-CONE = "conical: W_p of the smaller end of every piece, C_D of the greatest diameter"
+CONE = "conical: W_p of the smaller end of every piece, C_D of the maximum diameter"
 
 HOLE = (
     f"C_K 0.5 (radial hole: hole at most 0.3 of the diameter), {SIZE}, sigma_B 400 N/mm2 "

@@ -78,7 +78,11 @@ def test_every_section_is_judged_with_its_own_features() -> None:
     blocks = list(shafts(findings))
     rows = next(block for block in blocks if isinstance(block, Table)).rows
     worst = max(rows, key=lambda row: float(row[2]))[0]
-    assert any(f"3 sections of line, {worst} has" in one.text for one in blocks if isinstance(one, Paragraph))
+    assert any(
+        f"{worst} has the highest stress of the 3 sections of line" in one.text
+        for one in blocks
+        if isinstance(one, Paragraph)
+    )
     drawn = [link for link in _links(findings) if link.kind == "shaft"]
     assert np.array([link.taper for link in drawn]) == pytest.approx(np.array([(0.5, 0.5), (0.6, 0.7), (1.0, 1.0)]))
     long = [link.end[0] - link.start[0] for link in drawn]

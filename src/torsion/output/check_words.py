@@ -129,8 +129,8 @@ def unreached(findings: Findings) -> str:
             ends = f"below {first}" if begins else f"{last} to {end}"
             rules = demanded.setdefault(f"{ends} rpm", [])
             rules += [check.rule] if check.rule not in rules else []
-    each = "; ".join(f"{ends} ({listed(rules)})" for ends, rules in demanded.items())
-    return f"Not judged, though the rules demand it: {each}." if demanded else ""
+    each = "; ".join(f"{ends}, required by {listed(rules)}" for ends, rules in demanded.items())
+    return f"Not checked: {each}. Extend `operation.speeds`.".replace("`", "") if demanded else ""
 
 
 def unit(check: Check) -> str:

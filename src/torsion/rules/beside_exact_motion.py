@@ -10,8 +10,8 @@ from torsion.arrays import BoolArray, IntArray
 from torsion.findings import Results
 
 UNPROVEN = (
-    "a play or stage leaves its linear range at {speed}: harmonic balance does not bound what follows, so this never "
-    "passes; compute the motion over time there"
+    "a backlash or stage leaves its linear range at {speed}: harmonic balance does not bound what follows, so this "
+    "never passes; compute the transient response there"
 )
 ROUNDING = 1e-9  # of a torque
 NEAR = 0.8  # of the linear range
@@ -25,7 +25,7 @@ def words(evidence: Results, spans: IntArray, speed: float) -> str:
     notes, at = [f"the play of '{name}' opens" for name in _opening(found)], int(np.argmin(abs(response.speed - speed)))
     half_range, peak = (float(one[at, spans].max()) for one in surplus(evidence))
     if at in unknown_speeds(response, response.balanced, found):
-        notes.append("harmonic balance alone, no exact motion settles beside it: compute the motion over time")
+        notes.append("harmonic balance only, no exact motion settles near it: compute the transient response")
     elif max(half_range, peak) > 1.0:
         notes.append(
             f"as the exact motion near it, half range {half_range:.3g} times, greatest torque {peak:.3g} times"

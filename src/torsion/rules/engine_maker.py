@@ -20,7 +20,7 @@ Stress = Annotated[float, Quantity("Pa", above=0, usual="permissible stress")]
 class EngineMakerSettings(RuleSettings):
     """Settings of `engine-maker`."""
 
-    crank_stress: Stress | None = given("greatest torsional stress amplitude of the crankshaft, by the engine's maker")
+    crank_stress: Stress | None = given("permissible torsional stress amplitude of the crankshaft, by its maker")
     continuous: Continuous | None = given("speeds of continuous use: {from, to} (default: all)")
 
 
@@ -43,7 +43,7 @@ class EngineMaker(RuleOverSpeed):
 
     def left_out(self, study: Study, settings: EngineMakerSettings) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
-        other = "the rule has the limit of the torsional stress alone"
+        other = "the rule limits the torsional stress only"
         return ((f"{self.name}: damper, front end and bearings of the engine", other),)
 
     def check(self, evidence: Results, settings: EngineMakerSettings) -> tuple[Check, ...]:

@@ -75,10 +75,10 @@ class IcePeaks(Rule):
         motions, here, found = ice_motions(study), self.path(study, settings), list[Fault]()
         if not motions:
             hint = "analyses: {transient: {duration: 4 s, events: [{at: propeller-1, ice: {class: IA, case: 1}}]}}"
-            return [Fault(here, "no motion over time has an event `ice`", hint)]
+            return [Fault(here, "no transient response has an event `ice`", hint)]
         if not any(_limit(study, part, settings) for part in study.train.parts):
             hint = "`yield_strength` of a material, or `max_torque` of a coupling or gear"
-            found.append(Fault(here, "no shaft has a yield strength, and no coupling or gear a greatest torque", hint))
+            found.append(Fault(here, "no shaft has a yield strength, and no coupling or gear a maximum torque", hint))
         if any(one.is_steady for one in motions) and not study.has_mean_torque:
             found.append(Fault(("operation", "rated", "power"), UNDRIVEN, RATED))
         undriven = [one for one in motions if not (one.is_steady or _starts(one.settings))]
@@ -91,7 +91,7 @@ class IcePeaks(Rule):
         for part in study.train.parts:
             if part.kind in LACKING and not part.is_bar and _limit(study, part, settings) is None:
                 found.append((f"ice for {part.name}", f"not judged: give `{LACKING[part.kind]}"))
-        return (*found, ("ice for fatigue and for failure of a blade", "the rule judges the greatest torques alone"))
+        return (*found, ("ice for fatigue and for failure of a blade", "the rule judges the maximum torques only"))
 
     def check(self, evidence: Results, settings: IceSettings) -> tuple[Check, ...]:
         """Of every part with a limit, at the worst of the motions in ice; where one is not ok nothing passes."""
@@ -109,7 +109,7 @@ class IcePeaks(Rule):
                 values = {words: _value(evidence, number, part, found) for words, found in computed}
                 lines.append(_line(part, limit, values, notes, is_sound=not doubts))
         lines += [
-            unjudged(self.name, "resonance", where, "Motion over time at the resonance", words, TO_BE_VERIFIED)
+            unjudged(self.name, "resonance", where, "Transient response at the resonance", words, TO_BE_VERIFIED)
             for where, words, is_open in resonances
             if is_open
         ]

@@ -131,9 +131,9 @@ def _doubts(settings: M53Settings, place: str, strength: float) -> Iterator[str]
     if place == BORE and settings.oil_bore is None:
         yield "`oil_bore` is not stated: write its diameter, or `oil_bore: none`"
     if place == BORE and settings.drilling == "other":
-        yield "the factors are those of a radial oil bore"
+        yield "the factors hold for a radial oil bore"
     if place == BORE and settings.built == "semi-built":
-        yield "the factors are those of a solid crankshaft"
+        yield "the factors hold for a solid crankshaft"
     for name in RATIOS[place]:
         ratio, (least, most) = settings.throw.ratios[name], RANGES[name]
         if not least - ROUNDING <= ratio <= most + ROUNDING:
@@ -159,7 +159,7 @@ def _restrictions(settings: M53Settings, place: str, outer: float) -> Iterator[s
     if settings.drilling is None:
         yield "oil bore drilled radially (`drilling` is not stated)"
     if throw.journal >= throw.pin:
-        yield "journal oil bores formed as those of the pin, or with separate evidence"
+        yield "journal oil bores formed like the oil bore of the pin, or with separate evidence"
     else:
         yield "journal oil bores with separate evidence: the journal is smaller than the pin"
 
@@ -170,7 +170,7 @@ def _notes(settings: M53Settings, place: str) -> Iterator[str]:
         stress, source = settings.added_bending
         yield f"additional bending {stress:g} N/mm2 ({source})"
         if settings.throw.ratios["s"] < m53_factors.LEAST_OVERLAP:
-            yield "overlap below -0.5: factors at -0.5, that of shear too"
+            yield "overlap below -0.5: all factors at -0.5, shear included"
 
 
 def _lacking(study: Study, settings: M53Settings, crank: int, part: Part) -> list[Fraction]:

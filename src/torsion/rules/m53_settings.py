@@ -76,12 +76,12 @@ class M53Settings(RuleSettings):
     axial: Stress | None = given(
         "calculated bending stress by axial vibration of the whole system, in place of the 20 MPa of a crosshead engine"
     )
-    additional: Stress | None = given("additional bending stress in place of that of `engine` and `axial`")
+    additional: Stress | None = given("additional bending stress in place of the values of `engine` and `axial`")
     manufacture: Manufacture = given(
         "factor K: 1.05 continuous grain flow, 1.0 free-form forged, 0.93 cast with approved cold rolling; cast: "
         "without cold rolling, NOT JUDGED (default: 0.93, as a restriction)"
     )
-    strokes: Literal[2, 4] | None = given("strokes of a cycle, for the orders that the synthesis must have")
+    strokes: Literal[2, 4] | None = given("strokes of a cycle, for the orders that the response must have")
     continuous: Continuous | None = given("speeds without the barred ranges: {from, to} (default: all)")
 
     @property
@@ -114,7 +114,7 @@ class M53Settings(RuleSettings):
 
     def refuse_clashes(self) -> None:
         if self.axial is not None and (self.engine != "crosshead" or self.additional is not None):
-            message = "`axial` stands for the 20 MPa of a crosshead engine alone"
+            message = "`axial` replaces the 20 MPa of a crosshead engine only"
             raise refuse(message, "leave out `axial`, or `additional`", "axial")
         is_crosshead = self.engine == "crosshead" and bool({"engine", "axial"} & self.model_fields_set)
         if self.strokes == 4 and is_crosshead:

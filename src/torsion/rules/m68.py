@@ -32,7 +32,7 @@ from torsion.rules.shaft_stress import SUBJECT, ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
 
-NOT_ROUND = "its section is a mesh; limits, factors and least diameters of the rule are those of round shafts"
+NOT_ROUND = "its section is a mesh; limits, factors and minimum diameters of the rule hold for round shafts"
 DIAMETER = "Outer diameter"
 NO_POWER = "the rated power is not given: write `power` of `operation.rated`"
 KW_PER_RPM = 2.0 * math.pi / 60.0 / 1e3  # power in kW per rpm of a torque of 1 N m

@@ -227,7 +227,7 @@ class ClassedShaft:
             f"sigma_B {self.strength:.4g} N/mm2{doubt_of_strength}",
         )
         (first, _), (last, _) = self.ends
-        cone = "conical: W_p of the smaller end of every piece, C_D of the greatest diameter"
+        cone = "conical: W_p of the smaller end of every piece, C_D of the maximum diameter"
         return (", ".join(factors), *([cone] if first != last else []))
 
 

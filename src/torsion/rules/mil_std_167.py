@@ -69,7 +69,7 @@ class MilStd167(RuleOverSpeed):
             for number, part in enumerate(study.train.parts)
             if part.shaft is not None and number not in judged
         ]
-        return (*found, (f"{self.name}: propulsion shafts of other metals", "the limit is that of steel"))
+        return (*found, (f"{self.name}: propulsion shafts of other metals", "the limit is for steel"))
 
     def check(self, evidence: Results, settings: MilSettings) -> tuple[Check, ...]:
         """With a row for each gear of unknown torque."""

@@ -31,10 +31,10 @@ class NoiseSettings(RuleSettings):
 
     at: str | None = given("name of the component; of a link its driving end, of a gear its driving wheel")
     acceleration: Annotated[float, Quantity("rad/s**2", above=0)] | None = given(
-        "greatest amplitude of its angular acceleration (rattle of gears: 200 to 500 rad/s2, to be verified)"
+        "maximum amplitude of its angular acceleration (rattle of gears: 200 to 500 rad/s2, to be verified)"
     )
-    fluctuation: fields.Speed | None = given("greatest (max - min)/2 of its speed over a cycle, as `15 rpm`")
-    order: fields.Exact | None = given("order of its own speed, of the acceleration alone: firing (default: all)")
+    fluctuation: fields.Speed | None = given("maximum of (max - min)/2 of its speed over a cycle, as `15 rpm`")
+    order: fields.Exact | None = given("order of the component's speed, for the acceleration only (default: all)")
     continuous: Continuous | None = given("speeds that are judged: {from, to} (default: all)")
 
 

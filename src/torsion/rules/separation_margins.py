@@ -32,7 +32,7 @@ RADIANS = 2.0 * math.pi
 ROUNDING = 1e-9  # relative: a margin this near to its limit is at the limit
 STRESS_ANALYSIS = "a stress analysis must show that the resonance does no harm"
 CLAUSE, WHERE = "separation", "train"
-STATE_LINE = "write `line_frequency: 50 Hz`, or `line_frequency: none` where there is no grid"
+STATE_LINE = "write `line_frequency: 50 Hz`, or `line_frequency: none` without a grid"
 MACHINES = ("motor", "generator")  # kinds of components that may be joined to a grid
 
 

@@ -20,7 +20,7 @@ from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study
 from torsion.train import Train
 
-IN_FIT = "Greatest torque in the fit, {} end"
+IN_FIT = "Maximum torque in the fit, {} end"
 UNLOADED = "no axial load, no start or shock in the fit"
 USUAL_SAFETY = 2.0  # against slip, of shrunk couplings in class rules (from memory, to be verified)
 
@@ -29,7 +29,7 @@ class ShrinkFitSettings(RuleSettings):
     """Settings of `shrink-fits`."""
 
     safety: Annotated[float, Quantity("1", at_least=1, usual="safety")] | None = given(
-        "slip torque / greatest torque that is demanded (default: 2, to be verified)"
+        "required slip torque / maximum torque (default: 2, to be verified)"
     )
 
 

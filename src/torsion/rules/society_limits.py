@@ -87,12 +87,12 @@ SOCIETIES: Mapping[str, Society] = {
     ),
     "dnv": Society(
         "DNV", _M68.format("DNV"), "to be verified",
-        not_judged=(("fatigue by CG-0038", "its text was not at hand: low cycle, high cycle and transient criteria"),),
+        not_judged=(("fatigue by CG-0038", "not checked: low cycle, high cycle and transient criteria"),),
     ),
     "abs": Society("ABS", _M68.format("ABS"), "to be verified"),
     "bv": Society("BV", _M68.format("BV"), "to be verified", NUMBERED),
     "ccs": Society("CCS", _M68.format(_CCS), "to be verified", crank="ccs", crank_edition=_CCS),
-    "nk": Society("NK", _M68.format("NK"), "to be verified", NUMBERED, "kr", "limits of KR 5-4 as those of NK"),
+    "nk": Society("NK", _M68.format("NK"), "to be verified", NUMBERED, "kr", "limits of KR 5-4, taken for NK"),
     "rina": Society("RINA", _M68.format("RINA"), "to be verified", NUMBERED),
 }  # fmt: skip
 

@@ -109,15 +109,15 @@ class JointRuleSettings(RuleSettings):
     """Settings of `universal-joints`."""
 
     unevenness: Annotated[float, Quantity("1", above=0, usual="fluctuation")] = given(
-        "greatest tan b sin b of the resulting angle b of a line (Elbe: 3 degrees)", ELBE
+        "maximum tan b sin b of the resulting angle b of a line (Elbe: 3 degrees)", ELBE
     )
-    torsional: Acceleration = given("greatest acceleration behind all joints of a line (Spicer)", SPICER_TORSIONAL)
-    inertial: Acceleration = given("greatest acceleration of a shaft between joints (Spicer)", SPICER_INERTIAL)
+    torsional: Acceleration = given("maximum acceleration downstream of a line of joints (Spicer)", SPICER_TORSIONAL)
+    inertial: Acceleration = given("maximum acceleration of a shaft between joints (Spicer)", SPICER_INERTIAL)
     speed_angle: Number | None = given(
-        "greatest speed times angle of a joint, rpm times degrees (makers: 17000 to 27000 by size; default: not judged)"
+        "maximum speed times angle of a joint, rpm times degrees (makers: 17000 to 27000 by size; default: not judged)"
     )
     critical_share: Annotated[float, Quantity("1", above=0, at_most=1)] = given(
-        "greatest speed of a tube between two joints / its critical bending speed, on a `support` that of the bending "
+        "maximum speed of a tube between two joints / its critical bending speed, on a `support` that of the bending "
         "analysis (usual: 0.65 to 0.8)",
         SHARE_OF_CRITICAL,
     )
@@ -186,7 +186,7 @@ def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[i
     checks, limit, what = (
         dict[int, Check](),
         _published(settings, "inertial"),
-        "Angular acceleration of the shaft behind the joint",
+        "Angular acceleration of the shaft downstream of the joint",
     )
     for line in found.lines:
         for position in line.joints[:-1]:

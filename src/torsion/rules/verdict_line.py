@@ -65,10 +65,10 @@ class BarredRange:
     critical: float = result("rad/s", (), "speed of the worst stress, from which the rule's width follows")
     shaft: str = result("", (), "shaft for which a range is barred")
     formula_lower: float = result(
-        "rad/s", (), "lower end by the rule's formula for that speed alone, without tolerance", default=math.nan
+        "rad/s", (), "lower end by the rule's formula for that speed, without tolerance", default=math.nan
     )
     formula_upper: float = result("rad/s", (), "upper end by the same formula", default=math.nan)
-    order: Fraction | None = result("", (), "order with the greatest torque at that speed, exact", default=None)
+    order: Fraction | None = result("", (), "order with the maximum torque at that speed, exact", default=None)
     tolerance_lower: float = result(
         "rad/s", (), "lower end that covers the critical speed at every tolerance of the file; null without such",
         default=math.nan,
@@ -80,12 +80,12 @@ class BarredRange:
 class BarredTime:
     """A motion over time within a barred or unstable range."""
 
-    motion: str = result("", (), "name of the motion over time")
+    motion: str = result("", (), "name of the transient response")
     lower: float = result("rad/s", (), "lower end of the range, reference speed")
     upper: float = result("rad/s", (), "upper end")
     seconds: float = result("s", (), "how long it is within the range", key="time_s")
     share: float | None = result(
-        "1", (), "greatest amplitude of the resonances passed there, of the steady one; null where none is known"
+        "1", (), "maximum amplitude of the resonances passed there / steady amplitude; null if unknown"
     )
     stays: bool = result("", (), "it ends within the range")
 
@@ -181,23 +181,23 @@ class Check:
     )
     speed: float | None = result("rad/s", (), "reference speed of the worst value, or null", default=None)
     order: Fraction | None = result(
-        "", (), "order of the reference that contributes most to the worst value, exact; null where none does",
+        "", (), "order of the reference that contributes most to the worst value, exact; null without one",
         default=None,
     )  # fmt: skip
     note: str = result("", (), "remarks", default="")
     at_least: bool = result(
         "", (), "the value must not be below the limit", key="limit_is_a_least_value", default=False
     )
-    barred: tuple[BarredRange, ...] = result("", (), "ranges that the verdict stands on", default=())
+    barred: tuple[BarredRange, ...] = result("", (), "ranges on which the verdict depends", default=())
     times: tuple[BarredTime, ...] = result(
-        "", (), "motions over time within these, or within unstable ranges", default=()
+        "", (), "transient responses within these, or within unstable ranges", default=()
     )
     misfire: str = ""  # the cylinder without heat at its worst, where every one is tried in turn
     reach: Reach | None = result(
-        "", (), "speeds that were computed, where the rule demands more; null where they are all", default=None
+        "", (), "computed speeds, if the rule demands more; null if all are computed", default=None
     )
     restrictions: tuple[str, ...] = result(
-        "", (), "what must be met too for the check to be met, in words; barred ranges stand in their own list",
+        "", (), "what must be met too for the check to be met, in words; barred ranges have their own list",
         default=(),
     )  # fmt: skip
     basis: Basis | None = result("", (), "what the limit is based on", default=None)
@@ -213,7 +213,7 @@ class Check:
         """It counts for the verdict; a row for information alone has no limit and demands none."""
         return self.verdict != "restricted" or not math.isnan(self.limit)
 
-    @derived("1", (), "value / limit, of a least value limit / value; null where the limit is 0, negative or unknown")
+    @derived("1", (), "value / limit, of a required minimum limit / value; null if the limit is 0, negative or unknown")
     def utilisation(self) -> float | None:
         """The share of the limit that is used; infinite where no value is known that keeps it."""
         if self.at_least and self.value == 0.0 < self.limit:

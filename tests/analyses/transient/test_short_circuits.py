@@ -79,7 +79,7 @@ def test_both_senses_are_computed_where_the_file_names_none_and_the_worse_is_jud
     (entry,) = results(findings)["transient"]
     assert (entry["worst_fault"], entry["faults_computed"]) == ("it brakes first", 2)
     said = [block.text for block in chapter(findings) if isinstance(block, Paragraph) and block.brief]
-    assert any("2 faults were computed; the worst: it brakes first" in text for text in said)
+    assert any("computed 2 electrical faults. The curves show the worst: it brakes first" in text for text in said)
 
 
 def test_a_range_of_times_of_reclosing_is_scanned_for_the_worst() -> None:

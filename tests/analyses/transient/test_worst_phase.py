@@ -94,7 +94,7 @@ analyses:
 """
     found = torsion.run(torsion.parse(text))
     texts = [one.text for one in chapter(found) if isinstance(one, Paragraph) and one.brief]
-    assert any("of 4 phases" in one and "deg is the worst" in one for one in texts)
+    assert any("computed 4 phases" in one and "The curves show the worst phase" in one for one in texts)
 
 
 def test_beside_a_play_an_open_phase_never_passes() -> None:
