@@ -349,7 +349,7 @@ def test_a_variant_is_the_case_with_the_same_keys() -> None:
     [
         ("spring.stifness", "unknown key `stifness`"),
         ("sprin.stiffness", "no component and no section is called `sprin` (did you mean `spring`?)"),
-        ("spring", "`spring` names a component and no key of it"),
+        ("spring", "`spring` is a component without a key"),
     ],
 )
 def test_a_wrong_path_has_the_fault_of_a_case(path: str, message: str) -> None:
@@ -394,3 +394,19 @@ def test_the_reference_has_every_public_name(monkeypatch: pytest.MonkeyPatch) ->
     names = [*torsion.__all__, *(f"formulas.{name}" for name in formulas.__all__)]
     missing = [name for name in names if not re.search(rf"torsion\.{re.escape(name)}\b", lines)]
     assert not missing
+
+
+def test_a_train_that_nothing_excites_has_no_torque_by_name() -> None:
+    study = torsion.parse(DISCS.partition("excitations")[0])
+    with pytest.raises(KeyError, match="nothing excites"):
+        study.response()["spring"]
+
+
+def test_the_torque_of_a_motion_is_reached_by_name() -> None:
+    motion = solved("fan_start")["transient"].each[0]
+    torque = motion["rubber coupling"]
+    assert torque.shape == motion.time_s.shape
+    assert np.abs(torque).max() <= motion.peak.max() * (1 + 1e-9)  # the peak also counts what lies between samples
+    assert np.abs(torque).max() > 0.99 * motion.peak.max()
+    with pytest.raises(KeyError, match="did you mean 'rubber coupling'"):
+        motion["rubber couplin"]

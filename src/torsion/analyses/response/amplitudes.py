@@ -126,7 +126,8 @@ class Response(Displayed, Keyed):
         orders = [line.order for line in self.lines]
         lines = [k for k, value in enumerate(orders) if order is None or value == Fraction(order)]
         if not lines:
-            raise KeyError(f"no order {order} excites; orders: {listed(map(str, orders))}")
+            orders_listed = listed(str(value) for value in orders if value is not None) or "none"
+            raise KeyError(f"no order {order} excites; orders: {orders_listed}" if self.lines else "nothing excites")
         torque = np.where((self.status == Status.OK)[:, lines, None], self.torque[:, lines][:, :, spans], np.nan)
         largest = int(np.nan_to_num(np.abs(torque)).max(axis=(0, 1), initial=0.0).argmax())
         return SpanTorque(name, tuple(orders[k] for k in lines), self.speed, torque[:, :, largest])

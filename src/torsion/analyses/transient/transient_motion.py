@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from torsion.analyses.response.span_torque import spans_by_name
 from torsion.analyses.transient.compared_methods import ComparedMethod
 from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.milling_ice import IceTorque
@@ -10,7 +11,7 @@ from torsion.analyses.transient.resonances_passed import Passage
 from torsion.analyses.transient.transient_settings import DEFAULT_MOST
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.results import derived, reported, result
+from torsion.results import by_name, derived, reported, result
 
 BALANCED = 1e-8  # of the largest energy: what the balance of it may lack
 RESOLVED = 0.05  # of a peak: what modes too fast for the samples may add, and verdicts add
@@ -103,6 +104,14 @@ class TransientMotion:
     )
     fastest: float = 0.0  # rad/s of modes and torques
     turns: tuple[FloatArray, ...] = ()  # of every span, values at which its torque turns, while damage is counted
+
+    def __getitem__(self, name: str) -> FloatArray:
+        """(samples,) N m: the torque in a component, of a shaft in segments where the peak is largest.
+
+        Raises KeyError with the nearest name.
+        """
+        spans = by_name(name, {} if self.system is None else spans_by_name(self.system))
+        return np.asarray(self.torque[max(spans, key=lambda span: float(self.peak[span]))])
 
     @property
     def peak(self) -> FloatArray:
