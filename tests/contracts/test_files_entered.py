@@ -37,7 +37,7 @@ print(len(entered))
 """
 
 
-@pytest.mark.parametrize(("scene", "most"), [(COUPLING, 90), (JOINT, 104)], ids=["stiffness", "angle of a joint"])
+@pytest.mark.parametrize(("scene", "most"), [(COUPLING, 100), (JOINT, 113)], ids=["stiffness", "angle of a joint"])
 def test_a_figure_enters_few_files(scene: str, most: int, tmp_path: Path) -> None:
     """Files in which a function or the body of a class runs, from the command to the text of the results."""
     file, source = tmp_path / "scene.yaml", Path(__file__).parents[2] / "src" / "torsion"

@@ -46,10 +46,10 @@ def run(work):
 RULE = '''
 """Toy: no rim runs faster than allowed."""
 from typing import Annotated
-from torsion.fields import Declared, Quantity, required
-from torsion.rules.verdict_line import Check, Rule, verdict_of
+from torsion.fields import Quantity, required
+from torsion.rules.verdict_line import Check, Rule, RuleSettings, verdict_of
 
-class Allowed(Declared):
+class Allowed(RuleSettings):
     speed: Annotated[float, Quantity("m/s", above=0)] = required("highest speed of a rim")
 
 class RimSpeed(Rule):

@@ -17,7 +17,7 @@ from torsion.output.numbers import RPM
 
 
 def test_they_are_the_figures_of_the_page_in_its_order(train: Findings) -> None:
-    drawn = [item.block for item in document(train).body if isinstance(item.block, Figure)]
+    drawn = [item.block for item in document(train, is_full=True).body if isinstance(item.block, Figure)]
     found = torsion.figures(train)
     assert list(found) == [one.name for one in drawn]
     assert [one.svg for one in found.values()] == [svg(one) for one in drawn]

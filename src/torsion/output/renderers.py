@@ -38,7 +38,7 @@ OUTPUTS = {
     "vtu": Output("torsion.output.mode_lines:vtu", ".vtu", on_request=True, of_findings=True),
     "figures": Output("torsion.output.figure_csv:tables", "-figures.csv", on_request=True),
     "tables": Output("torsion.output.table_files:archive", ".zip", on_request=True),
-    "data": Output("torsion.output.data_tables:archive", ".zip", on_request=True, of_findings=True),
+    "data": Output("torsion.output.data_tables:archive", "-data.zip", on_request=True, of_findings=True),
     "xlsx": Output("torsion.output.data_tables:workbook", ".xlsx", on_request=True, of_findings=True),
     "long": Output("torsion.output.renderers:beside", "-table.csv"),
     "terminal": Output("torsion.output.terminal:screen"),

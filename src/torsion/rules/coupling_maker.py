@@ -120,7 +120,7 @@ def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator
     from torsion.analyses.coupling_temperatures import CouplingTemperatures
 
     known, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
-    rise, why = np.full(speed.shape, np.inf), "its temperatures were not solved, which is never a pass"
+    rise, why = np.full(speed.shape, np.nan), "its temperatures were not solved, which is never a pass"
     for one in known.each if known is not None else ():
         if one.coupling == part.name:
             speed, rise, why = one.speed, one.rise, ""

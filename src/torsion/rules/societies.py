@@ -117,7 +117,7 @@ class SocietyRule(M68):
         most = society_limits.ALLOY_CAP if is_alloy else society_limits.CARBON_CAP
         agreed = tuple[str, ...]()
         if (known[0] or 0.0) > most * (1 + ROUNDING):
-            agreed = (f"strength of '{name}' above {most:g} N/mm2 by agreement with {society.title}",)
+            agreed = (f"strength above {most:g} N/mm2 by agreement with {society.title}",)
         yields = society_limits.yield_factor(known[1])
         engine, is_better = _engine(settings)
         if record.role == "crank" and settings.duty == "propulsion":

@@ -290,7 +290,10 @@ def test_the_first_page_says_that_variants_fail_where_the_file_passes() -> None:
     says = f"{share} % of the variants fail a check (95 % CI {low} to {high} %)"
     assert dict(made.lines)["Sweep"].startswith(says)
     none = replace(found.need(Sweep), any_fails=replace(whole, failing=0, probability=0.0, lower=0.0, upper=0.0291))
-    assert dict(first_page.box(found.having(sweep=none)).lines)["Sweep"] == "none of 128 variants fails (0 to 2.91 %)"
+    assert (
+        dict(first_page.box(found.having(sweep=none)).lines)["Sweep"]
+        == "none of 128 variants fails (95 % CI 0 to 2.91 %)"
+    )
 
 
 def test_tolerances_are_the_default() -> None:

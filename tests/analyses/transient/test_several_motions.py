@@ -33,7 +33,7 @@ def test_every_motion_has_results_verdicts_and_a_section_of_its_own() -> None:
     found = torsion.run(torsion.parse(SCENE + TRIP + HIT))
     assert [one.name for one in found.need(Transients).each] == ["trip", "hit"]
     checks = found.need(Checks).lines
-    assert [check.what for check in checks] == [f"greatest torque of the motion over time {k}" for k in ("trip", "hit")]
+    assert [check.what for check in checks] == [f"Greatest torque over time: {k}" for k in ("trip", "hit")]
     assert [check.verdict for check in checks] == ["pass", "fail"]
     blocks = list(chapter(found))
     assert [one.text for one in blocks if isinstance(one, Heading)][1:] == ["Transient: trip", "Transient: hit"]

@@ -107,14 +107,15 @@ def test_stress_modulus_of_a_round_bar_is_that_of_its_thinner_end() -> None:
 
 
 def test_class_rule_leaves_a_meshed_shaft_out_and_says_why(scene) -> None:
-    from torsion.rules import not_judged
+    from torsion.rules.verdict_line import Checks
 
     operation = "operation: {speeds: {from: 300 rpm, to: 900 rpm}, rated: {speed: 900 rpm, power: 1 kW}}\n"
     tail = "- shaft: {name: tail, length: 1, diameter: 0.1, role: propeller}\nrules: [iacs-m68]\n"
     tail += "excitations: [{at: a, order: 2, torque: 1 N*m}]\n"
     text = scene.read_text().replace("unit: mm}}", "unit: mm}, role: intermediate}") + tail + operation
     scene.write_text(text)
-    assert ("iacs-m68 for line", True) in [(what, "mesh" in why) for what, why in not_judged(torsion.read(scene))]
+    rows = [check for check in torsion.run(torsion.read(scene)).need(Checks).lines if check.where == "line"]
+    assert [(check.verdict, "mesh" in check.note) for check in rows] == [("not judged", True)]
     scene.write_text(text.replace(", role: propeller", ""))
     with pytest.raises(torsion.InputError, match="no round shaft has a `role`"):
         torsion.read(scene)

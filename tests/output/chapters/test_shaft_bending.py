@@ -241,7 +241,7 @@ def test_largest_displacement_and_moment_of_every_order_with_place_and_speed(ope
     assert found.rows == rows
     assert found.marks == ("", "", "note")
     assert found.columns[5].unit == "kN m"
-    small = table(blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0),))), "Answer")
+    small = table(blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0),))), "Response")
     assert (small.rows[0][5], small.columns[5].unit) == ("180.00", "N m")
 
 

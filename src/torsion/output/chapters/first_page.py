@@ -14,7 +14,7 @@ from torsion.kernels.tree_response import Status
 from torsion.output import check_words
 from torsion.output.blocks import Block, PageEnd
 from torsion.output.chapters import plant
-from torsion.output.chapters.case_verdict import overview, side_by_side
+from torsion.output.chapters.case_verdict import side_by_side
 from torsion.output.check_words import is_judged, use_of_joint, use_of_part
 from torsion.output.figures.figure import Band, Figure, Link, Place, Share, Shares, Sketch, Use
 from torsion.output.figures.ranges import unanswered
@@ -38,8 +38,6 @@ def blocks(findings: Findings) -> Iterator[Block]:
     """One page: the verdict, the cases, the train by its utilisation, the speeds, and the worst checks."""
     train, joining = _train(findings)
     yield box(findings)
-    if findings.cases:
-        yield overview(findings.each)
     case = f" (case {name})" if (name := case_name(findings)) else ""
     yield Figure("utilisation", KEY + case + "; ".join([joining, *train.beside]), (train,))
     yield from _speeds(findings)

@@ -7,6 +7,7 @@ from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Block, Heading, Paragraph, Points, Table, table
 from torsion.output.chapters import first_page
+from torsion.output.chapters.case_verdict import overview
 from torsion.output.check_words import STRESS, contributing, quoted
 from torsion.output.headline import box, case_name
 from torsion.output.numbers import NONE, counted, number, rpm, symbols
@@ -26,6 +27,8 @@ def chapter(findings: Findings) -> Iterator[Block]:
     case = findings.study.case
     yield Heading("Verdict" if case is None else f"Verdict of the case {case.name}", at_end=True)
     yield from first_page.blocks(findings)
+    if findings.cases:
+        yield overview(findings.each)
     yield from _details(
         findings, Heading(f"Checks of the case {name}" if (name := case_name(findings)) else "Checks", at_end=True)
     )
