@@ -1,5 +1,7 @@
 """Files that leave open, or break, what a rule demands never pass plainly."""
 
+import math
+
 import pytest
 
 import torsion
@@ -182,3 +184,22 @@ analyses: {transient: {duration: 0.2 s, initial: steady, events: [{at: motor-1, 
 def test_a_motion_without_the_periodic_torques_of_the_file_passes_with_restrictions(torques: str, verdict: str) -> None:
     (row,) = [one for one in rows(MOTION.replace("TORQUES", torques)) if one.rule == "transient"]
     assert (row.verdict, any("motor-1" in words for words in row.restrictions)) == (verdict, verdict == "restricted")
+
+
+STEP = """
+name: step
+train:
+- disc: {name: a, inertia: 2}
+- coupling: {name: soft, stiffness: 20 kN*m/rad, max_torque: 20 kN*m}
+- disc: {name: b, inertia: 2}
+analyses: {transient: {duration: DURATION, events: [{at: a, time: 0.1 s, step: {torque: 15 kN*m}}]}}
+"""
+
+
+@pytest.mark.parametrize(("after", "verdict"), [(0.99, "restricted"), (1.01, "pass")])
+def test_a_motion_that_ends_within_a_period_after_the_last_event_is_restricted(after: float, verdict: str) -> None:
+    """Period 2 pi sqrt(J/(2 k)) = 44.4 ms; the torque of the step peaks at half of it, at 15 kN m."""
+    period = 2 * math.pi * math.sqrt(2 / (2 * 20e3))
+    (row,) = [one for one in rows(STEP.replace("DURATION", f"{0.1 + after * period!r} s")) if one.rule == "transient"]
+    assert (row.verdict, bool(row.restrictions)) == (verdict, verdict == "restricted")
+    assert row.value == pytest.approx(15e3, rel=1e-6)

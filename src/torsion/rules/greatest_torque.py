@@ -7,6 +7,8 @@ import numpy as np
 
 from torsion.analyses.transient.acting_torques import LEFT_OUT
 from torsion.analyses.transient.transient_motion import TransientMotion, Transients
+from torsion.analyses.transient.transient_settings import cases
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Results
 from torsion.rules.judgement import spans_of
 from torsion.rules.reached_speeds import restricted
@@ -76,7 +78,29 @@ def _lines(evidence: Results, found: TransientMotion, number: int, mark: str) ->
             Check("transient", f"D{mark}", part.name, what, damage, WHOLE_LIFE, "1", verdict, "setting", note=note)
         )
     without = [words for words in found.not_acting if words.endswith(LEFT_OUT)]
-    return [restricted(line, f"does not act: {'; '.join(without)}") if without else line for line in lines]
+    conditions = [f"does not act: {'; '.join(without)}"] if without else []
+    if early := _early_end(evidence, found):
+        conditions.append(early)
+    for words in conditions:
+        lines = [restricted(line, words) for line in lines]
+    return lines
+
+
+def _early_end(evidence: Results, motion: TransientMotion) -> str:
+    """That a motion ends within a period of the lowest mode after its last event; empty if it does not.
+
+    The largest torque of a step comes half a period after it, and a beat of several modes later.
+    """
+    modes = evidence.get(Modes)
+    if modes is None or not len(modes.frequency):
+        return ""
+    period = 1.0 / float(modes.frequency[0])
+    for settings, _ in cases(evidence.study):
+        times = [event.time for event in settings.events]
+        if settings.name == motion.name and times and settings.duration - max(times) < period:
+            left = settings.duration - max(times)
+            return f"ends {left:.3g} s after the last event, within a period of mode 1 ({period:.3g} s)"
+    return ""
 
 
 def _named(what: str, motion: TransientMotion) -> str:
