@@ -128,7 +128,7 @@ def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator
     curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
     use, in_use = judgement.within(settings.continuous, speed), judgement.in_use(settings.continuous)
     what = "Temperature rise by its own heat"
-    yield Clause("ΔT", part.name, what, "maker", curve, use, "K", (why, in_use, MOSTLY))
+    yield Clause("ΔT", part.name, what, "maker", curve, use, "K", (why, in_use, MOSTLY), infinite_fails=True)
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:

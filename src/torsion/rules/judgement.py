@@ -64,6 +64,7 @@ class Clause:
     notes: tuple[str, ...] = ()  # empty ones are left out
     spans: IntArray = field(default_factory=lambda: np.flatnonzero(()))  # whose vibration it is; none of a mean torque
     size: FloatArray | None = None  # (speeds, lines) of every harmonic component; None: of the torque in the spans
+    infinite_fails: bool = False  # an infinite value is one that runs away, not one that is missing
     if_kept: bool = False  # a value beyond the limit is judged otherwise, as in a barred range
 
 
@@ -125,13 +126,14 @@ def curve_of(found: Response | Steady, value: FloatArray, limit: float | FloatAr
 def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
     """The check at the worst of the speeds that are judged; None where there is no speed.
 
-    A singular response and an infinite value fail. A value that is missing is not judged.
+    A singular response fails. A value that is missing for another reason is not judged.
     """
     curve = clause.curve
     if not np.any(clause.within):
         return None
     share = np.where(clause.within, curve.utilisation(), -np.inf)
-    is_missing = (curve.status == Status.OK) & np.isnan(curve.value)  # infinite: it runs away, which fails
+    is_unknown = np.isnan(curve.value) if clause.infinite_fails else ~np.isfinite(curve.value)
+    is_missing = (curve.status == Status.OK) & is_unknown
     is_exceeded = ~is_missing & (share > 1.0)
     if np.any(is_exceeded):  # a limit that is exceeded somewhere fails whatever is missing elsewhere
         share = np.where(is_exceeded, share, -np.inf)

@@ -39,7 +39,7 @@ class Report:
 def report(scene: str, folder: Path) -> Report:
     """Solved and written."""
     findings = solved(SCENES / f"{scene}.yaml")
-    made = document(findings)
+    made = document(findings, is_full=True)
     file = folder / f"{scene}.html"
     file.write_text(html(made), encoding="utf-8")
     return Report(findings, made, file)

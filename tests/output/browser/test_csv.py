@@ -46,7 +46,7 @@ def test_every_figure_and_table_is_saved_as_the_command_writes_it(opens: Callabl
 def test_a_click_saves_a_file(usv: Opened, tmp_path: Path) -> None:
     for button, name in (
         (usv.button("torque-1-0", "CSV"), "figure-torque-1-0.csv"),
-        (usv.page.get_by_role("button", name="CSV of Table 1.1"), "table-1.1.csv"),
+        (usv.page.get_by_role("button", name="CSV of Table 2.1"), "table-2.1.csv"),
     ):
         with usv.page.expect_download() as waiting:
             button.click()

@@ -82,7 +82,7 @@ def test_a_slider_shows_the_frequency_of_the_changed_file(live: Live) -> None:
     live.until(live.modes, shown(1.07 * 12e3, 2.0))
     live.until(live.page, "12.84 kN*m/rad (+7 %)")
     live.until(live.page, "Not the file: link.stiffness is moved.")
-    live.page.get_by_role("button", name="nominal").click()
+    live.page.get_by_role("button", name="as in the file").click()
     live.until(live.modes, shown(12e3, 2.0))
     live.until(live.page, "The figures of the file.")
 

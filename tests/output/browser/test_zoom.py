@@ -101,9 +101,9 @@ def test_the_wheel_zooms_with_control_or_focus_and_else_scrolls_the_page(usv: Op
 
 
 def test_critical_speeds_stay_on_their_lines_when_a_part_is_shown(usv: Opened) -> None:
-    """Order 2 meets mode 1 at 663.21 rpm; of 302.4 to 907.2 rpm that is at 0.5966."""
+    """Order 2 excites mode 1 at 663.21 rpm; of 302.4 to 907.2 rpm that is at 0.5966."""
     usv.drag("campbell", 0.15, 0.45)
-    point = usv.page.locator("figure#campbell .point", has_text="order 2 meets mode 1")
+    point = usv.page.locator("figure#campbell .point", has_text="order 2 excites mode 1")
     mark, area = point.locator("path").bounding_box(), usv.area("campbell").bounding_box()
     across = (mark["x"] + mark["width"] / 2 - area["x"]) / area["width"]
     assert across == pytest.approx((663.21 - 302.4) / (907.2 - 302.4), abs=0.01)

@@ -30,7 +30,7 @@ const critical = (plot) => { // the nearest of all that belong to the figure
   const x = known.x[near], by = 100 * (plot.at / x - 1), short = (value) => shown(Number(value.toPrecision(3)));
   const margin = known.rated ? `, ${short(100 * (x / known.rated - 1))} % from rated` : "";
   const where = Math.abs(by) < 5e-4 ? "at it" : `${short(Math.abs(by))} % ${by > 0 ? "above" : "below"} it`;
-  return `nearest ${known.of} ${shown(x)} rpm: ${known.orders[known.order[near]]} meets mode ${known.mode[near]} `
+  return `nearest ${known.of} ${shown(x)} rpm: ${known.orders[known.order[near]]} excites mode ${known.mode[near]} `
     + `at ${shown(known.frequency[near])} Hz${margin}; the cursor is ${where}`;
 };
 const read = (figure) => { // what stands below a figure

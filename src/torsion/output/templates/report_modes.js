@@ -1,7 +1,7 @@
 // A mode moves over the sketch of the train: a line along it, straight at rest, deflected by the angles as plotted.
 const HIGH = 28, STEPS = 8, SECONDS = 2; // px of the largest angle; positions of a step through a cycle; of a cycle
 const moving = (figure, data, tools) => {
-  const plant = document.querySelector("#plant .sketch[data-across]");
+  const plant = document.querySelector("#plant .sketch[data-across], #utilisation .sketch[data-across]");
   if (!plant || !data) return;
   const [across, left, row] = ["across", "left", "row"].map((key) => Number(plant.dataset[key]));
   const [x, rows, angle, ends, marked] = ["x", "row", "angle", "ends", "marked"].map((key) => numbers(data[key]));
