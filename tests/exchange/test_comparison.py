@@ -78,6 +78,20 @@ def test_a_case_that_only_one_has_is_a_change() -> None:
     assert comparison.is_changed
 
 
+def test_a_case_without_results_is_not_judged_and_ends_in_no_traceback() -> None:
+    """A case that was not solved has its plan alone; an analysis without a result is never a PASS."""
+    solved = results(DISCS + "cases: {heavy: {set: {c.inertia: 4}}}\n")
+    unsolved = solved | {"cases": {"heavy": {"plan": solved["plan"]}}}
+    for pair in ((solved, unsolved), (unsolved, solved), (unsolved, unsolved)):
+        assert [case.name for case in compare_results(*pair).cases] == ["", "heavy"]
+    kept = solved | {"checks": [{"rule": "r", "clause": "c", "where": "w", "what": "x", "verdict": "pass"}]}
+    assert compare_results(kept, kept).cases[0].verdict_after == "PASS"
+    missing = kept | {"plan": {"unanswered": [{"what": "response"}]}}
+    assert compare_results(kept, missing).cases[0].verdict_after == "NOT JUDGED"
+    swept = kept | {"sweep": {"any_fails": {"failing": 41}}}
+    assert compare_results(kept, swept).cases[0].verdict_after == "PASS with restrictions"
+
+
 def test_the_command_prints_writes_and_ends_with_its_status(tmp_path: Path) -> None:
     for name, text in (("a", DISCS), ("b", DISCS.replace("inertia: 3", "inertia: 3.3"))):
         (tmp_path / f"{name}.yaml").write_text(text)

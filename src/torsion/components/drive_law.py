@@ -57,7 +57,7 @@ class DriveLaw(Declared):
         for key, other in (("pull_out", "at_slip"), ("at_slip", "pull_out"), ("pull_out", "slip")):
             if getattr(self, other) is None:
                 raise refuse(f"`{key}` without `{other}`", "`{slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}`", key)
-        if self.lag is not None and self.slip >= self.at_slip:  # type: ignore[operator]
+        if self.lag is not None and (self.slip or 0.0) >= (self.at_slip or 0.0):
             raise refuse("`lag` beyond the pull-out torque, where the slope damps no more", "leave `lag` out", "lag")
 
     @property

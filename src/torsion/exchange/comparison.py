@@ -16,7 +16,7 @@ from torsion.arrays import FloatArray
 from torsion.errors import InputError, printable, refusal
 from torsion.findings import Findings
 from torsion.output.results_json import results
-from torsion.rules.verdict_line import WORDS
+from torsion.rules.verdict_line import WORDS, Verdict
 from torsion.user_files import LARGEST_RESULTS, read_file
 
 FORMAT = 1
@@ -76,8 +76,8 @@ class CheckChange:
     clause: str
     component: str
     what: str
-    verdict_before: str | None
-    verdict_after: str | None
+    verdict_before: Verdict | None
+    verdict_after: Verdict | None
     utilisation_before: float | None
     utilisation_after: float | None
 
@@ -174,7 +174,7 @@ def _compare_case(name: str, before: Mapping[str, Any] | None, after: Mapping[st
     comparison = CaseComparison(
         name, None if before is None else _verdict(before), None if after is None else _verdict(after)
     )
-    if before is None or after is None:
+    if before is None or after is None or not all("checks" in data for data in (before, after)):
         return comparison
     checks = sorted(_checks(before, after), key=lambda change: change.severity)
     return replace(
@@ -183,9 +183,16 @@ def _compare_case(name: str, before: Mapping[str, Any] | None, after: Mapping[st
 
 
 def _verdict(data: Mapping[str, Any]) -> str:
-    """Return the worst verdict of the checks in words."""
+    """Return the worst verdict of the checks in words.
+
+    Missing results are NOT JUDGED, and variants that fail make a PASS one with restrictions.
+    """
     verdicts = {check["verdict"] for check in data.get("checks") or ()}
-    return next((words for verdict, words in WORDS.items() if verdict in verdicts), "NOT JUDGED")
+    worst = next((words for verdict, words in WORDS.items() if verdict in verdicts), "NOT JUDGED")
+    if worst != "FAIL" and data.get("plan", {}).get("unanswered"):
+        return "NOT JUDGED"
+    some_fail = ((data.get("sweep") or {}).get("any_fails") or {}).get("failing")
+    return WORDS["restricted"] if some_fail and worst == WORDS["pass"] else worst
 
 
 def _inputs(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[InputChange]:

@@ -41,8 +41,8 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
     """The chapter of one case: verdict, then every table with a change."""
     yield Heading(f"Case {case.name}" if case.name else "Model file")
     verdicts = [verdict or "case not present" for verdict in (case.verdict_before, case.verdict_after)]
-    head = f"Case {case.name}: " if case.name else ""
-    yield Paragraph(f"{head}A {verdicts[0]}, B {verdicts[1]}.", brief=True)
+    head = f"Case {case.name}: " if case.name else "Verdict: "
+    yield Paragraph(f"{head}checks of A {verdicts[0]}, of B {verdicts[1]}.", brief=True)
     if not case.is_changed:
         yield Paragraph("No change.", brief=True)
         return
@@ -81,7 +81,7 @@ def _mode_row(pair: ModePair) -> tuple[str, ...]:
 
 def _check_row(change: CheckChange) -> tuple[str, ...]:
     verdicts = [
-        "not present" if verdict is None else WORDS[verdict]  # type: ignore[index]
+        "not present" if verdict is None else WORDS[verdict]
         for verdict in (change.verdict_before, change.verdict_after)
     ]
     used = [

@@ -179,8 +179,9 @@ def _joined(title: str, cases: Cases, words_of: Callable[[Findings], str]) -> It
     by_text = dict[str, list[str]]()
     for name, text in words.items():
         by_text.setdefault(text, []).append(name)
-    if words:
-        yield title, "; ".join(f"{_named(names)}: {text}" if names[0] else text for text, names in by_text.items())
+    sentences = [f"{_named(names)}: {text}" if names[0] else text for text, names in by_text.items()]
+    if sentences:
+        yield title, "; ".join([*(text.removesuffix(".") for text in sentences[:-1]), sentences[-1]])
 
 
 def worst(findings: Findings) -> Check | None:

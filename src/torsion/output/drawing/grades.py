@@ -12,7 +12,7 @@ from torsion.output.figures.figure import Grade, Share, Shares, Use
 
 Box = tuple[float, float, float, float]
 SAMPLE, KEY_ROW = 24.0, 16.0  # px
-LEFT, RIGHT, ROW, HEAD = 252.0, 466.0, 13.2, 16.0  # px: of the shares, whose names and words stand beside them
+LEFT, RIGHT, ROW, HEAD = 240.0, 430.0, 13.2, 16.0  # px: of the shares, whose names and words stand beside them
 SIGN = 6.5  # px: radius of the disc around a sign
 FEWEST = 30.0  # px of a name that stands before a very long clause
 MOST = 2.0  # times the limit: a larger share is cut

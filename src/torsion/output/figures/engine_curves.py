@@ -47,5 +47,5 @@ def misfires(name: str, caption: str, speed: FloatArray, curves: Sequence[tuple[
         Line(words, speed, half, k, weight=2.0 if k == 0 else 1.0, label="" if k == 0 else words, label_at="anywhere")
         for k, (words, half) in enumerate(curves)
     )
-    panel = Panel(span(Axis("speed", "rpm"), speed), Axis("half range", unit, low=0.0), lines)
+    panel = Panel(span(Axis("speed", "rpm"), speed), Axis("torque amplitude", unit, low=0.0), lines)
     return Figure(name, caption, (panel,))
