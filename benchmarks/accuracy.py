@@ -20,9 +20,18 @@ from torsion.analyses.compare.timing import Effort, timed
 
 # the processor's time, one run a round; what takes long runs in one round
 FULL = Effort(
-    rounds=5, runs=1, slow=0.4, slow_rounds=1, clock=process_time, segments=1024, unknowns=260,
-    degrees=tuple(range(1, 11)), modes=0, dense=0, speeds=40,
-)  # fmt: skip
+    rounds=5,
+    runs=1,
+    slow=0.4,
+    slow_rounds=1,
+    clock=process_time,
+    segments=1024,
+    unknowns=260,
+    degrees=tuple(range(1, 11)),
+    modes=0,
+    dense=0,
+    speeds=40,
+)
 QUICK = replace(FULL, rounds=2, slow=0.2, segments=64, degrees=(1, 2, 10), unknowns=70, speeds=8)
 PEERS = (6, 12, 24, 48, 96, 192, 336)  # elements a line
 TENTH = replace(FULL, slow=60.0, segments=1, degrees=(10,), unknowns=40)  # of the stepped shaft
@@ -47,7 +56,9 @@ def _study(line: Line, effort: Effort, peers: Sequence[int]) -> accuracy_page.St
     modes, remarks = timed(mode_curves(line, known, effort, each), effort)
     half = replace(effort, segments=effort.segments // 2, unknowns=effort.unknowns // 2)
     halves = sorted({max(1, number // 2) for number in each})
-    torques, more = timed(torque_curves(line, frequencies(known, effort.speeds), half, halves), half)
+    torques, more = timed(
+        torque_curves(line, frequencies(known, effort.speeds), half, halves), half
+    )
     print(f"{line.name}: {len(modes)} and {len(torques)} rows", file=sys.stderr, flush=True)
     return accuracy_page.Study(line.name, modes, torques, (*remarks, *more))
 
@@ -55,7 +66,9 @@ def _study(line: Line, effort: Effort, peers: Sequence[int]) -> accuracy_page.St
 def frequencies(exact: Sequence[Any], count: int) -> np.ndarray:
     """Random rad/s, even in the logarithm, from half the first natural frequency to the tenth, ascending."""
     low, high = float(exact[0]) / 2, float(exact[MODES - 1])
-    return np.sort(2 * np.pi * np.exp(np.random.default_rng(4).uniform(np.log(low), np.log(high), count)))
+    return np.sort(
+        2 * np.pi * np.exp(np.random.default_rng(4).uniform(np.log(low), np.log(high), count))
+    )
 
 
 if __name__ == "__main__":

@@ -23,7 +23,9 @@ PEER = "openTorsion"
 Errors = Callable[[Any], tuple[float, ...]]
 
 
-def mode_curves(line: Line, known: Sequence[Any], effort: Effort, peers: Sequence[int]) -> list[list[Candidate]]:
+def mode_curves(
+    line: Line, known: Sequence[Any], effort: Effort, peers: Sequence[int]
+) -> list[list[Candidate]]:
     """How to find the first ten modes; error: the largest of `known` (modes,) Hz, relative. peers: elements a shaft."""
 
     def errors(found: np.ndarray) -> tuple[float, ...]:
@@ -42,7 +44,9 @@ def mode_curves(line: Line, known: Sequence[Any], effort: Effort, peers: Sequenc
     return [*own, [_peer(line, number, of_peer, errors) for number in peers]]
 
 
-def torque_curves(line: Line, w: np.ndarray, effort: Effort, peers: Sequence[int]) -> list[list[Candidate]]:
+def torque_curves(
+    line: Line, w: np.ndarray, effort: Effort, peers: Sequence[int]
+) -> list[list[Candidate]]:
     """How to find the torques at the middles of the shafts; segments, elements and `peers` are those of half a shaft.
 
     w: (frequencies,) rad/s. Error: the largest, over the largest of these torques at the same frequency.
@@ -55,7 +59,9 @@ def torque_curves(line: Line, w: np.ndarray, effort: Effort, peers: Sequence[int
         return (float(over_largest(found, exact).max()),)
 
     def named(curve: str, words: str, size: int, assemble: Callable[[], System]) -> Candidate:
-        return Candidate(curve, words, size, lambda: loaded(assemble(), Harmonics(study, w)), solve, errors)
+        return Candidate(
+            curve, words, size, lambda: loaded(assemble(), Harmonics(study, w)), solve, errors
+        )
 
     def solve(given: Loaded) -> np.ndarray:
         places = [given.ends.name.index(f"{name}, driven end") for name in firsts]
@@ -65,7 +71,10 @@ def torque_curves(line: Line, w: np.ndarray, effort: Effort, peers: Sequence[int
         return _peer_torques(halves, number, assembly, w)
 
     own = candidates(study.train, float(w.max()) / (2 * np.pi), effort, effort.degrees, named)
-    return [*own, [_peer(halves, number, partial(of_peer, number=number), errors) for number in peers]]
+    return [
+        *own,
+        [_peer(halves, number, partial(of_peer, number=number), errors) for number in peers],
+    ]
 
 
 def _peer(line: Line, number: int, solve: Callable[[Any], np.ndarray], errors: Errors) -> Candidate:
@@ -74,7 +83,12 @@ def _peer(line: Line, number: int, solve: Callable[[Any], np.ndarray], errors: E
 
     parts = _peer_elements(line, number)
     return Candidate(
-        PEER, counted(number, "element"), number, lambda: opentorsion.Assembly(*parts), tolerant(solve), errors
+        PEER,
+        counted(number, "element"),
+        number,
+        lambda: opentorsion.Assembly(*parts),
+        tolerant(solve),
+        errors,
     )
 
 
@@ -103,7 +117,9 @@ def _peer_elements(line: Line, number: int) -> tuple[list[Any], list[Any], list[
                     diameter = (start + stop) / 2
                     area = np.pi / 32 * (diameter**4 - item.bore**4)
                     stiffness = item.shear_modulus * area / length
-                    shafts.append(Element(node, node + 1, k=stiffness, I=item.density * area * length / 6))
+                    shafts.append(
+                        Element(node, node + 1, k=stiffness, I=item.density * area * length / 6)
+                    )
                     node += 1
     return shafts, disks, gears or None
 
@@ -112,7 +128,9 @@ def _peer_torques(halves: Line, number: int, assembly: Any, w: np.ndarray) -> np
     """(frequencies, shafts) the mean of openTorsion's torques of the two elements that meet at the middle."""
     from benchmarks.peers_opentorsion import on_nodes
 
-    rows, _ = assembly.vibratory_torque(on_nodes(assembly, np.eye(assembly.dofs, dtype=complex)[0], w))
+    rows, _ = assembly.vibratory_torque(
+        on_nodes(assembly, np.eye(assembly.dofs, dtype=complex)[0], w)
+    )
     behind, first, sense = [], 0, 1
     for item in halves.items:
         match item:

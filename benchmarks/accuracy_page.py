@@ -53,13 +53,27 @@ def parts(studies: Sequence[Study], stepped: Sequence[TimedRow]) -> list[str]:
     """Of the page; its figures lie next to it under `figure_name`."""
     made = [HOW]
     for study in studies:
-        made += [f"## {study.name.capitalize()}", f"![{study.name}]({figure_name(study)})", _reading(study)]
+        made += [
+            f"## {study.name.capitalize()}",
+            f"![{study.name}]({figure_name(study)})",
+            _reading(study),
+        ]
         for quantity, rows in (("Frequencies", study.modes), ("Torque", study.torques)):
-            made += [f"{quantity}: the fastest within a tolerance, and the methods that none beats.", _best(rows)]
-            made += [table(HEAD, [cells(row) for row in unbeaten([row for row in rows if row.error < 1.0])])]
+            made += [
+                f"{quantity}: the fastest within a tolerance, and the methods that none beats.",
+                _best(rows),
+            ]
+            made += [
+                table(
+                    HEAD, [cells(row) for row in unbeaten([row for row in rows if row.error < 1.0])]
+                )
+            ]
             made += _unanswered(rows)
         made += ["\n".join(f"- {remark}" for remark in study.remarks)] if study.remarks else []
-    made += ["## Stepped shaft with three discs, ten modes", table(HEAD, [cells(row) for row in stepped])]
+    made += [
+        "## Stepped shaft with three discs, ten modes",
+        table(HEAD, [cells(row) for row in stepped]),
+    ]
     return [*made, _verdicts(stepped)]
 
 
@@ -72,7 +86,9 @@ def figure(study: Study) -> str:
     """SVG: error over time of both quantities, one curve a method."""
     x = Axis("assembly and solution (median)", "ms", is_log=True)
     both = ((study.modes, "ten frequencies"), (study.torques, "torque at mid-shaft"))
-    panels = tuple(error_over_time(x, f"{what}, largest error", curves(rows)) for rows, what in both)
+    panels = tuple(
+        error_over_time(x, f"{what}, largest error", curves(rows)) for rows, what in both
+    )
     times = [line.x for panel in panels for line in panel.lines]
     ends = min(float(np.nanmin(one)) for one in times), max(float(np.nanmax(one)) for one in times)
     x = Axis(x.quantity, x.unit, ends[0] / 1.5, ends[1] * 1.5, is_log=True)
@@ -96,10 +112,16 @@ def _of(rows: Sequence[TimedRow], curve: str) -> list[TimedRow]:
 
 def _best(rows: Sequence[TimedRow]) -> str:
     own = [row for row in rows if row.curve != PEER]
-    both = [[fastest(some, tolerance) for some in (own, _of(rows, PEER))] for tolerance in TOLERANCES]
-    named = [["none" if row is None else f"{row.curve}, {row.division}: {_ms(row)}" for row in pair] for pair in both]
+    both = [
+        [fastest(some, tolerance) for some in (own, _of(rows, PEER))] for tolerance in TOLERANCES
+    ]
+    named = [
+        ["none" if row is None else f"{row.curve}, {row.division}: {_ms(row)}" for row in pair]
+        for pair in both
+    ]
     return table(
-        ("tolerance", "torsion", PEER), [(f"{goal:g}", *pair) for goal, pair in zip(TOLERANCES, named, strict=True)]
+        ("tolerance", "torsion", PEER),
+        [(f"{goal:g}", *pair) for goal, pair in zip(TOLERANCES, named, strict=True)],
     )
 
 
@@ -110,7 +132,11 @@ def _unanswered(rows: Sequence[TimedRow]) -> list[str]:
         if not np.isfinite(row.error):
             lacking.setdefault(row.curve, []).append(str(row.size))
     words = (f"{curve} with {', '.join(sizes)}" for curve, sizes in lacking.items())
-    return [f"Fewer than ten modes (segments or elements a shaft): {'; '.join(words)}."] if lacking else []
+    return (
+        [f"Fewer than ten modes (segments or elements a shaft): {'; '.join(words)}."]
+        if lacking
+        else []
+    )
 
 
 def _verdicts(rows: Sequence[TimedRow]) -> str:
@@ -127,7 +153,12 @@ def _verdicts(rows: Sequence[TimedRow]) -> str:
         + verdict(closer >= MORE_ACCURATE),
     ]
     if tenth is None:
-        return "\n".join([*lines, f"- FE degree 10 with {SHARE_OF_ERROR:g} of the error of 40 elements: none, MISSED"])
+        return "\n".join(
+            [
+                *lines,
+                f"- FE degree 10 with {SHARE_OF_ERROR:g} of the error of 40 elements: none, MISSED",
+            ]
+        )
     lines.append(
         f"- FE degree 10 ({tenth.size} a shaft) has {tenth.error / coarse.error:.1e} of the error of 40 elements, in "
         f"{_ms(tenth)} against {_ms(coarse)}, meant no more: {verdict(tenth.total.median <= coarse.total.median)}"

@@ -26,7 +26,9 @@ class Passed(NamedTuple):
     behind: list[Any]  # N m, torque behind every shaft
 
 
-def passed(line: Line, w: Any, angle: Any, torque: Any, m: Any = mp, *, damped: bool = False) -> Passed:
+def passed(
+    line: Line, w: Any, angle: Any, torque: Any, m: Any = mp, *, damped: bool = False
+) -> Passed:
     """Passes from an angle and a torque applied at the first disc to the last, in the arithmetic of `m`."""
     behind, number = [], mpf if m is mp else float
     for item in line.items:
@@ -51,18 +53,25 @@ def passed(line: Line, w: Any, angle: Any, torque: Any, m: Any = mp, *, damped: 
 def _through(shaft: Shaft, w: Any, angle: Any, torque: Any, m: Any) -> tuple[Any, Any]:
     """The state at the driven end of a shaft from that at its driving end."""
     number = mpf if m is mp else float
-    modulus, density, length = (number(v) for v in (shaft.shear_modulus, shaft.density, shaft.length))
+    modulus, density, length = (
+        number(v) for v in (shaft.shear_modulus, shaft.density, shaft.length)
+    )
     first, last = (number(v) for v in shaft.diameter)
     kappa = w * m.sqrt(density / modulus)
     if first == last:
         area = m.pi / 32 * (first**4 - number(shaft.bore) ** 4)
         phase, impedance = kappa * length, kappa * modulus * area
         cosine, sine = m.cos(phase), m.sin(phase)
-        return cosine * angle - sine / impedance * torque, impedance * sine * angle + cosine * torque
+        return (
+            cosine * angle - sine / impedance * torque,
+            impedance * sine * angle + cosine * torque,
+        )
     slope = (last - first) / length  # of the diameter
     rising = 1 if slope > 0 else -1
     sizes = [kappa * d / abs(slope) for d in (first, last)]
-    push = [-modulus * m.pi / 32 * d**4 * kappa * rising for d in (first, last)]  # torque over d theta/du
+    push = [
+        -modulus * m.pi / 32 * d**4 * kappa * rising for d in (first, last)
+    ]  # torque over d theta/du
     (f, df, g, dg), (f2, df2, g2, dg2) = (_cone(u, m) for u in sizes)
     slope_u = torque / push[0]
     wronskian = f * dg - g * df
@@ -98,7 +107,9 @@ def _frequency(line: Line, low: float, high: float) -> Any:
     def end(w: Any) -> Any:
         return passed(line, w, mpf(1), mpf(0)).torque
 
-    w = mp.findroot(end, (mpf(low), mpf(high)), solver="illinois", tol=mpf(10) ** (-2 * PROVEN), verify=False)
+    w = mp.findroot(
+        end, (mpf(low), mpf(high)), solver="illinois", tol=mpf(10) ** (-2 * PROVEN), verify=False
+    )
     margin = mpf(10) ** -PROVEN
     if end(w * (1 - margin)) * end(w * (1 + margin)) >= 0:
         raise ArithmeticError(f"the frequency near {mp.nstr(w, 6)} rad/s is not proven")

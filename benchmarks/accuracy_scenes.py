@@ -80,20 +80,33 @@ DRILL_STRING = Line(
 MARINE = Line(
     "stepped marine line with a gear",
     (
-        Disc(90.0), Coupling(1.5e6), Disc(12.0), Shaft(1.2, (0.14, 0.14)), Gear((23, 71), (0.6, 38.0)),
-        Shaft(2.5, (0.26, 0.26)), Shaft(6.0, (0.24, 0.24)), Shaft(4.0, (0.28, 0.28), 0.1), Disc(420.0, 900.0),
+        Disc(90.0),
+        Coupling(1.5e6),
+        Disc(12.0),
+        Shaft(1.2, (0.14, 0.14)),
+        Gear((23, 71), (0.6, 38.0)),
+        Shaft(2.5, (0.26, 0.26)),
+        Shaft(6.0, (0.24, 0.24)),
+        Shaft(4.0, (0.28, 0.28), 0.1),
+        Disc(420.0, 900.0),
     ),
     12000.0,
-)  # fmt: skip
+)
 CONE = Line("conical shaft", (Disc(5.0), Shaft(2.0, (0.2, 0.08)), Disc(0.5, 3.0)), 60000.0)
 STEPPED = Line(
     "stepped shaft with three discs",
     (
-        Disc(4.0), Shaft(0.8, (0.1, 0.1)), Shaft(0.5, (0.14, 0.14)), Disc(2.5), Shaft(1.1, (0.12, 0.12)),
-        Shaft(0.6, (0.09, 0.09), 0.03), Shaft(0.9, (0.11, 0.11)), Disc(6.0),
+        Disc(4.0),
+        Shaft(0.8, (0.1, 0.1)),
+        Shaft(0.5, (0.14, 0.14)),
+        Disc(2.5),
+        Shaft(1.1, (0.12, 0.12)),
+        Shaft(0.6, (0.09, 0.09), 0.03),
+        Shaft(0.9, (0.11, 0.11)),
+        Disc(6.0),
     ),
     60000.0,
-)  # fmt: skip
+)
 LINES = (DRILL_STRING, MARINE, CONE)
 
 
@@ -117,5 +130,10 @@ def _component(item: Item, called: str, materials: dict[str, dict[str, float]]) 
             return {"gear": {"teeth": list(item.teeth), "inertia": list(item.inertia)}}
     name = f"G {item.shear_modulus:g} rho {item.density:g}"
     materials[name] = {"shear_modulus": item.shear_modulus, "density": item.density}
-    shaft: dict[str, Any] = {"name": called, "length": item.length, "diameter": list(item.diameter), "material": name}
+    shaft: dict[str, Any] = {
+        "name": called,
+        "length": item.length,
+        "diameter": list(item.diameter),
+        "material": name,
+    }
     return {"shaft": shaft | ({"bore": item.bore} if item.bore else {})}

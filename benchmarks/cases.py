@@ -74,7 +74,9 @@ def condensed(case: Case, number: Callable[[Any], Any] = float) -> Condensed:
     for own, gear, r, s in zip(case.inertia, case.gear, ratio, span, strict=True):
         total = r * r * number(own)
         if gear:
-            total = total + r * r * number(gear.driven_inertia) + s * s * number(gear.driving_inertia)
+            total = (
+                total + r * r * number(gear.driven_inertia) + s * s * number(gear.driving_inertia)
+            )
         inertia.append(total)
     return Condensed(
         parent=case.parent,
@@ -90,7 +92,9 @@ def condensed(case: Case, number: Callable[[Any], Any] = float) -> Condensed:
 def chain(size: int, *, stiff: bool, seed: int = 0) -> Case:
     """A free chain of `size` discs."""
     random = np.random.default_rng([seed, size, stiff])
-    return _case(f"chain {_word(stiff)}", tuple(range(-1, size - 1)), [None] * size, random, stiff=stiff)
+    return _case(
+        f"chain {_word(stiff)}", tuple(range(-1, size - 1)), [None] * size, random, stiff=stiff
+    )
 
 
 def geared_tree(size: int, *, stiff: bool, seed: int = 0) -> Case:
@@ -101,7 +105,9 @@ def geared_tree(size: int, *, stiff: bool, seed: int = 0) -> Case:
         back = 0 if random.random() < 0.7 else int(random.integers(0, min(station, 10)))
         parent.append(station - 1 - back)
     gear: list[Gear | None] = [None] * size
-    for station in random.choice(np.arange(1, size), GEAR_PAIRS.get(size, 1), replace=False).tolist():
+    for station in random.choice(
+        np.arange(1, size), GEAR_PAIRS.get(size, 1), replace=False
+    ).tolist():
         teeth = random.integers(17, 61, 2).tolist()
         driving, driven = (float(v) for v in _inertia(2, random, stiff=stiff) / 10)
         gear[station] = Gear(teeth[0], teeth[1], driving, driven)
@@ -113,7 +119,15 @@ def with_span_dampers(case: Case, share: float = 0.05) -> Case:
     middle = _middle_frequency(np.array(case.inertia), np.array(case.stiffness[1:]))
     viscous = tuple(share * k / middle for k in case.stiffness)
     zero = (0.0,) * case.size
-    return Case(f"{case.name}, dampers in spans", case.parent, case.inertia, case.stiffness, case.gear, zero, viscous)
+    return Case(
+        f"{case.name}, dampers in spans",
+        case.parent,
+        case.inertia,
+        case.stiffness,
+        case.gear,
+        zero,
+        viscous,
+    )
 
 
 def undamped(case: Case) -> Case:
@@ -123,14 +137,21 @@ def undamped(case: Case) -> Case:
 
 
 def _case(
-    name: str, parent: tuple[int, ...], gear: list[Gear | None], random: np.random.Generator, *, stiff: bool
+    name: str,
+    parent: tuple[int, ...],
+    gear: list[Gear | None],
+    random: np.random.Generator,
+    *,
+    stiff: bool,
 ) -> Case:
     size = len(parent)
     inertia = _inertia(size, random, stiff=stiff)
     stiffness = 10 ** random.uniform(0, 12, size) if stiff else random.uniform(1e4, 5e4, size)
     damping = 0.02 * _middle_frequency(inertia, stiffness[1:]) * inertia
     zero = (0.0,) * size
-    return Case(name, parent, _floats(inertia), _floats(stiffness), tuple(gear), _floats(damping), zero)
+    return Case(
+        name, parent, _floats(inertia), _floats(stiffness), tuple(gear), _floats(damping), zero
+    )
 
 
 def _inertia(size: int, random: np.random.Generator, *, stiff: bool) -> np.ndarray:

@@ -25,7 +25,10 @@ SPECS = Path(__file__).parents[1] / "shafting_specs"
 SCENES = ("haixun_06402", "usv", "cardan_bearings", "pump_1200kw", "six_cylinder")
 LIMITED = SCENES[:2]  # scenes with a target
 MOST, HEAVIEST = 1.6, 450.0  # of solve / --json, and kB of the first scene's page
-IMPORTS, BARE = "import numpy, scipy.linalg, pydantic, yaml, pint", 1.5  # and the ratio of --json to them
+IMPORTS, BARE = (
+    "import numpy, scipy.linalg, pydantic, yaml, pint",
+    1.5,
+)  # and the ratio of --json to them
 
 HOW = """\
 Times are of whole processes, from start to end, in s: the smallest of the runs, which take turns (`solve`, `--json`,
@@ -46,9 +49,13 @@ def main() -> None:
         parts = [_median_parts(SPECS / f"{one}.yaml", runs) for one in SCENES]
         bare = _beside_imports(folder, runs)
     sections = [
-        HOW, table(HEAD, map(_row, pairs)), _scene_verdicts(pairs),
-        "## Where it goes", PARTS, table(("scene", *parts[0]), _part_rows(parts)),
-    ]  # fmt: skip
+        HOW,
+        table(HEAD, map(_row, pairs)),
+        _scene_verdicts(pairs),
+        "## Where it goes",
+        PARTS,
+        table(("scene", *parts[0]), _part_rows(parts)),
+    ]
     report.publish("The command", [*sections, "## Next to the bare imports", bare])
 
 
@@ -69,11 +76,15 @@ def _pair(file: Path, folder: Path, runs: int) -> dict[str, Any]:
 def _run(words: Sequence[str]) -> tuple[float, float]:
     """Seconds by the clock and of the processor; a failed check (status 1) and no result (3) are answers too."""
     start, before = perf_counter(), os.times()
-    done = subprocess.run([sys.executable, "-m", "torsion", *words], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-m", "torsion", *words], capture_output=True, text=True, check=False
+    )
     seconds, after = perf_counter() - start, os.times()
     if done.returncode not in (0, 1, 3) or "Traceback" in done.stderr:
         sys.exit(f"torsion {' '.join(words)} failed: {done.stderr[-300:]}")
-    processor = after.children_user + after.children_system - before.children_user - before.children_system
+    processor = (
+        after.children_user + after.children_system - before.children_user - before.children_system
+    )
     return seconds, processor
 
 
@@ -81,7 +92,13 @@ def _row(pair: dict[str, Any]) -> tuple[str, ...]:
     solve, plain = pair["solve"], pair["json"]
     times = (f"{clock:.2f} ({processor:.2f})" for clock, processor in (solve, plain))
     weights = (f"{pair[name]:.0f}" for name in ("report.html", "results.json"))
-    return pair["scene"], *times, f"{solve[0] / plain[0]:.2f}", f"{solve[0] - plain[0]:.2f}", *weights
+    return (
+        pair["scene"],
+        *times,
+        f"{solve[0] / plain[0]:.2f}",
+        f"{solve[0] - plain[0]:.2f}",
+        *weights,
+    )
 
 
 def _scene_verdicts(pairs: Sequence[dict[str, Any]]) -> str:
@@ -96,7 +113,10 @@ def _scene_verdicts(pairs: Sequence[dict[str, Any]]) -> str:
 def _median_parts(file: Path, runs: int) -> dict[str, float]:
     """Median seconds of every part of fresh processes."""
     command = [sys.executable, "-m", "benchmarks.command_parts", str(file)]
-    done = [json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout) for _ in range(runs)]
+    done = [
+        json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+        for _ in range(runs)
+    ]
     return {name: statistics.median(one[name] for one in done) for name in done[0]}
 
 
@@ -104,7 +124,7 @@ def _part_rows(parts: Sequence[dict[str, float]]) -> list[tuple[str, ...]]:
     return [
         (name, *(f"{1e3 * seconds:.0f}" for seconds in one.values()))
         for name, one in zip(SCENES, parts, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _beside_imports(folder: Path, runs: int) -> str:

@@ -39,7 +39,12 @@ def main(file: str, folder: str) -> dict[str, float]:
     mark("blocks")
     from torsion.output.renderers import OUTPUTS
 
-    for name, title in (("html", "page"), ("json", "results.json"), ("csv", "results.csv"), ("terminal", "terminal")):
+    for name, title in (
+        ("html", "page"),
+        ("json", "results.json"),
+        ("csv", "results.csv"),
+        ("terminal", "terminal"),
+    ):
         output = OUTPUTS[name]
         content = output(made, findings) if output.of_findings else output(made)
         if callable(content):

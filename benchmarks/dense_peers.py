@@ -40,20 +40,26 @@ def dense_modes(case: Case) -> tuple[np.ndarray, np.ndarray]:
 def sparse_frequencies(case: Case, count: int, shift: float) -> np.ndarray:
     """The lowest elastic frequencies, rad/s: eigsh by shift and invert, with a shift (rad2/s2) below zero."""
     stiffness, _, inertia = matrices(case)
-    return _lowest(sparse.csc_array(stiffness), count, shift, M=sparse.diags_array(inertia, format="csc"))
+    return _lowest(
+        sparse.csc_array(stiffness), count, shift, M=sparse.diags_array(inertia, format="csc")
+    )
 
 
 def chain_frequencies(size: int, count: int, shift: float) -> np.ndarray:
     """The same of a uniform chain of unit inertias and stiffnesses, never a full matrix."""
     diagonal = np.full(size, 2.0)
     diagonal[[0, -1]] = 1.0
-    stiffness = sparse.diags_array([diagonal, np.full(size - 1, -1.0), np.full(size - 1, -1.0)], offsets=[0, 1, -1])
+    stiffness = sparse.diags_array(
+        [diagonal, np.full(size - 1, -1.0), np.full(size - 1, -1.0)], offsets=[0, 1, -1]
+    )
     return _lowest(stiffness.tocsc(), count, shift)
 
 
 def _lowest(stiffness: Any, count: int, shift: float, **inertia: Any) -> np.ndarray:
     start = np.random.default_rng(0).uniform(size=stiffness.shape[0])
-    square = eigsh(stiffness, count + 1, sigma=shift, v0=start, return_eigenvectors=False, **inertia)
+    square = eigsh(
+        stiffness, count + 1, sigma=shift, v0=start, return_eigenvectors=False, **inertia
+    )
     return np.sqrt(np.abs(np.sort(square)))[1:]
 
 

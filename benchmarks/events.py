@@ -16,7 +16,11 @@ from tests.kernels.transient.extended_precision import ten_stations
 from benchmarks.page_file import Report, verdict
 from torsion.arrays import FloatArray
 from torsion.kernels.transient.energy_balance import energy_balance
-from torsion.kernels.transient.event_driven_motion import EventDrivenMotion, PiecewiseTrain, event_driven
+from torsion.kernels.transient.event_driven_motion import (
+    EventDrivenMotion,
+    PiecewiseTrain,
+    event_driven,
+)
 
 DURATION, SAMPLES = 2.0, 200
 WITHIN = (0.25, 0.5, 1.0, 2.0)  # s
@@ -33,7 +37,11 @@ TRAINS = {  # damping ratio, N m, 1/s
     "60 N m at 17 Hz, damping ratio 2 %": (0.02, 60.0, complex(-0.5, 34.0 * math.pi)),
     "120 N m at 4.8 Hz, damping of 10 us times the stiffness": (0.0, 120.0, complex(-0.05, 30.0)),
 }
-OWN, HALVED, CLASSICAL = "from event to event", "from event to event, steps halved", "Newmark, h = 0.001 s"
+OWN, HALVED, CLASSICAL = (
+    "from event to event",
+    "from event to event, steps halved",
+    "Newmark, h = 0.001 s",
+)
 Solved = tuple[FloatArray, float, str]  # torques (2, times), s, what more there is to say
 
 
@@ -54,21 +62,32 @@ def measured(ratio: float, load: float, rate: complex, calls: int) -> tuple[str,
         OWN: lambda: exact(train, 1.0),
         HALVED: lambda: exact(train, 0.5),
         **{f"Newmark, h = {h:g} s": lambda h=h: newmark(train, h) for h in (1e-3, 1e-4)},
-        **{f"DOP853, {tol:g}": lambda tol=tol: dop853(train, tol) for tol in (1e-4, 1e-6, 1e-7, 1e-8)},
+        **{
+            f"DOP853, {tol:g}": lambda tol=tol: dop853(train, tol)
+            for tol in (1e-4, 1e-6, 1e-7, 1e-8)
+        },
     }
     tries: dict[str, list[Solved]] = {name: [] for name in methods}
     for _ in range(calls):
         for name, run in methods.items():
             tries[name].append(run())
     errors, seconds = dict[str, list[float]](), dict[str, float]()
-    rows = ["| method | " + " | ".join(f"error to {t:g} s" for t in WITHIN) + " | time, s | |", "|---" * 7 + "|"]
+    rows = [
+        "| method | " + " | ".join(f"error to {t:g} s" for t in WITHIN) + " | time, s | |",
+        "|---" * 7 + "|",
+    ]
     for name, runs in tries.items():
         torque, _, words = runs[0]
         seconds[name] = statistics.median(one[1] for one in runs)
-        errors[name] = [float(np.abs((torque - known)[:, t >= TIMES]).max() / np.abs(known).max()) for t in WITHIN]
+        errors[name] = [
+            float(np.abs((torque - known)[:, t >= TIMES]).max() / np.abs(known).max())
+            for t in WITHIN
+        ]
         cells = " | ".join(f"{error:.1e}" for error in errors[name])
         rows.append(f"| {name} | {cells} | {seconds[name]:.3f} | {words} |")
-    return "\n".join(rows), "\n".join(_verdicts({name: errors[name][-1] for name in errors}, seconds))
+    return "\n".join(rows), "\n".join(
+        _verdicts({name: errors[name][-1] for name in errors}, seconds)
+    )
 
 
 def _verdicts(error: dict[str, float], seconds: dict[str, float]) -> Iterator[str]:
@@ -81,7 +100,8 @@ def _verdicts(error: dict[str, float], seconds: dict[str, float]) -> Iterator[st
     )
     loose = f"DOP853, {USEFUL:g}"
     useful = min(
-        (name for name in error if name.startswith("DOP853") and error[name] <= USEFUL), key=seconds.__getitem__
+        (name for name in error if name.startswith("DOP853") and error[name] <= USEFUL),
+        key=seconds.__getitem__,
     )
     for name, words in (
         (loose, f"at the tolerance {USEFUL:g}, where it errs by {error[loose]:.1g}"),
@@ -96,18 +116,30 @@ def exact(train: PiecewiseTrain, fineness: float) -> Solved:
     none = np.zeros(len(train.elements)), np.zeros(len(train.w)), np.zeros(len(train.damping))
     start = process_time()
     motion = event_driven(
-        train, (0, 0), twist=none[0], place=none[1], speed=none[2], duration=DURATION, fineness=fineness
+        train,
+        (0, 0),
+        twist=none[0],
+        place=none[1],
+        speed=none[2],
+        duration=DURATION,
+        fineness=fineness,
     )
     found = torques(motion)
     seconds = process_time() - start
     changes = np.count_nonzero(np.diff(motion.regime))
-    return found, seconds, f"{changes} changes of a regime, energy to {energy_balance(motion).residual:.0e}"
+    return (
+        found,
+        seconds,
+        f"{changes} changes of a regime, energy to {energy_balance(motion).residual:.0e}",
+    )
 
 
 def torques(motion: EventDrivenMotion) -> FloatArray:
     """(elements, times) N m."""
     z, regime = motion.at(TIMES)
-    return np.stack([motion.regimes[r].torque @ z[:, k] for k, r in enumerate(regime.tolist())], axis=1)
+    return np.stack(
+        [motion.regimes[r].torque @ z[:, k] for k, r in enumerate(regime.tolist())], axis=1
+    )
 
 
 def _load(train: PiecewiseTrain, time: float) -> FloatArray:
@@ -116,7 +148,9 @@ def _load(train: PiecewiseTrain, time: float) -> FloatArray:
     return np.asarray((train.force @ np.array([np.exp(rate * time), 1.0])).real)
 
 
-def _laws(train: PiecewiseTrain, twist: FloatArray, speed: FloatArray, slip: float) -> tuple[FloatArray, FloatArray]:
+def _laws(
+    train: PiecewiseTrain, twist: FloatArray, speed: FloatArray, slip: float
+) -> tuple[FloatArray, FloatArray]:
     """Torques of both elements, and their derivatives by twist and speed (2, 2)."""
     play, dry = train.elements
     beyond, slope = abs(twist[0]) - play.half, np.zeros((2, 2))
@@ -179,11 +213,18 @@ def dop853(train: PiecewiseTrain, tolerance: float) -> Solved:
         return np.concatenate([v, gained, [speed[1] if slips else 0.0]])
 
     done = solve_ivp(
-        rate, (0.0, DURATION), np.zeros(2 * size + 1), "DOP853", t_eval=TIMES, rtol=tolerance, atol=1e-5 * tolerance
+        rate,
+        (0.0, DURATION),
+        np.zeros(2 * size + 1),
+        "DOP853",
+        t_eval=TIMES,
+        rtol=tolerance,
+        atol=1e-5 * tolerance,
     )
     found = np.stack(
-        [_laws(train, ends @ z[:size], ends @ z[size:-1], float(z[-1]))[0] for z in done.y.T], axis=1
-    )  # fmt: skip
+        [_laws(train, ends @ z[:size], ends @ z[size:-1], float(z[-1]))[0] for z in done.y.T],
+        axis=1,
+    )
     return found, process_time() - start, f"{done.nfev} calls"
 
 

@@ -33,7 +33,9 @@ class Sweep:
     along: str  # the parameter, for the axis
     points: dict[str, list[Point]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
-    limit: list[tuple[float, float]] = field(default_factory=list)  # what the next frequency in double changes
+    limit: list[tuple[float, float]] = field(
+        default_factory=list
+    )  # what the next frequency in double changes
 
     def add(self, method: str, at: float, error: Callable[[], float]) -> None:
         """The error of one answer; an exception or no number is an answer that failed, and kept as such."""
@@ -41,7 +43,9 @@ class Sweep:
             value, fault = error(), ""
             if not np.isfinite(value):
                 value, fault = float("inf"), "no finite answer"
-        except Exception as failed:  # peers fail in ways of their own; the page states each in its words
+        except (
+            Exception
+        ) as failed:  # peers fail in ways of their own; the page states each in its words
             value, fault = float("inf"), f"{type(failed).__name__}: {failed}".splitlines()[0][:120]
         self.points.setdefault(method, []).append(Point(at, value, fault))
 
@@ -65,14 +69,26 @@ def ranges_in_words(points: Sequence[Point], useful: float = USEFUL) -> str:
         return "nowhere"
     if found == [(points[0].at, points[-1].at)]:
         return "throughout"
-    return ", ".join(f"{first:.2g} to {last:.2g}" if first != last else f"{first:.2g}" for first, last in found)
+    return ", ".join(
+        f"{first:.2g} to {last:.2g}" if first != last else f"{first:.2g}" for first, last in found
+    )
 
 
 def reading(sweep: Sweep) -> str:
     """What the figure shows, in one sentence made from its numbers."""
     parts = [f"{method} {ranges_in_words(points)}" for method, points in sweep.points.items()]
-    own = max(point.error for method, points in sweep.points.items() for point in points if _is_ours(method))
-    others = [point.error for method, points in sweep.points.items() for point in points if not _is_ours(method)]
+    own = max(
+        point.error
+        for method, points in sweep.points.items()
+        for point in points
+        if _is_ours(method)
+    )
+    others = [
+        point.error
+        for method, points in sweep.points.items()
+        for point in points
+        if not _is_ours(method)
+    ]
     return (
         f"Useful answers (error up to {USEFUL:g}): {'; '.join(parts)}; the largest error of torsion is {_size(own)}, "
         f"of the others {_size(max(others))}."
@@ -99,12 +115,20 @@ def ends_table(sweep: Sweep) -> str:
     """Where each method is useful, its largest error there, and the faults it met."""
     rows = []
     for method, points in sweep.points.items():
-        worst = max((point.error for point in points if point.error <= USEFUL), default=float("nan"))
-        faults = dict.fromkeys(f"{point.fault} (at {point.at:.2g})" for point in points if point.fault)
-        words = "; ".join(list(faults)[:2]) + (f"; {len(faults) - 2} more" if len(faults) > 2 else "")
+        worst = max(
+            (point.error for point in points if point.error <= USEFUL), default=float("nan")
+        )
+        faults = dict.fromkeys(
+            f"{point.fault} (at {point.at:.2g})" for point in points if point.fault
+        )
+        words = "; ".join(list(faults)[:2]) + (
+            f"; {len(faults) - 2} more" if len(faults) > 2 else ""
+        )
         largest = max(point.error for point in points)
         rows.append((method, ranges_in_words(points), f"{worst:.1e}", _size(largest), words))
-    return table((sweep.along, "useful", "largest error there", "largest error anywhere", "faults"), rows)
+    return table(
+        (sweep.along, "useful", "largest error there", "largest error anywhere", "faults"), rows
+    )
 
 
 def figure(sweep: Sweep) -> str:
@@ -124,6 +148,17 @@ def figure(sweep: Sweep) -> str:
         lines.append(Line("what the next double of the frequency changes", at, error, "limit"))
     every = [point.at for points in sweep.points.values() for point in points]
     back = bool(every) and next(iter(sweep.points.values()))[0].at > min(every)
-    x = Axis(sweep.along, "", min(every, default=1.0), max(every, default=10.0), is_log=True, is_reversed=back)
+    x = Axis(
+        sweep.along,
+        "",
+        min(every, default=1.0),
+        max(every, default=10.0),
+        is_log=True,
+        is_reversed=back,
+    )
     y = Axis("largest relative error", "", ROUNDING / 3, HIGHEST * 2, is_log=True, is_error=True)
-    return svg(Figure(sweep.name, sweep.title, (Panel(x, y, tuple(lines), marks=tuple(marks), height=260.0),)))
+    return svg(
+        Figure(
+            sweep.name, sweep.title, (Panel(x, y, tuple(lines), marks=tuple(marks), height=260.0),)
+        )
+    )

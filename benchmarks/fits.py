@@ -33,7 +33,11 @@ STIFFNESSES = "soft.stiffness", "stiff.stiffness"
 MEASURED = {  # figures that vary, whether both frequencies, and which torsiograms
     "two frequencies": (STIFFNESSES, True, ()),
     "torsiogram of the motor": (tuple(PRIOR), False, (("motor", 2, "angle"),)),
-    "frequencies, torsiograms of motor and pump": (tuple(PRIOR), True, (("motor", 2, "angle"), ("pump", 4, "angle"))),
+    "frequencies, torsiograms of motor and pump": (
+        tuple(PRIOR),
+        True,
+        (("motor", 2, "angle"), ("pump", 4, "angle")),
+    ),
     "frequencies, torque of the soft coupling": (tuple(PRIOR), True, (("soft", 2, "torque"),)),
 }
 UNITS = {"angle": "rad", "torque": "N*m"}
@@ -73,8 +77,12 @@ def amplitude(true: Study, at: str, order: int, quantity: str) -> np.ndarray:
     system, speed = torsion.assemble(true.train, frequency=150.0), SPEEDS * np.pi / 30.0
     found = response_of_orders(true, system, [Fraction(order)], speed)
     if quantity == "torque":
-        return np.abs(found.torque[:, 0, next(k for k, one in enumerate(system.spans) if one.name == at)])
-    return np.abs(found.angle[:, 0, next(k for k, one in enumerate(system.stations) if one.name == at)])
+        return np.abs(
+            found.torque[:, 0, next(k for k, one in enumerate(system.spans) if one.name == at)]
+        )
+    return np.abs(
+        found.angle[:, 0, next(k for k, one in enumerate(system.stations) if one.name == at)]
+    )
 
 
 def settings(true: Study, rng: np.random.Generator, kind: str) -> str:
@@ -82,16 +90,24 @@ def settings(true: Study, rng: np.random.Generator, kind: str) -> str:
     names, with_frequencies, each = MEASURED[kind]
     rows = []
     if with_frequencies:
-        hertz = torsion.modes(torsion.assemble(true.train), 2).frequency * np.exp(FREQUENCY * rng.standard_normal(2))
-        rows += [f"{{mode: {k}, frequency: {one!r} Hz, within: {FREQUENCY!r}}}" for k, one in
-                 enumerate(hertz.tolist(), start=1)]  # fmt: skip
+        hertz = torsion.modes(torsion.assemble(true.train), 2).frequency * np.exp(
+            FREQUENCY * rng.standard_normal(2)
+        )
+        rows += [
+            f"{{mode: {k}, frequency: {one!r} Hz, within: {FREQUENCY!r}}}"
+            for k, one in enumerate(hertz.tolist(), start=1)
+        ]
     for at, order, quantity in each:
-        values = amplitude(true, at, order, quantity) * np.exp(WITHIN * rng.standard_normal(len(SPEEDS)))
+        values = amplitude(true, at, order, quantity) * np.exp(
+            WITHIN * rng.standard_normal(len(SPEEDS))
+        )
         points = ", ".join(
             f"{{speed: {n!r} rpm, amplitude: {v!r} {UNITS[quantity]}}}"
             for n, v in zip(SPEEDS.tolist(), values.tolist(), strict=True)
         )
-        rows.append(f"{{torsiogram: [{points}], at: {at}, order: {order}, quantity: {quantity}, within: {WITHIN!r}}}")
+        rows.append(
+            f"{{torsiogram: [{points}], at: {at}, order: {order}, quantity: {quantity}, within: {WITHIN!r}}}"
+        )
     vary = ", ".join(f"{name}: {PRIOR[name]} %" for name in names)
     return f", fit: {{vary: {{{vary}}}, measured: [{', '.join(rows)}]}}"
 
@@ -101,7 +117,10 @@ def counted(kind: str, seeds: int) -> Counted:
     whole = Counted()
     for seed in range(seeds):
         rng = np.random.default_rng([seed, list(MEASURED).index(kind)])
-        factors = {name: float(np.exp(0.01 * PRIOR[name] * rng.standard_normal())) for name in MEASURED[kind][0]}
+        factors = {
+            name: float(np.exp(0.01 * PRIOR[name] * rng.standard_normal()))
+            for name in MEASURED[kind][0]
+        }
         words = settings(scene(factors), rng, kind)
         begin = time.process_time()
         found = torsion.run(scene({}, words)).need(Fit)
@@ -133,8 +152,10 @@ def main() -> None:
     """The page."""
     report = Report(__doc__, "fits", seeds=250)
     head = "| measured | fits | intervals | hold the truth | 93 to 97 % | other minima | chi2 / freedom | ms a fit |"
-    report.publish("Intervals of fits", [WORDS, "\n".join([head, "|---|---|---|---|---|---|---|---|",
-                                                           *rows(report.chosen.seeds)])])  # fmt: skip
+    report.publish(
+        "Intervals of fits",
+        [WORDS, "\n".join([head, "|---|---|---|---|---|---|---|---|", *rows(report.chosen.seeds)])],
+    )
 
 
 if __name__ == "__main__":

@@ -41,7 +41,12 @@ def compare(damped_case: Case, effort: Effort, folder: Path) -> Row:
         row.lost[name] = total - len(found)
         return (_worst(found, requested, exact[: len(requested)], row.lost[name]),)
 
-    def of(name: str, solve: Callable[[Any], Any], assemble: Callable[[], Any] = lambda: None, **how: Any) -> Candidate:
+    def of(
+        name: str,
+        solve: Callable[[Any], Any],
+        assemble: Callable[[], Any] = lambda: None,
+        **how: Any,
+    ) -> Candidate:
         return program(name, solve, partial(errors, name=name, **{"few": None, **how}), assemble)
 
     bare, arguments = ours.tree(case), peers_opentorsion.elements(case)
@@ -56,7 +61,9 @@ def compare(damped_case: Case, effort: Effort, folder: Path) -> Row:
     programs.append(whole(PUBLIC, lambda system: torsion.modes(system, count=None)))
     if case.size > ours.FEW:
         programs.append(of(LOWEST, lambda _: ours.modes(bare, ours.FEW), few=ours.FEW))
-        programs.append(whole(PUBLIC_LOWEST, lambda system: torsion.modes(system, count=ours.FEW), few=ours.FEW))
+        programs.append(
+            whole(PUBLIC_LOWEST, lambda system: torsion.modes(system, count=ours.FEW), few=ours.FEW)
+        )
     peer = partial(of, assemble=lambda: peers_opentorsion.assembled(arguments))
     programs.append(peer(UNDAMPED, peers_opentorsion.undamped_frequencies))
     if case.size <= effort.largest_of_damped:
@@ -71,7 +78,10 @@ def compare(damped_case: Case, effort: Effort, folder: Path) -> Row:
 def _enclosed(answer: Any, modes: Sequence[int], exact: Sequence[Any]) -> int:
     """How many references lie in the enclosures that the kernel calls proven."""
     pairs = zip(modes, exact, strict=True)
-    return sum(answer.lower[mode - 1].item() <= value <= answer.upper[mode - 1].item() for mode, value in pairs)
+    return sum(
+        answer.lower[mode - 1].item() <= value <= answer.upper[mode - 1].item()
+        for mode, value in pairs
+    )
 
 
 def _chosen(total: int, limit: int) -> list[int]:

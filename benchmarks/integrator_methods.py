@@ -5,7 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.kernels.transient import integrator_methods as known
-from torsion.kernels.transient.integrator_methods import Method, marching, precise_integration, runge_kutta
+from torsion.kernels.transient.integrator_methods import (
+    Method,
+    marching,
+    precise_integration,
+    runge_kutta,
+)
 
 METHODS: dict[str, Method] = {title: known.METHODS[name] for name, title in known.TITLES.items()}
 
@@ -23,7 +28,9 @@ def quality(method: Method, ratio: float) -> Quality:
     """At h/T = ratio, from the eigenvalues of the amplification matrix; NaN where it does not oscillate."""
     one, w = np.ones((1, 1)), 2.0 * np.pi
     matrix = marching(method, one, 0.0 * one, w * w * one, ratio).matrix
-    size = 2 if method in (runge_kutta, precise_integration) else 3  # without an acceleration that only stays
+    size = (
+        2 if method in (runge_kutta, precise_integration) else 3
+    )  # without an acceleration that only stays
     values = np.linalg.eigvals(matrix[:size, :size])
     moving = values[np.abs(values.imag) > 1e-12]
     if not moving.size:
@@ -42,5 +49,7 @@ def stable_to(method: Method) -> float:
     low, high = 1e-3, 10.0
     for _ in range(60):
         middle = (low * high) ** 0.5
-        low, high = (middle, high) if quality(method, middle).radius <= 1.0 + 1e-6 else (low, middle)
+        low, high = (
+            (middle, high) if quality(method, middle).radius <= 1.0 + 1e-6 else (low, middle)
+        )
     return low

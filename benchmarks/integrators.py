@@ -35,8 +35,14 @@ from torsion.study import Study
 from torsion.train import train
 
 DURATION, RATIO, DIGITS = 2.0, 0.01, 60
-TABLES = (((0.0, 0.0), (0.02, 100.0), (9.0, 100.0)), ((1.0, 0.0), (1.02, -100.0), (9.0, -100.0)))  # s, N m
-STEPS, QUICK = (1e-2, 2.5e-3, 1e-3, 2.5e-4, 1e-4, 2e-5), (1e-2, 1e-3)  # s; the kinks of the torques lie on them
+TABLES = (
+    ((0.0, 0.0), (0.02, 100.0), (9.0, 100.0)),
+    ((1.0, 0.0), (1.02, -100.0), (9.0, -100.0)),
+)  # s, N m
+STEPS, QUICK = (
+    (1e-2, 2.5e-3, 1e-3, 2.5e-4, 1e-4, 2e-5),
+    (1e-2, 1e-3),
+)  # s; the kinks of the torques lie on them
 TOLERANCES = (1e-4, 1e-7, 1e-10)
 RATIOS = (0.05, 0.1, 0.2)
 STIFF = 1e5  # rad/s: DOP853, whose steps follow the fastest mode, is left out beyond
@@ -92,7 +98,10 @@ def main() -> None:
     for case, measured in found.items():
         w = 2.0 * math.pi * _modes(case).frequency
         about = f"{len(case.M)} unknowns, elastic modes from {w[0]:.3g} to {w[-1]:.3g} rad/s."
-        cells = [(row.method, row.setting, f"{row.seconds:.3g}", shown_error(row.error)) for row in measured]
+        cells = [
+            (row.method, row.setting, f"{row.seconds:.3g}", shown_error(row.error))
+            for row in measured
+        ]
         head = ("method", "step or tolerance", "time, s", "error")
         parts += [f"## {case.name}", about, f"![{case.name}]({_file(case)})", table(head, cells)]
     parts += ["## Size", _sizes(), "## Targets", _verdicts(found)]
@@ -108,8 +117,16 @@ def cases() -> list[Case]:
         ("Stiff chain of ten", 10.0 ** stiff.uniform(-6, 4, 10), 10.0 ** stiff.uniform(0, 12, 9)),
     )
     made = [_case(name, _chain(J, k), "lumped", list(range(9))) for name, J, k in chains]
-    parts: list = [Disc(name="a", inertia=2.0), Coupling(name="s1", stiffness=4e4), Disc(inertia=0.5)]
-    parts += [Shaft(length="2 m", diameter="60 mm"), Disc(inertia=0.3), Shaft(length="1 m", diameter="50 mm")]
+    parts: list = [
+        Disc(name="a", inertia=2.0),
+        Coupling(name="s1", stiffness=4e4),
+        Disc(inertia=0.5),
+    ]
+    parts += [
+        Shaft(length="2 m", diameter="60 mm"),
+        Disc(inertia=0.3),
+        Shaft(length="1 m", diameter="50 mm"),
+    ]
     parts += [Disc(inertia=0.4), Coupling(name="s2", stiffness=2e4), Disc(inertia=3.0)]
     return [*made, _case("Shafts of finite elements", parts, "fem", [])]
 
@@ -117,7 +134,10 @@ def cases() -> list[Case]:
 def _chain(inertia: np.ndarray, stiffness: np.ndarray) -> list:
     parts: list = []
     for J, k in zip(inertia, [*stiffness, 0.0], strict=True):
-        parts += [Disc(inertia=float(J), unusual=True), *([Coupling(stiffness=float(k), unusual=True)] if k else [])]
+        parts += [
+            Disc(inertia=float(J), unusual=True),
+            *([Coupling(stiffness=float(k), unusual=True)] if k else []),
+        ]
     return parts
 
 
@@ -140,13 +160,23 @@ def rows(case: Case, steps: Sequence[float]) -> list[Row]:
     """Every method at every step or tolerance."""
     times = np.linspace(0.0, DURATION, 201)[1:]
     known = reference(case, times)
-    found = [_timed(EXACT, f"{h:g} s", lambda h=h: propagated(case, h, times), known) for h in steps]
+    found = [
+        _timed(EXACT, f"{h:g} s", lambda h=h: propagated(case, h, times), known) for h in steps
+    ]
     for name in METHODS:
-        found += [_timed(name, f"{h:g} s", lambda name=name, h=h: marched(case, name, h, times), known) for h in steps]
+        found += [
+            _timed(name, f"{h:g} s", lambda name=name, h=h: marched(case, name, h, times), known)
+            for h in steps
+        ]
     fast = 2.0 * math.pi * float(_modes(case).frequency[-1]) > STIFF
     for name in ("Radau",) if fast else ("DOP853", "Radau"):
         for tolerance in TOLERANCES[: len(steps)]:
-            run = _timed(name, f"{tolerance:g}", lambda n=name, t=tolerance: _solved(case, n, t, times), known)
+            run = _timed(
+                name,
+                f"{tolerance:g}",
+                lambda n=name, t=tolerance: _solved(case, n, t, times),
+                known,
+            )
             found.append(run)
     return found
 
@@ -157,7 +187,9 @@ def _timed(method: str, setting: str, run: Callable[[], np.ndarray], known: np.n
         torque = run()
         seconds = process_time() - start
         error = np.abs(torque - known).max(axis=1) / np.abs(known).max(axis=1)
-    return Row(method, setting, seconds, float(error.max()) if np.isfinite(error).all() else math.inf)
+    return Row(
+        method, setting, seconds, float(error.max()) if np.isfinite(error).all() else math.inf
+    )
 
 
 def reference(case: Case, times: np.ndarray) -> np.ndarray:
@@ -175,7 +207,10 @@ def reference(case: Case, times: np.ndarray) -> np.ndarray:
         pushes = [(shapes[0, mode], 0.0), (-shapes[last, mode], 1.0)]
         for place, time in enumerate(times.tolist()):
             q = mp.fsum(
-                push * 100 / mp.mpf("0.02") * (_ramp(w, time - at) - _ramp(w, mp.mpf(time) - at - mp.mpf("0.02")))
+                push
+                * 100
+                / mp.mpf("0.02")
+                * (_ramp(w, time - at) - _ramp(w, mp.mpf(time) - at - mp.mpf("0.02")))
                 for push, at in pushes
             )
             found[:, place] += [float(one * q) for one in carried]
@@ -222,11 +257,17 @@ def propagated(case: Case, h: float, times: np.ndarray) -> np.ndarray:
     found, w, force = _modal(case)
     size = len(w) + 1
     modal = ModalTrain(w, np.full(len(w), RATIO), np.zeros((size, size)))
-    moved = motion(modal, force, [tuple(ramps(rows)) for rows in TABLES], np.zeros(size), np.zeros(size))
+    moved = motion(
+        modal, force, [tuple(ramps(rows)) for rows in TABLES], np.zeros(size), np.zeros(size)
+    )
     samples = np.arange(1, round(DURATION / h) + 1) * h
     kept = found.torque[case.spans] @ moved.at(samples)[0][1:]
     every = np.searchsorted(samples, times - 1e-9)
-    at = found.torque[case.spans] @ moved.at(times)[0][1:] if (len(samples) % len(times)) else kept[:, every]
+    at = (
+        found.torque[case.spans] @ moved.at(times)[0][1:]
+        if (len(samples) % len(times))
+        else kept[:, every]
+    )
     return np.asarray(at)
 
 
@@ -240,7 +281,7 @@ def marched(case: Case, name: str, h: float, times: np.ndarray) -> np.ndarray:
     torques = np.zeros((len(grid), len(case.M)))
     torques[:, 0], torques[:, _last(case)] = (
         np.interp(grid, *np.array(rows).T, left=0.0) for rows in TABLES
-    )  # fmt: skip
+    )
     march = marching(METHODS[name], case.M, damping, case.K, h)
     moved = march.histories(torques[:-1], torques[1:])[:, : len(case.M)]
     return np.array([np.interp(times, grid, one) for one in (case.rows @ moved.T)])
@@ -272,7 +313,9 @@ def _solved(case: Case, method: str, tolerance: float, times: np.ndarray) -> np.
     for begin, end in ((0.0, 0.02), (0.02, 1.0), (1.0, 1.02), (1.02, DURATION)):
         here = (times > begin) & (times <= end)
         at = np.unique([*times[here], end])
-        run = solve_ivp(rate, (begin, end), state, method=method, t_eval=at, rtol=tolerance, atol=floor, **more)
+        run = solve_ivp(
+            rate, (begin, end), state, method=method, t_eval=at, rtol=tolerance, atol=floor, **more
+        )
         if not run.success:
             return np.full((len(case.spans), len(times)), np.nan)
         kept[:, here] = run.y[:n, : int(here.sum())]
@@ -295,11 +338,15 @@ def properties() -> str:
             for q in (quality(method, ratio) for ratio in RATIOS)
         ]
         errors = [
-            abs(quality(method, ratio).elongation) + abs(quality(method, ratio).decay) for ratio in (0.005, 0.0025)
+            abs(quality(method, ratio).elongation) + abs(quality(method, ratio).decay)
+            for ratio in (0.005, 0.0025)
         ]
         order = "exact" if errors[0] < 1e-11 else f"{math.log2(errors[0] / errors[1]):.2f}"
         limit, radius = stable_to(method), quality(method, 1e3).radius
-        last = "any" if math.isinf(limit) else f"{limit:.4f}", f"{radius:.3f}" if radius < 1.01 else "grows"
+        last = (
+            "any" if math.isinf(limit) else f"{limit:.4f}",
+            f"{radius:.3f}" if radius < 1.01 else "grows",
+        )
         lines.append((name, *cells, order, *last))
     return table(head, lines)
 
@@ -358,7 +405,9 @@ def _drawn(name: str, measured: Sequence[Row]) -> str:
     lines = []
     for pen, method in enumerate(dict.fromkeys(row.method for row in measured)):
         own = [row for row in measured if row.method == method and row.error < 10.0]
-        time, error = np.array([(row.seconds, max(row.error, 1e-16)) for row in own]).reshape(-1, 2).T
+        time, error = (
+            np.array([(row.seconds, max(row.error, 1e-16)) for row in own]).reshape(-1, 2).T
+        )
         lines.append(Line(method, time, error, pen, symbol=SYMBOLS[pen % len(SYMBOLS)]))
     x = Axis("run time", "s of one processor", is_log=True)
     y = Axis("largest error of a torque, of its peak", "", 1e-16, 10.0, is_log=True, is_error=True)

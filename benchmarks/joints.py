@@ -27,7 +27,11 @@ def main() -> None:
     report = Report(__doc__, "joints", calls=7)
     random = np.random.default_rng(6)
     plane = np.append(0.0, random.uniform(-np.pi, np.pi, JOINTS - 1))
-    line = line_of(np.radians([5.0, 25.0, 45.0, 60.0, 75.0, 89.0]), plane, random.uniform(-np.pi, np.pi, JOINTS))
+    line = line_of(
+        np.radians([5.0, 25.0, 45.0, 60.0, 75.0, 89.0]),
+        plane,
+        random.uniform(-np.pi, np.pi, JOINTS),
+    )
     driving = random.uniform(-100.0, 100.0, ANGLES)
     times = []
     for _ in range(report.chosen.calls):
@@ -35,7 +39,9 @@ def main() -> None:
         found = motion(driving, line)
         times.append(process_time() - start)
     errors = _errors(driving[:CHECKED], line, found)
-    report.publish("A million angles of a line of six joints", [WHAT, "\n".join(_lines(times, errors))])
+    report.publish(
+        "A million angles of a line of six joints", [WHAT, "\n".join(_lines(times, errors))]
+    )
 
 
 def _errors(driving: np.ndarray, line: Line, found: Transfer) -> dict[str, float]:
@@ -51,7 +57,9 @@ def _errors(driving: np.ndarray, line: Line, found: Transfer) -> dict[str, float
                 share = mp.tan(angle / 2) ** 2
                 ratio = (1 - share**2) / (1 - 2 * share * mp.cos(2 * yoke) + share**2)
                 lead, rate = lead - mp.arg(1 - share * mp.expj(2 * yoke)), rate * ratio
-            worst["angle, rad"] = max(worst["angle, rad"], float(abs(found.error[-1][place] - lead)))
+            worst["angle, rad"] = max(
+                worst["angle, rad"], float(abs(found.error[-1][place] - lead))
+            )
             gap = float(abs(found.ratio[-1][place] / rate - 1))
             worst["speed, relative"] = max(worst["speed, relative"], gap)
     return worst

@@ -20,8 +20,19 @@ from benchmarks.papers.writing import table
 
 SPECS = Path(__file__).parents[1] / "shafting_specs"
 SCENES = ("toleranced_drive", "twin_diesel_ferry", "haixun_06402", "usv")
-STATIONS, SAVED, MOVED = 20, 500.0, 150.0  # and ms to the picture of a saved file, to frequencies of a moved slider
-HEAD = ("scene", "first picture", "saved: Campbell", "saved: all", "slider: Campbell", "slider: all")
+STATIONS, SAVED, MOVED = (
+    20,
+    500.0,
+    150.0,
+)  # and ms to the picture of a saved file, to frequencies of a moved slider
+HEAD = (
+    "scene",
+    "first picture",
+    "saved: Campbell",
+    "saved: all",
+    "slider: Campbell",
+    "slider: all",
+)
 HOW = """\
 Times in ms: median and, in brackets, the worst of the runs; of the first picture one run. `Campbell`: the natural
 frequencies and the Campbell diagram are painted; `all`: the verdict, the figures of the first page and every curve of
@@ -47,18 +58,27 @@ SLIDE = """(share) => {
 def chain(stations: int, speeds: int = 151) -> str:
     """A scene of discs with couplings between, every third of which has a tolerance."""
     lines = [
-        "name: chain", "operation:", f"  speeds: {{from: 300 rpm, to: 1800 rpm, steps: {speeds}}}",
-        "  rated: {speed: 1500 rpm, power: 400 kW}", "train:",
+        "name: chain",
+        "operation:",
+        f"  speeds: {{from: 300 rpm, to: 1800 rpm, steps: {speeds}}}",
+        "  rated: {speed: 1500 rpm, power: 400 kW}",
+        "train:",
         "  - motor: {name: motor, inertia: 12, ripple: [{order: 1, torque: 1 %}, {order: 2, torque: 2 %}]}",
-    ]  # fmt: skip
+    ]
     for k in range(1, stations):
-        more = "tolerance: 15 %, vibratory_torque: 400 N*m, psi: 0.8" if k % 3 == 1 else "loss_factor: 0.02"
+        more = (
+            "tolerance: 15 %, vibratory_torque: 400 N*m, psi: 0.8"
+            if k % 3 == 1
+            else "loss_factor: 0.02"
+        )
         lines.append(f"  - coupling: {{name: link {k}, stiffness: {(2 + k % 4) * 1e5:g}, {more}}}")
         if k < stations - 1:
             lines.append(f"  - disc: {{name: disc {k}, inertia: {0.5 + 0.1 * k:g}}}")
     waves = "[{blade_order: 1, torque: 5 %}, {blade_order: 2, torque: 1 %}]"
     lines.append(f"  - propeller: {{name: impeller, inertia: 5, blades: 4, excitation: {waves}}}")
-    return "\n".join([*lines, "analyses: {modes: {count: 8}, response: }", "rules: [coupling-maker]", ""])
+    return "\n".join(
+        [*lines, "analyses: {modes: {count: 8}, response: }", "rules: [coupling-maker]", ""]
+    )
 
 
 def main() -> None:
@@ -69,19 +89,27 @@ def main() -> None:
     runs, scenes = (5, ()) if report.chosen.quick else (report.chosen.runs, SCENES)
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
     with sync_playwright() as running, tempfile.TemporaryDirectory() as name:
-        browser = running.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        browser = running.chromium.launch(
+            executable_path=chromium, args=["--no-sandbox", "--disable-gpu"]
+        )
         folder = Path(name) / "scenes"
         shutil.copytree(SPECS, folder)
         (folder / "chain.yaml").write_text(chain(STATIONS), encoding="utf-8")
-        found = {one: _measured(browser, folder / f"{one}.yaml", runs) for one in ("chain", *scenes)}
+        found = {
+            one: _measured(browser, folder / f"{one}.yaml", runs) for one in ("chain", *scenes)
+        }
         browser.close()
-    saved, slid = (statistics.median(found["chain"][key]) for key in ("saved: all", "slider: Campbell"))
+    saved, slid = (
+        statistics.median(found["chain"][key]) for key in ("saved: all", "slider: Campbell")
+    )
     words = f"- {STATIONS} stations, "
     lines = [
         f"{words}a saved file to its picture: median {saved:.0f} ms, meant < {SAVED:.0f}: {verdict(saved < SAVED)}",
         f"{words}a slider to its Campbell diagram: median {slid:.0f} ms, meant < {MOVED:.0f}: {verdict(slid < MOVED)}",
     ]
-    rows = [(scene, *(_words(times.get(key, [])) for key in HEAD[1:])) for scene, times in found.items()]
+    rows = [
+        (scene, *(_words(times.get(key, [])) for key in HEAD[1:])) for scene, times in found.items()
+    ]
     report.publish("The live page", [HOW.format(speeds=151), table(HEAD, rows), "\n".join(lines)])
 
 
@@ -101,7 +129,9 @@ def _measured(browser: Any, file: Path, runs: int) -> dict[str, list[float]]:
         page = browser.new_page(viewport={"width": 1400, "height": 900})
         page.goto(process.stdout.readline().split()[-1])
         shown = page.evaluate(DRAWN, 0)
-        times = {key: list[float]() for key in HEAD[1:]} | {"first picture": [shown["report"] - start]}
+        times = {key: list[float]() for key in HEAD[1:]} | {
+            "first picture": [shown["report"] - start]
+        }
         text = file.read_text(encoding="utf-8")
         for run in range(runs):
             value = re.search(r"(?<=inertia: )[0-9.]+", text)

@@ -20,13 +20,32 @@ from benchmarks.papers.writing import table
 
 MODES = 20
 CASES = (
-    "free", "fixed at one end", "fixed at both ends", "stiff", "stiff, fixed at both ends", "stiff, rigid, massless"
-)  # fmt: skip
-SHIFTS = {"-first": -1.0, "0.9 first": 0.9, "between 10 and 11": 0.0}  # of eigsh, given the frequencies beforehand
+    "free",
+    "fixed at one end",
+    "fixed at both ends",
+    "stiff",
+    "stiff, fixed at both ends",
+    "stiff, rigid, massless",
+)
+SHIFTS = {
+    "-first": -1.0,
+    "0.9 first": 0.9,
+    "between 10 and 11": 0.0,
+}  # of eigsh, given the frequencies beforehand
 HEAD = (
-    "stations", "chain", "torsion s", "error", "width of enclosures", "enclosed", "memory GB", "eigsh s", "its shift",
-    "its error", "its memory GB", "torsion / eigsh",
-)  # fmt: skip
+    "stations",
+    "chain",
+    "torsion s",
+    "error",
+    "width of enclosures",
+    "enclosed",
+    "memory GB",
+    "eigsh s",
+    "its shift",
+    "its error",
+    "its memory GB",
+    "torsion / eigsh",
+)
 PATIENCE = 600  # s a run
 TARGETS = {"error": 1e-12, "seconds": 0.5, "processor": 0.5, "memory": 1.5}
 
@@ -49,7 +68,11 @@ def main() -> None:
         print(json.dumps(_one(program, case, int(size), json.loads(reference))))
         return
     report = Report(__doc__, "long_chains", "1e4 and 1e5 stations, one run each", runs=3)
-    sizes, runs = ((10_000, 100_000), 1) if report.chosen.quick else ((100_000, 1_000_000), report.chosen.runs)
+    sizes, runs = (
+        ((10_000, 100_000), 1)
+        if report.chosen.quick
+        else ((100_000, 1_000_000), report.chosen.runs)
+    )
     rows = [_case(case, size, runs) for size in sizes for case in CASES]
     lines = (f"- Runs of each program in a case: {runs}", table(HEAD, [_row(row) for row in rows]))
     report.publish("Long chains: the lowest 20 modes", [HOW, *lines, "\n".join(_verdicts(rows))])
@@ -74,19 +97,36 @@ def _case(case: str, size: int, runs: int) -> dict[str, Any]:
 
 def _fresh(program: str, case: str, size: int, reference: list[float]) -> dict[str, Any]:
     """One run in its own process."""
-    command = [sys.executable, "-m", "benchmarks.long_chains", "--one", program, case, str(size), json.dumps(reference)]
+    command = [
+        sys.executable,
+        "-m",
+        "benchmarks.long_chains",
+        "--one",
+        program,
+        case,
+        str(size),
+        json.dumps(reference),
+    ]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=False, timeout=PATIENCE
+        )
     except subprocess.TimeoutExpired:
         return {"fault": f"more than {PATIENCE} s"}
     if done.returncode != 0:
-        return {"fault": (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1][:100]}
+        return {
+            "fault": (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1][:100]
+        }
     answer: dict[str, Any] = json.loads(done.stdout)
     return answer
 
 
 def _one(program: str, case: str, size: int, reference: list[float]) -> dict[str, Any]:
-    solve = _torsion(case, size) if program == "torsion" else _eigsh(case, size, program, np.array(reference))
+    solve = (
+        _torsion(case, size)
+        if program == "torsion"
+        else _eigsh(case, size, program, np.array(reference))
+    )
     wall, processor = perf_counter(), process_time()
     answer = solve()
     times = {"seconds": perf_counter() - wall, "processor": process_time() - processor}
@@ -139,7 +179,9 @@ def _torsion(case: str, size: int) -> Callable[[], Callable[[], dict[str, Any]]]
                 "reference": reference.tolist(),
                 "error": float(np.abs(modes.frequency / reference - 1.0).max()),
                 "width": float((modes.upper / modes.lower - 1.0).max()),
-                "enclosed": int(np.sum((modes.lower <= reference + slack) & (reference - slack <= modes.upper))),
+                "enclosed": int(
+                    np.sum((modes.lower <= reference + slack) & (reference - slack <= modes.upper))
+                ),
                 "certified": bool(modes.certified),
                 "reported": reported == list(range(1, MODES + 1)),
             }
@@ -149,7 +191,9 @@ def _torsion(case: str, size: int) -> Callable[[], Callable[[], dict[str, Any]]]
     return solve
 
 
-def _eigsh(case: str, size: int, shift: str, reference: np.ndarray) -> Callable[[], Callable[[], dict[str, Any]]]:
+def _eigsh(
+    case: str, size: int, shift: str, reference: np.ndarray
+) -> Callable[[], Callable[[], dict[str, Any]]]:
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import eigsh
 
@@ -157,7 +201,9 @@ def _eigsh(case: str, size: int, shift: str, reference: np.ndarray) -> Callable[
     stiffness = 1.0 / flexibility[1:]
     diagonal = np.concatenate((stiffness, [0.0])) + np.concatenate(([0.0], stiffness))
     free = ~fixed
-    matrix = diags_array([diagonal, -stiffness, -stiffness], offsets=[0, 1, -1], format="csc")[free][:, free].tocsc()
+    matrix = diags_array([diagonal, -stiffness, -stiffness], offsets=[0, 1, -1], format="csc")[
+        free
+    ][:, free].tocsc()
     mass = diags_array(inertia[free], format="csc")
     rigid = 0 if fixed.any() else 1
     square = reference**2
@@ -181,14 +227,28 @@ def _row(row: dict[str, Any]) -> list[str]:
     if "fault" in own:
         return [*cells, own["fault"], *[""] * 9]
     mark = "*" if row["case"].startswith("stiff") else ""
-    cells += [_clocks(own), f"{own['error']:.0e}{mark}", f"{own['width']:.0e}", f"{own['enclosed']} of {MODES}"]
+    cells += [
+        _clocks(own),
+        f"{own['error']:.0e}{mark}",
+        f"{own['width']:.0e}",
+        f"{own['enclosed']} of {MODES}",
+    ]
     cells.append(f"{own['memory']:.2f}")
     if peer is None:
-        faults = {answer[-1]["fault"] for name, answer in row["answers"].items() if name != "torsion"}
+        faults = {
+            answer[-1]["fault"] for name, answer in row["answers"].items() if name != "torsion"
+        }
         return [*cells, "; ".join(sorted(faults)) or "not possible", *[""] * 4]
     name, its = peer
     ratio = {clock: own[clock] / its[clock] for clock in ("seconds", "processor")}
-    return [*cells, _clocks(its), name, f"{its['error']:.0e}", f"{its['memory']:.2f}", _clocks(ratio)]
+    return [
+        *cells,
+        _clocks(its),
+        name,
+        f"{its['error']:.0e}",
+        f"{its['memory']:.2f}",
+        _clocks(ratio),
+    ]
 
 
 def _clocks(values: dict[str, Any]) -> str:
@@ -200,13 +260,17 @@ def _summary(answers: list[dict[str, Any]]) -> dict[str, Any]:
     good = [answer for answer in answers if "fault" not in answer]
     if not good:
         return answers[-1]
-    medians = {key: statistics.median(answer[key] for answer in good) for key in ("seconds", "processor")}
+    medians = {
+        key: statistics.median(answer[key] for answer in good) for key in ("seconds", "processor")
+    }
     return {**good[-1], **medians, "memory": max(answer["memory"] for answer in good)}
 
 
 def _best_peer(row: dict[str, Any]) -> tuple[str, dict[str, Any]] | None:
     """The shift with the smallest time, and its summary."""
-    found = {name: _summary(answers) for name, answers in row["answers"].items() if name != "torsion"}
+    found = {
+        name: _summary(answers) for name, answers in row["answers"].items() if name != "torsion"
+    }
     good = {name: its for name, its in found.items() if "fault" not in its}
     return min(good.items(), key=lambda item: float(item[1]["seconds"])) if good else None
 
@@ -224,15 +288,20 @@ def _verdicts(rows: list[dict[str, Any]]) -> list[str]:
     for clock in ("seconds", "processor"):
         found[clock] = max((one[clock] / peer[clock] for one, peer in pairs), default=float("nan"))
     said = {
-        "error": "largest error", "memory": "largest memory, GB", "seconds": "largest share of eigsh's time, wall",
+        "error": "largest error",
+        "memory": "largest memory, GB",
+        "seconds": "largest share of eigsh's time, wall",
         "processor": "largest share of eigsh's time, processor",
-    }  # fmt: skip
+    }
     lines = [
         f"- {said[name]}, at {largest[0]['size']} stations: {found[name]:.2g}, meant <= {target:g}: "
         f"{verdict(found[name] <= target)}"
         for name, target in TARGETS.items()
     ]
-    return [*lines, f"- every mode enclosed, every step of the progress reported: {verdict(proven)}"]
+    return [
+        *lines,
+        f"- every mode enclosed, every step of the progress reported: {verdict(proven)}",
+    ]
 
 
 if __name__ == "__main__":

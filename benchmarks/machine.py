@@ -8,8 +8,18 @@ import numpy as np
 
 from torsion.analyses.compare.run_times import machine
 
-PACKAGES = ("torsion", "numpy", "scipy", "opentorsion", "ross-rotordynamics", "pydantic", "PyYAML", "pint", "gmpy2",
-            "mpmath")  # fmt: skip
+PACKAGES = (
+    "torsion",
+    "numpy",
+    "scipy",
+    "opentorsion",
+    "ross-rotordynamics",
+    "pydantic",
+    "PyYAML",
+    "pint",
+    "gmpy2",
+    "mpmath",
+)
 
 
 def lines() -> list[str]:

@@ -55,9 +55,13 @@ def cases() -> Iterator[Case]:
 def _case(name: str, inertia: FloatArray, stiffness: FloatArray) -> Case:
     number = len(inertia)
     flexibility = np.concatenate([[0.0], 1.0 / stiffness])
-    found = tree_modes(Tree(np.arange(-1, number - 1), flexibility, inertia, np.zeros(number, dtype=bool)), None)
+    found = tree_modes(
+        Tree(np.arange(-1, number - 1), flexibility, inertia, np.zeros(number, dtype=bool)), None
+    )
     scale = 1.0 / np.sqrt((inertia[:, None] * found.angle**2).sum(axis=0))
-    shape = np.concatenate([np.full((number, 1), 1.0 / math.sqrt(inertia.sum())), found.angle * scale], axis=1)
+    shape = np.concatenate(
+        [np.full((number, 1), 1.0 / math.sqrt(inertia.sum())), found.angle * scale], axis=1
+    )
     return Case(name, found.frequency, shape[[0, -1]], found.torque[1:] * scale)
 
 
@@ -67,7 +71,9 @@ def collocation(case: Case, tolerance: float) -> FloatArray:
     train = ModalTrain(case.w, np.full(len(case.w), RATIO), np.zeros((size, size)))
     pulsation = Piece(0.0, math.inf, -1j * PULSATION, rate=complex(-1.0 / DECAY, LINE))
     loads: list[tuple[Piece, ...]] = [(pulsation,), (), ()]
-    given = motion(train, np.concatenate([case.ends[:1], case.ends]).T, loads, np.zeros(size), np.zeros(size))
+    given = motion(
+        train, np.concatenate([case.ends[:1], case.ends]).T, loads, np.zeros(size), np.zeros(size)
+    )
     motor = laws.InductionMotor(0, PULL_OUT, SLIP, SYNCHRONOUS)
     pump = laws.BySpeed(1, laws.quadratic(-LOAD, SYNCHRONOUS))
 
@@ -95,7 +101,9 @@ def integrated(case: Case, method: str, tolerance: float) -> FloatArray:
         v = x[number:]
         motor, pump = case.ends @ v
         s = 1.0 - motor / SYNCHRONOUS
-        acting = 2.0 * PULL_OUT * SLIP * s / (s * s + SLIP**2) + PULSATION * math.exp(-t / DECAY) * math.sin(LINE * t)
+        acting = 2.0 * PULL_OUT * SLIP * s / (s * s + SLIP**2) + PULSATION * math.exp(
+            -t / DECAY
+        ) * math.sin(LINE * t)
         force = case.ends[0] * acting - case.ends[1] * LOAD * pump * abs(pump) / SYNCHRONOUS**2
         elastic = np.concatenate([[0.0], case.w * x[:number]])
         return np.concatenate([case.w * v[1:], force - 2.0 * RATIO * every * v - elastic])
@@ -106,14 +114,24 @@ def integrated(case: Case, method: str, tolerance: float) -> FloatArray:
         s = 1.0 - motor / SYNCHRONOUS
         slope = -2.0 * PULL_OUT * SLIP * (SLIP**2 - s * s) / (s * s + SLIP**2) ** 2 / SYNCHRONOUS
         found[mode, number + 1 + mode], found[number + 1 + mode, mode] = case.w, -case.w
-        found[number:, number:] = slope * np.outer(case.ends[0], case.ends[0]) - np.diag(2.0 * RATIO * every)
-        found[number:, number:] -= 2.0 * LOAD * abs(pump) / SYNCHRONOUS**2 * np.outer(case.ends[1], case.ends[1])
+        found[number:, number:] = slope * np.outer(case.ends[0], case.ends[0]) - np.diag(
+            2.0 * RATIO * every
+        )
+        found[number:, number:] -= (
+            2.0 * LOAD * abs(pump) / SYNCHRONOUS**2 * np.outer(case.ends[1], case.ends[1])
+        )
         return found
 
     more: dict[str, Any] = {} if method == "DOP853" else {"jac": jacobian}
     found = solve_ivp(
-        rates, (0.0, DURATION), np.zeros(2 * number + 1), method, rtol=tolerance, atol=1e-2 * tolerance, **more
-    )  # fmt: skip
+        rates,
+        (0.0, DURATION),
+        np.zeros(2 * number + 1),
+        method,
+        rtol=tolerance,
+        atol=1e-2 * tolerance,
+        **more,
+    )
     if not found.success:
         raise GivenUp
     return np.asarray(case.torque @ (found.y[:number, -1] / case.w))
@@ -121,10 +139,12 @@ def integrated(case: Case, method: str, tolerance: float) -> FloatArray:
 
 RUNS: dict[str, list[tuple[str, list[float]]]] = {
     "benign": [
-        ("DOP853", [1e-4, 1e-7, 1e-10]), ("LSODA", [1e-4, 1e-7, 1e-10]), ("Radau", [1e-4, 1e-7, 1e-9]),
+        ("DOP853", [1e-4, 1e-7, 1e-10]),
+        ("LSODA", [1e-4, 1e-7, 1e-10]),
+        ("Radau", [1e-4, 1e-7, 1e-9]),
     ],
     "stiff": [("DOP853", [1e-4]), ("LSODA", [1e-4, 1e-6]), ("Radau", [1e-4, 1e-7, 1e-9])],
-}  # fmt: skip
+}
 
 
 def main() -> None:
@@ -136,11 +156,15 @@ def main() -> None:
         exact = integrated(case, method, tolerance)
         lines = [
             f"## {case.name}: modes from {case.w[0]:.3g} to {case.w[-1]:.3g} rad/s",
-            f"Reference: {method} at {tolerance:g}.", "",
-            "| method | tolerance | error | time, s |", "|---|---|---|---|",
-        ]  # fmt: skip
+            f"Reference: {method} at {tolerance:g}.",
+            "",
+            "| method | tolerance | error | time, s |",
+            "|---|---|---|---|",
+        ]
         for tolerance in (1e-4, 1e-6, 1e-8):
-            lines.append(_line("**collocation**", case, tolerance, collocation, exact, report.chosen.calls))
+            lines.append(
+                _line("**collocation**", case, tolerance, collocation, exact, report.chosen.calls)
+            )
         for name, tolerances in RUNS[case.name]:
             for tolerance in tolerances:
                 by = lambda case, tolerance, name=name: integrated(case, name, tolerance)  # noqa: E731
@@ -150,8 +174,13 @@ def main() -> None:
 
 
 def _line(
-    name: str, case: Case, tolerance: float, solve: Callable[[Case, float], FloatArray], exact: FloatArray, calls: int
-) -> str:  # fmt: skip
+    name: str,
+    case: Case,
+    tolerance: float,
+    solve: Callable[[Case, float], FloatArray],
+    exact: FloatArray,
+    calls: int,
+) -> str:
     times, found = list[float](), exact
     for _ in range(calls):
         start = process_time()

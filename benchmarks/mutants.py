@@ -35,18 +35,46 @@ PARTS: dict[str, tuple[str, ...]] = {  # part of src/torsion: the tests that sho
 }
 DRAWN = ("output/drawing", "output/figures")  # pictures
 OPERATORS: dict[type[ast.operator], tuple[str, str]] = {
-    ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"),
-}  # fmt: skip
+    ast.Add: ("+", "-"),
+    ast.Sub: ("-", "+"),
+    ast.Mult: ("*", "/"),
+    ast.Div: ("/", "*"),
+}
 COMPARISONS: dict[type[ast.cmpop], str] = {
-    ast.Lt: ">=", ast.LtE: "<", ast.Gt: "<=", ast.GtE: ">", ast.Eq: "!=", ast.NotEq: "==", ast.In: "not in",
-    ast.NotIn: "in", ast.Is: "is not", ast.IsNot: "is",
-}  # fmt: skip
+    ast.Lt: ">=",
+    ast.LtE: "<",
+    ast.Gt: "<=",
+    ast.GtE: ">",
+    ast.Eq: "!=",
+    ast.NotEq: "==",
+    ast.In: "not in",
+    ast.NotIn: "in",
+    ast.Is: "is not",
+    ast.IsNot: "is",
+}
 PAIRS = (
-    ("max", "min"), ("nanmax", "nanmin"), ("maximum", "minimum"), ("argmax", "argmin"), ("nanargmax", "nanargmin"),
-    ("fmax", "fmin"), ("any", "all"), ("floor", "ceil"), ("lower", "upper"), ("first", "last"), ("driving", "driven"),
-    ("real", "imag"), ("greatest", "least"), ("half_range", "bound"), ("peak", "rms"), ("station", "span"),
-    ("stations", "spans"), ("kinetic", "elastic"), ("sin", "cos"), ("speed", "frequency"), ("before", "after"),
-)  # fmt: skip
+    ("max", "min"),
+    ("nanmax", "nanmin"),
+    ("maximum", "minimum"),
+    ("argmax", "argmin"),
+    ("nanargmax", "nanargmin"),
+    ("fmax", "fmin"),
+    ("any", "all"),
+    ("floor", "ceil"),
+    ("lower", "upper"),
+    ("first", "last"),
+    ("driving", "driven"),
+    ("real", "imag"),
+    ("greatest", "least"),
+    ("half_range", "bound"),
+    ("peak", "rms"),
+    ("station", "span"),
+    ("stations", "spans"),
+    ("kinetic", "elastic"),
+    ("sin", "cos"),
+    ("speed", "frequency"),
+    ("before", "after"),
+)
 OPPOSITE = {name: other for pair in PAIRS for name, other in (pair, pair[::-1])}
 
 
@@ -75,7 +103,11 @@ def mutants(part: str) -> list[Mutant]:
     source = ROOT / "src" / "torsion"
     files = [source / part] if part.endswith(".py") else sorted((source / part).rglob("*.py"))
     files = [file for file in files if not file.relative_to(source).as_posix().startswith(DRAWN)]
-    return [mutant for file in files for mutant in _of_file(part, file.relative_to(source), file.read_bytes())]
+    return [
+        mutant
+        for file in files
+        for mutant in _of_file(part, file.relative_to(source), file.read_bytes())
+    ]
 
 
 def _of_file(part: str, path: Path, text: bytes) -> Iterator[Mutant]:
@@ -83,7 +115,12 @@ def _of_file(part: str, path: Path, text: bytes) -> Iterator[Mutant]:
     for row in text.splitlines(keepends=True):
         starts.append(starts[-1] + len(row))
     tree = ast.parse(text)
-    skipped = {id(inner) for node in ast.walk(tree) for outer in _not_run(node) for inner in ast.walk(outer)}
+    skipped = {
+        id(inner)
+        for node in ast.walk(tree)
+        for outer in _not_run(node)
+        for inner in ast.walk(outer)
+    }
     for node in ast.walk(tree):
         if id(node) in skipped:
             continue
@@ -96,11 +133,21 @@ def _of_file(part: str, path: Path, text: bytes) -> Iterator[Mutant]:
 def _not_run(node: ast.AST) -> Iterator[ast.AST]:
     """Annotations, type aliases and what is imported for types alone."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-        yield from (one for one in (node.returns, *(arg.annotation for arg in ast.walk(node.args)
-                                                    if isinstance(arg, ast.arg))) if one is not None)  # fmt: skip
+        yield from (
+            one
+            for one in (
+                node.returns,
+                *(arg.annotation for arg in ast.walk(node.args) if isinstance(arg, ast.arg)),
+            )
+            if one is not None
+        )
     elif isinstance(node, ast.AnnAssign):
         yield node.annotation
-    elif isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+    elif (
+        isinstance(node, ast.If)
+        and isinstance(node.test, ast.Name)
+        and node.test.id == "TYPE_CHECKING"
+    ):
         yield node
 
 
@@ -122,7 +169,12 @@ def _changes(node: ast.AST, text: str) -> Iterator[tuple[Place, str]]:
             yield _place(node), f"({a}) {COMPARISONS[type(op)]} ({b})"
         case ast.BoolOp(op, values):
             word = " or " if isinstance(op, ast.And) else " and "
-            yield _place(node), "(" + word.join(f"({ast.get_source_segment(text, value)})" for value in values) + ")"
+            yield (
+                _place(node),
+                "("
+                + word.join(f"({ast.get_source_segment(text, value)})" for value in values)
+                + ")",
+            )
         case ast.Attribute(_, name) if name in OPPOSITE:
             place = _place(node)
             yield (place[2], place[3] - len(name), place[2], place[3]), OPPOSITE[name]
@@ -159,9 +211,22 @@ def passes(part: str, mutant: Mutant | None = None) -> bool:
             file = source / "torsion" / mutant.path
             file.write_bytes(mutant.applied(file.read_bytes()))
         there = {**os.environ, "PYTHONPATH": str(source), "PYTHONDONTWRITEBYTECODE": "1"}
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-n", "0", *PARTS[part]]
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-x",
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            "-n",
+            "0",
+            *PARTS[part],
+        ]
         try:
-            done = subprocess.run(command, cwd=ROOT, env=there, capture_output=True, timeout=SECONDS, check=False)
+            done = subprocess.run(
+                command, cwd=ROOT, env=there, capture_output=True, timeout=SECONDS, check=False
+            )
         except subprocess.TimeoutExpired:
             return False
     return done.returncode == 0
@@ -183,10 +248,14 @@ def main() -> None:
     survived = 0
     with ThreadPoolExecutor(requested.workers) as pool:
         parts = sorted({mutant.part for mutant in found})
-        failing = [part for part, sound in zip(parts, pool.map(passes, parts), strict=True) if not sound]
+        failing = [
+            part for part, sound in zip(parts, pool.map(passes, parts), strict=True) if not sound
+        ]
         if failing:
             sys.exit(f"the tests of {', '.join(failing)} fail without any mutant")
-        for mutant, lives in zip(found, pool.map(lambda one: passes(one.part, one), found), strict=True):
+        for mutant, lives in zip(
+            found, pool.map(lambda one: passes(one.part, one), found), strict=True
+        ):
             survived += lives
             print(f"{'SURVIVED' if lives else 'killed  '} {mutant}", flush=True)
     print(f"{survived} of {len(found)} survived")

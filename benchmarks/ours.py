@@ -59,8 +59,17 @@ class Response:
         """The kernel's answer in condensed angles; `check` adds the residual of every frequency."""
         bare, compliance = replace(self.bare), None
         if self.viscous.any():
-            compliance = complex_compliance(bare.flexibility, self.viscous, np.zeros(bare.size), self.w)
-        return tree_response(bare, self.w, self.force, ground_damping=self.damping, compliance=compliance, check=check)
+            compliance = complex_compliance(
+                bare.flexibility, self.viscous, np.zeros(bare.size), self.w
+            )
+        return tree_response(
+            bare,
+            self.w,
+            self.force,
+            ground_damping=self.damping,
+            compliance=compliance,
+            check=check,
+        )
 
     def span_torque(self, answer: Any) -> np.ndarray:
         """Torque in span i on station i at the span's own speed, (stations, frequencies)."""

@@ -18,22 +18,35 @@ class Report:
         parser = argparse.ArgumentParser(description=about)
         parser.set_defaults(quick=False)
         if quick:
-            parser.add_argument("--quick", action="store_true", help=f"{quick}, nothing written unless --out")
+            parser.add_argument(
+                "--quick", action="store_true", help=f"{quick}, nothing written unless --out"
+            )
         for option, default in numbers.items():
             parser.add_argument(f"--{option}", type=int, default=default)
-        parser.add_argument("--out", type=Path, help=f"the page to write (default: reports/{name}.md)")
+        parser.add_argument(
+            "--out", type=Path, help=f"the page to write (default: reports/{name}.md)"
+        )
         self.name, self.chosen = name, parser.parse_args()
         self.machine, self.start = machine.lines(), perf_counter()
-        warnings.simplefilter("ignore")  # of the peers; torsion's own tests turn warnings into errors
+        warnings.simplefilter(
+            "ignore"
+        )  # of the peers; torsion's own tests turn warnings into errors
 
-    def publish(self, title: str, parts: Iterable[str], figures: Mapping[str, str] | None = None) -> None:
+    def publish(
+        self, title: str, parts: Iterable[str], figures: Mapping[str, str] | None = None
+    ) -> None:
         """Prints the page; writes it and its figures (SVG by file name) unless the run is quick and has no --out."""
-        seconds, quick = perf_counter() - self.start, " Quick run: less of everything." if self.chosen.quick else ""
+        seconds, quick = (
+            perf_counter() - self.start,
+            " Quick run: less of everything." if self.chosen.quick else "",
+        )
         how = f"Written by `python -m benchmarks.{self.name}` in {seconds:.0f} s.{quick}"
         page = [f"# {title}", how, "\n".join(f"- {line}" for line in self.machine), *parts]
         text = "\n\n".join(part.strip() for part in page) + "\n"
         print(text)
-        target: Path | None = self.chosen.out or (None if self.chosen.quick else REPORTS / f"{self.name}.md")
+        target: Path | None = self.chosen.out or (
+            None if self.chosen.quick else REPORTS / f"{self.name}.md"
+        )
         if target:
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")

@@ -21,7 +21,10 @@ def main() -> None:
     effort = QUICK if report.chosen.quick else FULL
     with tempfile.TemporaryDirectory() as folder:
         frequencies = _progress(_frequency_rows(effort, Path(folder)))
-    report.publish("torsion next to openTorsion and ROSS", parts(frequencies, _progress(_response_rows(effort))))
+    report.publish(
+        "torsion next to openTorsion and ROSS",
+        parts(frequencies, _progress(_response_rows(effort))),
+    )
 
 
 def _frequency_rows(effort: Effort, folder: Path) -> Iterator[Row]:
@@ -35,7 +38,9 @@ def _response_rows(effort: Effort) -> Iterator[Row]:
     for size, requested, requested_of_peers in effort.response:
         for make in (cases.chain, cases.geared_tree):
             for stiff in (False, True):
-                yield response_rows.compare(make(size, stiff=stiff), effort, requested, requested_of_peers)
+                yield response_rows.compare(
+                    make(size, stiff=stiff), effort, requested, requested_of_peers
+                )
     for stiff in (False, True):
         case = cases.with_span_dampers(cases.chain(10, stiff=stiff))
         yield response_rows.compare(case, effort, 1000, 200)

@@ -37,14 +37,16 @@ HENDRIKSE = (
 )
 PAIRS = {  # title: train and its published frequencies, Hz
     "TMS26, benchmark 004, free": (
-        "[disc: {inertia: 0.1}, coupling: {stiffness: 1000}, disc: {inertia: 0.2}]", ("19.492420030841906",),
+        "[disc: {inertia: 0.1}, coupling: {stiffness: 1000}, disc: {inertia: 0.2}]",
+        ("19.492420030841906",),
     ),
     "TMS26, benchmark 004, hub fixed": (
-        "[disc: {held: true}, coupling: {stiffness: 1000}, disc: {inertia: 0.2}]", ("11.253953951963826",),
+        "[disc: {held: true}, coupling: {stiffness: 1000}, disc: {inertia: 0.2}]",
+        ("11.253953951963826",),
     ),
     "Hendrikse, k1 500": (HENDRIKSE.format(500), ("15.9", "96.6")),
     "Hendrikse, k1 100": (HENDRIKSE.format(100), ("7.2", "94.6")),
-}  # fmt: skip
+}
 LOSS = 0.035
 WHOLE = abs(1.0 + LOSS * 1j)  # torque / elastic share of it
 SPEED = 2000.0 * math.pi / 30.0
@@ -63,7 +65,9 @@ def engine() -> str:
     """Sums and amplitudes of the first and the last span."""
     known = json.loads(ORACLES.read_text(encoding="utf-8"))["six_cylinder_mendes_pressure"]
     at_speed = known["by rpm"]["2000"]
-    sums = sums_of_magnitudes(known["train"], np.array(at_speed["C re, im, orders 0..12"]) @ [1.0, 1.0j])
+    sums = sums_of_magnitudes(
+        known["train"], np.array(at_speed["C re, im, orders 0..12"]) @ [1.0, 1.0j]
+    )
     found = torsion.run(torsion.read(ROOT / "shafting_specs" / "six_cylinder_pressure.yaml"))
     total = found.need(Synthesis)
     at = int(np.argmin(np.abs(found.results["response"].speed - SPEED)))
@@ -71,13 +75,28 @@ def engine() -> str:
     for span in (0, -1):
         bound, half = float(total.bound[at, span]), float(total.half_range[at, span])
         dense, printed = at_speed["half range s1..s8"][span], float(sums[span])
-        rows.append([
-            "first" if span == 0 else "last", f"{printed:.7f}", f"{bound / WHOLE:.7f}",
-            f"{bound / WHOLE / printed - 1:.1e}", f"{bound:.4f}", f"{half:.4f}", f"{dense:.4f}", f"{bound / half:.3f}",
-        ])  # fmt: skip
-    head = ["span", "openTorsion, sum, N m", "torsion, sum, elastic share, N m", "difference", "torsion, sum, N m",
-            "torsion, amplitude, N m",
-            "dense solution of 7200 samples, amplitude, N m", "sum / amplitude"]  # fmt: skip
+        rows.append(
+            [
+                "first" if span == 0 else "last",
+                f"{printed:.7f}",
+                f"{bound / WHOLE:.7f}",
+                f"{bound / WHOLE / printed - 1:.1e}",
+                f"{bound:.4f}",
+                f"{half:.4f}",
+                f"{dense:.4f}",
+                f"{bound / half:.3f}",
+            ]
+        )
+    head = [
+        "span",
+        "openTorsion, sum, N m",
+        "torsion, sum, elastic share, N m",
+        "difference",
+        "torsion, sum, N m",
+        "torsion, amplitude, N m",
+        "dense solution of 7200 samples, amplitude, N m",
+        "sum / amplitude",
+    ]
     return table(head, rows)
 
 
@@ -88,14 +107,21 @@ def sums_of_magnitudes(train: dict[str, Any], harmonics: ComplexArray) -> FloatA
     """
     fires = train["cylinders_at_stations"]
     damping = [train["damping_cylinders"] * (node in fires) for node in range(len(train["J"]))]
-    disks = [opentorsion.Disk(node, J, c=c) for node, (J, c) in enumerate(zip(train["J"], damping, strict=True))]
+    disks = [
+        opentorsion.Disk(node, J, c=c)
+        for node, (J, c) in enumerate(zip(train["J"], damping, strict=True))
+    ]
     shafts = [opentorsion.Shaft(left, left + 1, k=k, I=0.0) for left, k in enumerate(train["k"])]
     assembly = opentorsion.Assembly(shafts, disk_elements=disks)
     order = np.arange(1, len(harmonics)) / 2.0
     periodic = opentorsion.PeriodicExcitation(len(disks), order * SPEED)
     for node, firing in zip(fires, np.radians(train["firing_deg"]), strict=True):
-        periodic.add_sines(node, order * SPEED, np.abs(harmonics[1:]), np.angle(harmonics[1:]) - order * firing)
-    _, found = assembly.vibratory_torque(periodic, C_func=lambda w: np.diag(damping) + LOSS / w * assembly.K)
+        periodic.add_sines(
+            node, order * SPEED, np.abs(harmonics[1:]), np.angle(harmonics[1:]) - order * firing
+        )
+    _, found = assembly.vibratory_torque(
+        periodic, C_func=lambda w: np.diag(damping) + LOSS / w * assembly.K
+    )
     return np.asarray(found)
 
 
@@ -103,7 +129,11 @@ def frequencies() -> str:
     """Natural frequencies next to those printed."""
     rows = []
     for title, (train, printed) in PAIRS.items():
-        found = torsion.run(torsion.parse(f"name: x\ntrain: {train}\n"), only=("modes",)).results["modes"].frequency
+        found = (
+            torsion.run(torsion.parse(f"name: x\ntrain: {train}\n"), only=("modes",))
+            .results["modes"]
+            .frequency
+        )
         for text, value in zip(printed, found.tolist(), strict=True):
             half = 0.5 * 10.0 ** -len(text.partition(".")[2])
             same = abs(value - float(text)) <= max(half * 1.0001, 1e-14 * value)

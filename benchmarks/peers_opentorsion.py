@@ -25,7 +25,9 @@ class Numbering:
         self.end = list(self.station)  # node at the child's end of every span
         for node, i in enumerate(wheels):
             self.end[i] = node
-        self.spans = sorted(range(1, case.size), key=lambda i: self.end[i])  # in the order of the torque's rows
+        self.spans = sorted(
+            range(1, case.size), key=lambda i: self.end[i]
+        )  # in the order of the torque's rows
 
 
 def elements(case: Case) -> dict[str, list[object]]:
@@ -37,10 +39,15 @@ def elements(case: Case) -> dict[str, list[object]]:
         disks.append(opentorsion.Disk(station, case.inertia[i], c=case.damping[i]))
         if i > 0:
             parent = nodes.station[case.parent[i]]
-            shafts.append(opentorsion.Shaft(end, parent, k=case.stiffness[i], I=0.0, c=case.viscous[i]))
+            shafts.append(
+                opentorsion.Shaft(end, parent, k=case.stiffness[i], I=0.0, c=case.viscous[i])
+            )
         if gear:
             driving = opentorsion.Gear(end, gear.driving_inertia, gear.driving_teeth)
-            gears += [driving, opentorsion.Gear(station, gear.driven_inertia, gear.driven_teeth, parent=driving)]
+            gears += [
+                driving,
+                opentorsion.Gear(station, gear.driven_inertia, gear.driven_teeth, parent=driving),
+            ]
     return {"shaft_elements": shafts, "disk_elements": disks, "gear_elements": gears or None}
 
 
@@ -70,7 +77,9 @@ def excitation(
     return on_nodes(assembly, full, w)
 
 
-def on_nodes(assembly: opentorsion.Assembly, force: np.ndarray, w: np.ndarray) -> opentorsion.PeriodicExcitation:
+def on_nodes(
+    assembly: opentorsion.Assembly, force: np.ndarray, w: np.ndarray
+) -> opentorsion.PeriodicExcitation:
     """The same force (nodes,) at every frequency, on the angles that are left when the gears are eliminated."""
     if assembly.gear_elements is not None:
         force = assembly.T(assembly.E()).T @ force
@@ -84,7 +93,9 @@ def angles(assembly: opentorsion.Assembly, periodic: opentorsion.PeriodicExcitat
     return assembly.ss_response(periodic.U, periodic.omegas)[0]
 
 
-def span_torque(case: Case, assembly: opentorsion.Assembly, periodic: opentorsion.PeriodicExcitation) -> np.ndarray:
+def span_torque(
+    case: Case, assembly: opentorsion.Assembly, periodic: opentorsion.PeriodicExcitation
+) -> np.ndarray:
     """Torque in span i on station i, (stations, frequencies); row 0, the root, is zero."""
     rows, _ = assembly.vibratory_torque(periodic)
     torque = np.zeros((case.size, rows.shape[1]), dtype=complex)

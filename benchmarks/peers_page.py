@@ -14,7 +14,7 @@ from benchmarks.frequency_rows import (
     PUBLIC,
     PUBLIC_LOWEST,
     UNDAMPED,
-)  # fmt: skip
+)
 from benchmarks.papers.writing import table
 from benchmarks.programs import Row
 from benchmarks.response_rows import ANGLE, RECEPTANCE, TORQUE, UNCHECKED
@@ -25,8 +25,16 @@ CHAIN_TARGET = {10: 30, 100: 100, 1000: 1000}
 TREE_TARGET = {10: 5, 100: 5, 1000: 50}
 WHOLE_TARGET = {10: 1, 100: 5, 1000: 50}
 RESPONSE_TARGET = {10: 80, 100: 150, 1000: 3000}
-TREE_QUESTIONS = {"all, no certificate": PLAIN, "all, certified": KERNEL, "lowest 20, certified": LOWEST}
-FREQUENCY_PEERS = ("undamped_modal_analysis", "Assembly + undamped_modal_analysis", "Assembly + modal_analysis")
+TREE_QUESTIONS = {
+    "all, no certificate": PLAIN,
+    "all, certified": KERNEL,
+    "lowest 20, certified": LOWEST,
+}
+FREQUENCY_PEERS = (
+    "undamped_modal_analysis",
+    "Assembly + undamped_modal_analysis",
+    "Assembly + modal_analysis",
+)
 Times = tuple[float, float]  # s, least and median
 NO_ASSEMBLY = 5e-6  # s: nothing is assembled in less
 RESPONSE_PEERS = ("vibratory_torque", "vibratory_torque + ss_response")
@@ -69,7 +77,9 @@ angles by `ss_response`, which the former repeats. The peers check nothing; "no 
 def parts(frequencies: Sequence[Row], responses: Sequence[Row]) -> list[str]:
     """Of the page."""
     return [
-        HOW.format(arithmetic=references.ARITHMETIC, digits=references.DIGITS, proven=references.PROVEN),
+        HOW.format(
+            arithmetic=references.ARITHMETIC, digits=references.DIGITS, proven=references.PROVEN
+        ),
         *_frequency_parts(frequencies),
         *_response_parts(responses),
         "## Misses",
@@ -80,7 +90,8 @@ def parts(frequencies: Sequence[Row], responses: Sequence[Row]) -> list[str]:
 def _frequency_parts(rows: Sequence[Row]) -> list[str]:
     names = (CHAIN, PLAIN, KERNEL, LOWEST, PUBLIC, PUBLIC_LOWEST, UNDAMPED, DAMPED, MODAL)
     errors = [
-        [row.case, str(row.size), str(row.referenced), str(row.enclosed)] + [_worst(row, name) for name in names]
+        [row.case, str(row.size), str(row.referenced), str(row.enclosed)]
+        + [_worst(row, name) for name in names]
         for row in rows
     ]
     times = [[row.case, str(row.size)] + [_time(row, name) for name in names] for row in rows]
@@ -101,10 +112,16 @@ def _response_parts(rows: Sequence[Row]) -> list[str]:
     head = ["case", "n", "frequencies", "referenced", *names, *(f"{name}, ns" for name in timed)]
     lines = []
     for row in rows:
-        errors = [" / ".join(f"{one:.1e}" for one in row.timed[name].errors) if name in row.timed else "-"
-                  for name in names]  # fmt: skip
-        times = [_figures(one[0] * 1e9 / row.size) if (one := row.least(name)) else "-" for name in timed]
-        lines.append([row.case, str(row.size), str(row.requested), str(row.referenced), *errors, *times])
+        errors = [
+            " / ".join(f"{one:.1e}" for one in row.timed[name].errors) if name in row.timed else "-"
+            for name in names
+        ]
+        times = [
+            _figures(one[0] * 1e9 / row.size) if (one := row.least(name)) else "-" for name in timed
+        ]
+        lines.append(
+            [row.case, str(row.size), str(row.requested), str(row.referenced), *errors, *times]
+        )
     return [
         "## Steady response: span torques",
         table(head, lines),
@@ -116,7 +133,14 @@ def _response_parts(rows: Sequence[Row]) -> list[str]:
 
 
 def _ratio_head(peers: Sequence[str]) -> list[str]:
-    return ["question", "case", "n", *(f"({place}) {name}" for place, name in enumerate(peers, 1)), "meant", "verdict"]
+    return [
+        "question",
+        "case",
+        "n",
+        *(f"({place}) {name}" for place, name in enumerate(peers, 1)),
+        "meant",
+        "verdict",
+    ]
 
 
 def _frequency_ratios(rows: Sequence[Row]) -> list[list[str]]:
@@ -151,7 +175,11 @@ def _response_ratios(rows: Sequence[Row]) -> list[list[str]]:
 
 
 def _ratio(
-    question: str, row: Row, own: Times | None, peers: Sequence[Times | None], targets: dict[int, int]
+    question: str,
+    row: Row,
+    own: Times | None,
+    peers: Sequence[Times | None],
+    targets: dict[int, int],
 ) -> list[str]:
     """One line: how many times as fast as each of the peer's calls, and whether that is what was meant."""
     target = targets[row.size]
@@ -177,7 +205,11 @@ def _misses(frequencies: Sequence[Row], responses: Sequence[Row]) -> str:
         )
         if verdict != "met"
     ]
-    faults = [f"- {row.case}, n = {row.size}: {fault}" for row in (*frequencies, *responses) for fault in row.faults]
+    faults = [
+        f"- {row.case}, n = {row.size}: {fault}"
+        for row in (*frequencies, *responses)
+        for fault in row.faults
+    ]
     return "\n".join(lines + faults) or "None."
 
 

@@ -20,7 +20,9 @@ def rotor(case: Case) -> Any:
     couplings = []
     for i in range(1, case.size):
         damper = case.viscous[i]
-        link = ross.CouplingElement(m_l=0, m_r=0, Ip_l=0, Ip_r=0, kr_z=case.stiffness[i], cr_z=damper, n=i - 1)
+        link = ross.CouplingElement(
+            m_l=0, m_r=0, Ip_l=0, Ip_r=0, kr_z=case.stiffness[i], cr_z=damper, n=i - 1
+        )
         link.i_d = 0.0  # a rotor of couplings alone needs a bore of each, which ROSS 2.3.0 forgot to give it
         couplings.append(link)
     discs = [ross.DiskElement(n=i, m=1.0, Id=1.0, Ip=case.inertia[i]) for i in range(case.size)]

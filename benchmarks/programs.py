@@ -15,7 +15,9 @@ class Effort:
     sizes: tuple[int, ...]
     seconds: float  # of timing a case
     modes: int  # with references, where there are more
-    response: tuple[tuple[int, int, int], ...]  # size, frequencies of torsion's call, frequencies of the peers'
+    response: tuple[
+        tuple[int, int, int], ...
+    ]  # size, frequencies of torsion's call, frequencies of the peers'
     response_references: int  # frequencies with references
     ross: bool
     largest_of_ross: int
@@ -54,7 +56,9 @@ class Row:
     requested: int = 0  # response only: frequencies of the kernel's call
     enclosed: int = 0  # references inside torsion's own enclosures
     lost: dict[str, int] = field(default_factory=dict)  # frequencies that a program does not find
-    timed: dict[str, TimedRow] = field(default_factory=dict)  # errors: worst, each; size: frequencies of one call
+    timed: dict[str, TimedRow] = field(
+        default_factory=dict
+    )  # errors: worst, each; size: frequencies of one call
     faults: tuple[str, ...] = ()
 
     def least(self, name: str) -> tuple[float, float] | None:
@@ -80,7 +84,9 @@ def program(
     frequencies: int = 1,
 ) -> Candidate:
     """A program that answers so many frequencies in one call; what it raises is kept as its fault."""
-    return Candidate(name, "", frequencies, lambda: tolerant(lambda _: assemble())(None), tolerant(solve), errors)
+    return Candidate(
+        name, "", frequencies, lambda: tolerant(lambda _: assemble())(None), tolerant(solve), errors
+    )
 
 
 def tolerant(function: Callable[[Any], Any]) -> Callable[[Any], Any]:

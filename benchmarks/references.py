@@ -29,7 +29,11 @@ except ImportError:
 
     _context = mpmath.MPContext()
     _context.dps = DIGITS
-    real, imaginary_unit, ARITHMETIC = _context.mpf, _context.mpc(0, 1), f"mpmath {mpmath.__version__}"
+    real, imaginary_unit, ARITHMETIC = (
+        _context.mpf,
+        _context.mpc(0, 1),
+        f"mpmath {mpmath.__version__}",
+    )
     square_root = _context.sqrt
 
 
@@ -89,7 +93,9 @@ def response(case: Case, frequency: float, force: Sequence[complex]) -> tuple[li
     tree = condensed(case, real)
     size, w = case.size, real(float(frequency))
     load = [r * _complex(f) for r, f in zip(tree.ratio, force, strict=True)]
-    z = [imaginary_unit * w * c - w * w * j for c, j in zip(tree.damping, tree.inertia, strict=True)]
+    z = [
+        imaginary_unit * w * c - w * w * j for c, j in zip(tree.damping, tree.inertia, strict=True)
+    ]
     compliance, share = [real(0)] * size, [real(0)] * size
     for i in range(size - 1, 0, -1):
         compliance[i] = 1 / (tree.stiffness[i] + imaginary_unit * w * tree.viscous[i])
@@ -111,7 +117,9 @@ def worst(found: Sequence[float] | np.ndarray, exact: Sequence[Any]) -> float:
     return float(np.where(np.isnan(error), np.inf, error).max())
 
 
-def torque_errors(torque: np.ndarray, reference: Sequence[Any], smallest: float = 0.0) -> tuple[float, float]:
+def torque_errors(
+    torque: np.ndarray, reference: Sequence[Any], smallest: float = 0.0
+) -> tuple[float, float]:
     """Largest error of one frequency's torques: over the largest of them, and each above `smallest` over its own."""
     if not np.all(np.isfinite(torque)):
         return float("inf"), float("inf")
@@ -130,7 +138,11 @@ def _frequency(tree: Condensed, mode: int, start: float) -> Any:
         if abs(step) < abs(square) * real(10) ** -(PROVEN + 5):
             break
     frequency = square_root(abs(square))
-    return frequency if _proven(tree, mode, frequency) else _bisected(tree, mode, real(float(start) or 1.0))
+    return (
+        frequency
+        if _proven(tree, mode, frequency)
+        else _bisected(tree, mode, real(float(start) or 1.0))
+    )
 
 
 def _proven(tree: Condensed, mode: int, frequency: Any) -> bool:

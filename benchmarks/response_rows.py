@@ -27,12 +27,22 @@ def compare(case: Case, effort: Effort, requested: int, requested_of_peers: int)
     exact = [references.response(case, float(value), force.tolist())[1] for value in w[:count]]
 
     def errors(torque: np.ndarray) -> tuple[float, ...]:
-        pairs = [references.torque_errors(torque[1:, j], row[1:], SMALLEST) for j, row in enumerate(exact)]
+        pairs = [
+            references.torque_errors(torque[1:, j], row[1:], SMALLEST)
+            for j, row in enumerate(exact)
+        ]
         return max(norm for norm, _ in pairs), max(each for _, each in pairs)
 
-    def of(name: str, solve: Callable[[], Any], frequencies: int, torque: Callable[[Any], Any] | None) -> Any:
-        return program(name, lambda _: solve(), lambda found: errors(torque(found)) if torque else (), lambda: None,
-                       frequencies)  # fmt: skip
+    def of(
+        name: str, solve: Callable[[], Any], frequencies: int, torque: Callable[[Any], Any] | None
+    ) -> Any:
+        return program(
+            name,
+            lambda _: solve(),
+            lambda found: errors(torque(found)) if torque else (),
+            lambda: None,
+            frequencies,
+        )
 
     response = ours.Response(case, force, w)
     assembly = peers_opentorsion.assembled(peers_opentorsion.elements(case))
@@ -41,7 +51,12 @@ def compare(case: Case, effort: Effort, requested: int, requested_of_peers: int)
         of(KERNEL, response, requested, response.span_torque),
         of(UNCHECKED, lambda: response(check=False), requested, None),
         of(ANGLE, lambda: peers_opentorsion.angles(assembly, periodic), requested_of_peers, None),
-        of(TORQUE, lambda: peers_opentorsion.span_torque(case, assembly, periodic), requested_of_peers, np.asarray),
+        of(
+            TORQUE,
+            lambda: peers_opentorsion.span_torque(case, assembly, periodic),
+            requested_of_peers,
+            np.asarray,
+        ),
     ]
     if effort.ross and case.is_chain and case.size <= 10 and any(case.viscous):
         from benchmarks import peers_ross
@@ -49,7 +64,9 @@ def compare(case: Case, effort: Effort, requested: int, requested_of_peers: int)
         rotor = peers_ross.rotor(case)
         torque = partial(peers_ross.span_torque, case, rotor, force, peer_w)
         programs.append(of(RECEPTANCE, torque, requested_of_peers, np.asarray))
-    return measure(Row(case.name, case.size, referenced=count, requested=requested), programs, effort.seconds)
+    return measure(
+        Row(case.name, case.size, referenced=count, requested=requested), programs, effort.seconds
+    )
 
 
 def _frequencies(case: Case, count: int) -> np.ndarray:

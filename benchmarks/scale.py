@@ -33,15 +33,23 @@ def chain(number: int, link: str = "coupling", orders: int = 0, stiffness: float
     By itself the couplings have so much stiffness (N m/rad) that the first mode is near 20 Hz, within the speed range.
     """
     usual = stiffness or 16e3 * number
-    lines = [f"name: chain of {number} discs", f"operation: {{{SPEEDS if orders else ''}{RATED}}}", "train:"]
+    lines = [
+        f"name: chain of {number} discs",
+        f"operation: {{{SPEEDS if orders else ''}{RATED}}}",
+        "train:",
+    ]
     for k in range(number):
         if k and link == "shaft":
-            lines.append(f"  - shaft: {{name: s{k}, length: 10 mm, diameter: {100 + 37 * k % 11} mm, segments: 1}}")
+            lines.append(
+                f"  - shaft: {{name: s{k}, length: 10 mm, diameter: {100 + 37 * k % 11} mm, segments: 1}}"
+            )
         elif k:
             own = usual * (1 + 37 * k % 11 / 40)
             lines.append(f"  - coupling: {{name: c{k}, stiffness: {own:.6g}, loss_factor: 0.02}}")
         damping = "" if k else ", damping: 1"
-        lines.append(f"  - disc: {{name: d{k}, inertia: {10 / number * (1 + 17 * k % 7 / 7):.6g}{damping}}}")
+        lines.append(
+            f"  - disc: {{name: d{k}, inertia: {10 / number * (1 + 17 * k % 7 / 7):.6g}{damping}}}"
+        )
     analyses = "modes: {count: 12}, response: {}" if orders else "modes: {count: 12}"
     return "\n".join([*lines, *_excited(orders), f"analyses: {{{analyses}}}\n"])
 
@@ -70,7 +78,10 @@ def long_shaft(segments: int) -> str:
 
 SCENES: dict[str, tuple[int, Callable[[], str]]] = {  # stations, scene
     "chain of 1,000, 2 orders, 301 speeds": (1_000, lambda: chain(1_000, orders=2)),
-    "1,000 discs and 999 shafts, 2 orders, 301 speeds": (1_000, lambda: chain(1_000, "shaft", orders=2)),
+    "1,000 discs and 999 shafts, 2 orders, 301 speeds": (
+        1_000,
+        lambda: chain(1_000, "shaft", orders=2),
+    ),
     "usv, tail shaft of 1,000 segments": (1_000, lambda: long_shaft(1_000)),
     "40 branches, 2 orders, 301 speeds": (80, lambda: branched(40)),
     "chain of 20, 12 orders, 301 speeds": (20, lambda: chain(20, orders=12)),
@@ -94,19 +105,41 @@ def main() -> None:
                 file = Path(folder) / "scene.yaml"
                 file.write_text(scene(), encoding="utf-8")
                 rows.append(_measured(name, file, Path(folder) / "report", runs))
-    head = ("train", "--json s", "with report s", "beyond s", "report.html kB", "results.json MB", "series.npz MB",
-            "tables and input next to it MB", "meant")  # fmt: skip
-    report.publish("Reports of very long trains", [HOW, f"- Runs of each: {runs}", table(head, rows)])
+    head = (
+        "train",
+        "--json s",
+        "with report s",
+        "beyond s",
+        "report.html kB",
+        "results.json MB",
+        "series.npz MB",
+        "tables and input next to it MB",
+        "meant",
+    )
+    report.publish(
+        "Reports of very long trains", [HOW, f"- Runs of each: {runs}", table(head, rows)]
+    )
 
 
 def _measured(name: str, file: Path, folder: Path, runs: int) -> list[Any]:
     alone = min(_seconds(["--json"], file) for _ in range(runs))
     whole = min(_seconds(["-o", str(folder)], file) for _ in range(runs))
     size = {path.name: path.stat().st_size for path in folder.iterdir()}
-    page, results, series = (size.pop(one, 0) for one in ("report.html", "results.json", "series.npz"))
+    page, results, series = (
+        size.pop(one, 0) for one in ("report.html", "results.json", "series.npz")
+    )
     is_met = page < MOST_BYTES and whole - alone <= MOST_SECONDS
-    return [name, f"{alone:.1f}", f"{whole:.1f}", f"{whole - alone:.1f}", f"{page / 1e3:.0f}", f"{results / 1e6:.1f}",
-            f"{series / 1e6:.1f}", f"{sum(size.values()) / 1e6:.2f}", verdict(is_met)]  # fmt: skip
+    return [
+        name,
+        f"{alone:.1f}",
+        f"{whole:.1f}",
+        f"{whole - alone:.1f}",
+        f"{page / 1e3:.0f}",
+        f"{results / 1e6:.1f}",
+        f"{series / 1e6:.1f}",
+        f"{sum(size.values()) / 1e6:.2f}",
+        verdict(is_met),
+    ]
 
 
 def _seconds(options: list[str], file: Path) -> float:

@@ -10,7 +10,9 @@ from benchmarks.cases import Case
 def scene(case: Case, folder: Path) -> Path:
     """The case as a scene file in `folder` that requests its modes."""
     path = folder / f"{case.name.replace(' ', '-')}-{case.size}.yaml"
-    path.write_text(json.dumps({"name": case.name, "train": train(case), "analyses": {"modes": {}}}))
+    path.write_text(
+        json.dumps({"name": case.name, "train": train(case), "analyses": {"modes": {}}})
+    )
     return path
 
 
@@ -28,7 +30,10 @@ def train(case: Case) -> list[dict[str, Any]]:
         if gear is None:
             return [coupling]
         wheels = {"teeth": [gear.driving_teeth, gear.driven_teeth]}
-        return [coupling, {"gear": {**wheels, "inertia": [gear.driving_inertia, gear.driven_inertia]}}]
+        return [
+            coupling,
+            {"gear": {**wheels, "inertia": [gear.driving_inertia, gear.driven_inertia]}},
+        ]
 
     def line(i: int) -> list[dict[str, Any]]:
         components: list[dict[str, Any]] = []

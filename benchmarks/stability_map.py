@@ -32,7 +32,9 @@ def main() -> None:
     wall, processor = perf_counter(), process_time()
     found = stability_map(study, system, speeds, "angle", angles)
     times = perf_counter() - wall, process_time() - processor
-    report.publish("A stability map over speed and joint angle", _parts(found, len(system.stations), *times))
+    report.publish(
+        "A stability map over speed and joint angle", _parts(found, len(system.stations), *times)
+    )
 
 
 def _study() -> Study:
@@ -43,7 +45,9 @@ def _study() -> Study:
             line.append(Joint(angle="20 deg", inertia=(0.05, 0.05)))
         line += [Coupling(stiffness=4e4 + 3e3 * k, viscous=0.2), Disc(inertia=0.08)]
     line += [Coupling(stiffness=5e4, viscous=0.2), Disc(inertia=0.8, damping=0.6)]
-    return Study("map", train(line), operation=Operation(load=[["1 rad/s", 300.0], ["1000 rad/s", 300.0]]))
+    return Study(
+        "map", train(line), operation=Operation(load=[["1 rad/s", 300.0], ["1000 rad/s", 300.0]])
+    )
 
 
 def _parts(found: StabilityMap, stations: int, wall: float, processor: float) -> tuple[str, str]:

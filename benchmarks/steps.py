@@ -21,7 +21,14 @@ from torsion.assembly.junction.profile import Corner, Length, Profile, junction
 from torsion.assembly.section.grooved_sections import keyway, on_mesh
 from torsion.kernels.junction_table import HIGHEST, LOWEST, SIZES, junction_table
 
-HANDBOOK = {1.0: 0.0, 1.25: 0.055, 1.5: 0.085, 2.0: 0.100, 3.0: 0.107, math.inf: 0.125}  # from memory
+HANDBOOK = {
+    1.0: 0.0,
+    1.25: 0.055,
+    1.5: 0.085,
+    2.0: 0.100,
+    3.0: 0.107,
+    math.inf: 0.125,
+}  # from memory
 SHARP = (1.0, 1.1, 1.25, 1.5, 2.0, 3.0, 6.0, 20.0)
 SHIGLEY = {2.0: (0.863, -0.239), 1.2: (0.834, -0.216)}  # K_t = A (r/d)^b, from memory
 STEPS = {
@@ -56,7 +63,11 @@ Length of shaft that twists as its seat in a hub of its material, in diameters: 
 its rim or its face; the handbook's third (key) is that of a torque handed over evenly.
 """
 FINE = 1e-4  # relative error of K_t on this page
-LINES = (("sharp", 0.0, 1.0), ("fillets of 5 mm", 0.005, 1.0), ("sharp, 2/3 as long", 0.0, 2.0 / 3.0))  # m; 1
+LINES = (
+    ("sharp", 0.0, 1.0),
+    ("fillets of 5 mm", 0.005, 1.0),
+    ("sharp, 2/3 as long", 0.0, 2.0 / 3.0),
+)  # m; 1
 LINE = """\
 First five frequencies of a free line of diameters 100, 120, 200, 140, 280, 160, 120, 100 mm: relative error of shafts
 one after another in the exact model, against an axisymmetric model of the whole with consistent inertia (elements of
@@ -71,10 +82,14 @@ def main() -> None:
     report = Report(__doc__, "steps")
     parts = [WHAT]
     for title, lines in (
-        ("Error against run time", _times()), ("Excess length next to the handbook's", _handbook()),
-        ("The table", _table()), ("Stress in a fillet", _stress()), ("Stress in a keyway", _keyway()),
-        ("A shaft in a hub", _hub()), ("A line of eight sections", _line()),
-    ):  # fmt: skip
+        ("Error against run time", _times()),
+        ("Excess length next to the handbook's", _handbook()),
+        ("The table", _table()),
+        ("Stress in a fillet", _stress()),
+        ("Stress in a keyway", _keyway()),
+        ("A shaft in a hub", _hub()),
+        ("A line of eight sections", _line()),
+    ):
         parts += [f"## {title}", "\n".join(lines)]
     report.publish("Steps and fillets of round shafts", parts)
 
@@ -121,10 +136,16 @@ def _stress() -> Iterator[str]:
     yield "|---:|---:|---:|---:|---:|---:|---:|---:|"
     for larger, (factor, power) in SHIGLEY.items():
         for radius in (0.02, 0.03, 0.05, 0.1, 0.15, 0.2, 0.3):
-            found = fillet_stress(junction((1.0, 0.0), (larger, 0.0), Corner("fillet", radius)), FINE)
+            found = fillet_stress(
+                junction((1.0, 0.0), (larger, 0.0), Corner("fillet", radius)), FINE
+            )
             cells = []
             for fit in (peterson((larger - 1.0) / 2.0, radius), factor * radius**power):
-                cells += ["", ""] if fit is None else [f"{fit:.3f}", f"{100 * (fit / found.factor - 1):+.1f} %"]
+                cells += (
+                    ["", ""]
+                    if fit is None
+                    else [f"{fit:.3f}", f"{100 * (fit / found.factor - 1):+.1f} %"]
+                )
             yield f"| {larger:g} | {radius:g} | {found.factor:.4f} | {found.error:.0e} | {' | '.join(cells)} |"
 
 
@@ -134,7 +155,10 @@ def _keyway() -> Iterator[str]:
     yield "|---:|---:|---:|---:|---:|---:|---:|"
     depth = 0.25 + 1.0 - math.sqrt(1.0 - 0.25**2)
     for radius in (0.01, 1.0 / 48.0, 0.03, 0.05, 0.07):
-        found, fit = [on_mesh(keyway(0.5, depth, 2.0 * radius), divided) for divided in (1, 2, 4)], keyway_fit(radius)
+        found, fit = (
+            [on_mesh(keyway(0.5, depth, 2.0 * radius), divided) for divided in (1, 2, 4)],
+            keyway_fit(radius),
+        )
         cells = " | ".join(f"{one.factor:.5f}" for one in found)
         off = f"{100 * (fit / found[-1].factor - 1):+.1f} %"
         yield f"| {radius:.4f} | {cells} | {found[-1].error:.0e} | {fit:.3f} | {off} |"
@@ -146,7 +170,9 @@ def _hub() -> Iterator[str]:
     yield "|---:|---:|---:|---:|---:|---:|"
     for length in (0.5, 1.0, 1.5):
         for hub in (1.4, 1.6, 2.0):
-            (rim, error), (face, other) = (bonded(length, hub, 0.0, torque) for torque in ("rim", "face"))
+            (rim, error), (face, other) = (
+                bonded(length, hub, 0.0, torque) for torque in ("rim", "face")
+            )
             yield f"| {length:g} | {hub:g} | {rim:.4f} | {face:.4f} | {max(error, other):.0e} | {length / 3.0:.4f} |"
 
 
@@ -159,7 +185,11 @@ def _line() -> Iterator[str]:
         reference = steps_line.axisymmetric(whole)
         for word, junctions in (("with", True), ("without", False)):
             found = steps_line.one_dimensional(junctions=junctions, fillet=fillet, scale=scale)
-            yield f"| {name} | {word} | " + " | ".join(f"{one:+.1e}" for one in found / reference - 1.0) + " |"
+            yield (
+                f"| {name} | {word} | "
+                + " | ".join(f"{one:+.1e}" for one in found / reference - 1.0)
+                + " |"
+            )
 
 
 if __name__ == "__main__":

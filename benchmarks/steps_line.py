@@ -29,17 +29,30 @@ def axisymmetric(profile: Profile, count: int = 5, fine: float = 1e-6) -> np.nda
     """The first elastic frequencies, Hz, with consistent inertia on the mesh that the static twist needs."""
     stiffness, inertia = dynamic_matrices(profile, solved(profile, fine).meridian)
     speed2 = MATERIAL.shear_modulus / MATERIAL.density
-    shift = -((1.0 / profile.places[-1]) ** 2)  # below the rigid motion, far nearer to it than to the first root
+    shift = -(
+        (1.0 / profile.places[-1]) ** 2
+    )  # below the rigid motion, far nearer to it than to the first root
     found = eigsh(stiffness, count + 1, inertia, sigma=shift, return_eigenvectors=False)
     return np.sqrt(np.sort(found)[1:] * speed2) / (2.0 * np.pi)
 
 
-def one_dimensional(count: int = 5, *, junctions: bool, fillet: float = 0.0, scale: float = 1.0) -> np.ndarray:
+def one_dimensional(
+    count: int = 5, *, junctions: bool, fillet: float = 0.0, scale: float = 1.0
+) -> np.ndarray:
     """The first elastic frequencies, Hz, of the exact model of the shafts, with their steps or without."""
-    step = (Step(fillet=fillet) if fillet else Step(form="sharp")) if junctions else Step(form="none")
+    step = (
+        (Step(fillet=fillet) if fillet else Step(form="sharp")) if junctions else Step(form="none")
+    )
     shafts = [
-        Shaft(length=scale * length, diameter=(diameter,), material="line", step=step if place else None)
+        Shaft(
+            length=scale * length,
+            diameter=(diameter,),
+            material="line",
+            step=step if place else None,
+        )
         for place, (length, diameter) in enumerate(zip(LENGTHS[::-1], DIAMETERS[::-1], strict=True))
     ][::-1]
-    system = assemble(with_steps(train(shafts, materials={"line": MATERIAL})), "exact", frequency=5000.0)
+    system = assemble(
+        with_steps(train(shafts, materials={"line": MATERIAL})), "exact", frequency=5000.0
+    )
     return np.asarray(modes(system, count).frequency)

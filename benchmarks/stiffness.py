@@ -34,9 +34,15 @@ def main() -> None:
     with np.errstate(all="ignore"):
         for sweep in _sweeps(quick=report.chosen.quick):
             sweeps.append(sweep)
-            print(f"{perf_counter() - report.start:5.0f} s  {sweep.title}", file=sys.stderr, flush=True)
+            print(
+                f"{perf_counter() - report.start:5.0f} s  {sweep.title}",
+                file=sys.stderr,
+                flush=True,
+            )
     figures = {f"stiffness_{sweep.name}.svg": figure(sweep) for sweep in sweeps}
-    report.publish("Stiff and extreme: where the numbers hold and where they end", _parts(sweeps), figures)
+    report.publish(
+        "Stiff and extreme: where the numbers hold and where they end", _parts(sweeps), figures
+    )
 
 
 def _sweeps(*, quick: bool) -> Iterator[Sweep]:
@@ -64,7 +70,12 @@ def _powers(first: int, last: int, step: int) -> list[float]:
 def _parts(sweeps: list[Sweep]) -> Iterator[str]:
     yield HOW
     for sweep in sweeps:
-        yield from (f"## {sweep.title}", sweep.what, f"![{sweep.title}](stiffness_{sweep.name}.svg)", reading(sweep))
+        yield from (
+            f"## {sweep.title}",
+            sweep.what,
+            f"![{sweep.title}](stiffness_{sweep.name}.svg)",
+            reading(sweep),
+        )
         yield from (ends_table(sweep), *sweep.remarks)
 
 

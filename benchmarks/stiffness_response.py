@@ -19,10 +19,11 @@ COUPLING = 3  # the span that grows stiff
 def near_rigid_torque(stiffnesses: Sequence[float]) -> Sweep:
     """The torque in the coupling itself."""
     sweep = Sweep(
-        "near_rigid_torque", "Near-rigid coupling: its torque",
+        "near_rigid_torque",
+        "Near-rigid coupling: its torque",
         "The same chain, 1 N m at the first disc at 60 rad/s; the relative error of the torque in the coupling.",
         "stiffness of the coupling, N m/rad",
-    )  # fmt: skip
+    )
     inertia, springs = near_rigid_data()
     for stiffness in stiffnesses:
         springs[COUPLING - 1] = stiffness
@@ -32,21 +33,26 @@ def near_rigid_torque(stiffnesses: Sequence[float]) -> Sweep:
     bare = ours.tree(line("rigid", inertia, springs))
     flexibility = bare.flexibility.copy()
     flexibility[COUPLING] = 0.0
-    found = tree_response(replace(bare, flexibility=flexibility), np.array([60.0]), np.array(_unit(6)))
+    found = tree_response(
+        replace(bare, flexibility=flexibility), np.array([60.0]), np.array(_unit(6))
+    )
     error = references.torque_errors(found.torque[[COUPLING], 0], [exact[COUPLING]])[0]
-    sweep.remarks.append(f"Rigid altogether (flexibility 0): torsion's torque is {error:.1e} off the limit.")
+    sweep.remarks.append(
+        f"Rigid altogether (flexibility 0): torsion's torque is {error:.1e} off the limit."
+    )
     return sweep
 
 
 def resonance(ratios: Sequence[float]) -> Sweep:
     """At the double nearest to an undamped natural frequency, with less and less damping."""
     sweep = Sweep(
-        "resonance", "Response at resonance",
+        "resonance",
+        "Response at resonance",
         "Free chain of ten discs, dampers to ground in proportion to the inertias, at the double nearest to the third "
         "natural frequency; the largest error of the torques, over the largest torque. The line without points "
         "is no method: it is how far the torques at the next double frequency lie.",
         "damping ratio",
-    )  # fmt: skip
+    )
     random = np.random.default_rng(5)
     inertia, springs = random.uniform(0.5, 2.0, 10).tolist(), random.uniform(1e4, 5e4, 9).tolist()
     w = float(references.frequencies(line("bare", inertia, springs), [3])[0])
@@ -55,23 +61,28 @@ def resonance(ratios: Sequence[float]) -> Sweep:
         case = line("damped", inertia, springs, damping=[2 * ratio * w * j for j in inertia])
         _add(sweep, ratio, case, w)
         exact, near = (references.response(case, value, _unit(10))[1] for value in (w, beside))
-        difference = max(abs(a - b) for a, b in zip(exact, near, strict=True)) / max(abs(a) for a in exact)
+        difference = max(abs(a - b) for a, b in zip(exact, near, strict=True)) / max(
+            abs(a) for a in exact
+        )
         sweep.limit.append((ratio, float(difference)))
         known_from.setdefault(_status(case, w), ratio)
     undamped = _status(line("bare", inertia, springs), w)
     words = ", ".join(f"{name} from {ratio:.2g} on" for name, ratio in known_from.items())
-    sweep.remarks.append(f"torsion's own status of the line: {words}; without any damping {undamped}.")
+    sweep.remarks.append(
+        f"torsion's own status of the line: {words}; without any damping {undamped}."
+    )
     return sweep
 
 
 def slow(frequencies: Sequence[float]) -> Sweep:
     """A free train near standstill."""
     sweep = Sweep(
-        "slow", "Speed near 0",
+        "slow",
+        "Speed near 0",
         "Free chain of six discs, 1 N m at the first; the largest error of the torques, over the largest torque. The "
         "train as a whole moves by ever larger angles while its twist stays finite.",
         "frequency, rad/s",
-    )  # fmt: skip
+    )
     inertia, springs = near_rigid_data()
     case = line("slow", inertia, springs)
     for w in frequencies:
@@ -103,13 +114,17 @@ def _add(sweep: Sweep, at: float, case: Case, w: float, *, span: int | None = No
     periodic = peers_opentorsion.excitation(case, assembly, force.tolist(), frequency)
     response = ours.Response(case, force.tolist(), frequency)
     sweep.add(RESPONSE, at, lambda: error(response.span_torque(response())[:, 0]))
-    sweep.add(PEER, at, lambda: error(peers_opentorsion.span_torque(case, assembly, periodic)[:, 0]))
+    sweep.add(
+        PEER, at, lambda: error(peers_opentorsion.span_torque(case, assembly, periodic)[:, 0])
+    )
     sweep.add(dense_peers.SOLVE, at, lambda: error(dense_peers.span_torque(case, force, w)))
 
 
 def _status(case: Case, w: float) -> str:
     found = ours.Response(case, _unit(case.size), np.array([w]))()
-    return Status(int(status(found.amplification, found.residual)[0])).name.lower().replace("_", "-")
+    return (
+        Status(int(status(found.amplification, found.residual)[0])).name.lower().replace("_", "-")
+    )
 
 
 def _unit(size: int) -> list[complex]:

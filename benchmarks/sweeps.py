@@ -24,7 +24,12 @@ from torsion.kernels.tree import Tree
 from torsion.kernels.variant_modes import variant_modes
 from torsion.kernels.variant_networks import network_modes
 
-SIZES = ((5, 4, 20_000), (10, 6, 20_000), (20, 6, 10_000), (100, 6, 1_000))  # stations, modes, trains
+SIZES = (
+    (5, 4, 20_000),
+    (10, 6, 20_000),
+    (20, 6, 10_000),
+    (100, 6, 1_000),
+)  # stations, modes, trains
 MEANT = {10: 100.0, 20: 60.0, 100: 30.0}  # times openTorsion
 RUNS, LOOPED, PROVEN = 3, 60, 8  # in turn; trains of a loop, and with a reference of 60 digits
 SPREAD = (0.05, 0.15)  # inertias and stiffnesses, uniform
@@ -35,20 +40,46 @@ Every train of a case has its own inertias (±5 %) and stiffnesses (±15 %, unif
 processor in one process and one thread, the programs in turn, the smallest of the runs, per train. Errors are against
 60 digits, the largest of all modes of the trains compared; "alone" are frequencies that were found train by train."""
 HEAD = (
-    "stations", "train", "modes", "side by side µs", "loop of torsion µs", "ratio", "openTorsion µs", "ratio", "meant",
-    "error", "openTorsion's error", "alone of",
-)  # fmt: skip
+    "stations",
+    "train",
+    "modes",
+    "side by side µs",
+    "loop of torsion µs",
+    "ratio",
+    "openTorsion µs",
+    "ratio",
+    "meant",
+    "error",
+    "openTorsion's error",
+    "alone of",
+)
 
-NETWORKS = ((6, 1, 4), (10, 1, 6), (10, 2, 6), (20, 1, 6), (6, 0, 4), (10, 0, 6), (20, 0, 6))  # stations, chords, modes
+NETWORKS = (
+    (6, 1, 4),
+    (10, 1, 6),
+    (10, 2, 6),
+    (20, 1, 6),
+    (6, 0, 4),
+    (10, 0, 6),
+    (20, 0, 6),
+)  # stations, chords, modes
 OF_NETWORKS = """\
 Chains with one chord from the second station to the last but one, or with one from end to end besides, varied in the
 same way, and without chords with every second span a distributed shaft as heavy as 1 % of the lightest station:
 `network_modes`, every mode proven by counts, next to a loop over `graph_modes` or `tree_modes`. The difference is the
 largest between both; width is that of the widest bounds."""
 NETWORK_HEAD = (
-    "stations", "chords", "shafts", "modes", "side by side µs", "one by one µs", "ratio", "difference", "width",
+    "stations",
+    "chords",
+    "shafts",
+    "modes",
+    "side by side µs",
+    "one by one µs",
+    "ratio",
+    "difference",
+    "width",
     "alone of",
-)  # fmt: skip
+)
 
 
 def main() -> None:
@@ -57,7 +88,11 @@ def main() -> None:
     for size, modes, trains in SIZES:
         for stiff in (False, True):
             for make in (chain, _tree):
-                rows.append(_row(make(size, stiff=stiff), modes, trains // (5 if report.chosen.quick else 1)))
+                rows.append(
+                    _row(
+                        make(size, stiff=stiff), modes, trains // (5 if report.chosen.quick else 1)
+                    )
+                )
     networks = [_network_row(*case, 2000 // (5 if report.chosen.quick else 1)) for case in NETWORKS]
     page = ["## Natural frequencies", HOW, table(HEAD, rows)]
     page += ["## Closed loops and distributed shafts", OF_NETWORKS, table(NETWORK_HEAD, networks)]
@@ -67,20 +102,32 @@ def main() -> None:
 
 def _tree(size: int, *, stiff: bool) -> Case:
     """A geared tree without its gears' inertias, which the loops would have to refer."""
-    case = geared_tree(max(size, 10), stiff=stiff) if size >= 10 else chain(size, stiff=stiff, seed=1)
+    case = (
+        geared_tree(max(size, 10), stiff=stiff) if size >= 10 else chain(size, stiff=stiff, seed=1)
+    )
     return replace(case, gear=(None,) * case.size)
 
 
 def _row(case: Case, modes: int, trains: int) -> tuple[str, ...]:
     rng = np.random.default_rng(1)
-    inertia = np.array(case.inertia)[:, None] * rng.uniform(1 - SPREAD[0], 1 + SPREAD[0], (case.size, trains))
-    stiffness = np.array(case.stiffness)[:, None] * rng.uniform(1 - SPREAD[1], 1 + SPREAD[1], (case.size, trains))
-    tree = Tree(np.array(case.parent), np.zeros(case.size), np.zeros(case.size), np.zeros(case.size, dtype=bool))
+    inertia = np.array(case.inertia)[:, None] * rng.uniform(
+        1 - SPREAD[0], 1 + SPREAD[0], (case.size, trains)
+    )
+    stiffness = np.array(case.stiffness)[:, None] * rng.uniform(
+        1 - SPREAD[1], 1 + SPREAD[1], (case.size, trains)
+    )
+    tree = Tree(
+        np.array(case.parent),
+        np.zeros(case.size),
+        np.zeros(case.size),
+        np.zeros(case.size, dtype=bool),
+    )
     flexibility = np.zeros_like(stiffness)
     flexibility[1:] = 1.0 / stiffness[1:]
     looped = range(min(LOOPED, trains) if case.size < 100 else 12)
     each = [
-        _variant(case, inertia[:, k], 1.0 / np.where(flexibility[:, k] > 0, flexibility[:, k], 1.0)) for k in looped
+        _variant(case, inertia[:, k], 1.0 / np.where(flexibility[:, k] > 0, flexibility[:, k], 1.0))
+        for k in looped
     ]
     given = [elements(one) for one in each]
 
@@ -95,25 +142,39 @@ def _row(case: Case, modes: int, trains: int) -> tuple[str, ...]:
     ours, alone, theirs = times[0] / trains, times[1] / len(looped), times[2] / len(looped)
     exact = [frequencies(one, range(1, modes + 1)) for one in each[:PROVEN]]
     found = answers[0].frequency
-    errors = [max(worst(one, ref) for one, ref in zip(some, exact, strict=False)) for some in (found.T, answers[2])]
+    errors = [
+        max(worst(one, ref) for one, ref in zip(some, exact, strict=False))
+        for some in (found.T, answers[2])
+    ]
     meant = MEANT.get(case.size)
     return (
-        str(case.size), case.name, str(modes), *(f"{1e6 * one:.3g}" for one in (ours, alone)), f"{alone / ours:.3g}",
-        f"{1e6 * theirs:.4g}", f"{theirs / ours:.3g}",
+        str(case.size),
+        case.name,
+        str(modes),
+        *(f"{1e6 * one:.3g}" for one in (ours, alone)),
+        f"{alone / ours:.3g}",
+        f"{1e6 * theirs:.4g}",
+        f"{theirs / ours:.3g}",
         "-" if meant is None else f">= {meant:g}: {verdict(theirs / ours >= meant)}",
-        *(f"{error:.1e}" for error in errors), f"{answers[0].alone} of {trains * modes}",
-    )  # fmt: skip
+        *(f"{error:.1e}" for error in errors),
+        f"{answers[0].alone} of {trains * modes}",
+    )
 
 
 def _network_row(size: int, chords: int, modes: int, trains: int) -> tuple[str, ...]:
     case, rng = chain(size, stiff=False), np.random.default_rng(1)
     tree = Tree(np.array(case.parent), *np.zeros((2, size)), np.zeros(size, dtype=bool))
-    inertia = np.array(case.inertia)[:, None] * rng.uniform(1 - SPREAD[0], 1 + SPREAD[0], (size, trains))
+    inertia = np.array(case.inertia)[:, None] * rng.uniform(
+        1 - SPREAD[0], 1 + SPREAD[0], (size, trains)
+    )
     softness = 1.0 / rng.uniform(1 - SPREAD[1], 1 + SPREAD[1], (size + chords, trains))
     flexibility, node = np.zeros_like(inertia), np.arange(1, size, 2)
     flexibility[1:] = softness[1:size] / np.array(case.stiffness)[1:, None]
     chord = softness[size:] / min(case.stiffness[1:])
-    ends, factors = (np.array([1, 0][:chords], int), np.array([size - 2, size - 1][:chords], int)), None
+    ends, factors = (
+        (np.array([1, 0][:chords], int), np.array([size - 2, size - 1][:chords], int)),
+        None,
+    )
     if not chords:
         heavy = np.full(len(node), 0.01 * min(case.inertia))
         law = uniform_shafts(np.ones(len(node)), np.array(case.stiffness)[node], heavy)
@@ -135,10 +196,16 @@ def _network_row(size: int, chords: int, modes: int, trains: int) -> tuple[str, 
     difference = np.abs(found.frequency[:, :LOOPED] / answers[1] - 1.0).max()
     width = ((found.upper - found.lower) / found.frequency).max()
     return (
-        str(size), str(chords), str(0 if chords else len(node)), str(modes),
-        *(f"{1e6 * took:.3g}" for took in (ours, alone)), f"{alone / ours:.3g}", f"{difference:.1e}", f"{width:.1e}",
+        str(size),
+        str(chords),
+        str(0 if chords else len(node)),
+        str(modes),
+        *(f"{1e6 * took:.3g}" for took in (ours, alone)),
+        f"{alone / ours:.3g}",
+        f"{difference:.1e}",
+        f"{width:.1e}",
         f"{found.alone} of {trains * modes}",
-    )  # fmt: skip
+    )
 
 
 def _variant(case: Case, inertia: np.ndarray, stiffness: np.ndarray) -> Case:

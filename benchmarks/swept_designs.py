@@ -61,15 +61,23 @@ def designs(*, quick: bool = False) -> list[str]:
 def _rows(folder: Path, count: int) -> None:
     """A catalogue whose limits rise with the stiffness, and fall again."""
     rng, place = np.random.default_rng(1), np.linspace(0.0, 23.0, count)
-    stiffness, limit = 6 * 1.06**place * rng.uniform(0.95, 1.05, count), 150 + 30 * place - 1.2 * place**2
-    lines = [f"r{k},{stiffness[k]:.6g},{0.9 - 0.01 * one:.4g},{limit[k]:.6g}" for k, one in enumerate(place)]
+    stiffness, limit = (
+        6 * 1.06**place * rng.uniform(0.95, 1.05, count),
+        150 + 30 * place - 1.2 * place**2,
+    )
+    lines = [
+        f"r{k},{stiffness[k]:.6g},{0.9 - 0.01 * one:.4g},{limit[k]:.6g}"
+        for k, one in enumerate(place)
+    ]
     head = "name,stiffness [kN*m/rad],psi,vibratory_torque [N*m]"
     (folder / "rows.csv").write_text("\n".join([head, *lines, ""]), encoding="utf-8")
 
 
 def _designed(folder: Path, *chosen: str, seed: int = 1) -> tuple[Design, float]:
     begin = process_time()
-    study = torsion.parse(TRAIN.format(chosen=", ".join(chosen), seed=seed), str(folder / "drive.yaml"))
+    study = torsion.parse(
+        TRAIN.format(chosen=", ".join(chosen), seed=seed), str(folder / "drive.yaml")
+    )
     return torsion.run(study).need(Design), process_time() - begin
 
 
@@ -77,9 +85,14 @@ def _row(name: str, found: Design, seconds: float) -> tuple[str, ...]:
     best = found.best[(found.chosen or 1) - 1]
     method = found.method.replace("; judged", ", judged")
     return (
-        name, f"{found.evaluations:,}", method, f"{best.margin:.5f}", ", ".join(best.values), best.proven,
+        name,
+        f"{found.evaluations:,}",
+        method,
+        f"{best.margin:.5f}",
+        ", ".join(best.values),
+        best.proven,
         f"{seconds:.1f}",
-    )  # fmt: skip
+    )
 
 
 def _catalogue(folder: Path, count: int) -> tuple[str, ...]:
@@ -96,10 +109,14 @@ def _mixed(folder: Path) -> tuple[list[tuple[float, tuple[str, ...]]], float, st
     _rows(folder, FEW)
     text = TRAIN.format(chosen=", ".join([CATALOGUE, DIAMETER, PHASE]), seed=1)
     study = torsion.parse(text, str(folder / "drive.yaml"))
-    own = replace(study, analyses={key: one for key, one in study.analyses.items() if key != "design"})
+    own = replace(
+        study, analyses={key: one for key, one in study.analyses.items() if key != "design"}
+    )
     work = Work(own, {}, ruled=rules.needed(own), rules=judgement, solve=torsion.run)
     bench, begin = JudgedInGroups(work, study.variations["design"], 1), process_time()
-    grid = np.array(list(product(range(FEW), np.linspace(40, 75, GRID[0]), np.linspace(-90, 90, GRID[1]))))
+    grid = np.array(
+        list(product(range(FEW), np.linspace(40, 75, GRID[0]), np.linspace(-90, 90, GRID[1])))
+    )
     every = -np.log([used for used, _ in bench.answers(grid).checks.values()])
     seconds, true = process_time() - begin, every.min(axis=0)
     at = int(true.argmax())

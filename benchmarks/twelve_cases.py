@@ -100,10 +100,17 @@ def main() -> None:
     report = Report(__doc__, "twelve_cases", calls=5)
     texts = {"one case": ONE, "twelve cases": TWELVE}
     each = {name: measured(text) for name, text in texts.items()}  # imports all there is to import
-    tries = [{name: measured(text) for name, text in texts.items()} for _ in range(report.chosen.calls)]
-    commands = [{name: of_command(text) for name, text in texts.items()} for _ in range(report.chosen.calls)]
+    tries = [
+        {name: measured(text) for name, text in texts.items()} for _ in range(report.chosen.calls)
+    ]
+    commands = [
+        {name: of_command(text) for name, text in texts.items()} for _ in range(report.chosen.calls)
+    ]
     median = {
-        name: [statistics.median(one[name][0][part] for one in tries) for part in range(len(each[name][0]))]
+        name: [
+            statistics.median(one[name][0][part] for one in tries)
+            for part in range(len(each[name][0]))
+        ]
         for name in texts
     }
     rows = [
@@ -114,9 +121,7 @@ def main() -> None:
     read, solved, written = (median["twelve cases"][k] / median["one case"][k] for k in range(3))
     ratio = sum(median["twelve cases"]) / sum(median["one case"])
     size = each["twelve cases"][2]
-    head = (
-        "| | cases | stations | read, s | solve, s | page, s | all, s | page, MB |\n|---|---|---|---|---|---|---|---|"
-    )
+    head = "| | cases | stations | read, s | solve, s | page, s | all, s | page, MB |\n|---|---|---|---|---|---|---|---|"
     command = {name: statistics.median(one[name] for one in commands) for name in texts}
     of_all = command["twelve cases"] / command["one case"]
     what = f"the command takes {command['one case']:.2f} s for one case, {command['twelve cases']:.2f} s for twelve"
@@ -147,7 +152,15 @@ def of_command(text: str) -> float:
         file = Path(folder) / "train.yaml"
         file.write_text(text, encoding="utf-8")
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        command = [sys.executable, "-m", "torsion", "solve", str(file), "-o", str(Path(folder) / "report")]
+        command = [
+            sys.executable,
+            "-m",
+            "torsion",
+            "solve",
+            str(file),
+            "-o",
+            str(Path(folder) / "report"),
+        ]
         subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime

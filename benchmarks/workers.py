@@ -21,9 +21,7 @@ from benchmarks.papers.writing import table
 
 SCENE = Path(__file__).parents[1] / "shafting_specs" / "toleranced_drive.yaml"
 TOGETHER, JUDGED, ENDED, FREQUENCIES = 1 << 15, 512, 256, 1 << 20
-BY_ITSELF = (
-    "rules: [coupling-maker, {nvh: {at: motor, fluctuation: 200 rpm}}]"  # by which no variants are judged together
-)
+BY_ITSELF = "rules: [coupling-maker, {nvh: {at: motor, fluctuation: 200 rpm}}]"  # by which no variants are judged together
 PORT = 8799
 HOW = """\
 `torsion sweep` of the model file toleranced_drive in processes of its own; eight figures vary. Judged: verdicts
@@ -38,7 +36,9 @@ or above, two workers share what one has without them, and wall times say nothin
 def main() -> None:
     """Runs all and writes the page."""
     report = Report(__doc__, "workers", "an eighth of the variants")
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell takes from what runs in its background
+    signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # which a shell takes from what runs in its background
     share = 8 if report.chosen.quick else 1
     with TemporaryDirectory() as place:
         folder = Path(place)
@@ -49,7 +49,11 @@ def main() -> None:
         parts = [
             HOW,
             _times(
-                {"judged side by side": together, "judged one by one": judged, "frequencies only": frequencies},
+                {
+                    "judged side by side": together,
+                    "judged one by one": judged,
+                    "frequencies only": frequencies,
+                },
                 folder,
             ),
             _ended(ended, folder),
@@ -60,7 +64,10 @@ def main() -> None:
 
 def _scene(file: Path, samples: int, more: str = "") -> Path:
     text = SCENE.read_text(encoding="utf-8")
-    file.write_text(text.replace("samples: 128", f"samples: {samples}" + (f"\n    {more}" if more else "")), "utf-8")
+    file.write_text(
+        text.replace("samples: 128", f"samples: {samples}" + (f"\n    {more}" if more else "")),
+        "utf-8",
+    )
     return file
 
 
@@ -77,7 +84,9 @@ def _command(scene: Path, out: Path, *more: str, word: str = "sweep") -> list[st
 def _run(scene: Path, out: Path, *more: str, word: str = "sweep") -> tuple[float, float]:
     """Seconds of the sweep by the clock, and of the processors by the command with all of its processes."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    ran = subprocess.run(_command(scene, out, *more, word=word), capture_output=True, text=True, check=False)
+    ran = subprocess.run(
+        _command(scene, out, *more, word=word), capture_output=True, text=True, check=False
+    )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if ran.returncode not in (0, 1):
         raise RuntimeError(ran.stderr)
@@ -92,7 +101,9 @@ def _answers(out: Path) -> object:
 
     found = json.loads((out / "results.json").read_text(encoding="utf-8"))["sweep"]
     parts = [read_part(path)[0] for path in sorted((out / "parts").glob("part-*"))]
-    return found, [{name: own.tobytes() for name, own in part.items() if own.dtype != object} for part in parts]
+    return found, [
+        {name: own.tobytes() for name, own in part.items() if own.dtype != object} for part in parts
+    ]
 
 
 def _times(scenes: Mapping[str, Path], folder: Path) -> str:
@@ -100,8 +111,10 @@ def _times(scenes: Mapping[str, Path], folder: Path) -> str:
     for what, scene in scenes.items():
         known, first = None, 0.0
         for name, word, more in (
-            ("`solve`", "solve", ()), ("no workers", "sweep", ()), ("2 workers", "sweep", ("--workers", "2")),
-        ):  # fmt: skip
+            ("`solve`", "solve", ()),
+            ("no workers", "sweep", ()),
+            ("2 workers", "sweep", ("--workers", "2")),
+        ):
             out, load = folder / f"{what} {name}", os.getloadavg()[0]
             seconds, processors = _run(scene, out, *more, word=word)
             sweep, parts = _answers(out)
@@ -112,17 +125,39 @@ def _times(scenes: Mapping[str, Path], folder: Path) -> str:
                 same = sweep == known[0] and (known[1] is None or parts == known[1])
                 known, equal = (known[0], parts), "yes" if same else "NO"
             times = sorted(path.stat().st_mtime for path in out.glob("parts/*"))
-            rate = samples * (1 - 1 / len(times)) / (times[-1] - times[0]) if len(times) > 1 else samples / seconds
+            rate = (
+                samples * (1 - 1 / len(times)) / (times[-1] - times[0])
+                if len(times) > 1
+                else samples / seconds
+            )
             size = sum(path.stat().st_size for path in out.glob("parts/*")) / 1e6
             rows.append(
-                (what, str(samples), name, f"{seconds:.1f}", f"{first / seconds:.2f}", f"{rate:.3g}",
-                 f"{processors:.1f}", f"{size:.1f}" if parts else "-", equal, f"{load:.1f}")
-            )  # fmt: skip
+                (
+                    what,
+                    str(samples),
+                    name,
+                    f"{seconds:.1f}",
+                    f"{first / seconds:.2f}",
+                    f"{rate:.3g}",
+                    f"{processors:.1f}",
+                    f"{size:.1f}" if parts else "-",
+                    equal,
+                    f"{load:.1f}",
+                )
+            )
             shutil.rmtree(out)
     head = (
-        "variants", "number", "by", "wall s", "times faster than `solve`", "variants/s after the first part",
-        "processor s", "parts MB", "equal to the last bit", "load before",
-    )  # fmt: skip
+        "variants",
+        "number",
+        "by",
+        "wall s",
+        "times faster than `solve`",
+        "variants/s after the first part",
+        "processor s",
+        "parts MB",
+        "equal to the last bit",
+        "load before",
+    )
     return table(head, rows)
 
 
@@ -132,23 +167,35 @@ def _ended(scene: Path, folder: Path) -> str:
     _run(scene, whole)
     known, count = _answers(whole), len(list(whole.glob("parts/*")))
     rows = []
-    for what, end in (("a worker killed", _kill_worker), ("the command killed", _kill), ("Ctrl-C", _interrupt)):
+    for what, end in (
+        ("a worker killed", _kill_worker),
+        ("the command killed", _kill),
+        ("Ctrl-C", _interrupt),
+    ):
         out = folder / what
         began = subprocess.Popen(
-            _command(scene, out, "--workers", "2"), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            _command(scene, out, "--workers", "2"),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
             start_new_session=True,
-        )  # fmt: skip
+        )
         while len(list(out.glob("parts/part-*"))) < count // 3 and began.poll() is None:
             time.sleep(0.01)
         end(began.pid)
         _, stated = began.communicate()
-        left = {path: path.stat().st_mtime_ns for path in out.glob("parts/part-*") if path.suffix != ".part"}
+        left = {
+            path: path.stat().st_mtime_ns
+            for path in out.glob("parts/part-*")
+            if path.suffix != ".part"
+        }
         if began.returncode not in (0, 1):
             _run(scene, out)
         kept = sum(path.stat().st_mtime_ns == when for path, when in left.items())
         says = stated.decode().strip() if began.returncode >= 0 else ""
         equal = "yes" if _answers(out) == known else "NO"
-        rows.append((what, str(began.returncode), f"{len(left)} of {count}", str(kept), equal, says or "-"))
+        rows.append(
+            (what, str(began.returncode), f"{len(left)} of {count}", str(kept), equal, says or "-")
+        )
     head = (
         "at a third of the parts",
         "exit status",
@@ -193,16 +240,39 @@ def _by_tls(scene: Path, folder: Path) -> str:
         "x509 -req -days 2 -in request.pem -CA ca.pem -CAkey ca-key.pem -CAcreateserial -out cert.pem",
     ):
         subprocess.run(["openssl", *words.split()], cwd=here, capture_output=True, check=True)
-    files = ["--tls-ca-file", "ca.pem", "--tls-cert", "cert.pem", "--tls-key", "key.pem", "--no-dashboard"]
+    files = [
+        "--tls-ca-file",
+        "ca.pem",
+        "--tls-cert",
+        "cert.pem",
+        "--tls-key",
+        "key.pem",
+        "--no-dashboard",
+    ]
     address = f"127.0.0.1:{PORT}"
-    scheduler = ["scheduler", "--host", "127.0.0.1", "--port", str(PORT), "--protocol", "tls", *files]
+    scheduler = [
+        "scheduler",
+        "--host",
+        "127.0.0.1",
+        "--port",
+        str(PORT),
+        "--protocol",
+        "tls",
+        *files,
+    ]
     workers = ["worker", f"tls://{address}", "--nthreads", "1", "--nworkers", "2", *files]
-    own = [word for name in ("ca", "cert", "key") for word in (f"--tls-{name}", str(here / f"{name}.pem"))]
+    own = [
+        word
+        for name in ("ca", "cert", "key")
+        for word in (f"--tls-{name}", str(here / f"{name}.pem"))
+    ]
     with _process(here, scheduler), _process(here, workers):
         plain = subprocess.run(
-            _command(scene, folder / "plain", "--scheduler", f"tcp://{address}"), capture_output=True, text=True,
+            _command(scene, folder / "plain", "--scheduler", f"tcp://{address}"),
+            capture_output=True,
+            text=True,
             check=False,
-        )  # fmt: skip
+        )
         _run(scene, out, "--scheduler", f"tls://{address}", *own)
     equal = "yes" if _answers(out) == _answers(folder / "whole") else "NO"
     return (
@@ -215,9 +285,11 @@ def _by_tls(scene: Path, folder: Path) -> str:
 @contextmanager
 def _process(folder: Path, words: list[str]) -> Iterator[None]:
     began = subprocess.Popen(
-        [sys.executable, "-m", "distributed.cli.dask_" + words[0], *words[1:]], cwd=folder,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+        [sys.executable, "-m", "distributed.cli.dask_" + words[0], *words[1:]],
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     try:
         if words[0] == "scheduler":
             time.sleep(5.0)

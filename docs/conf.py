@@ -10,9 +10,15 @@ project = "torsion"
 version = release = metadata.version("torsion")
 root_doc = "docs/index"
 include_patterns = [
-    "README.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "CHANGELOG.md", "docs/**.md",
-    "reports/*.md", "reports/papers/*.md", "shafting_specs/README.md",
-]  # fmt: skip
+    "README.md",
+    "CONTRIBUTING.md",
+    "CODE_OF_CONDUCT.md",
+    "CHANGELOG.md",
+    "docs/**.md",
+    "reports/*.md",
+    "reports/papers/*.md",
+    "shafting_specs/README.md",
+]
 exclude_patterns = [".*", "build", "src", "tests", "benchmarks"]
 extensions = ["myst_parser", "equations", "gallery", "entrance", "assistants", "python_reference"]
 moved_pages = {  # addresses before 0.1.0

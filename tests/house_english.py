@@ -12,33 +12,60 @@ from pathlib import Path
 
 LONG = 30  # words; aim at 25
 ROOT = Path(__file__).parents[1]
-PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/**/*.md", "shafting_specs/README.md", "reports/*.md",
-         *(f"src/**/templates/*.{kind}" for kind in ("html", "typ", "md", "yaml")), "src/**/*.py")  # fmt: skip
-NUMBER = (r"figures? (?:of|in|from) (?:the|a|its|this|every) (?:file|input|maker|drawing|train)|(?:file|input|maker)"
-          r"[’']s figures?|(?:which|what|other|toleranced|varied|fitted|two|more|all) figures?(?! \d)|last figure|"
-          r"figures (?:come|vary|enter|scatter|agree|are (?:in|est))")  # fmt: skip
-PERSON = (r"(?:file|page|report|table|chapter|rule|figure|row|column|key|search|verdict|train|model|calculation)s? "
-          r"(?:says?|knows?|wants?|speaks?|sees?|finds?|thinks?|names?)")  # fmt: skip
+PAGES = (
+    "README.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "docs/**/*.md",
+    "shafting_specs/README.md",
+    "reports/*.md",
+    *(f"src/**/templates/*.{kind}" for kind in ("html", "typ", "md", "yaml")),
+    "src/**/*.py",
+)
+NUMBER = (
+    r"figures? (?:of|in|from) (?:the|a|its|this|every) (?:file|input|maker|drawing|train)|(?:file|input|maker)"
+    r"[’']s figures?|(?:which|what|other|toleranced|varied|fitted|two|more|all) figures?(?! \d)|last figure|"
+    r"figures (?:come|vary|enter|scatter|agree|are (?:in|est))"
+)
+PERSON = (
+    r"(?:file|page|report|table|chapter|rule|figure|row|column|key|search|verdict|train|model|calculation)s? "
+    r"(?:says?|knows?|wants?|speaks?|sees?|finds?|thinks?|names?)"
+)
 BANNED = {  # pattern, whole words in any case: what to write
-    NUMBER: "parameter, value, input data, digit", PERSON: "name who acts: the report lists, the program finds",
-    r"half[- ]ranges?": "amplitude (0 to peak)", r"greatest|(?<!at )least(?! squares)": "maximum, largest; minimum",
+    NUMBER: "parameter, value, input data, digit",
+    PERSON: "name who acts: the report lists, the program finds",
+    r"half[- ]ranges?": "amplitude (0 to peak)",
+    r"greatest|(?<!at )least(?! squares)": "maximum, largest; minimum",
     r"synthes[ie]s(?: of (?:all )?orders)?": "total vibratory torque or stress (all orders in phase)",
-    r"scenes?": "model file, example", r"findings": "results", r"standing": "basis (of a limit)",
+    r"scenes?": "model file, example",
+    r"findings": "results",
+    r"standing": "basis (of a limit)",
     r"(?:largest|greatest|highest) use|shares? of (?:(?:the|every|each|all|a) )?limits?": "utilisation",
     r"(?:as (?:it|they|the file) |(?<!it ))(?:stands?|stood)(?! still| for)": "is, appears, is listed; unchanged",
-    r"ha(?:s|ve) (?:it|all of (?:it|them))": "shows, contains", r"of which": "two sentences", r"in part": "partly",
-    r"beside": "next to, together with", r"behind": "after, downstream of", r"those of|that of": "repeat the noun",
-    r"(?:by|of) (?:itself|themselves)|of (?:its|their) own": "separately, automatically, its own", r"alone": "only",
-    r"all else|what else|nothing else|whatever": "name the thing", r"is no|are no": "is not a, there is no",
+    r"ha(?:s|ve) (?:it|all of (?:it|them))": "shows, contains",
+    r"of which": "two sentences",
+    r"in part": "partly",
+    r"beside": "next to, together with",
+    r"behind": "after, downstream of",
+    r"those of|that of": "repeat the noun",
+    r"(?:by|of) (?:itself|themselves)|of (?:its|their) own": "separately, automatically, its own",
+    r"alone": "only",
+    r"all else|what else|nothing else|whatever": "name the thing",
+    r"is no|are no": "is not a, there is no",
     r"(?:not )?kept|keeps? (?:a|the|no|every|all|its) limits?": "exceeded, met, within the limit",
     r"(?:without|has|have|had|gives?|with) (?:no |an |no an )?answer|unanswered": "failed, not solved, no solution",
-    r"left out": "omitted, not computed, not checked", r"at fault|faults?": "invalid; error, input error",
+    r"left out": "omitted, not computed, not checked",
+    r"at fault|faults?": "invalid; error, input error",
     r"from memory|(?:not )?at hand": "cite the edition, or 'not checked against the edition in force'",
-    r"motions? over time": "transient response or analysis", r"(?<!to )play(?!s)": "backlash",
+    r"motions? over time": "transient response or analysis",
+    r"(?<!to )play(?!s)": "backlash",
     r"goes? (?:with|on|by|out|whole|over)|takes? (?:no|none|nothing|every|all)": "continues, correlates with, stops",
     r"where (?:it|they|there|none|no|nothing|something|a|an|the file)": "if, when",
-}  # fmt: skip
-PATTERNS = [(re.compile(rf"(?<![\w-])(?:{pattern})(?![\w-])", re.IGNORECASE), word) for pattern, word in BANNED.items()]
+}
+PATTERNS = [
+    (re.compile(rf"(?<![\w-])(?:{pattern})(?![\w-])", re.IGNORECASE), word)
+    for pattern, word in BANNED.items()
+]
 OPENINGS = {  # at the start of a sentence
     r"(?:Of|Beside|Behind|Beyond) |(?:So|Nor|Neither) (?:is|are|do|does|has|have|a|the)\b": "open with the subject",
     r"(?:In|On|At|From|With|Between|Under|By|To|For)(?: [\w`’'-]+){1,4} (?<!it )(?<!there )(?<!they )"
@@ -48,7 +75,7 @@ OPENINGS = {  # at the start of a sentence
     r"What (?!.*\?)|(?:Where|Whether|Whatever|Whose) (?!.*\?)": "open with the subject, or with If or When",
     r"(?:That|Those|Both|One|Each|Such|None|All|More|Others?) (?:of|that|which|with|by|in|are|is)\b": "name the thing",
     r"[^.?!]{25,}; (?:of|so|what|that|those|nor|neither|with|in|else) ": "two sentences",
-}  # fmt: skip
+}
 
 
 def messages(source: str) -> list[str]:
@@ -60,8 +87,14 @@ def messages(source: str) -> list[str]:
             skipped.add(id(body[0].value))
         if isinstance(node, ast.JoinedStr):
             skipped |= {id(value) for value in node.values}
-            texts.append("".join(v.value if isinstance(v, ast.Constant) else "x" for v in node.values))
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in skipped:
+            texts.append(
+                "".join(v.value if isinstance(v, ast.Constant) else "x" for v in node.values)
+            )
+        elif (
+            isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and id(node) not in skipped
+        ):
             texts.append(node.value)
     return [text for text in texts if len(text.split()) >= 6]
 
@@ -79,13 +112,21 @@ def sentences(path: Path) -> list[str]:
     elif path.suffix == ".html":
         text = re.sub(r"(?s)<(script|style)\b.*?</\1>|\{[{%#].*?[}%#]\}|<[^>]+>", " ", text)
     elif path.suffix in {".yaml", ".typ"}:
-        text = "\n\n".join(re.findall(r"(?<=# ).*" if path.suffix == ".yaml" else r"(?<=// ).*|\"[^\"\n]*\"", text))
+        text = "\n\n".join(
+            re.findall(r"(?<=# ).*" if path.suffix == ".yaml" else r"(?<=// ).*|\"[^\"\n]*\"", text)
+        )
     text = re.sub(r"(?ms)^\s*```.*?^\s*```|^ {4,}\S[^\n]*$|^\|[-| :]+\|$", "\n", text)
     text = re.sub(r"`[^`\n]*`", "key", re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text))
-    text = re.sub(r"(?m)^\s*(?:[-*] |\d+\. |#+ )", "\n", re.sub(r"\s\|\s|^\||\|$", "\n\n", text, flags=re.MULTILINE))
+    text = re.sub(
+        r"(?m)^\s*(?:[-*] |\d+\. |#+ )",
+        "\n",
+        re.sub(r"\s\|\s|^\||\|$", "\n\n", text, flags=re.MULTILINE),
+    )
     blocks = [" ".join(block.replace("*", "").split()) for block in re.split(r"\n\s*\n", text)]
     parts = (part for block in blocks for part in re.split(r"(?<=[.!?])\s+(?=[A-Z(“])", block))
-    return [part for part in parts if len(re.findall(r"[A-Za-z]{2,}", part)) >= 4 and "<svg" not in part]
+    return [
+        part for part in parts if len(re.findall(r"[A-Za-z]{2,}", part)) >= 4 and "<svg" not in part
+    ]
 
 
 def flags(path: Path) -> list[tuple[float, str, list[str]]]:
@@ -97,7 +138,9 @@ def flags(path: Path) -> list[tuple[float, str, list[str]]]:
         inverted = [word for pattern, word in OPENINGS.items() if re.match(pattern, text)]
         instead = banned + inverted + ["split it"] * (size > LONG)
         if instead:
-            flagged.append((max(0, size - LONG) / 5 + len(banned) + 2 * len(inverted), text, instead))
+            flagged.append(
+                (max(0, size - LONG) / 5 + len(banned) + 2 * len(inverted), text, instead)
+            )
     return flagged
 
 
@@ -113,7 +156,10 @@ def main() -> None:
         if count:
             print(f"{count:6} {path}")
     print(f"{sum(counts.values()):6} in {len(counts)} files")
-    worst = sorted(((score, path, *rest) for path, found in flagged.items() for score, *rest in found), reverse=True)
+    worst = sorted(
+        ((score, path, *rest) for path, found in flagged.items() for score, *rest in found),
+        reverse=True,
+    )
     for score, path, text, instead in worst[: chosen.worst]:
         print(f"\n{path} ({score:.1f}): {text}\n    -> {'; '.join(sorted(set(instead)))}")
 

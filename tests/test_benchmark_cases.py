@@ -14,16 +14,25 @@ def benchmarks() -> Iterator[SimpleNamespace]:
     pytest.importorskip("mpmath")
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(Path(__file__).parents[1]))
-        for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        for variable in (
+            "OPENBLAS_NUM_THREADS",
+            "OMP_NUM_THREADS",
+            "MKL_NUM_THREADS",
+            "NUMBA_NUM_THREADS",
+        ):
             patch.setenv(variable, "1")
-        cases, references = (importlib.import_module(f"benchmarks.{name}") for name in ("cases", "references"))
+        cases, references = (
+            importlib.import_module(f"benchmarks.{name}") for name in ("cases", "references")
+        )
         yield SimpleNamespace(cases=cases, references=references)
 
 
 def uniform_chain(benchmarks: SimpleNamespace, size: int, inertia: float, stiffness: float):
     zero = (0.0,) * size
     parent = tuple(range(-1, size - 1))
-    return benchmarks.cases.Case("uniform", parent, (inertia,) * size, (stiffness,) * size, (None,) * size, zero, zero)
+    return benchmarks.cases.Case(
+        "uniform", parent, (inertia,) * size, (stiffness,) * size, (None,) * size, zero, zero
+    )
 
 
 @pytest.mark.parametrize("size", [2, 7, 24])
@@ -40,7 +49,9 @@ def test_reference_frequencies_of_a_uniform_chain_are_sines(benchmarks, size):
 def test_gear_reflects_inertia_with_the_square_of_the_ratio_in_the_references(benchmarks):
     cases = benchmarks.cases
     gear = cases.Gear(driving_teeth=20, driven_teeth=60, driving_inertia=1.0, driven_inertia=3.0)
-    case = cases.Case("geared", (-1, 0), (2.0, 6.0), (1.0, 8.0), (None, gear), (0.0, 0.0), (0.0, 0.0))
+    case = cases.Case(
+        "geared", (-1, 0), (2.0, 6.0), (1.0, 8.0), (None, gear), (0.0, 0.0), (0.0, 0.0)
+    )
     far = 1.0 + (3.0 + 6.0) / 9  # the far side turns at a third of the speed
     (frequency,) = benchmarks.references.frequencies(case, [1])
     assert float(frequency) == pytest.approx(np.sqrt(8.0 * (1 / 2.0 + 1 / far)), rel=1e-15)

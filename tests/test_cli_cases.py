@@ -32,22 +32,33 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
     def written(base: str = BASE, **cases: str) -> str:
         path = tmp_path / "base.yaml"
-        path.write_text(base + "cases:\n" + "".join(f"  {name}: {body}\n" for name, body in cases.items()))
+        path.write_text(
+            base + "cases:\n" + "".join(f"  {name}: {body}\n" for name, body in cases.items())
+        )
         return str(path)
 
     return written
 
 
 def call(*words: str):
-    return CliRunner().invoke(app, list(words), env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
+    return CliRunner().invoke(
+        app, list(words), env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    )
 
 
 @pytest.mark.parametrize(
     ("cases", "status"),
-    [({"a": PASSES}, 0), ({"a": PASSES, "b": FAILS}, 1), ({"b": FAILS, "a": PASSES}, 1), ({"a": INFORMS}, 0),
-     ({"a": PASSES, "b": "{set: {rubber.stiffness: 1}}"}, 2)],
-)  # fmt: skip
-def test_the_exit_status_is_that_of_the_worst_case_that_is_judged(file, cases: dict[str, str], status: int) -> None:
+    [
+        ({"a": PASSES}, 0),
+        ({"a": PASSES, "b": FAILS}, 1),
+        ({"b": FAILS, "a": PASSES}, 1),
+        ({"a": INFORMS}, 0),
+        ({"a": PASSES, "b": "{set: {rubber.stiffness: 1}}"}, 2),
+    ],
+)
+def test_the_exit_status_is_that_of_the_worst_case_that_is_judged(
+    file, cases: dict[str, str], status: int
+) -> None:
     if status == 2:
         cases = {**cases, "b": "{set: {rubber.stiffness: 1 N}}"}
     assert call("solve", file(**cases)).exit_code == status
@@ -60,7 +71,9 @@ def test_a_case_without_an_answer_takes_no_other_with_it(file, tmp_path: Path) -
     assert "case 'x': " in done.stderr
     made = {str(path.relative_to(tmp_path / "out")) for path in (tmp_path / "out").rglob("*.html")}
     assert made == {"report.html", "a/report.html"}
-    assert "NOT JUDGED: case x (1 of 3)" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "NOT JUDGED: case x (1 of 3)" in (tmp_path / "out" / "report.html").read_text(
+        encoding="utf-8"
+    )
     informed = NO_ANSWER.replace("{remove", "{judged: false, remove")
     assert call("solve", file(LINKED, a=PASSES, x=informed), "-o", "out").exit_code == 0
 
@@ -111,7 +124,9 @@ def test_the_plan_has_every_case_and_nothing_is_solved(file) -> None:
 
 
 def test_other_commands_take_the_file_as_it_stands_or_one_case(file, tmp_path: Path) -> None:
-    shaft = BASE.replace("  - propeller", "  - shaft: {name: s, length: 1 m, diameter: 60 mm}\n  - propeller")
+    shaft = BASE.replace(
+        "  - propeller", "  - shaft: {name: s, length: 1 m, diameter: 60 mm}\n  - propeller"
+    )
     name = file(shaft, long="{set: {s.length: 2 m}}")
     alone, long = (commands.check(name, case=case) for case in (None, "long"))
     assert long.study.name == "base, case long"
@@ -133,6 +148,10 @@ def test_python_reads_runs_and_solves_the_cases(file, tmp_path: Path) -> None:
     assert list(found.each) == ["normal", "good", "bad"]
     assert [one.failed for one in found.each.values()] == [False, False, True]
     assert [share for _, share in shares] == sorted(share for _, share in shares)
-    assert {what.partition(":")[0] for what, _ in shares} == {"case normal", "case good", "case bad"}
+    assert {what.partition(":")[0] for what, _ in shares} == {
+        "case normal",
+        "case good",
+        "case bad",
+    }
     assert torsion.solve(name, tmp_path / "x", case="good").study.case.name == "good"
     assert torsion.run(study.cases["good"]).cases == {}

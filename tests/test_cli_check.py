@@ -19,7 +19,9 @@ DISCS = "name: x\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: 
 
 
 def call(command: str, *words: str):
-    return CliRunner().invoke(app, [command, *words], env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
+    return CliRunner().invoke(
+        app, [command, *words], env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    )
 
 
 @pytest.fixture
@@ -34,7 +36,10 @@ def test_models_are_compared_without_the_file_asking_it(scene: Path, tmp_path: P
     assert done.exit_code == 0, done.output
     assert "lumped and fem are within 0.1 %" in done.output
     assert "No torques are compared: nothing excites" in done.output
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["check.html", "check.json"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "check.html",
+        "check.json",
+    ]
 
 
 def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Path) -> None:
@@ -51,7 +56,9 @@ def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Pat
 def test_a_model_beyond_the_tolerance_makes_the_exit_status_one(
     scene: Path, tmp_path: Path, command: str, tolerance: str, status: int
 ) -> None:
-    text = COARSE.replace("count: 1}", f"count: 1}}, check: {{models: [lumped], tolerance: {tolerance}}}")
+    text = COARSE.replace(
+        "count: 1}", f"count: 1}}, check: {{models: [lumped], tolerance: {tolerance}}}"
+    )
     scene.write_text(text, encoding="utf-8")
     done = call(command, str(scene), "-o", str(tmp_path / "out"))
     assert done.exit_code == status, done.output
@@ -69,14 +76,19 @@ def test_a_train_without_shafts_is_the_same_in_all_models(scene: Path, tmp_path:
 
 
 def test_a_loop_has_no_exact_model_and_the_fault_is_located(scene: Path) -> None:
-    scene.write_text(SHAFT + "links:\n  - {between: [small, large], coupling: {stiffness: 1e4}}\n", encoding="utf-8")
+    scene.write_text(
+        SHAFT + "links:\n  - {between: [small, large], coupling: {stiffness: 1e4}}\n",
+        encoding="utf-8",
+    )
     done = call("check", str(scene))
     assert done.exit_code == 2
     assert "line.yaml:7:" in done.output
     assert "closed loops" in done.output
 
 
-def test_a_folder_that_cannot_be_written_is_told_and_leaves_no_traceback(scene: Path, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_told_and_leaves_no_traceback(
+    scene: Path, tmp_path: Path
+) -> None:
     (tmp_path / "taken").write_text("a file")
     done = call("check", str(scene), "-o", str(tmp_path / "taken"))
     assert done.exit_code == 2

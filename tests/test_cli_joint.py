@@ -18,7 +18,9 @@ FILES = ["joints.csv", "joints.html", "joints.json"]
 
 
 def call(*words: str):
-    return CliRunner().invoke(app, ["joint", *words], env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
+    return CliRunner().invoke(
+        app, ["joint", *words], env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    )
 
 
 @pytest.fixture
@@ -35,7 +37,9 @@ def test_joints_alone_are_printed_and_written(scene: Path, tmp_path: Path) -> No
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == FILES
 
 
-def test_the_report_goes_beside_those_of_solve(scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_report_goes_beside_those_of_solve(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert call(str(scene)).exit_code == 0
     assert sorted(path.name for path in (tmp_path / "reports" / "line").iterdir()) == FILES
@@ -50,7 +54,10 @@ def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Pat
 
 
 def test_turns_of_the_command_take_the_place_of_those_of_the_file(scene: Path) -> None:
-    once, thrice = (json.loads(call(str(scene), "--json", "--turns", n).stdout)["joints"]["angle_rad"] for n in "13")
+    once, thrice = (
+        json.loads(call(str(scene), "--json", "--turns", n).stdout)["joints"]["angle_rad"]
+        for n in "13"
+    )
     assert thrice[-1] == pytest.approx(3 * once[-1], rel=1e-12)
 
 
@@ -63,7 +70,9 @@ def test_turns_that_make_no_sense_are_refused(scene: Path, turns: str) -> None:
 
 def test_a_train_without_joints_is_a_located_fault(tmp_path: Path) -> None:
     path = tmp_path / "discs.yaml"
-    path.write_text("name: x\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n")
+    path.write_text(
+        "name: x\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
+    )
     done = call(str(path))
     assert done.exit_code == 2
     assert "discs.yaml:2:" in done.output
@@ -78,7 +87,9 @@ def test_bad_geometry_is_a_located_fault(scene: Path, angle: str) -> None:
     assert "line.yaml:3:" in done.output
 
 
-def test_a_folder_that_cannot_be_written_is_told_and_leaves_no_traceback(scene: Path, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_told_and_leaves_no_traceback(
+    scene: Path, tmp_path: Path
+) -> None:
     (tmp_path / "taken").write_text("a file")
     done = call(str(scene), "-o", str(tmp_path / "taken"))
     assert done.exit_code == 2
@@ -100,4 +111,6 @@ def test_settings_and_other_rules_of_the_file_do_not_stop_the_joints(scene: Path
     done = call(str(scene), "--json")
     assert done.exit_code == 0, done.output
     stated = json.loads(done.stdout)
-    assert stated["joints"]["lines"][0]["optimum"]["best_rad"] == [pytest.approx(0.17453292519943295, rel=1e-12)]
+    assert stated["joints"]["lines"][0]["optimum"]["best_rad"] == [
+        pytest.approx(0.17453292519943295, rel=1e-12)
+    ]

@@ -20,17 +20,32 @@ analyses:
   - {name: two, duration: 1 s, initial: rest, samples: 60000, export: csv, events: [{at: a, step: {torque: 1}}]}
 """
 SOON = MOTION % ("viscous: 10", "1 s", "step: {torque: 1}")  # seconds of writing
-LONG = MOTION % ("clearance: 0.1 deg", "1e4 s", "sine: {torque: 100, frequency: 20 Hz}")  # minutes of impacts
+LONG = MOTION % (
+    "clearance: 0.1 deg",
+    "1e4 s",
+    "sine: {torque: 100, frequency: 20 Hz}",
+)  # minutes of impacts
 SCENE = "name: x\ntrain:\n" + "- disc: {inertia: 1}\n- coupling: {stiffness: 1e4}\n" * 60
 
 
 @pytest.mark.skipif(os.name != "posix", reason="ends by signals")
-def test_a_command_that_is_told_to_end_leaves_the_earlier_report_alone_and_nothing_else(tmp_path: Path) -> None:
+def test_a_command_that_is_told_to_end_leaves_the_earlier_report_alone_and_nothing_else(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "scene.yaml").write_text(SCENE, encoding="utf-8")
     out = tmp_path / "out"
     out.mkdir()
     (out / "report.html").write_text("earlier", encoding="utf-8")
-    command = [sys.executable, "-m", "torsion", "solve", str(tmp_path / "scene.yaml"), "-o", str(out), "--pdf"]
+    command = [
+        sys.executable,
+        "-m",
+        "torsion",
+        "solve",
+        str(tmp_path / "scene.yaml"),
+        "-o",
+        str(out),
+        "--pdf",
+    ]
     started = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     while not list(out.glob(".report-*")) and started.poll() is None:
         time.sleep(0.01)
@@ -44,7 +59,9 @@ def test_a_command_that_is_told_to_end_leaves_the_earlier_report_alone_and_nothi
 
 @pytest.mark.skipif(os.name != "posix", reason="ends by signals")
 @pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL])
-@pytest.mark.parametrize(("scene", "during"), [(LONG, "motion"), (SOON, "writing")], ids=["motion", "writing"])
+@pytest.mark.parametrize(
+    ("scene", "during"), [(LONG, "motion"), (SOON, "writing")], ids=["motion", "writing"]
+)
 def test_motions_over_time_that_are_killed_leave_the_earlier_files_whole(
     tmp_path: Path, scene: str, during: str, how: signal.Signals
 ) -> None:
@@ -54,10 +71,22 @@ def test_motions_over_time_that_are_killed_leave_the_earlier_files_whole(
     earlier = ("report.html", "results.json", "motion.npz", "motion-two.csv")
     for name in earlier:
         (out / name).write_text("earlier", encoding="utf-8")
-    command = [sys.executable, "-m", "torsion", "solve", str(tmp_path / "scene.yaml"), "-o", str(out)]
+    command = [
+        sys.executable,
+        "-m",
+        "torsion",
+        "solve",
+        str(tmp_path / "scene.yaml"),
+        "-o",
+        str(out),
+    ]
     started = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     end = time.monotonic() + (2.0 if during == "motion" else 60.0)
-    while not list(out.glob(".report-*/motion*")) and started.poll() is None and time.monotonic() < end:
+    while (
+        not list(out.glob(".report-*/motion*"))
+        and started.poll() is None
+        and time.monotonic() < end
+    ):
         time.sleep(0.005)
     started.send_signal(how)
     started.communicate(timeout=60)
@@ -70,7 +99,9 @@ def test_motions_over_time_that_are_killed_leave_the_earlier_files_whole(
 
 @pytest.mark.skipif(os.name != "posix", reason="closes streams as a shell does")
 @pytest.mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&-", "<&- >&- 2>&-"])
-@pytest.mark.parametrize(("limit", "status"), [("1 kN*m", 0), ("1 N*m", 1)], ids=["passes", "fails"])
+@pytest.mark.parametrize(
+    ("limit", "status"), [("1 kN*m", 0), ("1 N*m", 1)], ids=["passes", "fails"]
+)
 def test_a_closed_stream_changes_neither_the_report_nor_the_exit_status(
     closed: str, limit: str, status: int, tmp_path: Path
 ) -> None:
@@ -83,5 +114,8 @@ rules: [coupling-maker]
     (tmp_path / "scene.yaml").write_text(text, encoding="utf-8")
     words = f'exec "{sys.executable}" -m torsion solve scene.yaml -o out {closed}'
     assert subprocess.run(["sh", "-c", words], cwd=tmp_path, check=False).returncode == status
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["report.html", "results.json"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "report.html",
+        "results.json",
+    ]
     assert (tmp_path / "out" / "results.json").read_bytes().startswith(b'{\n"format"')

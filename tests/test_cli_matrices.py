@@ -24,7 +24,9 @@ train:
 
 
 def call(*words: str):
-    return CliRunner().invoke(app, ["solve", *words], env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
+    return CliRunner().invoke(
+        app, ["solve", *words], env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    )
 
 
 def roots(arrays: dict[str, np.ndarray], hysteretic: bool) -> np.ndarray:
@@ -39,7 +41,9 @@ def roots(arrays: dict[str, np.ndarray], hysteretic: bool) -> np.ndarray:
 
 
 @pytest.mark.parametrize("damping", ["viscous: 90", "loss_factor: 0.2"])
-def test_eigenvalues_of_the_exported_matrices_are_the_damped_modes(tmp_path: Path, damping: str) -> None:
+def test_eigenvalues_of_the_exported_matrices_are_the_damped_modes(
+    tmp_path: Path, damping: str
+) -> None:
     scene, target = tmp_path / "scene.yaml", tmp_path / "m.npz"
     scene.write_text(RATED + TRAIN.replace("DAMPING", damping), encoding="utf-8")
     done = call(str(scene), "-o", str(tmp_path / "out"), "--matrices", str(target))
@@ -47,12 +51,16 @@ def test_eigenvalues_of_the_exported_matrices_are_the_damped_modes(tmp_path: Pat
     assert "1500 rpm and its mean torque" in done.output
     arrays = dict(np.load(target))
     stated = torsion.run(torsion.read(scene)).need(DampedModes)
-    assert roots(arrays, "loss" in damping)[: stated.eigenvalue.size] == pytest.approx(stated.eigenvalue, rel=1e-9)
+    assert roots(arrays, "loss" in damping)[: stated.eigenvalue.size] == pytest.approx(
+        stated.eigenvalue, rel=1e-9
+    )
     assert float(arrays["speed"]) == pytest.approx(50.0 * np.pi, rel=1e-14)
     at = dict(zip(arrays["stations"].tolist(), arrays["mean_torque"].tolist(), strict=True))
     torque = 1e5 / (50.0 * np.pi)
     assert (at["motor-1"], at["propeller-1"]) == pytest.approx((torque, -2.5 * torque), rel=1e-13)
-    archer = 30.0 * (2.5 * torque) * 2.0 * np.pi / 60.0 / (20.0 * np.pi)  # A Q/n, at the propeller's own 600 rpm
+    archer = (
+        30.0 * (2.5 * torque) * 2.0 * np.pi / 60.0 / (20.0 * np.pi)
+    )  # A Q/n, at the propeller's own 600 rpm
     last = arrays["names"].tolist().index("propeller-1")
     assert arrays["damping"][last, last] == pytest.approx(archer / 2.5**2, rel=1e-13)
 
@@ -68,7 +76,9 @@ def test_matrices_that_follow_from_a_speed_that_is_not_given_are_refused(tmp_pat
 
 def test_matrices_of_a_train_without_speeds_tell_that_none_matters(tmp_path: Path) -> None:
     scene, target = tmp_path / "scene.yaml", tmp_path / "m.npz"
-    scene.write_text("name: x\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 4, viscous: 1}, disc: {inertia: 1}]\n")
+    scene.write_text(
+        "name: x\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 4, viscous: 1}, disc: {inertia: 1}]\n"
+    )
     done = call(str(scene), "-o", str(tmp_path / "out"), "--matrices", str(target))
     assert done.exit_code == 0, done.output
     assert "no damping of theirs follows from the speed" in done.output
@@ -80,12 +90,19 @@ def test_matrices_of_a_train_without_speeds_tell_that_none_matters(tmp_path: Pat
 @pytest.mark.parametrize(
     "words",
     [
-        ("solve", "--pdf"), ("solve", "--vtu"), ("solve", "--csv"), ("solve", "-o", "x"),
+        ("solve", "--pdf"),
+        ("solve", "--vtu"),
+        ("solve", "--csv"),
+        ("solve", "-o", "x"),
         ("solve", "--matrices", "m.npz"),
-        ("joint", "-o", "x"), ("check", "-o", "x"), ("study", "-o", "x"),
+        ("joint", "-o", "x"),
+        ("check", "-o", "x"),
+        ("study", "-o", "x"),
     ],
-)  # fmt: skip
-def test_json_beside_an_option_that_writes_a_file_is_refused(tmp_path: Path, words: tuple[str, ...]) -> None:
+)
+def test_json_beside_an_option_that_writes_a_file_is_refused(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
     command, option, *value = words
     done = CliRunner().invoke(app, [command, str(tmp_path / "none.yaml"), "--json", option, *value])
     assert done.exit_code == 2

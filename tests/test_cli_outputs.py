@@ -44,9 +44,21 @@ def call(*words: object, status: int = SOLVED) -> str:
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with scenes in which the command stands."""
     monkeypatch.chdir(tmp_path)
-    files = {"two.yaml": TWO, "rows.svg": TABLE, "tabled.yaml": TABLED, "report.html": TWO, "logo.svg": LOGO}
-    files |= {"signed.yaml": f"{TWO}document: {{logo: logo.svg}}\n", "forced.yaml": FORCED, "motion.csv": TORQUE}
-    files |= {"check.json": "name: one\ntrain: [disc: {inertia: 1}, shaft: {length: 2 m, diameter: 9 cm}]\n"}
+    files = {
+        "two.yaml": TWO,
+        "rows.svg": TABLE,
+        "tabled.yaml": TABLED,
+        "report.html": TWO,
+        "logo.svg": LOGO,
+    }
+    files |= {
+        "signed.yaml": f"{TWO}document: {{logo: logo.svg}}\n",
+        "forced.yaml": FORCED,
+        "motion.csv": TORQUE,
+    }
+    files |= {
+        "check.json": "name: one\ntrain: [disc: {inertia: 1}, shaft: {length: 2 m, diameter: 9 cm}]\n"
+    }
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     (tmp_path / "link.yaml").symlink_to("two.yaml")
@@ -57,15 +69,23 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     "words",
     [
-        "sketch two.yaml -o two.yaml", "sketch two.yaml -o ./link.yaml", "sketch link.yaml -o two.yaml",
-        "sketch two.yaml -o same.svg", "sketch tabled.yaml -o rows.svg", "sketch signed.yaml -o logo.svg",
-        "solve two.yaml -o out --matrices two.yaml", "solve report.html -o .", "check check.json -o .",
+        "sketch two.yaml -o two.yaml",
+        "sketch two.yaml -o ./link.yaml",
+        "sketch link.yaml -o two.yaml",
+        "sketch two.yaml -o same.svg",
+        "sketch tabled.yaml -o rows.svg",
+        "sketch signed.yaml -o logo.svg",
+        "solve two.yaml -o out --matrices two.yaml",
+        "solve report.html -o .",
+        "check check.json -o .",
         "solve forced.yaml -o .",
     ],
-)  # fmt: skip
+)
 def test_no_file_that_is_read_is_overwritten(words: str, here: Path) -> None:
     known = {path.name: path.read_bytes() for path in here.iterdir()}
-    assert "is a file that was read, and would be overwritten" in call(*words.split(), status=BAD_INPUT)
+    assert "is a file that was read, and would be overwritten" in call(
+        *words.split(), status=BAD_INPUT
+    )
     assert {path.name: path.read_bytes() for path in here.iterdir() if path.is_file()} == known
 
 
@@ -76,9 +96,13 @@ def test_a_mesh_is_not_overwritten(here: Path) -> None:
     corners = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
     meshio.Mesh(points, [("triangle", corners)]).write(here / "square.vtk")
     shaft = "shaft: {length: 1 m, section: {mesh: square.vtk, unit: cm}}"
-    (here / "meshed.yaml").write_text(f"name: x\ntrain: [disc: {{inertia: 1}}, {shaft}, disc: {{inertia: 1}}]\n")
+    (here / "meshed.yaml").write_text(
+        f"name: x\ntrain: [disc: {{inertia: 1}}, {shaft}, disc: {{inertia: 1}}]\n"
+    )
     known = (here / "square.vtk").read_bytes()
-    assert "would be overwritten" in call("sketch", "meshed.yaml", "-o", "square.vtk", status=BAD_INPUT)
+    assert "would be overwritten" in call(
+        "sketch", "meshed.yaml", "-o", "square.vtk", status=BAD_INPUT
+    )
     assert (here / "square.vtk").read_bytes() == known
 
 
@@ -110,7 +134,12 @@ def test_motions_of_an_earlier_report_are_removed_and_other_reports_are_left(her
     assert (out / "motion.csv").is_file()
     call("check", "two.yaml", "-o", "out")
     call("solve", "two.yaml", "-o", "out")
-    assert sorted(path.name for path in out.iterdir()) == ["check.html", "check.json", "report.html", "results.json"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        "check.html",
+        "check.json",
+        "report.html",
+        "results.json",
+    ]
 
 
 def test_files_that_the_report_adds_later_are_removed_too(here: Path) -> None:
@@ -128,15 +157,22 @@ def test_files_that_the_report_adds_later_are_removed_too(here: Path) -> None:
 def test_a_report_is_not_drawn_beside_the_results_of_another(here: Path) -> None:
     call("solve", "two.yaml", "-o", "out")
     call("solve", "two.yaml", "-o", "other")
-    assert "holds the results of another report" in call("report", "out", "-o", "other", status=BAD_INPUT)
+    assert "holds the results of another report" in call(
+        "report", "out", "-o", "other", status=BAD_INPUT
+    )
 
 
 @pytest.mark.parametrize(("name", "out"), [("../rows.svg", "out"), ("two.yaml", "."), ("sub", ".")])
-def test_no_other_file_is_removed_whatever_the_earlier_results_name(name: str, out: str, here: Path) -> None:
+def test_no_other_file_is_removed_whatever_the_earlier_results_name(
+    name: str, out: str, here: Path
+) -> None:
     (here / "report.html").unlink()
     call("solve", "two.yaml", "-o", out)
     (here / "sub").mkdir()
-    file, known = here / out / "results.json", {path for path in here.rglob("*") if path.name[0] != "."}
+    file, known = (
+        here / out / "results.json",
+        {path for path in here.rglob("*") if path.name[0] != "."},
+    )
     text = file.read_text(encoding="utf-8")
     file.write_text(naming(text, ["report.html", "results.json", name]), encoding="utf-8")
     call("solve", "two.yaml", "-o", out)
@@ -146,12 +182,17 @@ def test_no_other_file_is_removed_whatever_the_earlier_results_name(name: str, o
 @pytest.mark.parametrize(
     ("given", "instead"),
     [
-        ('"program": {', '"program": { '), ('"reference": "', '"reference": "x'),
-        ('"files": [', '"files": ["x", '), (',\n"report": {', ',\n"more": 1,\n"report": {'),
-        ("\n}\n", ',\n"modes": null\n}\n'), (',\n"report": {', ', "report": {'),
+        ('"program": {', '"program": { '),
+        ('"reference": "', '"reference": "x'),
+        ('"files": [', '"files": ["x", '),
+        (',\n"report": {', ',\n"more": 1,\n"report": {'),
+        ("\n}\n", ',\n"modes": null\n}\n'),
+        (',\n"report": {', ', "report": {'),
     ],
-)  # fmt: skip
-def test_results_that_were_changed_anywhere_are_refused(given: str, instead: str, here: Path) -> None:
+)
+def test_results_that_were_changed_anywhere_are_refused(
+    given: str, instead: str, here: Path
+) -> None:
     call("solve", "two.yaml", "-o", "out")
     file = here / "out" / "results.json"
     text = file.read_text(encoding="utf-8")
@@ -164,11 +205,15 @@ def run(words: str, folder: Path, command: str = "%s") -> "subprocess.CompletedP
     """The command in a shell, with `pipefail`: its status is that of the program."""
     program = f"{sys.executable} -m torsion {words}"
     shell = ["bash", "-o", "pipefail", "-c", command % program]
-    return subprocess.run(shell, cwd=folder, capture_output=True, text=True, check=False, timeout=120)
+    return subprocess.run(
+        shell, cwd=folder, capture_output=True, text=True, check=False, timeout=120
+    )
 
 
 @pytest.mark.skipif(os.name != "posix", reason="pipes of a shell")
-@pytest.mark.parametrize("words", ["solve two.yaml -o out", "solve two.yaml --json", "plan two.yaml", "schema"])
+@pytest.mark.parametrize(
+    "words", ["solve two.yaml -o out", "solve two.yaml --json", "plan two.yaml", "schema"]
+)
 @pytest.mark.parametrize("reader", ["true", "head -c 1"])
 def test_a_reader_that_leaves_changes_nothing(words: str, reader: str, here: Path) -> None:
     done = run(words, here, f"%s | {{ {reader}; exec 0<&-; }}")
@@ -184,7 +229,9 @@ def test_a_check_that_fails_says_so_also_to_a_closed_pipe(here: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full disk to write to")
-@pytest.mark.parametrize("words", ["solve two.yaml -o out", "solve two.yaml --json", "plan two.yaml", "schema"])
+@pytest.mark.parametrize(
+    "words", ["solve two.yaml -o out", "solve two.yaml --json", "plan two.yaml", "schema"]
+)
 def test_output_that_cannot_be_written_is_said_on_one_line(words: str, here: Path) -> None:
     done = run(words, here, "%s > /dev/full")
     assert done.returncode == BAD_INPUT

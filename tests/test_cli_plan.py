@@ -16,7 +16,9 @@ from torsion.schema.json_schema import json_schema
 
 
 def call(*words: str):
-    return CliRunner().invoke(app, list(words), env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
+    return CliRunner().invoke(
+        app, list(words), env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    )
 
 
 @pytest.mark.parametrize(
@@ -28,7 +30,9 @@ def test_what_is_planned_is_what_is_computed(scene: str) -> None:
     done = {line.what: line for line in found.plan.done}
     titles = {analysis.title: analysis for analysis in ANALYSES.values()}
     for what, size, _ in planned.steps:
-        assert what in done or any(found.results.get(name) is not None for name in titles[what].results), what
+        assert what in done or any(
+            found.results.get(name) is not None for name in titles[what].results
+        ), what
         if what == "assembly":
             assert done[what].size == size.partition(";")[0]
     for what, _ in planned.left_out:
@@ -43,7 +47,10 @@ def test_plan_says_sizes_and_reasons() -> None:
     assert "natural frequencies: 6 elastic modes (the file names it)" in done.output
     assert "response over speed: 2 harmonic components at 281 speeds" in done.output
     assert "rules: iacs-m68, coupling-maker, gear-hammer (the file names them)" in done.output
-    assert "left out: coupling-maker for motor shaft, because its maker's limits are not given" in done.output
+    assert (
+        "left out: coupling-maker for motor shaft, because its maker's limits are not given"
+        in done.output
+    )
 
 
 def test_a_faulty_file_has_no_plan(tmp_path: Path) -> None:

@@ -60,7 +60,9 @@ def test_every_file_that_the_report_makes_is_the_same(
     assert made["report.pdf"].startswith(b"%PDF-")
 
 
-def test_the_report_is_drawn_beside_its_results_and_leaves_them(scene: Path, tmp_path: Path) -> None:
+def test_the_report_is_drawn_beside_its_results_and_leaves_them(
+    scene: Path, tmp_path: Path
+) -> None:
     call("solve", scene, "-o", tmp_path / "out")
     (tmp_path / "out" / "series.npz").write_bytes(b"of these results")
     known = content(tmp_path / "out")
@@ -76,8 +78,12 @@ def test_the_exit_status_is_that_of_solve(scene: Path, tmp_path: Path) -> None:
 
 
 def test_what_has_no_answer_is_said_again(scene: Path, tmp_path: Path) -> None:
-    text = scene.read_text(encoding="utf-8").replace("rules: [coupling-maker]", "analyses: {modes: , stability: }")
-    text = text.replace("- propeller: {inertia: 0.8}", "- joint: {angle: 5 deg}\n- propeller: {inertia: 0.8}")
+    text = scene.read_text(encoding="utf-8").replace(
+        "rules: [coupling-maker]", "analyses: {modes: , stability: }"
+    )
+    text = text.replace(
+        "- propeller: {inertia: 0.8}", "- joint: {angle: 5 deg}\n- propeller: {inertia: 0.8}"
+    )
     scene.write_text(text, encoding="utf-8")
     first = CliRunner().invoke(app, ["solve", str(scene), "-o", str(tmp_path / "out")])
     again = CliRunner().invoke(app, ["report", str(tmp_path / "out")])
@@ -88,18 +94,26 @@ def test_results_without_a_report_are_refused(scene: Path, tmp_path: Path) -> No
     printed = call("solve", scene, "--json")
     assert "report" not in json.loads("\n".join(printed))
     (tmp_path / "printed.json").write_text("\n".join(printed), encoding="utf-8")
-    assert "holds no report" in " ".join(call("report", tmp_path / "printed.json", status=BAD_INPUT))
+    assert "holds no report" in " ".join(
+        call("report", tmp_path / "printed.json", status=BAD_INPUT)
+    )
     assert "is not JSON" in " ".join(call("report", scene, status=BAD_INPUT))
 
 
 def test_a_folder_that_cannot_be_written_is_said(scene: Path, tmp_path: Path) -> None:
     call("solve", scene, "-o", tmp_path / "out")
-    assert "cannot be written" in " ".join(call("report", tmp_path / "out", "-o", scene, status=BAD_INPUT))
+    assert "cannot be written" in " ".join(
+        call("report", tmp_path / "out", "-o", scene, status=BAD_INPUT)
+    )
 
 
 def test_one_line_of_the_terminal_names_the_document(scene: Path, tmp_path: Path) -> None:
     lines = call("solve", scene, "-o", tmp_path / "out")
-    sha = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))["scene"]["sha256"]
+    sha = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))["scene"][
+        "sha256"
+    ]
     assert lines[:2] == ["line", f"TVC-1 · revision 2, input SHA-256 {sha[:12]}"]
     scene.write_text(scene.read_text(encoding="utf-8").replace(FRONT, ""), encoding="utf-8")
-    assert not any(", input SHA-256" in line for line in call("solve", scene, "-o", tmp_path / "out"))
+    assert not any(
+        ", input SHA-256" in line for line in call("solve", scene, "-o", tmp_path / "out")
+    )

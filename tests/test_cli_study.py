@@ -12,7 +12,9 @@ from torsion.analyses.compare import run_times as study_times
 from torsion.analyses.compare.timing import Effort
 from torsion.cli import app
 
-SHORT = Effort(rounds=2, longest=5.0, segments=8, unknowns=4, degrees=(1, 2), modes=4, dense=2, speeds=5)
+SHORT = Effort(
+    rounds=2, longest=5.0, segments=8, unknowns=4, degrees=(1, 2), modes=4, dense=2, speeds=5
+)
 SCENE = """name: a shaft
 operation: {speeds: {from: 600 rpm, to: 3000 rpm}}
 train:
@@ -21,12 +23,16 @@ train:
   - disc: {name: right, inertia: 0.03}
 excitations: [{at: right, order: 6, torque: 100 N*m}]
 """
-DISCS = SCENE.replace("shaft: {length: 1.5 m, diameter: 60 mm, loss_factor: 0.01}", "coupling: {stiffness: 20000}")
+DISCS = SCENE.replace(
+    "shaft: {length: 1.5 m, diameter: 60 mm, loss_factor: 0.01}", "coupling: {stiffness: 20000}"
+)
 FILES = ["study.csv", "study.html", "study.json"]
 
 
 def call(*words: str):
-    return CliRunner().invoke(app, ["study", *words], env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
+    return CliRunner().invoke(
+        app, ["study", *words], env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    )
 
 
 @pytest.fixture
@@ -45,10 +51,14 @@ def test_the_study_is_printed_and_written(scene: Path, tmp_path: Path) -> None:
     page = (tmp_path / "out" / "study.html").read_text(encoding="utf-8")
     assert page.count("<figure") == 2
     stated = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))
-    rows = list(csv.DictReader((tmp_path / "out" / "study.csv").read_text(encoding="utf-8").splitlines()))
+    rows = list(
+        csv.DictReader((tmp_path / "out" / "study.csv").read_text(encoding="utf-8").splitlines())
+    )
     assert len(rows) == sum(len(one["rows"]) for one in stated["quantities"])
     worst = [row["error"] for one in stated["quantities"] for row in one["rows"]]
-    assert [float(row["error [1]"]) for row in rows] == [float("inf") if error is None else error for error in worst]
+    assert [float(row["error [1]"]) for row in rows] == [
+        float("inf") if error is None else error for error in worst
+    ]
 
 
 def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Path) -> None:
@@ -57,11 +67,16 @@ def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Pat
     assert stated["tolerance"] == pytest.approx(0.05)
     for one in stated["quantities"]:
         best = one["rows"][one["recommended_row"]]
-        kept = [(one["rows"][k]["total"]["median_s"], one["rows"][k]["error"]) for k in one["unbeaten_rows"]]
+        kept = [
+            (one["rows"][k]["total"]["median_s"], one["rows"][k]["error"])
+            for k in one["unbeaten_rows"]
+        ]
         assert all(a[0] <= b[0] and a[1] > b[1] for a, b in pairwise(kept))
         assert best["error"] <= 0.05
         assert best["total"]["median_s"] == min(
-            row["total"]["median_s"] for row in one["rows"] if row["error"] is not None and row["error"] <= 0.05
+            row["total"]["median_s"]
+            for row in one["rows"]
+            if row["error"] is not None and row["error"] <= 0.05
         )
     assert [path.name for path in tmp_path.iterdir()] == ["shaft.yaml"]
 
@@ -83,7 +98,9 @@ def test_a_tolerance_that_makes_no_sense_is_refused(scene: Path, tolerance: str)
 
 
 def test_a_scene_in_which_there_is_nothing_to_compare_is_a_located_fault(scene: Path) -> None:
-    scene.write_text(DISCS.replace("excitations: [{at: right, order: 6, torque: 100 N*m}]", ""), encoding="utf-8")
+    scene.write_text(
+        DISCS.replace("excitations: [{at: right, order: 6, torque: 100 N*m}]", ""), encoding="utf-8"
+    )
     done = call(str(scene), "--quick")
     assert done.exit_code == 2
     assert "shaft.yaml:" in done.output

@@ -26,7 +26,9 @@ rules: [{universal-joints: {torsional: 1e6 rad/s**2, inertial: 1e6 rad/s**2}}]
 
 
 def solve(*arguments: str):
-    return CliRunner().invoke(app, ["solve", *arguments], env={"COLUMNS": "160", "NO_COLOR": "1", "TERM": "dumb"})
+    return CliRunner().invoke(
+        app, ["solve", *arguments], env={"COLUMNS": "160", "NO_COLOR": "1", "TERM": "dumb"}
+    )
 
 
 def test_a_limit_to_be_verified_that_is_not_kept_ends_with_status_1(tmp_path: Path) -> None:
@@ -41,9 +43,14 @@ def test_a_limit_to_be_verified_that_is_not_kept_ends_with_status_1(tmp_path: Pa
     }
     standing = {one["clause"]: one["standing"] for one in checks}
     assert standing == {
-        "tau_C": "rule text", "minimum diameter": "to be verified", "T_KN": "maker", "T_KW": "maker",
-        "(K_A - 1) T_rated": "to be verified", "torque reversal": "to be verified", "zero pitch": "rule text",
-    }  # fmt: skip
+        "tau_C": "rule text",
+        "minimum diameter": "to be verified",
+        "T_KN": "maker",
+        "T_KW": "maker",
+        "(K_A - 1) T_rated": "to be verified",
+        "torque reversal": "to be verified",
+        "zero pitch": "rule text",
+    }
 
 
 def test_limits_to_be_verified_that_are_kept_end_with_status_0(tmp_path: Path) -> None:
@@ -54,15 +61,23 @@ def test_limits_to_be_verified_that_are_kept_end_with_status_0(tmp_path: Path) -
 
 
 @pytest.mark.parametrize(("share", "status"), [("0.65", 0), ("0.3", 1)])
-def test_tube_on_a_bearing_is_judged_by_the_speeds_of_the_bending_analysis(tmp_path, share, status) -> None:
+def test_tube_on_a_bearing_is_judged_by_the_speeds_of_the_bending_analysis(
+    tmp_path, share, status
+) -> None:
     """12000 rpm: 1.37 of the critical speed without the bearing, 0.36 of that with it."""
     scene = tmp_path / "held.yaml"
-    scene.write_text(HELD.replace("inertial:", f"critical_share: {share}, inertial:"), encoding="utf-8")
+    scene.write_text(
+        HELD.replace("inertial:", f"critical_share: {share}, inertial:"), encoding="utf-8"
+    )
     done = solve(str(scene), "--json")
     assert done.exit_code == status, done.output
     found = json.loads(done.output)
     (check,) = (one for one in found["checks"] if one["clause"] == "n_crit")
-    first = min(one["speed_rad_per_s"] for one in found["lateral"]["shafts"][0]["critical_speeds"] if one["order"] == 1)
+    first = min(
+        one["speed_rad_per_s"]
+        for one in found["lateral"]["shafts"][0]["critical_speeds"]
+        if one["order"] == 1
+    )
     assert check["limit"] == pytest.approx(float(share) * first * 30 / math.pi, rel=1e-12)
     assert check["standing"] == ("to be verified" if share == "0.65" else "setting")
 
@@ -71,5 +86,7 @@ def test_joints_alone_leave_out_the_tube_on_a_bearing_and_say_so(tmp_path: Path)
     scene = tmp_path / "held.yaml"
     scene.write_text(HELD, encoding="utf-8")
     found = commands.joint(scene)
-    assert [check.verdict for check in found.need(Checks).lines if check.clause == "n_crit"] == ["not judged"]
+    assert [check.verdict for check in found.need(Checks).lines if check.clause == "n_crit"] == [
+        "not judged"
+    ]
     assert "supports" in dict(found.plan.left_out)["universal-joints: bending of tube"]

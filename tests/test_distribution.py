@@ -21,14 +21,18 @@ BUILD = "import setuptools.build_meta as backend; print(backend.build_sdist('.')
 def run(*words: str, folder: Path, path: Path | None = None) -> str:
     around = {**os.environ, **({} if path is None else {"PYTHONPATH": str(path)})}
     command = [sys.executable, *words]
-    return subprocess.run(command, cwd=folder, env=around, capture_output=True, text=True, check=True).stdout
+    return subprocess.run(
+        command, cwd=folder, env=around, capture_output=True, text=True, check=True
+    ).stdout
 
 
 def test_a_scene_is_solved_by_the_unpacked_distribution(tmp_path: Path) -> None:
     """In a copy without scenes and tests, as the distribution is."""
     source, away = tmp_path / "source", tmp_path / "away"
     away.mkdir()
-    shutil.copytree(ROOT / "src", source / "src", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+    shutil.copytree(
+        ROOT / "src", source / "src", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info")
+    )
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, source)
     run("-c", BUILD, folder=source)
@@ -38,12 +42,14 @@ def test_a_scene_is_solved_by_the_unpacked_distribution(tmp_path: Path) -> None:
         archive.extractall(away, **safely)
     (unpacked,) = away.glob("torsion-*")
     assert (unpacked / "LICENSE").is_file()
-    assert run("-c", "import torsion; print(torsion.__file__)", folder=away, path=unpacked / "src").startswith(
-        str(away)
-    )
+    assert run(
+        "-c", "import torsion; print(torsion.__file__)", folder=away, path=unpacked / "src"
+    ).startswith(str(away))
     run("-m", "torsion", "new", "scene.yaml", folder=away, path=unpacked / "src")
     run("-m", "torsion", "solve", "scene.yaml", "-o", "out", folder=away, path=unpacked / "src")
-    assert json.loads((away / "out" / "results.json").read_text(encoding="utf-8"))["modes"]["frequency_Hz"]
+    assert json.loads((away / "out" / "results.json").read_text(encoding="utf-8"))["modes"][
+        "frequency_Hz"
+    ]
     assert "Holzer" in (away / "out" / "report.html").read_text(encoding="utf-8")
 
 

@@ -24,10 +24,22 @@ from torsion.schema.scene_reader import Scene
 
 ROOT = Path(__file__).parents[1]
 SCENES = ROOT / "shafting_specs"  # whose files examples name
-PAGES = [ROOT / "README.md", ROOT / "shafting_specs" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-LINKED = [*PAGES, ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "reports").glob("*.md")),
-          *sorted((ROOT / "reports" / "papers").glob("*.md"))]  # fmt: skip
-THEORY = "\n".join(page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs/explanation/theory").glob("*.md")))
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "shafting_specs" / "README.md",
+    *sorted((ROOT / "docs").rglob("*.md")),
+]
+LINKED = [
+    *PAGES,
+    ROOT / "CHANGELOG.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted((ROOT / "reports").glob("*.md")),
+    *sorted((ROOT / "reports" / "papers").glob("*.md")),
+]
+THEORY = "\n".join(
+    page.read_text(encoding="utf-8")
+    for page in sorted((ROOT / "docs/explanation/theory").glob("*.md"))
+)
 EQUATION = re.compile(r"\((T\d+[a-z]?)\)")
 NUMBERED = re.findall(
     r"^    .*\S +\(T(\d+)([a-z]?)\)$", THEORY, re.MULTILINE
@@ -40,39 +52,62 @@ train:
 {}
 - disc: {{name: after, inertia: 1}}
 """
-STATED = ("generator", "pump", "fan", "machine")  # their examples state the power, and a motor drives them
+STATED = (
+    "generator",
+    "pump",
+    "fan",
+    "machine",
+)  # their examples state the power, and a motor drives them
 
 
 def blocks(page: Path, language: str) -> list[str]:
     """The fenced blocks of a page in a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    return re.findall(
+        rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
 
 
 def scenes() -> list[tuple[str, str]]:
     """Page and text of every block that is a whole scene."""
     found = [(page.name, text) for page in PAGES for text in blocks(page, "yaml")]
-    found = [(page, text) for page, text in found if not re.match(r"# [\w.]+\.yaml\n", text)]  # test_pages runs these
-    return [(page, text) for page, text in found if isinstance(yaml.safe_load(text), dict) and "\ntrain:" in text]
+    found = [
+        (page, text) for page, text in found if not re.match(r"# [\w.]+\.yaml\n", text)
+    ]  # test_pages runs these
+    return [
+        (page, text)
+        for page, text in found
+        if isinstance(yaml.safe_load(text), dict) and "\ntrain:" in text
+    ]
 
 
 @pytest.mark.parametrize("generator", [manual, results_manual], ids=["model file", "results"])
 def test_the_pages_of_a_manual_are_those_of_the_declarations(generator: ModuleType) -> None:
     folder = ROOT / generator.FOLDER
-    written = {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in folder.rglob("*.md")}
-    assert written == generator.pages(), f"write {generator.FOLDER} again: python -m {generator.__name__}"
+    written = {
+        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
+        for path in folder.rglob("*.md")
+    }
+    assert written == generator.pages(), (
+        f"write {generator.FOLDER} again: python -m {generator.__name__}"
+    )
 
 
 def test_writing_the_pages_of_a_manual_removes_pages_that_no_longer_exist(tmp_path: Path) -> None:
     (tmp_path / "components").mkdir()
     (tmp_path / "components" / "flux-capacitor.md").write_text("", encoding="utf-8")
     manual.write_pages(tmp_path, {"index.md": "# Index\n", "rules/lr.md": "# `lr`\n"})
-    assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.md")} == {"index.md", "rules/lr.md"}
+    assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.md")} == {
+        "index.md",
+        "rules/lr.md",
+    }
 
 
 def test_the_manual_has_every_section_and_kind() -> None:
     pages = manual.pages()
     assert set(EXAMPLES) == set(KINDS) == set(KINDS_OF_COMPONENTS)
-    assert {f"components/{kind}.md" for kind in KINDS} | {f"rules/{name}.md" for name in RULES} < set(pages)
+    assert {f"components/{kind}.md" for kind in KINDS} | {
+        f"rules/{name}.md" for name in RULES
+    } < set(pages)
     for name, field in Scene.model_fields.items():
         assert f"| `{field.alias or name}` |" in pages["index.md"]
 
@@ -87,17 +122,25 @@ def test_groups_of_keys_have_every_key_of_the_kind_once(kind: str) -> None:
     ("kind", "example"),
     [(kind, example) for kind, text in EXAMPLES.items() for example in re.split(r"\n(?=- )", text)],
 )
-def test_an_example_of_a_kind_is_read_without_faults(kind: str, example: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_example_of_a_kind_is_read_without_faults(
+    kind: str, example: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(SCENES)
     text = AROUND.format(example)
     if kind in STATED:
-        text = text.replace(", power: 100 kW}}", "}}", 1).replace("disc: {name: before", "motor: {name: before")
+        text = text.replace(", power: 100 kW}}", "}}", 1).replace(
+            "disc: {name: before", "motor: {name: before"
+        )
     train = torsion.parse(text).train
     assert kind in {part.kind for part in train.parts}
 
 
-@pytest.mark.parametrize(("page", "text"), scenes(), ids=lambda value: value if value.endswith(".md") else "")
-def test_a_scene_in_a_document_is_read_without_faults(page: str, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("page", "text"), scenes(), ids=lambda value: value if value.endswith(".md") else ""
+)
+def test_a_scene_in_a_document_is_read_without_faults(
+    page: str, text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(SCENES)
     assert torsion.parse(text, page).name
 
@@ -116,27 +159,38 @@ def test_equations_are_numbered_once_and_without_gaps() -> None:
 
 @pytest.mark.parametrize("feature", DETAILS)
 def test_the_factors_of_a_feature_are_those_of_the_rule(feature: str) -> None:
-    row = next(line for line in THEORY.splitlines() if line.startswith("| ") and f"`{feature}`" in line)
+    row = next(
+        line for line in THEORY.splitlines() if line.startswith("| ") and f"`{feature}`" in line
+    )
     c_k, k = (float(cell.split(",")[0]) for cell in row.strip("| ").split(" | ")[1:])
     assert (c_k, k) == (DETAILS[feature].c_k, DETAILS[feature].k)
 
 
 def test_equations_that_are_cited_exist() -> None:
     known = {f"T{number}{letter}" for number, letter in NUMBERED}
-    cited = {path: set(EQUATION.findall(path.read_text("utf-8"))) for path in [*PAGES, *(ROOT / "src").rglob("*.py")]}
-    assert not {path.name: equations - known for path, equations in cited.items() if equations - known}
+    cited = {
+        path: set(EQUATION.findall(path.read_text("utf-8")))
+        for path in [*PAGES, *(ROOT / "src").rglob("*.py")]
+    }
+    assert not {
+        path.name: equations - known for path, equations in cited.items() if equations - known
+    }
 
 
 def anchors(page: Path) -> set[str]:
     """The places of a page that a link can name: its headings, as GitHub and the site name them."""
-    prose = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    prose = re.sub(
+        r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+    )
     headings = re.findall(r"^#+ (.*)$", prose, re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 @pytest.mark.parametrize("path", LINKED, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_a_link_in_a_document_leads_to_a_file_and_a_heading(path: Path) -> None:
-    for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)]*))?\)", path.read_text(encoding="utf-8")):
+    for target, anchor in re.findall(
+        r"\]\(([^)#:\s]*)(?:#([^)]*))?\)", path.read_text(encoding="utf-8")
+    ):
         page = path.parent / target if target else path
         assert page.exists(), target
         assert not anchor or anchor in anchors(page), f"{target}#{anchor}"
@@ -144,24 +198,34 @@ def test_a_link_in_a_document_leads_to_a_file_and_a_heading(path: Path) -> None:
 
 @cache
 def help_of(command: str) -> str:
-    shown = CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"})
+    shown = CliRunner().invoke(
+        app, [command, "--help"], env={"COLUMNS": "200", "NO_COLOR": "1", "TERM": "dumb"}
+    )
     assert shown.exit_code == 0, command
     return shown.output
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_every_command_and_option_of_a_document_exists(path: Path) -> None:
-    text = path.read_text(encoding="utf-8").replace("\\\n", " ")  # a line goes on behind a backslash
+    text = path.read_text(encoding="utf-8").replace(
+        "\\\n", " "
+    )  # a line goes on behind a backslash
     for line in map("".join, re.findall(r"`torsion ([^`\n]*)`|^torsion (.*)$", text, re.MULTILINE)):
         command, *rest = line.replace("\\|", " ").partition("  #")[0].split()
         options = [word.strip("[],.") for word in rest if re.match(r"\[?--?[a-z]", word)]
         if re.fullmatch("[a-z]+", command):
-            assert not {option for option in options if option not in help_of(command)}, f"torsion {line}"
+            assert not {option for option in options if option not in help_of(command)}, (
+                f"torsion {line}"
+            )
 
 
 def test_the_reference_has_every_command() -> None:
     text = (ROOT / "docs" / "reference" / "command-line.md").read_text(encoding="utf-8")
-    commands = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
+    commands = {
+        command.name or command.callback.__name__
+        for command in app.registered_commands
+        if command.callback
+    }
     assert commands <= set(re.findall(r"^\| `torsion ([a-z]+)", text, re.MULTILINE))
 
 

@@ -14,9 +14,17 @@ def count(paths: list[Path]) -> int:
 
 
 def test_pages_are_written_in_house_english() -> None:
-    patterns = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/**/*.md", "shafting_specs/README.md")
+    patterns = (
+        "README.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "docs/**/*.md",
+        "shafting_specs/README.md",
+    )
     pages = files(ROOT, patterns)
-    by_hand = [page for page in pages if not page.relative_to(ROOT).as_posix().startswith(GENERATED)]
+    by_hand = [
+        page for page in pages if not page.relative_to(ROOT).as_posix().startswith(GENERATED)
+    ]
     assert count(by_hand) <= MOST_OF_PAGES
 
 
@@ -26,7 +34,11 @@ def test_messages_manuals_and_studies_are_written_in_house_english() -> None:
 
 def test_a_private_word_a_long_sentence_and_an_inverted_opening_are_flagged(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
-    sentences = "The half range is small here.", "Of the shaft it is the smaller part.", "The shaft is long enough."
+    sentences = (
+        "The half range is small here.",
+        "Of the shaft it is the smaller part.",
+        "The shaft is long enough.",
+    )
     page.write_text("\n\n".join(sentences), encoding="utf-8")
     assert [text for _, text, _ in flags(page)] == list(sentences[:2])
     page.write_text("The shaft " + "turns and " * 20 + "stops.\n")

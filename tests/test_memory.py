@@ -36,7 +36,13 @@ def test_a_response_above_the_limit_is_refused_with_its_count_and_what_to_change
     (refused,) = torsion.run(study, memory="300 MB").plan.unanswered
     assert (refused.analysis, refused.is_named, refused.is_input) == ("response", True, True)
     text = refused.text
-    for part in ("speeds", "x 4 orders x 2 stations", "0.3 GB are allowed", "fewer steps", "--memory 0."):
+    for part in (
+        "speeds",
+        "x 4 orders x 2 stations",
+        "0.3 GB are allowed",
+        "fewer steps",
+        "--memory 0.",
+    ):
         assert part in text
     number = int(text.split("up to ")[1].split(" speeds", maxsplit=1)[0])
     assert 1_000_000 <= number < 1_010_000
@@ -53,7 +59,9 @@ excitations: [{at: wheel, torque: 10}]
         torsion.run(torsion.parse(scene), memory=10e6)
 
 
-@pytest.mark.parametrize(("text", "number"), [("4GB", 4e9), ("500 MB", 5e8), ("1.5 kB", 1500.0), (2e9, 2e9)])
+@pytest.mark.parametrize(
+    ("text", "number"), [("4GB", 4e9), ("500 MB", 5e8), ("1.5 kB", 1500.0), (2e9, 2e9)]
+)
 def test_an_amount_of_memory_is_a_number_with_its_unit(text, number):
     assert bytes_of(text) == number
 
@@ -64,7 +72,9 @@ def test_what_is_no_amount_of_memory_is_refused(text):
         bytes_of(text)
 
 
-def test_a_speed_has_the_same_answer_alone_and_among_so_many_that_they_are_solved_in_blocks(monkeypatch):
+def test_a_speed_has_the_same_answer_alone_and_among_so_many_that_they_are_solved_in_blocks(
+    monkeypatch,
+):
     """Blocks of a tenth of their size, so that a tenth of the stations is enough."""
     monkeypatch.setattr(blocks, "__defaults__", (BLOCK_VALUES // 10,))
     monkeypatch.setattr("torsion.analyses.response.synthesis.SMALL_BLOCK", SMALL_BLOCK // 10)
@@ -82,7 +92,10 @@ def test_a_speed_has_the_same_answer_alone_and_among_so_many_that_they_are_solve
     total = synthesis(response_at(study, system, found, found.speed[:540]))
     alone = response_at(study, system, found, found.speed[rows])
     late = slice(2190, None)
-    for there, here in ((rows, alone), (late, response_at(study, system, found, found.speed[late]))):
+    for there, here in (
+        (rows, alone),
+        (late, response_at(study, system, found, found.speed[late])),
+    ):
         for key in ("frequency", "angle", "torque", "mean", "residual", "status"):
             np.testing.assert_array_equal(getattr(found, key)[there], getattr(here, key))
     summed = synthesis(alone)
@@ -91,7 +104,9 @@ def test_a_speed_has_the_same_answer_alone_and_among_so_many_that_they_are_solve
         np.testing.assert_allclose(getattr(total, key)[rows], getattr(summed, key), rtol=1e-13)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space is that of Linux")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="the limit of the address space is that of Linux"
+)
 def test_too_little_memory_is_status_3_with_a_message(tmp_path: Path):
     file = tmp_path / "two.yaml"
     orders = ", ".join(f"{{at: a, torque: 10, order: {order}}}" for order in range(1, 31))
@@ -105,7 +120,12 @@ def test_too_little_memory_is_status_3_with_a_message(tmp_path: Path):
     )
     env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
-        [sys.executable, "-c", limited, str(file)], check=False, capture_output=True, text=True, env=env, timeout=100
+        [sys.executable, "-c", limited, str(file)],
+        check=False,
+        capture_output=True,
+        text=True,
+        env=env,
+        timeout=100,
     )
     assert (done.returncode, done.stdout) == (3, "")
     assert "too little memory" in done.stderr

@@ -33,7 +33,9 @@ PAGES = tuple(
     for path in sorted(DOCS.rglob("*.md"))
     if re.search(r"^```(?:sh|python)$", path.read_text(encoding="utf-8"), re.MULTILINE)
 )
-FENCE = re.compile(r"(?:^<!-- ([\w.]+\.csv) -->\n)?^```([a-z]*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(
+    r"(?:^<!-- ([\w.]+\.csv) -->\n)?^```([a-z]*)\n(.*?)^```", re.MULTILINE | re.DOTALL
+)
 FILE = re.compile(r"# ([\w.]+\.(?:yaml|py))\n")  # first line of a block: the file that it is
 COMMAND = re.compile(r"torsion (.*?)(?:  # exit status (\d))?")
 
@@ -42,7 +44,9 @@ def command(line: str) -> str:
     """What a command prints; its exit status is 0 unless the page says another."""
     found = COMMAND.fullmatch(line)
     assert found, f"not a command of torsion: {line}"
-    done = CliRunner().invoke(app, shlex.split(found[1]), env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"})
+    done = CliRunner().invoke(
+        app, shlex.split(found[1]), env={"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    )
     assert done.exit_code == int(found[2] or 0), done.output
     return done.stdout
 
@@ -88,7 +92,8 @@ def example_of_the_readme() -> tuple[str, str]:
     """The output that the README shows of its example, and what is printed, in the present folder."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     (model,), (shown,) = (
-        re.findall(rf"^```{word}\n(.*?)^```", text, re.MULTILINE | re.DOTALL) for word in ("yaml", "text")
+        re.findall(rf"^```{word}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+        for word in ("yaml", "text")
     )
     Path("train.yaml").write_text(model, encoding="utf-8")
     return shown, command("torsion solve train.yaml")
@@ -114,7 +119,9 @@ def registries_restored() -> Iterator[None]:
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_does_what_it_says(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     with registries_restored():
@@ -131,7 +138,10 @@ def test_what_was_not_printed_is_found() -> None:
 def renewed(shown: str, printed: str) -> str:
     """The output that a page shows, each line replaced by the most similar printed line, in the order of printing."""
     lines = {" ".join(line.split()): line.rstrip() for line in printed.splitlines() if line.strip()}
-    similar = {difflib.get_close_matches(" ".join(line.split()), lines, 1, 0.0)[0] for line in shown.splitlines()}
+    similar = {
+        difflib.get_close_matches(" ".join(line.split()), lines, 1, 0.0)[0]
+        for line in shown.splitlines()
+    }
     return "".join(f"{line}\n" for key, line in lines.items() if key in similar)
 
 

@@ -41,7 +41,9 @@ def test_an_unknown_name_of_the_package_is_an_attribute_error() -> None:
 
 def test_the_import_of_the_package_loads_no_library() -> None:
     code = "import sys, torsion; print({'numpy', 'pydantic', 'yaml', 'scipy'} & set(sys.modules))"
-    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout
     assert printed == "set()\n"
 
 
@@ -77,8 +79,13 @@ def test_a_study_and_what_it_is_made_of_have_their_names_in_one_line() -> None:
     findings = solved("pump_1200kw")
     study, system = findings.study, findings.system
     assert repr(study).startswith(f"Study '{study.name}': {len(study.train.parts)} components, ")
-    assert repr(study.train).startswith(f"Train: {len(study.train.parts)} components ({study.train.parts[0].name}, ")
-    assert repr(system) == f"System: lumped, {len(system.stations)} stations, {len(system.spans)} spans"
+    assert repr(study.train).startswith(
+        f"Train: {len(study.train.parts)} components ({study.train.parts[0].name}, "
+    )
+    assert (
+        repr(system)
+        == f"System: lumped, {len(system.stations)} stations, {len(system.spans)} spans"
+    )
 
 
 def test_a_notebook_shows_a_study_its_train_and_its_system_as_tables() -> None:
@@ -112,7 +119,9 @@ def test_a_component_a_torque_and_a_shape_are_reached_by_name() -> None:
     torque = findings["response"]["spring", 2]
     exact = 25 * 0.8 / (1 - (2 * torque.speed / 300) ** 2 / (1 + 0.1j))  # closed form of two discs
     np.testing.assert_allclose(torque.abs_Nm, np.abs(exact), rtol=1e-10)
-    assert torque.max() == pytest.approx(25 * 0.8 * math.sqrt(1 + 1 / 0.1**2), rel=1e-8)  # at resonance
+    assert torque.max() == pytest.approx(
+        25 * 0.8 * math.sqrt(1 + 1 / 0.1**2), rel=1e-8
+    )  # at resonance
     assert torque.at_max_rpm == pytest.approx(300 / 2 * 30 / math.pi, rel=1e-8)
     assert repr(torque) == "Torque of spring [N m]: 201 at 1432.4 rpm; order 2"
     shapes = findings["modes"]["motor"], findings["modes"]["propeller"]
@@ -122,8 +131,14 @@ def test_a_component_a_torque_and_a_shape_are_reached_by_name() -> None:
 @pytest.mark.parametrize(
     ("look", "message"),
     [
-        (lambda f: f.study.train["sprin"], "no component is called 'sprin'; did you mean 'spring'?"),
-        (lambda f: f["response"]["springs"], "no component is called 'springs'; did you mean 'spring'?"),
+        (
+            lambda f: f.study.train["sprin"],
+            "no component is called 'sprin'; did you mean 'spring'?",
+        ),
+        (
+            lambda f: f["response"]["springs"],
+            "no component is called 'springs'; did you mean 'spring'?",
+        ),
         (lambda f: f["response"]["spring", 3], "no order 3 excites; orders: 2"),
         (lambda f: f["modes"]["moto"], "no station is called 'moto'; did you mean 'motor'?"),
         (lambda f: f["respons"], "no result is called 'respons'; did you mean 'response'?"),
@@ -140,10 +155,16 @@ def test_an_unknown_name_is_refused_with_the_nearest_one(
 def test_a_shaft_in_segments_has_the_torque_of_its_largest_segment() -> None:
     response = solved("usv")["response"]
     positions = [
-        k for k, span in enumerate(response.system.spans) if response.system.train.parts[span.part].kind == "shaft"
+        k
+        for k, span in enumerate(response.system.spans)
+        if response.system.train.parts[span.part].kind == "shaft"
     ]
     shaft = response.system.train.parts[response.system.spans[positions[0]].part].whole
-    segments = [k for k in positions if response.system.train.parts[response.system.spans[k].part].whole == shaft]
+    segments = [
+        k
+        for k in positions
+        if response.system.train.parts[response.system.spans[k].part].whole == shaft
+    ]
     assert len(segments) > 1
     assert response[shaft].max() == np.abs(response.torque[:, :, segments]).max()
     third = response.system.spans[segments[2]].name
@@ -170,7 +191,10 @@ def test_every_key_of_a_result_is_an_attribute(name: str) -> None:
         for quantity in quantities(type(result)):
             if quantity.key:
                 assert quantity.key in dir(result)
-                assert getattr(result, quantity.key) is not None or getattr(result, quantity.name) is None
+                assert (
+                    getattr(result, quantity.key) is not None
+                    or getattr(result, quantity.name) is None
+                )
 
 
 def test_names_with_units_are_those_of_the_quantities() -> None:
@@ -178,7 +202,9 @@ def test_names_with_units_are_those_of_the_quantities() -> None:
     modes, response = findings["modes"], findings["response"]
     assert modes.frequency_Hz is modes.frequency
     assert response.torque_Nm is response.torque
-    np.testing.assert_allclose(response.speed_rpm, response.speed_rad_per_s * 30 / math.pi, rtol=1e-15)
+    np.testing.assert_allclose(
+        response.speed_rpm, response.speed_rad_per_s * 30 / math.pi, rtol=1e-15
+    )
     with pytest.raises(AttributeError, match="'Modes' has no attribute 'frequency_rpm'"):
         _ = modes.frequency_rpm
     assert pickle.loads(pickle.dumps(modes)).frequency_Hz.tolist() == modes.frequency.tolist()
@@ -189,7 +215,9 @@ def test_a_dictionary_is_what_results_json_holds() -> None:
     written = results(findings)
     for name in ("modes", "response"):
         assert findings[name].to_dict() == written[name]
-    assert findings["checks"].to_dict()["utilisation"] == [check["utilisation"] for check in written["checks"]]
+    assert findings["checks"].to_dict()["utilisation"] == [
+        check["utilisation"] for check in written["checks"]
+    ]
     with pytest.raises(TypeError, match=r"findings\.to_dict"):
         findings["synthesis"].to_dict()
 
@@ -203,7 +231,17 @@ def test_a_data_frame_has_a_row_for_each_mode_check_and_speed_and_order() -> Non
     assert frame["frequency_Hz"].tolist() == modes.frequency.tolist()
     rows = checks.to_dataframe()
     assert rows["verdict"].tolist() == [check.verdict for check in checks.lines]
-    assert {"rule", "clause", "where", "what", "value", "limit", "unit", "utilisation", "order"} <= set(rows)
+    assert {
+        "rule",
+        "clause",
+        "where",
+        "what",
+        "value",
+        "limit",
+        "unit",
+        "utilisation",
+        "order",
+    } <= set(rows)
     torques = response.to_dataframe()
     assert torques.shape[0] == response.status.size
     speed, line = response.speed.size // 2, 1
@@ -211,7 +249,10 @@ def test_a_data_frame_has_a_row_for_each_mode_check_and_speed_and_order() -> Non
     assert row.name == (response.speed_rpm[speed], float(response.lines[line].order))
     name = torques.columns[-1].removeprefix("torque_Nm of ")
     assert row[f"torque_Nm of {name}"] == response[name].torque[speed, line]
-    assert response[name].to_dataframe()["torque_Nm"].tolist() == response[name].torque.ravel().tolist()
+    assert (
+        response[name].to_dataframe()["torque_Nm"].tolist()
+        == response[name].torque.ravel().tolist()
+    )
 
 
 def test_a_data_frame_needs_pandas(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -230,7 +271,11 @@ def test_what_passes_in_python_passes_on_the_command_line(name: str) -> None:
 
 
 def test_without_a_rule_nothing_passes_or_fails() -> None:
-    assert (two_discs().verdict, two_discs().passed, two_discs().failed) == ("NOT JUDGED", None, False)
+    assert (two_discs().verdict, two_discs().passed, two_discs().failed) == (
+        "NOT JUDGED",
+        None,
+        False,
+    )
 
 
 def test_the_report_in_a_folder_is_that_of_the_command(tmp_path: Path) -> None:
@@ -246,7 +291,9 @@ def test_one_file_of_a_report_is_written_by_its_suffix(tmp_path: Path) -> None:
     (page,) = two_discs().report(tmp_path / "two.html")
     assert "<html" in page.read_text(encoding="utf-8")
     two_discs().report(tmp_path / "two.json")
-    assert json.loads((tmp_path / "two.json").read_text())["modes"] == two_discs().to_dict()["modes"]
+    assert (
+        json.loads((tmp_path / "two.json").read_text())["modes"] == two_discs().to_dict()["modes"]
+    )
     with pytest.raises(torsion.InputError, match=r"no file of a report ends in '\.docx'"):
         two_discs().report(tmp_path / "two.docx")
 
@@ -268,7 +315,9 @@ def test_a_figure_is_drawn_by_matplotlib_with_its_numbers() -> None:
             other.to_matplotlib()[0].figure.canvas.draw()
             pyplot.close("all")
     with pytest.raises(torsion.InputError, match="use its `svg`"):
-        next(figure for figure in solved("usv").figures.values() if not figure.plots).to_matplotlib()
+        next(
+            figure for figure in solved("usv").figures.values() if not figure.plots
+        ).to_matplotlib()
 
 
 def built() -> torsion.Study:
@@ -286,14 +335,19 @@ def built() -> torsion.Study:
 
 def test_a_study_that_is_built_is_that_of_its_text() -> None:
     study = built()
-    assert study.text.splitlines()[4] == "- coupling: {name: spring, stiffness: 14.4 kN*m/rad, loss_factor: 0.1}"
+    assert (
+        study.text.splitlines()[4]
+        == "- coupling: {name: spring, stiffness: 14.4 kN*m/rad, loss_factor: 0.1}"
+    )
     assert study == torsion.parse(study.text)
     assert study.train == replace(torsion.parse(DISCS).train)
 
 
 def test_there_is_a_constructor_for_every_kind_with_the_keys_of_the_file() -> None:
     assert set(KINDS) <= set(torsion.__all__)
-    assert {"stiffness", "loss_factor", "inertia"} <= set(inspect.signature(torsion.coupling).parameters)
+    assert {"stiffness", "loss_factor", "inertia"} <= set(
+        inspect.signature(torsion.coupling).parameters
+    )
     with pytest.raises(torsion.InputError, match="stifness"):
         torsion.build("pair", [torsion.disc(inertia=2), torsion.coupling(stifness=1)])
 
@@ -316,11 +370,18 @@ def test_a_quantity_of_pint_is_written_with_its_unit() -> None:
 
 def test_a_stiffness_is_varied_by_the_path_of_a_case() -> None:
     study = built()
-    rpm = [study.with_({"spring.stiffness": k}).critical_rpm(2)[0] for k in (1e4, "14.4 kN*m/rad", 2e4, 2.5e4)]
-    exact = [60 * math.sqrt(k / 0.16) / (2 * math.pi) / 2 for k in (1e4, 1.44e4, 2e4, 2.5e4)]  # J1 J2/(J1 + J2) = 0.16
+    rpm = [
+        study.with_({"spring.stiffness": k}).critical_rpm(2)[0]
+        for k in (1e4, "14.4 kN*m/rad", 2e4, 2.5e4)
+    ]
+    exact = [
+        60 * math.sqrt(k / 0.16) / (2 * math.pi) / 2 for k in (1e4, 1.44e4, 2e4, 2.5e4)
+    ]  # J1 J2/(J1 + J2) = 0.16
     assert rpm == pytest.approx(exact, rel=1e-12)
     heavier = study.with_(
-        factor={"propeller.inertia": 1.05}, remove=["excitations.1"], **{"motor.inertia": "0.9 kg*m**2"}
+        factor={"propeller.inertia": 1.05},
+        remove=["excitations.1"],
+        **{"motor.inertia": "0.9 kg*m**2"},
     )
     assert [(change.what, change.before, change.after) for change in heavier.changes] == [
         ("motor.inertia", "0.8", "0.9 kg*m**2"),
@@ -332,7 +393,10 @@ def test_a_stiffness_is_varied_by_the_path_of_a_case() -> None:
 
 
 def test_a_variant_is_the_case_with_the_same_keys() -> None:
-    text = DISCS + "cases: {soft: {set: {spring.stiffness: 9 kN*m/rad}, scale: {motor.inertia: 110 %}}}\n"
+    text = (
+        DISCS
+        + "cases: {soft: {set: {spring.stiffness: 9 kN*m/rad}, scale: {motor.inertia: 110 %}}}\n"
+    )
     study = torsion.parse(text)
     varied = study.with_({"spring.stiffness": "9 kN*m/rad"}, factor={"motor.inertia": "110 %"})
     case = study.cases["soft"]
@@ -341,14 +405,19 @@ def test_a_variant_is_the_case_with_the_same_keys() -> None:
     assert varied.critical_rpm(2) == case.critical_rpm(2)
     again = case.with_({"spring.stiffness": "14.4 kN*m/rad"})
     assert [change.what for change in again.changes] == ["spring.stiffness", "motor.inertia"]
-    assert again.critical_rpm(2)[0] == pytest.approx(30 * math.sqrt(1.44e4 * (1 / 0.88 + 1 / 0.2)) / (2 * math.pi))
+    assert again.critical_rpm(2)[0] == pytest.approx(
+        30 * math.sqrt(1.44e4 * (1 / 0.88 + 1 / 0.2)) / (2 * math.pi)
+    )
 
 
 @pytest.mark.parametrize(
     ("path", "message"),
     [
         ("spring.stifness", "unknown key `stifness`"),
-        ("sprin.stiffness", "no component and no section is called `sprin` (did you mean `spring`?)"),
+        (
+            "sprin.stiffness",
+            "no component and no section is called `sprin` (did you mean `spring`?)",
+        ),
         ("spring", "`spring` is a component without a key"),
     ],
 )
@@ -361,7 +430,10 @@ def test_a_wrong_path_has_the_fault_of_a_case(path: str, message: str) -> None:
 @pytest.mark.parametrize("name", formulas.__all__)
 def test_a_formula_takes_keywords_states_its_source_and_is_worked_by_hand(name: str) -> None:
     function = getattr(formulas, name)
-    assert all(p.kind is inspect.Parameter.KEYWORD_ONLY for p in inspect.signature(function).parameters.values())
+    assert all(
+        p.kind is inspect.Parameter.KEYWORD_ONLY
+        for p in inspect.signature(function).parameters.values()
+    )
     assert "Source: " in function.__doc__
     assert ">>> " in function.__doc__
 
@@ -379,12 +451,22 @@ def test_the_examples_are_typed(source: str, tmp_path: Path) -> None:
     page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
     examples = doctest.DocTestParser().get_examples(notebook_example.__doc__ or "")
     blocks = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
-    code = "".join(example.source for example in examples) if source == "notebook" else "".join(blocks)
+    code = (
+        "".join(example.source for example in examples) if source == "notebook" else "".join(blocks)
+    )
     (tmp_path / "example.py").write_text(code, encoding="utf-8")
-    printed, _, status = api.run([
-        "--strict", "--config-file", str(ROOT / "pyproject.toml"), "--follow-imports", "silent",
-        "--disable-error-code", "func-returns-value", str(tmp_path / "example.py"),
-    ])  # fmt: skip
+    printed, _, status = api.run(
+        [
+            "--strict",
+            "--config-file",
+            str(ROOT / "pyproject.toml"),
+            "--follow-imports",
+            "silent",
+            "--disable-error-code",
+            "func-returns-value",
+            str(tmp_path / "example.py"),
+        ]
+    )
     assert status == 0, printed
 
 
@@ -406,7 +488,9 @@ def test_the_torque_of_a_motion_is_reached_by_name() -> None:
     motion = solved("fan_start")["transient"].each[0]
     torque = motion["rubber coupling"]
     assert torque.shape == motion.time_s.shape
-    assert np.abs(torque).max() <= motion.peak.max() * (1 + 1e-9)  # the peak also counts what lies between samples
+    assert np.abs(torque).max() <= motion.peak.max() * (
+        1 + 1e-9
+    )  # the peak also counts what lies between samples
     assert np.abs(torque).max() > 0.99 * motion.peak.max()
     with pytest.raises(KeyError, match="did you mean 'rubber coupling'"):
         motion["rubber couplin"]

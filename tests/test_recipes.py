@@ -43,7 +43,9 @@ def test_the_check_of_a_recipe_repeats_a_number_of_its_result(name: str) -> None
     """Three digits at least: by hand and by the program, on one line or on both sides of `## Check`."""
     text = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
     result, _, check = text.partition("\n## Check\n")
-    shown, by_hand = ("\n".join(re.findall(r"^```text\n(.*?)^```", half, re.M | re.S)) for half in (result, check))
+    shown, by_hand = (
+        "\n".join(re.findall(r"^```text\n(.*?)^```", half, re.M | re.S)) for half in (result, check)
+    )
     pairs = [(float(hand), float(program)) for hand, program in BY_HAND.findall(by_hand)]
     assert all(hand == pytest.approx(program, rel=1e-4, abs=1e-3) for hand, program in pairs)
     common = {f"{float(one):.3g}" for one in NUMBER.findall(shown)} & {

@@ -22,9 +22,22 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of the site, as the command of the README builds it."""
     folder = tmp_path_factory.mktemp("site")
     command = [
-        sys.executable, "-m", "sphinx", "-W", "--keep-going", "-n", "-q", "-c", "docs", "-d", str(folder / "pages"),
-        "-D", f"gallery_most={SCENES}", ".", str(folder / "site"),
-    ]  # fmt: skip
+        sys.executable,
+        "-m",
+        "sphinx",
+        "-W",
+        "--keep-going",
+        "-n",
+        "-q",
+        "-c",
+        "docs",
+        "-d",
+        str(folder / "pages"),
+        "-D",
+        f"gallery_most={SCENES}",
+        ".",
+        str(folder / "site"),
+    ]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert not done.stderr
@@ -45,7 +58,9 @@ def test_every_link_leads_to_a_file_and_a_place(site: Path) -> None:
                 file, _, anchor = link.partition("#")
                 target = (path.parent / unquote(file.partition("?")[0])).resolve() if file else path
                 assert target.is_file(), f"{path.name}: {link}"
-                assert not anchor or target not in places or unquote(anchor) in places[target], f"{path.name}: {link}"
+                assert not anchor or target not in places or unquote(anchor) in places[target], (
+                    f"{path.name}: {link}"
+                )
                 count += 1
     assert count > 1000
 
@@ -53,8 +68,12 @@ def test_every_link_leads_to_a_file_and_a_place(site: Path) -> None:
 def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
     for path, text in pages(site).items():
         loaded = re.findall(r'<(?:script|img|source|iframe)[^>]*\ssrc="([^"]+)"', text)
-        loaded += re.findall(r'<link[^>]*rel="(?:stylesheet|preload|icon)"[^>]*href="([^"]+)"', text)
-        assert not [one for one in loaded if OUTSIDE.match(one) and not one.startswith("data:")], path.name
+        loaded += re.findall(
+            r'<link[^>]*rel="(?:stylesheet|preload|icon)"[^>]*href="([^"]+)"', text
+        )
+        assert not [one for one in loaded if OUTSIDE.match(one) and not one.startswith("data:")], (
+            path.name
+        )
 
 
 def test_no_page_names_a_place_of_this_machine(site: Path) -> None:
@@ -72,7 +91,9 @@ def test_every_numbered_equation_is_a_place_that_is_linked(site: Path) -> None:
         numbers = re.findall(r"^    .*\S +\(([AT]\d+[a-z]?)\)$", text, re.MULTILINE)
         page = (site / f"{name}.html").read_text(encoding="utf-8")
         assert numbers
-        assert {number for number in numbers if f'class="equation" id="{number}"' not in page} == set()
+        assert {
+            number for number in numbers if f'class="equation" id="{number}"' not in page
+        } == set()
 
     page = (site / f"{theory}.html").read_text(encoding="utf-8")
     assert 'href="#T3"' in page
@@ -100,12 +121,16 @@ def test_the_first_page_is_where_a_browser_looks(site: Path) -> None:
 
 
 def test_an_old_address_leads_to_its_page(site: Path) -> None:
-    assert 'href="tutorials/first-report.html"' in (site / "docs" / "tutorial.html").read_text(encoding="utf-8")
+    assert 'href="tutorials/first-report.html"' in (site / "docs" / "tutorial.html").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_the_example_of_an_equation_holds() -> None:
     module = ROOT / "docs" / "site" / "equations.py"
-    done = subprocess.run([sys.executable, "-m", "doctest", str(module)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-m", "doctest", str(module)], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout
 
 
@@ -116,6 +141,12 @@ def test_the_list_for_assistants_has_conventions_then_recipes_then_every_page(si
     addresses = re.findall(r"^- \[.+\]\((.+?\.html)\)(?:: .+)?$", text, re.MULTILINE)
     assert sum(address.startswith("docs/recipes/") for address in addresses) == 15
     assert set(addresses) <= {path.relative_to(site).as_posix() for path in pages(site)}
-    sources = {path.relative_to(ROOT).with_suffix(".html").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+    sources = {
+        path.relative_to(ROOT).with_suffix(".html").as_posix()
+        for path in (ROOT / "docs").rglob("*.md")
+    }
     assert sources <= set(addresses)
-    assert "[Stepped shaft from a drawing](docs/recipes/from_drawing.html): a drawing gives lengths" in text
+    assert (
+        "[Stepped shaft from a drawing](docs/recipes/from_drawing.html): a drawing gives lengths"
+        in text
+    )

@@ -46,10 +46,17 @@ def test_usv_lists_ur_m68_by_clause_and_the_damping_of_archer() -> None:
     assert records["Archer"].compared is False
 
 
-@pytest.mark.parametrize(("name", "key"), [
-    ("cardan_line", "Ma2011"), ("cardan_line", "Liu2023"), ("rubber_damper", "NishiharaAsami2002"),
-    ("fan_start", "Kloss1916"), ("toleranced_drive", "Rayleigh1877"), ("wind_gearbox", "Willis1841"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "key"),
+    [
+        ("cardan_line", "Ma2011"),
+        ("cardan_line", "Liu2023"),
+        ("rubber_damper", "NishiharaAsami2002"),
+        ("fan_start", "Kloss1916"),
+        ("toleranced_drive", "Rayleigh1877"),
+        ("wind_gearbox", "Willis1841"),
+    ],
+)
 def test_an_example_lists_the_source_of_its_formula(name: str, key: str) -> None:
     assert key in used(name)
 
@@ -88,7 +95,9 @@ def test_the_command_prints_all_sources_and_a_bibliography() -> None:
 def test_the_report_lists_the_sources_of_the_formulas() -> None:
     blocks = chapters(torsion.run(torsion.read(ROOT / "shafting_specs" / "usv.yaml")))
     (text,) = (
-        block.text for block in blocks if isinstance(block, Paragraph) and "Sources of the formulas" in block.text
+        block.text
+        for block in blocks
+        if isinstance(block, Paragraph) and "Sources of the formulas" in block.text
     )
     assert "Archer: damping A Q/n of propellers, edition not confirmed" in text
     assert "M68" not in text, "rules are in the appendix of the limits"

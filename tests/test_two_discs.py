@@ -30,7 +30,9 @@ RESONANT = STATIC * (1 - 1j / ETA)
 def _torque(w: float) -> complex:
     """(A2) solved as two complex equations, without (A7)."""
     k = K * (1 + 1j * ETA)
-    angle = np.linalg.solve(np.array([[k - w**2 * J1, -k], [-k, k - w**2 * J2]]), np.array([0.0, F]))
+    angle = np.linalg.solve(
+        np.array([[k - w**2 * J1, -k], [-k, k - w**2 * J2]]), np.array([0.0, F])
+    )
     return complex(k * (angle[0] - angle[1]))
 
 
@@ -50,32 +52,62 @@ def _stiffness(w: float) -> tuple[float, float, float]:
 LAMBDA = 1j * W0 * np.sqrt(1 + 1j * ETA)
 PHASE = degrees(np.angle(RESONANT))
 STATED = {
-    "k = {:.0f} N m/rad": K, "{:.1f} mm": 1000 * DIAMETER, "ω₀² = {:.0f} 1/s²": W0**2, "ω₀ = {:.0f} rad/s": W0,
-    "= {:.3f} Hz or": W0 / 2 / pi, "{:.1f} per minute": 30 * W0 / pi, "θ₂/θ₁ = {:.0f}": -J1 / J2,
-    "at {:.1f} of the spring": J2 / (J1 + J2), "angles are {:.1f} and": 1 / sqrt(J1 + J2 * (J1 / J2) ** 2),
+    "k = {:.0f} N m/rad": K,
+    "{:.1f} mm": 1000 * DIAMETER,
+    "ω₀² = {:.0f} 1/s²": W0**2,
+    "ω₀ = {:.0f} rad/s": W0,
+    "= {:.3f} Hz or": W0 / 2 / pi,
+    "{:.1f} per minute": 30 * W0 / pi,
+    "θ₂/θ₁ = {:.0f}": -J1 / J2,
+    "at {:.1f} of the spring": J2 / (J1 + J2),
+    "angles are {:.1f} and": 1 / sqrt(J1 + J2 * (J1 / J2) ** 2),
     "and {:.0f} rad, ": -J1 / J2 / sqrt(J1 + J2 * (J1 / J2) ** 2),
     "is {:.0f} N m.": K * (1 + J1 / J2) / sqrt(J1 + J2 * (J1 / J2) ** 2),
-    "| motor | 0.8 | {0:.0f} | 1 | {0:.0f} | {0:.0f} |": W0**2 * J1, "| {:.0f} |\n": W0**2 * J1 / K,
-    "| propeller | 0.2 | {:.0f} |": W0**2 * J2, "| {:.0f} | −72000 |": _holzer(W0)[0],
-    "| {:.0f} | 0 | |": W0**2 * J2 * _holzer(W0)[0], "it is {:.0f} N m,": _holzer(200.0)[1],
-    "320 rad/s {:.0f} N m;": _holzer(320.0)[1], "z₂ = {:.0f}, 1/k + 1/z₂ = −": _stiffness(200.0)[0],
-    "= {:.4e} and": _stiffness(200.0)[1], "and z₁ = {:.0f}. By": _stiffness(200.0)[2],
-    "z₂ = {:.0f}, 1/k + 1/z₂ = 2": _stiffness(320.0)[0], "1/z₂ = {:.4e} and": _stiffness(320.0)[1],
-    "and z₁ = {:.0f}. Two freq": _stiffness(320.0)[2], "{:.1f} rpm of order 1": 30 * W0 / pi,
-    "{:.1f} of order 2": 15 * W0 / pi, "{:.1f} of order 3": 10 * W0 / pi, "{:.1f} of order 4": 7.5 * W0 / pi,
-    "(ψ = {:.3f})": 2 * pi * ETA, "static response is {:.0f} N m": STATIC, "the factor {:.2f}": sqrt(1 + ETA**-2),
-    "t = {:.0f} + ": RESONANT.real, " + {:.0f}i N m": RESONANT.imag, "amplitude {:.1f} N m": abs(RESONANT),
-    "phase {:.1f}°": PHASE, "carries {:.0f} N m": RESONANT.real, "= {:.0f} N m. The": (1j * RESONANT).real,
+    "| motor | 0.8 | {0:.0f} | 1 | {0:.0f} | {0:.0f} |": W0**2 * J1,
+    "| {:.0f} |\n": W0**2 * J1 / K,
+    "| propeller | 0.2 | {:.0f} |": W0**2 * J2,
+    "| {:.0f} | −72000 |": _holzer(W0)[0],
+    "| {:.0f} | 0 | |": W0**2 * J2 * _holzer(W0)[0],
+    "it is {:.0f} N m,": _holzer(200.0)[1],
+    "320 rad/s {:.0f} N m;": _holzer(320.0)[1],
+    "z₂ = {:.0f}, 1/k + 1/z₂ = −": _stiffness(200.0)[0],
+    "= {:.4e} and": _stiffness(200.0)[1],
+    "and z₁ = {:.0f}. By": _stiffness(200.0)[2],
+    "z₂ = {:.0f}, 1/k + 1/z₂ = 2": _stiffness(320.0)[0],
+    "1/z₂ = {:.4e} and": _stiffness(320.0)[1],
+    "and z₁ = {:.0f}. Two freq": _stiffness(320.0)[2],
+    "{:.1f} rpm of order 1": 30 * W0 / pi,
+    "{:.1f} of order 2": 15 * W0 / pi,
+    "{:.1f} of order 3": 10 * W0 / pi,
+    "{:.1f} of order 4": 7.5 * W0 / pi,
+    "(ψ = {:.3f})": 2 * pi * ETA,
+    "static response is {:.0f} N m": STATIC,
+    "the factor {:.2f}": sqrt(1 + ETA**-2),
+    "t = {:.0f} + ": RESONANT.real,
+    " + {:.0f}i N m": RESONANT.imag,
+    "amplitude {:.1f} N m": abs(RESONANT),
+    "phase {:.1f}°": PHASE,
+    "carries {:.0f} N m": RESONANT.real,
+    "= {:.0f} N m. The": (1j * RESONANT).real,
     "{:.1f} N/mm²": abs(RESONANT) * DIAMETER / (2 * pi * DIAMETER**4 / 32) / 1e6,
-    "gives {:.1f} N m": abs(_torque(100 * pi)), "ratio {:.4f},": -LAMBDA.real / abs(LAMBDA),
-    "at {:.3f} Hz (T22)": LAMBDA.imag / 2 / pi, "shaft has {:.0f} N m/rad": 4 * K,
+    "gives {:.1f} N m": abs(_torque(100 * pi)),
+    "ratio {:.4f},": -LAMBDA.real / abs(LAMBDA),
+    "at {:.3f} Hz (T22)": LAMBDA.imag / 2 / pi,
+    "shaft has {:.0f} N m/rad": 4 * K,
     "{:.1f} N m.\n": 2 * abs(RESONANT),
-    "branches of {:.0f} N m/rad": K / 2, "{:.2f} rad/s": sqrt(7200 / 0.1), "or {:.3f} Hz.": sqrt(7200 / 0.1) / 2 / pi,
-    "At {:.1f} rpm t": 15 * W0 / pi, "critical at {:.1f} rpm": 15 * W0 / pi,
+    "branches of {:.0f} N m/rad": K / 2,
+    "{:.2f} rad/s": sqrt(7200 / 0.1),
+    "or {:.3f} Hz.": sqrt(7200 / 0.1) / 2 / pi,
+    "At {:.1f} rpm t": 15 * W0 / pi,
+    "critical at {:.1f} rpm": 15 * W0 / pi,
     "frequency is again {:.3f} Hz": W0 / 2 / pi,
-    "inertia: {:.3f} Hz again": W0 / 2 / pi, "are {:.0f} N m/rad, 0.2": K, "inertia is {:.1f} kg m². It": J2 / 0.5**2,
-}  # fmt: skip
-GIVEN = set(re.findall(r"\S+", "0 0.1 0.2 0.8 1 2 3 4 25 50 60 80 200 300 320 1500 1800"))  # data of the tutorial
+    "inertia: {:.3f} Hz again": W0 / 2 / pi,
+    "are {:.0f} N m/rad, 0.2": K,
+    "inertia is {:.1f} kg m². It": J2 / 0.5**2,
+}
+GIVEN = set(
+    re.findall(r"\S+", "0 0.1 0.2 0.8 1 2 3 4 25 50 60 80 200 300 320 1500 1800")
+)  # data of the tutorial
 
 
 def _words(text: str) -> str:
@@ -92,7 +124,11 @@ def test_a_number_of_the_tutorial_is_that_of_the_closed_form(form: str) -> None:
 def test_every_number_of_the_tutorial_is_computed_or_given() -> None:
     text = re.sub(r"\((?:A|T)\d+\)|\]\([^)]*\)|^    .*$", "", PROSE, flags=re.M)
     numbers = re.findall(r"(?<![\w./₀-₉])−?\d+(?:\.\d+)?(?:e-\d+)?", _words(text))
-    known = {one for form, value in STATED.items() for one in re.findall(r"−?\d[\d.e-]*", _words(form.format(value)))}
+    known = {
+        one
+        for form, value in STATED.items()
+        for one in re.findall(r"−?\d[\d.e-]*", _words(form.format(value)))
+    }
     known = {one.rstrip(".") for one in known} | GIVEN
     assert len(numbers) > 80
     assert set(numbers) <= known, sorted(set(numbers) - known)
@@ -109,7 +145,9 @@ def test_the_program_finds_mode_and_response_of_the_tutorial(place: int) -> None
     assert findings.need(Modes).frequency[0] == pytest.approx(W0 / 2 / pi, rel=1e-14)
     speeds = np.array([W0 / 2, 50 * pi])
     response = torsion.response(study, findings.system, speeds=speeds)
-    slow = int(np.argmax(np.abs(response.torque[0, 0])))  # of gear and shaft the shaft behind it: twice the torque
+    slow = int(
+        np.argmax(np.abs(response.torque[0, 0]))
+    )  # of gear and shaft the shaft behind it: twice the torque
     rows = [int(np.argmin(np.abs(response.speed - one))) for one in speeds]
     spans = response.torque[rows, 0, slow] * (0.5 if place else 1.0)
     assert spans[0] == pytest.approx(RESONANT, rel=1e-12)
@@ -117,7 +155,9 @@ def test_the_program_finds_mode_and_response_of_the_tutorial(place: int) -> None
     assert response.lines[0].order == Fraction(2)
     assert findings.need(CriticalSpeeds).crossings[0].speed == pytest.approx(W0 / 2, rel=1e-12)
     assert findings.need(DampedModes).frequency[0] == pytest.approx(LAMBDA.imag / 2 / pi, rel=1e-12)
-    assert findings.need(DampedModes).damping_ratio[0] == pytest.approx(-LAMBDA.real / abs(LAMBDA), rel=1e-10)
+    assert findings.need(DampedModes).damping_ratio[0] == pytest.approx(
+        -LAMBDA.real / abs(LAMBDA), rel=1e-10
+    )
 
 
 def test_the_program_finds_the_shape_and_the_table_of_the_tutorial() -> None:
@@ -151,4 +191,6 @@ def test_the_figure_is_the_one_that_its_script_draws() -> None:
     script = runpy.run_path(str(TUTORIALS / "two_discs.py"))
     assert (TUTORIALS / "two_discs.svg").read_text(encoding="utf-8") == script["figure"]()
     for speed in (400.0, 15 * W0 / pi, 1500.0):
-        assert script["spring_torque"](speed) == pytest.approx(abs(_torque(speed * pi / 15)), rel=1e-12)
+        assert script["spring_torque"](speed) == pytest.approx(
+            abs(_torque(speed * pi / 15)), rel=1e-12
+        )

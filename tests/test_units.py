@@ -95,7 +95,9 @@ QUANTITIES = [
 
 
 @pytest.mark.parametrize(("text", "unit", "expected"), QUANTITIES)
-def test_a_quantity_is_the_number_that_the_definitions_of_its_units_give(text: str, unit: str, expected: float) -> None:
+def test_a_quantity_is_the_number_that_the_definitions_of_its_units_give(
+    text: str, unit: str, expected: float
+) -> None:
     assert to_si(text, unit) == pytest.approx(expected, rel=9e-16, abs=0)
 
 
@@ -108,7 +110,7 @@ def test_a_quantity_is_the_number_that_the_definitions_of_its_units_give(text: s
         ("4.7 lbf*in*s**2", "kg*m**2", Fraction("4.7") * FORCE * Fraction("0.0254")),
         ("71 degF", "degC", Fraction(39 * 5, 9)),
     ],
-)  # fmt: skip
+)
 def test_a_conversion_is_rounded_once(text: str, unit: str, exact: Fraction) -> None:
     assert to_si(text, unit) == float(exact)
 
@@ -132,15 +134,37 @@ def test_every_kind_has_words_and_an_example_that_can_be_read(unit: str) -> None
     ("text", "unit", "message", "hint"),
     [
         (
-            "20 kN*m", "N*m/rad",
-            "'20 kN*m' is a torque or energy, a stiffness in N*m/rad is expected", "try '20 kN*m/rad'",
+            "20 kN*m",
+            "N*m/rad",
+            "'20 kN*m' is a torque or energy, a stiffness in N*m/rad is expected",
+            "try '20 kN*m/rad'",
         ),
-        ("20 Nm/rad", "N*m", "'20 Nm/rad' is a stiffness, a torque or energy in N*m is expected", "try '20 Nm'"),
+        (
+            "20 Nm/rad",
+            "N*m",
+            "'20 Nm/rad' is a stiffness, a torque or energy in N*m is expected",
+            "try '20 Nm'",
+        ),
         ("3 N*m*s", "N*m*s/rad", "is an angular momentum, a damping", "try '3 N*m*s/rad'"),
-        ("35 Hz", "rad/s", "'35 Hz' is a frequency, a speed in rad/s is expected", "for example '1500 rpm'"),
-        ("1500 rpm", "Hz", "'1500 rpm' is a speed, a frequency in Hz is expected", "for example '35 Hz'"),
+        (
+            "35 Hz",
+            "rad/s",
+            "'35 Hz' is a frequency, a speed in rad/s is expected",
+            "for example '1500 rpm'",
+        ),
+        (
+            "1500 rpm",
+            "Hz",
+            "'1500 rpm' is a speed, a frequency in Hz is expected",
+            "for example '35 Hz'",
+        ),
         ("5 1/s", "rad/s", "is a frequency, a speed", "rpm"),
-        ("5 m", "1", "'5 m' is a length, a number without a unit is expected", "for example '25 %'"),
+        (
+            "5 m",
+            "1",
+            "'5 m' is a length, a number without a unit is expected",
+            "for example '25 %'",
+        ),
         ("5 rad", "1", "is an angle, a number without a unit is expected", "25 %"),
         ("2 (N*m)**2", "N*m", "is in (N*m)**2, a torque", ""),
         ("5", "rad", "'5' has no unit, an angle in rad is expected", "write '5 deg' or '5 rad'"),
@@ -167,14 +191,21 @@ def test_every_kind_has_words_and_an_example_that_can_be_read(unit: str) -> None
         ("3 m**0.5", "m", "cannot be read", ""),
         ("3 m**123", "m", "cannot be read", ""),
         ("3 ((km**99)**99)**99", "m", "has a power that no quantity has", ""),
-        ("20 °C", "K", "'20 °C' is a temperature, a difference of temperature in K is expected", "70 K"),
+        (
+            "20 °C",
+            "K",
+            "'20 °C' is a temperature, a difference of temperature in K is expected",
+            "70 K",
+        ),
         ("3 degC*m", "K*m", "mixes a temperature scale with other units", "write K"),
         ("3 kdegC", "degC", "'kdegC' is not a known unit", ""),
         ("3 " + "(" * 90 + "m", "m", "cannot be read", ""),
         ("1" * 200, "m", "is too long for a quantity", ""),
     ],
-)  # fmt: skip
-def test_what_is_not_the_quantity_is_refused_in_words(text: str, unit: str, message: str, hint: str) -> None:
+)
+def test_what_is_not_the_quantity_is_refused_in_words(
+    text: str, unit: str, message: str, hint: str
+) -> None:
     with pytest.raises(UnitFault) as caught:
         to_si(text, unit)
     assert message in caught.value.message
@@ -191,7 +222,9 @@ def test_a_unit_without_a_name_is_a_quantity() -> None:
     assert to_si("2 kW/K", "W/K") == 2000
 
 
-@pytest.mark.parametrize(("text", "value"), [("5", 5), (" -1_000.5e-3 ", -1.0005), (".5", 0.5), ("5.", 5), ("+7", 7)])
+@pytest.mark.parametrize(
+    ("text", "value"), [("5", 5), (" -1_000.5e-3 ", -1.0005), (".5", 0.5), ("5.", 5), ("+7", 7)]
+)
 def test_a_number_without_a_unit(text: str, value: float) -> None:
     assert to_si(text, "1") == value
 
@@ -203,21 +236,71 @@ def test_text_that_is_not_a_number_is_refused(text: str) -> None:
 
 
 def test_common_spellings_load_no_unit_library() -> None:
-    lines = [f"to_si('2.5 {spelling}', {unit!r})" for unit in units._COMMON for spelling in (unit, *units._COMMON[unit])
-             if spelling != "1"]  # fmt: skip
-    program = ["import sys", "from torsion.units import to_si", *lines, "sys.exit('pint' in sys.modules)"]
+    lines = [
+        f"to_si('2.5 {spelling}', {unit!r})"
+        for unit in units._COMMON
+        for spelling in (unit, *units._COMMON[unit])
+        if spelling != "1"
+    ]
+    program = [
+        "import sys",
+        "from torsion.units import to_si",
+        *lines,
+        "sys.exit('pint' in sys.modules)",
+    ]
     assert subprocess.run([sys.executable, "-c", "\n".join(program)], check=False).returncode == 0
 
 
 PIECES = st.sampled_from(
-    ["1", "5", "1e3", "e", ".", "-", "+", "_", " ", "*", "**", "/", "(", ")", "^", "²", "⁻", "·", "°", "µ", "%", "inf",
-     "N", "m", "kN", "Nm", "kg", "rad", "deg", "rpm", "degC", "K", "pi", "min", "s", "dimensionless", "99", ",", "\n"]
-)  # fmt: skip
+    [
+        "1",
+        "5",
+        "1e3",
+        "e",
+        ".",
+        "-",
+        "+",
+        "_",
+        " ",
+        "*",
+        "**",
+        "/",
+        "(",
+        ")",
+        "^",
+        "²",
+        "⁻",
+        "·",
+        "°",
+        "µ",
+        "%",
+        "inf",
+        "N",
+        "m",
+        "kN",
+        "Nm",
+        "kg",
+        "rad",
+        "deg",
+        "rpm",
+        "degC",
+        "K",
+        "pi",
+        "min",
+        "s",
+        "dimensionless",
+        "99",
+        ",",
+        "\n",
+    ]
+)
 TEXTS = st.text(max_size=30) | st.lists(PIECES, max_size=12).map("".join)
 
 
 @settings(max_examples=120, deadline=None, derandomize=True)
-@given(text=TEXTS | TEXTS.map(lambda text: "2 " + text), unit=st.sampled_from([*units._KINDS, "W/K"]))
+@given(
+    text=TEXTS | TEXTS.map(lambda text: "2 " + text), unit=st.sampled_from([*units._KINDS, "W/K"])
+)
 def test_any_text_is_a_finite_number_or_a_unit_fault(text: str, unit: str) -> None:
     try:
         value, stated = to_si(text, unit), ""

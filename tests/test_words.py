@@ -11,10 +11,15 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 CHECKED = (  # files; folders of *.md and *.py
-    "README.md", "shafting_specs/README.md", "docs", "reports", "benchmarks",
-    "src/torsion", "tests/kinematics",
+    "README.md",
+    "shafting_specs/README.md",
+    "docs",
+    "reports",
+    "benchmarks",
+    "src/torsion",
+    "tests/kinematics",
     *(f"tests/kernels/{name}" for name in ("damping", "distributed", "long_chain")),
-)  # fmt: skip
+)
 WORDS = (
     (r"told|tells?|telling", "reports, states, names; reported, stated"),
     (r"asks?|asked|asking", "requests; requested, settings"),
@@ -23,7 +28,10 @@ WORDS = (
     (r"brothers?", "siblings"),
     (r"hung|hangs?", "re-rooted; is carried by, follows"),
     (r"closing spans?", "chord of a loop"),
-    (r"(?:first|second|both|one|two|backward|forward|upward|downward) pass(?:es)?", "sweep; seen from both sides"),
+    (
+        r"(?:first|second|both|one|two|backward|forward|upward|downward) pass(?:es)?",
+        "sweep; seen from both sides",
+    ),
     (r"proofs?", "enclosure"),
     (r"(?:per|a|an|one|two|each|every|half|quarter|the|whole) turns?(?! (?:of|to) )", "revolution"),
     (r"turns (?:of|per) (?:the|a) (?:shaft|reference|motor|cycle)", "revolutions"),
@@ -53,7 +61,9 @@ NAMES = {
     "swing",
     "proof",
 }  # parts of a name in the code that are private words of the same kind
-QUOTED = re.compile(r"```.*?^```|`[^`\n]*`|\]\([^)\n]*\)", re.MULTILINE | re.DOTALL)  # keys, code, targets of links
+QUOTED = re.compile(
+    r"```.*?^```|`[^`\n]*`|\]\([^)\n]*\)", re.MULTILINE | re.DOTALL
+)  # keys, code, targets of links
 
 
 def private_words(text: str) -> list[tuple[int, str, str]]:
@@ -72,7 +82,11 @@ def prose_of(source: str) -> Iterator[tuple[int, str]]:
         if token.type == tokenize.COMMENT:
             yield token.start[0], token.string
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and re.search(r"\w\s+\w", node.value):
+        if (
+            isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and re.search(r"\w\s+\w", node.value)
+        ):
             yield node.lineno, node.value
 
 
@@ -87,7 +101,11 @@ def checked_files() -> list[Path]:
     found: list[Path] = []
     for name in CHECKED:
         root = ROOT / name
-        found += [root] if root.is_file() else sorted(path for path in root.rglob("*") if path.suffix in {".md", ".py"})
+        found += (
+            [root]
+            if root.is_file()
+            else sorted(path for path in root.rglob("*") if path.suffix in {".md", ".py"})
+        )
     return found
 
 
@@ -114,7 +132,9 @@ def test_names_are_words_of_the_field() -> None:
 
 
 def test_a_private_word_in_a_name_is_found() -> None:
-    assert [line for line, _ in names_of("told_apart = 1\nhas_Asked(x)\ntasked = foretold = 2\n")] == [1, 2]
+    assert [
+        line for line, _ in names_of("told_apart = 1\nhas_Asked(x)\ntasked = foretold = 2\n")
+    ] == [1, 2]
 
 
 def test_the_roots_that_are_checked_exist() -> None:
@@ -123,20 +143,42 @@ def test_the_roots_that_are_checked_exist() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["The value is told.", "speeds asked for", "counted outward", "a second\npass", "cycles per turn", "a held end",
-     "the swing of the yoke", "Lines of fixed frequency", "folded into one", "a bar of steel"],
-)  # fmt: skip
+    [
+        "The value is told.",
+        "speeds asked for",
+        "counted outward",
+        "a second\npass",
+        "cycles per turn",
+        "a held end",
+        "the swing of the yoke",
+        "Lines of fixed frequency",
+        "folded into one",
+        "a bar of steel",
+    ],
+)
 def test_a_private_word_is_found(text: str) -> None:
     assert len(private_words(text)) == 1
 
 
 @pytest.mark.parametrize(
     "text",
-    ["`held: true` grounds it", "every check passes", "programs taken in turn", "it turns at its own speed",
-     "in a barred range", "twofold, an e-fold", "[page](told/held.md)", "joints in line", "line 3 of the file",
-     "```\nasked = held\n```", "a charge of 2.4 bar", "pressure [bar]", "half a revolution",
-     "tasked, withheld, foretold"],
-)  # fmt: skip
+    [
+        "`held: true` grounds it",
+        "every check passes",
+        "programs taken in turn",
+        "it turns at its own speed",
+        "in a barred range",
+        "twofold, an e-fold",
+        "[page](told/held.md)",
+        "joints in line",
+        "line 3 of the file",
+        "```\nasked = held\n```",
+        "a charge of 2.4 bar",
+        "pressure [bar]",
+        "half a revolution",
+        "tasked, withheld, foretold",
+    ],
+)
 def test_ordinary_words_and_quoted_keys_are_no_fault(text: str) -> None:
     assert private_words(text) == []
 

@@ -73,12 +73,30 @@ def _numbers() -> Iterator[tuple[str, ...]]:
         size = exact.couple
         pushed = np.hypot(*exact.force)
         steady = tripod.constant_velocity_couple(np.radians(angle), TORQUE)
-        yield stated(f"{angle}°, single: M1, corrected equations", f"{first.min():.10f} .. {first.max():.10f}", "N m")
-        yield stated(f"{angle}°, single: M1, exact mechanism", f"{size.min():.6f} .. {size.max():.6f}", "N m", "–")
-        yield stated(f"{angle}°, single: lateral force, exact mechanism", f"up to {pushed.max():.4g}", "N", "not said")
+        yield stated(
+            f"{angle}°, single: M1, corrected equations",
+            f"{first.min():.10f} .. {first.max():.10f}",
+            "N m",
+        )
+        yield stated(
+            f"{angle}°, single: M1, exact mechanism",
+            f"{size.min():.6f} .. {size.max():.6f}",
+            "N m",
+            "–",
+        )
+        yield stated(
+            f"{angle}°, single: lateral force, exact mechanism",
+            f"up to {pushed.max():.4g}",
+            "N",
+            "not said",
+        )
         yield stated(f"{angle}°, twin: M1", f"{steady:.10f}", "N m")
 
-    yield stated("40°: third harmonic of the error, (1)", tripod.error_size(g := np.radians(40.0), RADIUS, ARM), "rad")
+    yield stated(
+        "40°: third harmonic of the error, (1)",
+        tripod.error_size(g := np.radians(40.0), RADIUS, ARM),
+        "rad",
+    )
     yield stated("40°: third harmonic of the error, exact mechanism", _third(float(g)), "rad", "–")
 
 
@@ -92,8 +110,12 @@ def _checks() -> str:
     limits = []
     for angle in ANGLES:
         ours = tripod.exact_statics(FEW, np.radians(angle), RADIUS, ARM, 1.0)
-        truth = np.array([[one.driven_torque, one.inplane, one.driven_inplane] for one in bodies(angle)]).T
-        limits.append(bound((ours.torque, ours.driving_inplane, ours.driven_inplane), truth, "1e-12"))
+        truth = np.array(
+            [[one.driven_torque, one.inplane, one.driven_inplane] for one in bodies(angle)]
+        ).T
+        limits.append(
+            bound((ours.torque, ours.driving_inplane, ours.driven_inplane), truth, "1e-12")
+        )
     scene = joints(NAME).joints[0].couples[0]
     exact = tripod.exact_statics(joints(NAME).angle, np.radians(40.0), RADIUS, ARM, TORQUE)
     near = bound(scene.largest, exact.couple.max(), "1e-3")
@@ -116,11 +138,20 @@ def _turn() -> Picture:
     panels = [
         Panel(
             f"M1 at {angle}°, N m",
-            [("single", couple(angle)), ("twin", tripod.constant_velocity_couple(np.radians(angle), TORQUE))],
+            [
+                ("single", couple(angle)),
+                ("twin", tripod.constant_velocity_couple(np.radians(angle), TORQUE)),
+            ],
         )
         for angle in ANGLES
     ]
-    svg = curves("chang_li_tripod_fig_5", np.degrees(TURN), "driving angle phi, degrees", panels[::-1], height=1.35)
+    svg = curves(
+        "chang_li_tripod_fig_5",
+        np.degrees(TURN),
+        "driving angle phi, degrees",
+        panels[::-1],
+        height=1.35,
+    )
     words = "Figure 5: couple on the driving shaft over a revolution at joint angles of 10° to 40°."
     return Picture("chang_li_tripod_fig_5", words, svg)
 
@@ -133,7 +164,13 @@ def _angles() -> Picture:
         ("single, least", sizes.min(axis=1)),
         ("twin", tripod.constant_velocity_couple(np.radians(degrees), TORQUE)),
     ]
-    svg = curves("chang_li_tripod_fig_6", degrees, "joint angle g, degrees", [Panel("M1, N m", lines)], height=3)
+    svg = curves(
+        "chang_li_tripod_fig_6",
+        degrees,
+        "joint angle g, degrees",
+        [Panel("M1, N m", lines)],
+        height=3,
+    )
     words = "Figure 6: couple over the joint angle; the twin bearing's is `Ti tan(g/2)`, a straight line but for 4 %."
     return Picture("chang_li_tripod_fig_6", words, svg)
 
@@ -147,7 +184,10 @@ def _limit(name: str, form: object) -> str:
 
 def _misprints() -> tuple[Misprint, ...]:
     g = float(np.radians(40.0))
-    torque, inplane = (np.array([getattr(one, name) for one in bodies(40)]) for name in ("driven_torque", "inplane"))
+    torque, inplane = (
+        np.array([getattr(one, name) for one in bodies(40)])
+        for name in ("driven_torque", "inplane")
+    )
     wrong, printed = paper.driven_torque_printed(g, FEW, SHARE), paper.couple_printed(g, FEW, SHARE)
     right, corrected = paper.driven_torque_right(g, FEW, SHARE), paper.couple_right(g, FEW, SHARE)
     level = np.tan(g / 2.0)
@@ -186,7 +226,12 @@ def _misprints() -> tuple[Misprint, ...]:
             "rotation about OoXo; the denominators 1 + dF/dphi are dropped, so (5) is of first order",
             f"reading of the derivation; U1 of the joint in space at 40° within {bound(normal, about, '3e-2')} of (5)",
         ),
-        Misprint("throughout", "`tan² gamma 2`, `tan`", "`tan²(gamma/2)`, `tan gamma`", "dimensions and (1)"),
+        Misprint(
+            "throughout",
+            "`tan² gamma 2`, `tan`",
+            "`tan²(gamma/2)`, `tan gamma`",
+            "dimensions and (1)",
+        ),
         Misprint(
             "text",
             "the couples are a pure torque",

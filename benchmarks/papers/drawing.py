@@ -30,15 +30,33 @@ def curves(name: str, x: Array, along: str, panels: Sequence[Panel], *, height: 
     labels = list(dict.fromkeys(label for panel in panels for label, _ in panel.lines))
     unit = "deg" if along.endswith(", degrees") else ""
     axis = Axis(along.removesuffix(", degrees"), unit, float(x[0]), float(x[-1]))
-    return svg(Figure(name, name.replace("_", " "), tuple(_panel(panel, x, axis, labels, height) for panel in panels)))
+    return svg(
+        Figure(
+            name,
+            name.replace("_", " "),
+            tuple(_panel(panel, x, axis, labels, height) for panel in panels),
+        )
+    )
 
 
 def _panel(panel: Panel, x: Array, axis: Axis, labels: list[str], height: float) -> figure.Panel:
     lines = tuple(
-        Line(label, x, np.broadcast_to(np.round(np.asarray(values, dtype=float), DRAWN), x.shape), labels.index(label))
+        Line(
+            label,
+            x,
+            np.broadcast_to(np.round(np.asarray(values, dtype=float), DRAWN), x.shape),
+            labels.index(label),
+        )
         for label, values in panel.lines
     )
-    marks = [Marks("", *(np.array([one]) for one in place), labels=(words,)) for *place, words in panel.marks]
+    marks = [
+        Marks("", *(np.array([one]) for one in place), labels=(words,))
+        for *place, words in panel.marks
+    ]
     for label, *places in panel.dots:
-        marks.append(Marks(label, *(np.round(np.asarray(one, dtype=float), DRAWN) for one in places), "dot"))
-    return figure.Panel(axis, Axis(panel.axis), lines, marks=tuple(marks), height=INCH * height - 30.0)
+        marks.append(
+            Marks(label, *(np.round(np.asarray(one, dtype=float), DRAWN) for one in places), "dot")
+        )
+    return figure.Panel(
+        axis, Axis(panel.axis), lines, marks=tuple(marks), height=INCH * height - 30.0
+    )

@@ -18,7 +18,11 @@ SPEED, TORQUE = 60.0, 800.0  # rad/s, N m
 ANGLES, PHASES = (3, 5, 8), (0, 60, 120)  # degrees
 TURN = np.linspace(0.0, 2.0 * np.pi, 721)
 LABELS = [f"r = {angle}°" for angle in ANGLES]
-UNEVEN = (0.6, 30, 120)  # rad, degrees, degrees: joint angle and phases at which the two readings of (10) part
+UNEVEN = (
+    0.6,
+    30,
+    120,
+)  # rad, degrees, degrees: joint angle and phases at which the two readings of (10) part
 
 
 @cache
@@ -60,18 +64,33 @@ def page() -> Page:
 def _numbers() -> Iterator[tuple[str, ...]]:
     yield stated("driving speed, printed as 3600 rad/min", SPEED, "rad/s", "60 rad/s")
     least, greatest = cross.transfer(np.array([0.0, np.pi / 2.0]), np.radians(8.0), "N").ratio
-    yield compared("fig. 4, r = 8°: largest less mean speed", "0.6", SPEED * (greatest - 1.0), "rad/s")
-    yield compared("fig. 4, r = 8°: mean less smallest speed", "0.6", SPEED * (1.0 - least), "rad/s")
+    yield compared(
+        "fig. 4, r = 8°: largest less mean speed", "0.6", SPEED * (greatest - 1.0), "rad/s"
+    )
+    yield compared(
+        "fig. 4, r = 8°: mean less smallest speed", "0.6", SPEED * (1.0 - least), "rad/s"
+    )
     for angle in ANGLES:
         first = at(angle).joints[0]
         speeds = SPEED * first.speed_ratio
         yield stated(f"fig. 4, r = {angle}°: smallest and largest speed", _range(speeds), "rad/s")
-        yield stated(f"fig. 4, r = {angle}°: largest acceleration", SPEED**2 * first.steepest, "rad/s²")
+        yield stated(
+            f"fig. 4, r = {angle}°: largest acceleration", SPEED**2 * first.steepest, "rad/s²"
+        )
     yield stated(
-        "phases 0°, 60°, 120° of one joint, r = 8°: smallest and largest speed, all three", _of_phases(), "rad/s"
+        "phases 0°, 60°, 120° of one joint, r = 8°: smallest and largest speed, all three",
+        _of_phases(),
+        "rad/s",
     )
-    yield stated("phi2 − phi1 = 90°, r = 8°: index of fluctuation", f"{_index(90):.0e} or less", "", "0 (constant)")
-    yield stated("phi2 − phi1 = 0°, r = 8°: index of fluctuation (the worst)", _index(0), "", "not said")
+    yield stated(
+        "phi2 − phi1 = 90°, r = 8°: index of fluctuation",
+        f"{_index(90):.0e} or less",
+        "",
+        "0 (constant)",
+    )
+    yield stated(
+        "phi2 − phi1 = 0°, r = 8°: index of fluctuation (the worst)", _index(0), "", "not said"
+    )
     for angle in ANGLES:
         driving, driven = at(angle).joints[0].couples
         carried = TORQUE * at(angle).joints[0].torque_ratio
@@ -86,7 +105,10 @@ def _range(values: np.ndarray) -> str:
 
 def _of_phases() -> str:
     """The range, after making sure that it is one."""
-    every = {_range(SPEED * cross.transfer(TURN + np.radians(phase), np.radians(8.0)).ratio) for phase in PHASES}
+    every = {
+        _range(SPEED * cross.transfer(TURN + np.radians(phase), np.radians(8.0)).ratio)
+        for phase in PHASES
+    }
     if len(every) != 1:
         raise ArithmeticError(f"the phase of one joint changes its range: {every}")
     return every.pop()
@@ -95,7 +117,9 @@ def _of_phases() -> str:
 def _index(apart_by: float) -> float:
     """Index of fluctuation of the two joints at 8 degrees; 1e-15 where it is below."""
     angle = np.radians(8.0)
-    found = float(line.resultant(line.line_of([angle, angle], 0.0, [0.0, np.radians(apart_by - 90.0)])).index)
+    found = float(
+        line.resultant(line.line_of([angle, angle], 0.0, [0.0, np.radians(apart_by - 90.0)])).index
+    )
     return max(found, 1e-15)
 
 
@@ -120,19 +144,30 @@ def _speed() -> Picture:
     speeds = [(label, SPEED * one.speed_ratio) for label, one in zip(LABELS, first, strict=True)]
     gains = [(label, SPEED**2 * one.acceleration) for label, one in zip(LABELS, first, strict=True)]
     panels = [Panel("driven speed, rad/s", speeds), Panel("acceleration, rad/s²", gains)]
-    svg = curves("liu_2023_fig_4", degrees, "driving angle a from the plane of the shafts, degrees", panels)
-    return Picture("liu_2023_fig_4", "Figure 4: speed and acceleration after one joint driven at 60 rad/s.", svg)
+    svg = curves(
+        "liu_2023_fig_4", degrees, "driving angle a from the plane of the shafts, degrees", panels
+    )
+    return Picture(
+        "liu_2023_fig_4",
+        "Figure 4: speed and acceleration after one joint driven at 60 rad/s.",
+        svg,
+    )
 
 
 def _phases() -> Picture:
     angle, degrees = np.radians(8.0), np.degrees(TURN)
-    single = [(f"{phase}°", SPEED * cross.transfer(TURN + np.radians(phase), angle).ratio) for phase in PHASES]
+    single = [
+        (f"{phase}°", SPEED * cross.transfer(TURN + np.radians(phase), angle).ratio)
+        for phase in PHASES
+    ]
     pair = []
     for phase in PHASES:
         both = line.line_of([angle, angle], 0.0, [0.0, np.radians(phase - 90.0)])
         pair.append((f"{phase}°", SPEED * line.motion(TURN, both).ratio[-1]))
     panels = [Panel("behind one joint, rad/s", single), Panel("behind two joints, rad/s", pair)]
-    svg = curves("liu_2023_fig_6", degrees, "driving angle a from the plane of the shafts, degrees", panels)
+    svg = curves(
+        "liu_2023_fig_6", degrees, "driving angle a from the plane of the shafts, degrees", panels
+    )
     words = (
         "Figure 6: phases of 0°, 60° and 120° at r = 8°, above phi1 of one joint, below phi2 − phi1 of two joints. "
         "One joint's phase moves the curve and leaves its height; two joints' difference sets the height."
@@ -157,7 +192,10 @@ def _couples() -> Picture:
 def _kinematic_misprints() -> tuple[Misprint, ...]:
     r = np.radians(8.0)
     body = space.cross(TURN, r)
-    turned, wrong = np.exp(1j * paper.angle_right(r, TURN)), np.exp(1j * paper.angle_printed(r, TURN))
+    turned, wrong = (
+        np.exp(1j * paper.angle_right(r, TURN)),
+        np.exp(1j * paper.angle_printed(r, TURN)),
+    )
     ratio, gain = paper.ratio_printed(r, TURN), paper.acceleration_right(r, TURN, SPEED, 5.0)
     truth = body.curvature * SPEED**2 + 5.0 * body.ratio
     off = np.degrees(np.abs(np.angle(wrong / turned)).max())
@@ -220,7 +258,11 @@ def _other_misprints() -> tuple[Misprint, ...]:
     square = np.abs(pair[1] @ np.array([0.0, np.cos(r), -np.sin(r)])).max()
     right = paper.driven_torque_right(r, TURN, TORQUE)
     bent = paper.driven_couple_right(r, TURN, TORQUE)
-    same = bound(paper.driven_couple_printed(r, inner, TORQUE), paper.driven_couple_right(r, inner, TORQUE), "1e-12")
+    same = bound(
+        paper.driven_couple_printed(r, inner, TORQUE),
+        paper.driven_couple_right(r, inner, TORQUE),
+        "1e-12",
+    )
     return (
         Misprint(
             "(1) with (12)",

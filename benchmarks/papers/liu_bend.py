@@ -85,9 +85,15 @@ def twist(name: str) -> Array:
 def _data() -> Iterator[tuple[str, ...]]:
     """What was estimated, first."""
     J, K, C = STIFF.inertia, STIFF.stiffness, STIFF.damping
-    yield stated("inertias 1 to 6 (estimate)", ", ".join(f"{one:g}" for one in J), "kg m²", "missing")
-    yield stated("stiffnesses K1 to K3 (estimate)", ", ".join(f"{one:g}" for one in K), "N m/rad", "missing")
-    yield stated("dampings C1 to C3 (estimate)", ", ".join(f"{one:g}" for one in C), "N m s/rad", "missing")
+    yield stated(
+        "inertias 1 to 6 (estimate)", ", ".join(f"{one:g}" for one in J), "kg m²", "missing"
+    )
+    yield stated(
+        "stiffnesses K1 to K3 (estimate)", ", ".join(f"{one:g}" for one in K), "N m/rad", "missing"
+    )
+    yield stated(
+        "dampings C1 to C3 (estimate)", ", ".join(f"{one:g}" for one in C), "N m s/rad", "missing"
+    )
     bearing = f"{STIFF.mass:g} kg, {STIFF.bearing_stiffness:g} N/m, {STIFF.bearing_damping:g} N s/m, {STIFF.span:g} m"
     yield stated("mass, K4, C4, span of the bearings (estimate)", bearing, "", "missing")
 
@@ -97,7 +103,9 @@ def _found() -> Iterator[tuple[str, ...]]:
         for rank, frequency in enumerate(model.frequencies(boat), start=1):
             line, _ = peak(run(name)[0] - run(name)[1], frequency)
             words = f"{frequency:.4f} Hz, line at {line:.0f} Hz"
-            yield stated(f"natural frequency {rank}, {name}; line of the driving shaft's twist", words)
+            yield stated(
+                f"natural frequency {rank}, {name}; line of the driving shaft's twist", words
+            )
     twice = STIFF.speed / np.pi
     for name in LINES:
         size = f"{1e3 * np.abs(twist(name)).max():.1f}"
@@ -172,7 +180,9 @@ def _spectra() -> Picture:
     for row, axis in names.items():
         scale = 1e6 if row >= 8 else 1.0
         found = {name: scale * spectrum(run(name)[row])[1][: HIGHEST + 1] for name in LINES}
-        panels.append(Panel(f"log10 {axis}", [(name, np.log10(size)) for name, size in found.items()]))
+        panels.append(
+            Panel(f"log10 {axis}", [(name, np.log10(size)) for name, size in found.items()])
+        )
     svg = curves("liu_2023_section_3_fig_10", at, "frequency, Hz", panels, height=2.2)
     words = (
         f"Figure 10, in kind: amplitudes over {LAST:g} s, logarithms. The lines at {STIFF.speed / np.pi:.1f} Hz are "

@@ -20,7 +20,14 @@ AT_REST = (0.0,) * 8
 class Boat:
     """Figures of the line; none is published, all are estimates."""
 
-    inertia: tuple[float, ...] = (1.2, 0.02, 0.02, 0.02, 0.02, 0.8)  # kg m2: motor, four yokes, propeller
+    inertia: tuple[float, ...] = (
+        1.2,
+        0.02,
+        0.02,
+        0.02,
+        0.02,
+        0.8,
+    )  # kg m2: motor, four yokes, propeller
     stiffness: tuple[float, ...] = (1.2e5, 6.0e4, 5.0e4)  # N m/rad
     damping: tuple[float, ...] = (0.6, 0.3, 0.25)  # N m s/rad
     angle: float = math.radians(8.0)  # rad of both joints, as in the paper's curves
@@ -74,7 +81,8 @@ def turning(boat: Boat, state: Array) -> Turning:
     w3, w5 = i1 * w2, i2 * w4
     pairs = ((one - two, w1 - w2), (three - four, w3 - w4), (five - six, w5 - w6))
     first, second, third = (
-        k * twist + c * rate for k, c, (twist, rate) in zip(boat.stiffness, boat.damping, pairs, strict=True)
+        k * twist + c * rate
+        for k, c, (twist, rate) in zip(boat.stiffness, boat.damping, pairs, strict=True)
     )
     J = boat.inertia
     load = boat.torque * w6 * abs(w6) / boat.speed**2
@@ -102,7 +110,10 @@ def forces(boat: Boat, moving: Turning) -> tuple[float, float, float, float]:
     half = math.tan(boat.angle) / 2.0
     about_y, about_z = -T * half * math.sin(x), T * half * (1.0 + math.cos(x))
     G, u = moving.joint[1], 2.0 * (moving.angle[3] + math.pi / 2.0)
-    behind_y, behind_z = G * half * math.sin(u), G * math.sin(boat.angle) / 2.0 * (1.0 - math.cos(u))
+    behind_y, behind_z = (
+        G * half * math.sin(u),
+        G * math.sin(boat.angle) / 2.0 * (1.0 - math.cos(u)),
+    )
     return about_z / boat.span, -about_y / boat.span, -behind_z / boat.span, behind_y / boat.span
 
 
@@ -111,7 +122,8 @@ def rate(_: float, state: Array, boat: Boat) -> list[float]:
     moving = turning(boat, state)
     pushed = forces(boat, moving)
     bent = [
-        (pushed[k] - boat.bearing_damping * state[12 + k] - boat.bearing_stiffness * state[8 + k]) / boat.mass
+        (pushed[k] - boat.bearing_damping * state[12 + k] - boat.bearing_stiffness * state[8 + k])
+        / boat.mass
         for k in range(4)
     ]
     free_ones = [moving.acceleration[k] for k in (0, 1, 3, 5)]
@@ -127,16 +139,27 @@ def untwisted(boat: Boat) -> Array:
 
 
 def motion(
-    boat: Boat, times: Array, *, tolerance: float = ORDER8, method: str = "DOP853", start: Array | None = None
+    boat: Boat,
+    times: Array,
+    *,
+    tolerance: float = ORDER8,
+    method: str = "DOP853",
+    start: Array | None = None,
 ) -> Array:
     """(16, times) from `start`, else `untwisted`."""
     from scipy.integrate import solve_ivp
 
     scale = np.array([1.0] * 4 + [boat.speed] * 4 + [1e-4] * 4 + [1e-2] * 4)
     found = solve_ivp(
-        rate, (0.0, float(times[-1])), untwisted(boat) if start is None else start, method, t_eval=times,
-        rtol=tolerance, atol=1e-3 * tolerance * scale, args=(boat,),
-    )  # fmt: skip
+        rate,
+        (0.0, float(times[-1])),
+        untwisted(boat) if start is None else start,
+        method,
+        t_eval=times,
+        rtol=tolerance,
+        atol=1e-3 * tolerance * scale,
+        args=(boat,),
+    )
     if not found.success:
         raise ArithmeticError(found.message)
     result: Array = found.y

@@ -14,7 +14,10 @@ def balance(boat: Boat, moving: Turning) -> tuple[Array, Array, Array]:
 
     Ten equations: six of moments, two of the joints' angles differentiated twice, two of their power.
     """
-    joints = [space.cross(moving.angle[1], boat.angle), space.cross(moving.angle[3] + np.pi / 2.0, boat.angle)]
+    joints = [
+        space.cross(moving.angle[1], boat.angle),
+        space.cross(moving.angle[3] + np.pi / 2.0, boat.angle),
+    ]
     w, x = np.array(moving.speed), np.array(moving.angle)
     torque = np.array(boat.stiffness) * (x[[0, 2, 4]] - x[[1, 3, 5]])
     torque += np.array(boat.damping) * (w[[0, 2, 4]] - w[[1, 3, 5]])

@@ -51,7 +51,9 @@ def acceleration_right(r: float, a: ArrayLike, speed: float, gain: float) -> Arr
     return swing * speed**2 + np.cos(r) / below * gain
 
 
-def two_joints(r: float, a: Array, first: float, second: float, *, counted_from_zero: bool) -> Array:
+def two_joints(
+    r: float, a: Array, first: float, second: float, *, counted_from_zero: bool
+) -> Array:
     """(9), (10): speed ratio of two equal joints in one plane, phases `first` and `second` of their driving forks.
 
     The driven fork's angle b stands in (10): counted from the fork's own zero less `first` it is right; counted from

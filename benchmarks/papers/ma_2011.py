@@ -70,27 +70,60 @@ def _numbers() -> Iterator[tuple[str, ...]]:
         raise ValueError("the model file requests no best phase")
     yield compared("best phase", "10", float(np.degrees(optimum.best[0])), "°", DIGITS)
     yield compared("phi = 10°: index of fluctuation", "0.055", best.index, "", DIGITS)
-    yield compared("phi = 10°: largest speed", "61.68", SPEED * best.greatest.speed_ratio, "deg/s", DIGITS)
-    yield compared("phi = 10°: smallest speed", "58.37", SPEED * best.least.speed_ratio, "deg/s", DIGITS)
-    yield compared("phi = 100°: largest speed", "66.10", SPEED * worst.greatest.speed_ratio, "deg/s", DIGITS)
-    yield compared("phi = 100°: smallest speed", "64.64", SPEED * worst.least.speed_ratio, "deg/s", DIGITS)
+    yield compared(
+        "phi = 10°: largest speed", "61.68", SPEED * best.greatest.speed_ratio, "deg/s", DIGITS
+    )
+    yield compared(
+        "phi = 10°: smallest speed", "58.37", SPEED * best.least.speed_ratio, "deg/s", DIGITS
+    )
+    yield compared(
+        "phi = 100°: largest speed", "66.10", SPEED * worst.greatest.speed_ratio, "deg/s", DIGITS
+    )
+    yield compared(
+        "phi = 100°: smallest speed", "64.64", SPEED * worst.least.speed_ratio, "deg/s", DIGITS
+    )
     yield stated("phi = 100°: index of fluctuation", worst.index, "", "curve only", DIGITS)
-    yield stated("phi = 55°: largest speed", SPEED * middle.greatest.speed_ratio, "deg/s", "curve only", DIGITS)
-    yield stated("phi = 55°: at the driving angle", float(np.degrees(middle.greatest.at)), "°", "curve only", DIGITS)
-    yield stated("phi = 55°: smallest speed", SPEED * middle.least.speed_ratio, "deg/s", "curve only", DIGITS)
+    yield stated(
+        "phi = 55°: largest speed",
+        SPEED * middle.greatest.speed_ratio,
+        "deg/s",
+        "curve only",
+        DIGITS,
+    )
+    yield stated(
+        "phi = 55°: at the driving angle",
+        float(np.degrees(middle.greatest.at)),
+        "°",
+        "curve only",
+        DIGITS,
+    )
+    yield stated(
+        "phi = 55°: smallest speed", SPEED * middle.least.speed_ratio, "deg/s", "curve only", DIGITS
+    )
     yield stated("phi = 55°: index of fluctuation", middle.index, "", "curve only", DIGITS)
     yield stated("index if the best phase is 1° off", optimum.sensitivity[0], "", "not said")
-    yield stated("one joint that does the same, phi = 10°", float(np.degrees(best.resultant)), "°", "not said")
+    yield stated(
+        "one joint that does the same, phi = 10°",
+        float(np.degrees(best.resultant)),
+        "°",
+        "not said",
+    )
 
 
 def _checks() -> str:
     limits = []
     for degrees in PHASES:
         truth = space.line_ratio(TURN, (FIRST, SECOND), (0.0, PLANE), (0.0, np.radians(degrees)))
-        ours = line.motion(TURN, line.line_of([FIRST, SECOND], [0.0, PLANE], [0.0, np.radians(degrees)])).ratio[-1]
+        ours = line.motion(
+            TURN, line.line_of([FIRST, SECOND], [0.0, PLANE], [0.0, np.radians(degrees)])
+        ).ratio[-1]
         limits += [bound(ours, truth, "1e-14")]
         bound(paper.output(FIRST, SECOND, np.radians(degrees), PLANE, TURN), truth, "1e-14")
-        bound(output(degrees).index, paper.closed_index(FIRST, SECOND, np.radians(degrees) - PLANE), "1e-12")
+        bound(
+            output(degrees).index,
+            paper.closed_index(FIRST, SECOND, np.radians(degrees) - PLANE),
+            "1e-12",
+        )
     return (
         f"Ours and (1) to (5) agree with two joints placed in space within {limits[0]} of the speed at 721 angles of a "
         "revolution, for all three phases. The index needs no search: with `p = ln sec alpha`, `q = ln sec beta` it is "
@@ -122,23 +155,34 @@ def _middle() -> Picture:
     )
     lines = [("intermediate shaft", first), ("output shaft", last)]
     svg = curves("ma_2011_fig_3", x, ALONG, [Panel("speed, deg/s", lines, [mark])], height=2.8)
-    return Picture("ma_2011_fig_3", "Figure 3: speeds of intermediate and output shaft, phi = 55°.", svg)
+    return Picture(
+        "ma_2011_fig_3", "Figure 3: speeds of intermediate and output shaft, phi = 55°.", svg
+    )
 
 
 def _indices() -> Picture:
     phases = np.linspace(-90.0, 180.0, 541)
     values = paper.closed_index(FIRST, SECOND, np.radians(phases) - PLANE)
-    marks = [(degrees, output(degrees).index, f"{output(degrees).index:.4f} at {degrees}°") for degrees in PHASES]
+    marks = [
+        (degrees, output(degrees).index, f"{output(degrees).index:.4f} at {degrees}°")
+        for degrees in PHASES
+    ]
     panel = Panel("index of fluctuation", [("closed form", values)], marks)
     svg = curves("ma_2011_fig_5", phases, "phase phi, degrees", [panel], height=2.8)
-    return Picture("ma_2011_fig_5", "Figure 5: index of fluctuation over the phase; minimum at phi = gamma = 10°.", svg)
+    return Picture(
+        "ma_2011_fig_5",
+        "Figure 5: index of fluctuation over the phase; minimum at phi = gamma = 10°.",
+        svg,
+    )
 
 
 def _extreme() -> Picture:
     (x, best), (_, worst) = _over(10), _over(100)
     lines = [("phi = 10° (best)", best), ("phi = 100° (worst)", worst)]
     svg = curves("ma_2011_fig_6", x, ALONG, [Panel("output speed, deg/s", lines)], height=2.8)
-    return Picture("ma_2011_fig_6", "Figure 6: output speed at the best and at the worst phase.", svg)
+    return Picture(
+        "ma_2011_fig_6", "Figure 6: output speed at the best and at the worst phase.", svg
+    )
 
 
 def _misprints() -> tuple[Misprint, ...]:

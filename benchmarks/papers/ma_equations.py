@@ -34,4 +34,8 @@ def index(speeds: ArrayLike) -> float:
 def closed_index(a: float, b: float, psi: ArrayLike) -> Array:
     """2 sinh R, cosh R = cosh p cosh q - sinh p sinh q cos 2 psi, p = ln(1/cos a), q = ln(1/cos b)."""
     p, q = -np.log(np.cos(a)), -np.log(np.cos(b))
-    return 2.0 * np.sinh(np.arccosh(np.cosh(p) * np.cosh(q) - np.sinh(p) * np.sinh(q) * np.cos(2.0 * np.asarray(psi))))
+    return 2.0 * np.sinh(
+        np.arccosh(
+            np.cosh(p) * np.cosh(q) - np.sinh(p) * np.sinh(q) * np.cos(2.0 * np.asarray(psi))
+        )
+    )

@@ -73,7 +73,11 @@ def chain() -> Chain:
 
 def program(findings: Findings) -> Answer:
     """The program's answer at discs and sections."""
-    train, sweep, spans = findings.study.train, findings.need(FrequencyResponse), findings.system.spans
+    train, sweep, spans = (
+        findings.study.train,
+        findings.need(FrequencyResponse),
+        findings.system.spans,
+    )
     if sweep is None:
         raise ValueError("the model file requests no response over frequency")
     discs = [part.stations[0] for _, part in train.of_kind("disc")]
@@ -97,7 +101,9 @@ def geared() -> Findings:
     for k in range(one.inertia.size):
         square = 1.0 if k <= GEARS else RATIO**2
         disc = {"inertia": one.inertia[k] / square, "damping": one.ground[k] / square}
-        train.append({"disc": {"name": names[2 * k], **{key: value for key, value in disc.items() if value}}})
+        train.append(
+            {"disc": {"name": names[2 * k], **{key: value for key, value in disc.items() if value}}}
+        )
         if k == GEARS:
             train.append({"gear": {"name": "gearbox", "teeth": TEETH}})
         if k < one.stiffness.size:
@@ -105,7 +111,11 @@ def geared() -> Findings:
             link = {"stiffness": one.stiffness[k] / square, "viscous": one.viscous[k] / square}
             train.append({"coupling": {"name": names[2 * k + 1], **link}})
     torques = [
-        {"at": names[2 * k], "torque": abs(moment) / (1.0 if k <= GEARS else RATIO), "phase": f"{np.angle(moment)} rad"}
+        {
+            "at": names[2 * k],
+            "torque": abs(moment) / (1.0 if k <= GEARS else RATIO),
+            "phase": f"{np.angle(moment)} rad",
+        }
         for k, moment in enumerate(one.moment)
         if moment
     ]
@@ -171,14 +181,17 @@ def _checks() -> str:
     torque = bound(by_line(ours.torque, ten.torque), by_line(ten.torque, ten.torque), "1e-10")
     speed, time = 2.0 * np.pi * frequencies, np.arange(TIMES) / TIMES
     worst = max(
-        steps.imbalance(chain(), ours.angle[:, k], w, time * 2.0 * np.pi / w) for k, w in enumerate(speed.tolist())
+        steps.imbalance(chain(), ours.angle[:, k], w, time * 2.0 * np.pi / w)
+        for k, w in enumerate(speed.tolist())
     )
     own = np.where(np.arange(chain().inertia.size) <= GEARS, 1.0, RATIO)[:, None]
     free = geared()
     other = frequencies_of(free)
     part = np.isin(other, frequencies), np.isin(frequencies, other)
     turned = program(free).angle[:, part[0]] / own
-    referred = bound(by_line(turned, ten.angle[:, part[1]]), by_line(ours.angle, ten.angle)[:, part[1]], "1e-10")
+    referred = bound(
+        by_line(turned, ten.angle[:, part[1]]), by_line(ours.angle, ten.angle)[:, part[1]], "1e-10"
+    )
     return (
         f"At {_round(frequencies.size)} or more frequencies from 1 to 200 Hz, each relative to its largest value: (10) "
         f"and (15) agree within {same}; the program, which forms no matrix, agrees with (10) within {angle} in angles "
@@ -213,7 +226,9 @@ def _amplitudes() -> Picture:
             ("section torque, N m", "torque", 1, (1, 4)),
         )
     )
-    svg = curves("pump_lumped_amplitudes", frequencies, "frequency, Hz", [angles, torques], height=2.4)
+    svg = curves(
+        "pump_lumped_amplitudes", frequencies, "frequency, Hz", [angles, torques], height=2.4
+    )
     words = "Amplitudes over frequency, amplitude: the program's curves and points of (15)."
     return Picture("pump_lumped_amplitudes", words, svg)
 
@@ -233,7 +248,9 @@ def _misprints() -> tuple[Misprint, ...]:
             "torque below 200 Hz",
         ),
         Misprint("list of symbols", "unit of K other than N m/rad", "N m/rad", "dimensions of (1)"),
-        Misprint("(1)", "`T_t(t)` on the right", "`T_k(t)`, one moment a disc", "the index of the disc"),
+        Misprint(
+            "(1)", "`T_t(t)` on the right", "`T_k(t)`, one moment a disc", "the index of the disc"
+        ),
         Misprint(
             "finite differences (part 3)",
             "no limit of the time step in the available copy",
@@ -256,6 +273,9 @@ def _lack() -> str:
     share = 0.0
     for w in 2.0 * np.pi * frequencies:
         amplitude = steps.complex_steps(chain(), w)
-        elastic, whole = steps.section_printed(chain(), amplitude), steps.section_right(chain(), amplitude, w)
+        elastic, whole = (
+            steps.section_printed(chain(), amplitude),
+            steps.section_right(chain(), amplitude, w),
+        )
         share = max(share, float((1.0 - elastic / whole).max()))
     return f"{100.0 * share:.3g} %"

@@ -24,7 +24,11 @@ class Chain:
 
     def matrices(self) -> tuple[Array, Array, Array]:
         """(2) to (4): [J] diagonal, [C] = diagonal + band, [K] band."""
-        return np.diag(self.inertia), np.diag(self.ground) + band(self.viscous), band(self.stiffness)
+        return (
+            np.diag(self.inertia),
+            np.diag(self.ground) + band(self.viscous),
+            band(self.stiffness),
+        )
 
 
 def band(values: Array) -> Array:
@@ -61,7 +65,11 @@ def imbalance(chain: Chain, amplitude: ComplexArray, w: float, time: Array) -> f
     inertia, damping, stiffness = chain.matrices()
     angle, speed, gain = in_time(amplitude, w, time)
     acting = (chain.moment[:, None] * np.exp(1j * w * time)).real
-    terms = np.abs(inertia) @ np.abs(gain) + np.abs(damping) @ np.abs(speed) + np.abs(stiffness) @ np.abs(angle)
+    terms = (
+        np.abs(inertia) @ np.abs(gain)
+        + np.abs(damping) @ np.abs(speed)
+        + np.abs(stiffness) @ np.abs(angle)
+    )
     lack = inertia @ gain + damping @ speed + stiffness @ angle - acting
     return float((np.abs(lack).max(axis=1) / terms.max(axis=1)).max())
 

@@ -73,7 +73,10 @@ def _read(found: Findings, w: float) -> Driveline:
     names = [station.name for station in found.study.train.stations]
     place = {point: names.index(point) for point in POINTS}
     speed = answer.speed[answer.requested]
-    balanced = {point: np.abs(answer.angle[answer.requested, 0, k]) * 2.0 * speed * RPM for point, k in place.items()}
+    balanced = {
+        point: np.abs(answer.angle[answer.requested, 0, k]) * 2.0 * speed * RPM
+        for point, k in place.items()
+    }
     (motion,) = motions.each
     exact = {point: _order_2(motion, k, w) for point, k in place.items()}
     return Driveline(speed * RPM, balanced, exact, motion.residual)
@@ -82,7 +85,10 @@ def _read(found: Findings, w: float) -> Driveline:
 def _order_2(motion: TransientMotion, station: int, w: float) -> float:
     """Amplitude in rpm, over whole periods at the end."""
     late = motion.time > LATE + 1e-9
-    return float(2.0 * abs(np.mean(motion.speed[station, late] * np.exp(-1j * w * motion.time[late])))) * RPM
+    return (
+        float(2.0 * abs(np.mean(motion.speed[station, late] * np.exp(-1j * w * motion.time[late]))))
+        * RPM
+    )
 
 
 def page() -> Page:
@@ -117,13 +123,21 @@ def page() -> Page:
 
 def _numbers() -> Iterator[tuple[str, ...]]:
     for gear in GEARS:
-        yield _row(f"gear {gear}, engine speed at the peak before", SPEED[gear], driveline(gear, "before").peak()[0])
+        yield _row(
+            f"gear {gear}, engine speed at the peak before",
+            SPEED[gear],
+            driveline(gear, "before").peak()[0],
+        )
         for friction in FRICTION:
             for point, measured in (("gearbox output", OUTPUT), ("axle input", AXLE)):
                 at, peak = driveline(gear, friction).peak(point)
                 what = f"gear {gear}, {point}, largest {friction}, at {at:.0f} rpm"
                 printed = measured[friction].get(gear)
-                yield stated(what, peak, "rpm", "missing", 4) if printed is None else _row(what, printed, peak)
+                yield (
+                    stated(what, peak, "rpm", "missing", 4)
+                    if printed is None
+                    else _row(what, printed, peak)
+                )
     for friction, printed in (("before", "30 to 50"), ("after", "25 to 35")):
         ours = [driveline(gear, friction).exact["engine"] for gear in GEARS]
         what = f"flywheel {friction}, exact motion at the article's speeds"
@@ -140,7 +154,11 @@ def _clutch() -> str:
         for friction in FRICTION:
             one, point = driveline(gear, friction), "gearbox output"
             balance, exact = one.at(rpm, point), one.exact[point]
-            cells = f"{balance:.1f} rpm", f"{exact:.1f} rpm", f"{100.0 * (balance / exact - 1.0):+.1f} %"
+            cells = (
+                f"{balance:.1f} rpm",
+                f"{exact:.1f} rpm",
+                f"{100.0 * (balance / exact - 1.0):+.1f} %",
+            )
             lines.append((f"gear {gear}, {friction}, at {rpm} rpm", *cells))
     if max(driveline(gear, friction).residual for gear in GEARS for friction in FRICTION) > 1e-11:
         raise ArithmeticError("the exact motion does not balance its energy")
@@ -216,9 +234,19 @@ def _convergence() -> Iterator[tuple[str, ...]]:
 def _sweeps() -> Picture:
     panels = []
     for gear in GEARS:
-        lines = [(friction, driveline(gear, friction).balanced["gearbox output"]) for friction in FRICTION]
-        exact = [("exact motion", [SPEED[gear]], [driveline(gear, f).exact["gearbox output"]]) for f in FRICTION]
-        measured = [(float(SPEED[gear]), float(OUTPUT[friction][gear]), friction) for friction in FRICTION if gear < 6]
+        lines = [
+            (friction, driveline(gear, friction).balanced["gearbox output"])
+            for friction in FRICTION
+        ]
+        exact = [
+            ("exact motion", [SPEED[gear]], [driveline(gear, f).exact["gearbox output"]])
+            for f in FRICTION
+        ]
+        measured = [
+            (float(SPEED[gear]), float(OUTPUT[friction][gear]), friction)
+            for friction in FRICTION
+            if gear < 6
+        ]
         panels.append(Panel(f"gear {gear}, rpm", lines, measured, exact))
     svg = curves("shafting_truck", driveline(3, "before").speed, "engine speed, rpm", panels)
     words = (
@@ -231,7 +259,10 @@ def _sweeps() -> Picture:
 def _gaps() -> tuple[Misprint, ...]:
     low = [driveline(gear, "before") for gear in (3, 4, 5)]
     flywheel = [driveline(gear, "before").exact["engine"] for gear in GEARS]
-    share = max(abs(one.peak()[1] / OUTPUT["before"][gear] - 1.0) for gear, one in zip((3, 4, 5), low, strict=True))
+    share = max(
+        abs(one.peak()[1] / OUTPUT["before"][gear] - 1.0)
+        for gear, one in zip((3, 4, 5), low, strict=True)
+    )
     return (
         Misprint(
             "part 2, data of the train",

@@ -18,7 +18,9 @@ def rotated(vector: ArrayLike, axis: ArrayLike, angle: ArrayLike) -> Vectors:
     """A vector turned about a unit axis square to it or not (Rodrigues); angles (...), rad."""
     about, given, turned = np.asarray(axis), np.asarray(vector), np.asarray(angle)[..., None]
     along = np.sum(about * given, axis=-1, keepdims=True) * about
-    result: Vectors = along + np.cos(turned) * (given - along) + np.sin(turned) * np.cross(about, given)
+    result: Vectors = (
+        along + np.cos(turned) * (given - along) + np.sin(turned) * np.cross(about, given)
+    )
     return result
 
 
@@ -66,14 +68,19 @@ def cross(driving: ArrayLike, angle: float) -> Cross:
     )
 
 
-def line_ratio(driving: ArrayLike, angles: ArrayLike, planes: ArrayLike, phases: ArrayLike) -> Vectors:
+def line_ratio(
+    driving: ArrayLike, angles: ArrayLike, planes: ArrayLike, phases: ArrayLike
+) -> Vectors:
     """Last speed / first speed of a line of cross joints, each shaft and yoke placed in space; driving (...), rad.
 
     `planes`: from joint to joint about the shaft between; `phases`: from driven yoke to the next driving yoke; of the
     first joint from the plane of its shafts to its driving yoke at driving angle 0.
     """
     turned, normal, before = np.asarray(driving, dtype=float), NORMAL, AXIS
-    speed, yoke = np.ones_like(turned), np.broadcast_to(np.cross(before, normal), (*turned.shape, 3))
+    speed, yoke = (
+        np.ones_like(turned),
+        np.broadcast_to(np.cross(before, normal), (*turned.shape, 3)),
+    )
     for rank, (angle, plane, phase) in enumerate(zip(angles, planes, phases, strict=True)):  # type: ignore[call-overload]
         normal = rotated(normal, before, plane)
         pin = rotated(yoke, before, phase if rank else turned + phase)

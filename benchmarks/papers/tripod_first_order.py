@@ -6,7 +6,9 @@ from numpy.typing import ArrayLike
 from torsion.kinematics.tripod import TripodMotion, TripodStatics, error_size
 
 
-def first_order_motion(driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: ArrayLike) -> TripodMotion:
+def first_order_motion(
+    driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: ArrayLike
+) -> TripodMotion:
     """Motion to first order in radius/arm: ratio 1 - 3 E sin 3x with E of `error_size` (Chang and Li, eqs 1 to 7)."""
     bend, turned = np.asarray(angle, dtype=float), 3.0 * np.asarray(driving, dtype=float)
     size, length = error_size(bend, radius, arm), np.asarray(arm, dtype=float)
@@ -14,7 +16,13 @@ def first_order_motion(driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, 
     along, across = slope * np.tan(bend) * np.cos(turned), slope * np.sin(bend) * np.sin(turned)
     precession = -slope / length / np.cos(bend) * np.cos(turned)
     leaning = bend + across / (length * np.cos(bend))
-    return TripodMotion(size * np.cos(turned), 1.0 - 3.0 * size * np.sin(turned), leaning, precession, (along, across))
+    return TripodMotion(
+        size * np.cos(turned),
+        1.0 - 3.0 * size * np.sin(turned),
+        leaning,
+        precession,
+        (along, across),
+    )
 
 
 def first_order_statics(
@@ -32,7 +40,9 @@ def first_order_statics(
     ratio = first_order_motion(driving, bend, radius, length).ratio
     surplus, wave = 3.0 * share * np.sin(turned) / ratio, np.sin(turned)
     normal = given * share * (1.0 / cosine + 2.0) / cosine * np.cos(turned)
-    leaning = share * (1.0 + cosine) / (2.0 * cosine)  # half of the pivot's tilt of the driven torque
+    leaning = (
+        share * (1.0 + cosine) / (2.0 * cosine)
+    )  # half of the pivot's tilt of the driven torque
     along = -given / length * (half - surplus + leaning * wave)
     across = -(normal - given * leaning * np.cos(turned)) / (length * cosine)
     inplane, behind = given * (half + surplus / cosine), given * (half - surplus)

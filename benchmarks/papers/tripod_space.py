@@ -55,7 +55,9 @@ def _statics(error: float, outgoing: Array, shaft: Array, arms: Array, lines: Ar
     """Contact forces square to arm and line; the pivot passes a moment in the plane that bisects its shafts."""
     centre = outgoing - shaft
     push = np.cross(arms, SHAFT)
-    reach = np.sum((lines - centre)[:, :2] * arms[:, :2], axis=-1) / np.sum(arms[:, :2] ** 2, axis=-1)
+    reach = np.sum((lines - centre)[:, :2] * arms[:, :2], axis=-1) / np.sum(
+        arms[:, :2] ** 2, axis=-1
+    )
     contact = centre + reach[:, None] * arms
     about = np.cross(contact - outgoing, push)
     size = np.linalg.solve(about.T, shaft + outgoing)

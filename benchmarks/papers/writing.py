@@ -47,9 +47,14 @@ class Page:
 
     def text(self) -> str:
         """Markdown."""
-        figures = [f"![{picture.name}]({picture.name}.svg)\n\n{picture.caption}" for picture in self.pictures]
+        figures = [
+            f"![{picture.name}]({picture.name}.svg)\n\n{picture.caption}"
+            for picture in self.pictures
+        ]
         scene = f"from `shafting_specs/papers/{self.name}.yaml`"
-        faults = [(fault.where, fault.printed, fault.right, fault.checked) for fault in self.misprints]
+        faults = [
+            (fault.where, fault.printed, fault.right, fault.checked) for fault in self.misprints
+        ]
         parts = [
             f"# {self.title}",
             self.reference,
@@ -75,14 +80,20 @@ class Page:
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A Markdown table; vertical strokes inside a cell are escaped."""
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
+    )
 
 
-def compared(what: str, printed: str, ours: float, unit: str = "", digits: int = 12) -> tuple[str, ...]:
+def compared(
+    what: str, printed: str, ours: float, unit: str = "", digits: int = 12
+) -> tuple[str, ...]:
     """A row: the paper's number as printed, ours, and the difference with the printed number's digits in mind."""
     difference = ours - float(printed)
     half = 0.5 * 10.0 ** -len(printed.partition(".")[2])
-    verdict = "agrees as printed" if abs(difference) <= half * (1.0 + 1e-9) else "**does not agree**"
+    verdict = (
+        "agrees as printed" if abs(difference) <= half * (1.0 + 1e-9) else "**does not agree**"
+    )
     shown = "0" if abs(difference) <= 1e-12 * abs(ours) else f"{difference:+.2g}"
     return what, _with(printed, unit), _with(f"{ours:.{digits}g}", unit), f"{shown}, {verdict}"
 
@@ -100,7 +111,9 @@ def bound(found: ArrayLike, expected: ArrayLike, limit: str) -> str:
 
     A page quotes bounds, not roundings: it reads the same wherever it is built.
     """
-    difference = np.abs(np.asarray(found, dtype=complex) - np.asarray(expected, dtype=complex)).max()
+    difference = np.abs(
+        np.asarray(found, dtype=complex) - np.asarray(expected, dtype=complex)
+    ).max()
     if not difference <= float(limit) * np.abs(np.asarray(expected)).max():
         raise ArithmeticError(f"difference {difference:.3g}, promised {limit} relative")
     return limit

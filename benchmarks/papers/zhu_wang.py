@@ -29,7 +29,12 @@ LAST = 20.0  # s of the curves
 POINTS = 1500
 RANGE = (3.0, 40.0)  # rad/s
 NO_CIRCULATION = Model(paper.without_circulation)
-SAID = {(25.9, True): "unstable", (25.9, False): "unstable", (26.2, True): "stable", (26.2, False): "unstable"}
+SAID = {
+    (25.9, True): "unstable",
+    (25.9, False): "unstable",
+    (26.2, True): "stable",
+    (26.2, False): "unstable",
+}
 
 
 def page() -> Page:
@@ -79,7 +84,13 @@ def _data() -> Iterator[tuple[str, ...]]:
     yield compared("w20", "18.876", low, "rad/s")
     yield stated("w20², printed as 3.563e3", low**2, "rad²/s²", "3563 rad²/s²")
     yield stated("w10", high, "rad/s", "not recorded")
-    yield compared("Gamma = T0/(2 J0 W0²), W0² = (w10² + w20²)/2", "0.04580", SHAFT.pull / (2.0 * middle**2), "", 6)
+    yield compared(
+        "Gamma = T0/(2 J0 W0²), W0² = (w10² + w20²)/2",
+        "0.04580",
+        SHAFT.pull / (2.0 * middle**2),
+        "",
+        6,
+    )
     yield compared("C11 = C l²/(J0 W0)", "0.00172", SHAFT.decay[0] / middle, "", 6)
 
 
@@ -133,7 +144,12 @@ def _boundaries() -> Iterator[tuple[str, ...]]:
         if not one.kind.startswith("sum"):
             said = "never unstable" if one.kind.startswith("difference") else "not mentioned"
             words = f"{one.lower:.9f} .. {one.upper:.9f}"
-            yield stated(f"{one.kind}, (7) corrected, largest growth {one.rate:.8f} 1/s", words, "rad/s", said)
+            yield stated(
+                f"{one.kind}, (7) corrected, largest growth {one.rate:.8f} 1/s",
+                words,
+                "rad/s",
+                said,
+            )
 
 
 def _around(middle: float, half: float) -> str:
@@ -144,13 +160,17 @@ def _curves() -> Iterator[tuple[str, ...]]:
     for speed in SPEEDS:
         for damped in (True, False):
             _, angles = linear(shaft(damped=damped), speed, int(LAST * speed / np.pi))
-            what = (
-                f"alpha, largest from {LAST - 1:g} to {LAST:g} s, {speed} rad/s, C = {1e-3 if damped else 0:g}, linear"
-            )
+            what = f"alpha, largest from {LAST - 1:g} to {LAST:g} s, {speed} rad/s, C = {1e-3 if damped else 0:g}, linear"
             number = angles.shape[1] // int(LAST)
             yield stated(what, np.abs(angles[0, -number:]).max(), "rad", digits=2)
     _, angles = linear(SHAFT, 26.2, int(300.0 * 26.2 / np.pi))
-    yield stated("the same at 26.2 rad/s, C = 1e-3, after 300 s", np.abs(angles[0, -600:]).max(), "rad", "stable", 2)
+    yield stated(
+        "the same at 26.2 rad/s, C = 1e-3, after 300 s",
+        np.abs(angles[0, -600:]).max(),
+        "rad",
+        "stable",
+        2,
+    )
     for damped in (True, False):
         what = f"alpha, largest within {LAST:g} s, 25.9 rad/s, C = {1e-3 if damped else 0:g}, exact equations"
         yield stated(what, np.abs(exact(25.9, damped, LAST, POINTS)[1][0]).max(), "rad", digits=2)
@@ -168,7 +188,14 @@ def _checks() -> str:
     angles = space.angles(body(SHAFT, 25.9), times)
 
     run = solve_ivp(
-        exact_rate, (0.0, 0.5), np.zeros(4), "DOP853", t_eval=times, rtol=1e-9, atol=1e-12, args=(SHAFT, 25.9)
+        exact_rate,
+        (0.0, 0.5),
+        np.zeros(4),
+        "DOP853",
+        t_eval=times,
+        rtol=1e-9,
+        atol=1e-12,
+        args=(SHAFT, 25.9),
     )
     return (
         f"Growth by the monodromy matrix (collocation of order 13) and by Hill's matrix differ by at most "
@@ -213,7 +240,9 @@ def _growth_over_speed() -> Picture:
         ("(8) without E2", growth(SHAFT, at, NO_CIRCULATION).rate),
     ]
     marks = [(one.worst, one.rate, one.kind) for one in every_zone()]
-    svg = curves("zhu_wang_growth", at, "speed, rad/s", [Panel("growth, 1/s", lines, marks)], height=2.6)
+    svg = curves(
+        "zhu_wang_growth", at, "speed, rad/s", [Panel("growth, 1/s", lines, marks)], height=2.6
+    )
     words = (
         "Growth with C = 1e-3 N s/m. The constant part E2, which the first order drops, widens the sum zone and makes "
         "the difference zone."
@@ -226,7 +255,12 @@ def _response() -> Picture:
     found = response(SHAFT, at)
     size = np.abs(found.angle[:, :, 1])
     size[np.array(found.status) != "ok"] = np.nan
-    panels = [Panel("log10 amplitude, rad", [("alpha", np.log10(size[:, 0])), ("beta", np.log10(size[:, 1]))])]
+    panels = [
+        Panel(
+            "log10 amplitude, rad",
+            [("alpha", np.log10(size[:, 0])), ("beta", np.log10(size[:, 1]))],
+        )
+    ]
     svg = curves("zhu_wang_response", at, "speed, rad/s", panels, height=2.6)
     halves = natural_frequencies(SHAFT).frequency[0] / 2.0
     words = (

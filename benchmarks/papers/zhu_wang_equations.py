@@ -43,7 +43,9 @@ def without_circulation(turned: ArrayLike, tilt: float) -> Array:
 
 def frozen_couple(turned: Array, tilt: float, first: float, second: float) -> Array:
     """(..., 2) the exact couple but for e_n . K0, which stays at cos phi: its derivative is `frozen`."""
-    pin = np.stack((np.cos(turned), np.sin(turned) * np.cos(tilt), -np.sin(turned) * np.sin(tilt)), axis=-1)
+    pin = np.stack(
+        (np.cos(turned), np.sin(turned) * np.cos(tilt), -np.sin(turned) * np.sin(tilt)), axis=-1
+    )
     a, b = first, second
     across = np.array([np.cos(b), np.sin(a) * np.sin(b), -np.cos(a) * np.sin(b)])
     over = np.array([0.0, np.cos(a), np.sin(a)])
@@ -83,12 +85,16 @@ def averaged(shaft: MisalignedShaft) -> Averaged:
     low, high = np.sqrt(np.sort(shaft.square))
     strength = shaft.pull / (8.0 * np.sqrt(low * high))
     circulation = shaft.pull / (high**2 - low**2)
-    return Averaged(float((low + high) / 2.0), float(strength), float(circulation), float(shaft.decay[0] / 2.0))
+    return Averaged(
+        float((low + high) / 2.0), float(strength), float(circulation), float(shaft.decay[0] / 2.0)
+    )
 
 
 def half_width_printed(shaft: MisalignedShaft) -> float:
     """(22): T0/(4 l^2 sqrt(Kx Ky)), a pure number where rad/s is due."""
-    return float(shaft.torque / (4.0 * shaft.length**2 * np.sqrt(shaft.stiffness[0] * shaft.stiffness[1])))
+    return float(
+        shaft.torque / (4.0 * shaft.length**2 * np.sqrt(shaft.stiffness[0] * shaft.stiffness[1]))
+    )
 
 
 def half_width_right(shaft: MisalignedShaft) -> float:

@@ -110,7 +110,9 @@ def _small_angle() -> tuple[Misprint, ...]:
 
 
 def _criteria() -> tuple[Misprint, ...]:
-    own, longer = (_sum_zone(replace(STILL, polar=0.0, length=factor * STILL.length)) for factor in (1.0, 1.1))
+    own, longer = (
+        _sum_zone(replace(STILL, polar=0.0, length=factor * STILL.length)) for factor in (1.0, 1.1)
+    )
     (width, wrong) = (half(SHAFT) for half in (paper.half_width_right, paper.half_width_printed))
     middle = paper.averaged(SHAFT).middle
     ratio = (longer.upper - longer.lower) / (own.upper - own.lower)
@@ -154,7 +156,12 @@ def _simple(which: int) -> float:
 
 def _figures() -> tuple[Misprint, ...]:
     return (
-        Misprint("example", "`w20² = 3.563e3`", "3.563e2", "w20 = 18.875 rad/s is printed next to it as 18.876"),
+        Misprint(
+            "example",
+            "`w20² = 3.563e3`",
+            "3.563e2",
+            "w20 = 18.875 rad/s is printed next to it as 18.876",
+        ),
         Misprint(
             "example",
             "`kappa = 3.96e-5`",

@@ -13,9 +13,14 @@ from torsion.kernels.periodic.monodromy import radau, step_matrices
 
 Array = NDArray[np.float64]
 SHAFT = MisalignedShaft(
-    inertia=4.597e-3, polar=3.96e-5, length=0.46, stiffness=(7.74, 23.22), damping=(1e-3, 1e-3), torque=0.3,
+    inertia=4.597e-3,
+    polar=3.96e-5,
+    length=0.46,
+    stiffness=(7.74, 23.22),
+    damping=(1e-3, 1e-3),
+    torque=0.3,
     tilt=np.radians(5.0),
-)  # fmt: skip
+)
 RADIUS, DENSITY = 2.4e-3, 7830.0  # m, kg/m3
 CURVE = 1e-6  # relative tolerance of a curve to look at
 PARTS = 12  # points of half a revolution in the table
@@ -31,7 +36,9 @@ def linear(one: MisalignedShaft, speed: float, half_turns: int) -> tuple[Array, 
     rule = radau()
     steps = []
     for part in range(PARTS):
-        damping, stiffness = coefficients(one, np.pi * (part + rule.node) / PARTS, np.array([speed]), EXACT)
+        damping, stiffness = coefficients(
+            one, np.pi * (part + rule.node) / PARTS, np.array([speed]), EXACT
+        )
         eye = np.broadcast_to(np.eye(2), stiffness[0].shape)
         steps.append(step_matrices(eye, damping[0], stiffness[0], np.pi / (speed * PARTS), rule))
     times = np.pi / (speed * PARTS) * np.arange(half_turns * PARTS + 1)
@@ -49,7 +56,14 @@ def linear(one: MisalignedShaft, speed: float, half_turns: int) -> tuple[Array, 
 def body(one: MisalignedShaft, speed: float) -> space.Body:
     """The same shaft in space."""
     return space.Body(
-        one.inertia, one.polar * one.inertia, one.length, one.stiffness, one.damping, one.torque, one.tilt, speed
+        one.inertia,
+        one.polar * one.inertia,
+        one.length,
+        one.stiffness,
+        one.damping,
+        one.torque,
+        one.tilt,
+        speed,
     )
 
 
@@ -62,4 +76,9 @@ def exact(speed: float, damped: bool, last: float, points: int) -> tuple[Array, 
 
 def longer(one: MisalignedShaft, factor: float) -> MisalignedShaft:
     """A rod of the same section, `factor` as long: its inertia grows with the third power."""
-    return replace(one, length=factor * one.length, inertia=factor**3 * one.inertia, polar=one.polar / factor**2)
+    return replace(
+        one,
+        length=factor * one.length,
+        inertia=factor**3 * one.inertia,
+        polar=one.polar / factor**2,
+    )

@@ -58,7 +58,10 @@ class Body:
         along = along[0] / size, along[1] / size, along[2] / size
         moved = cross(momentum, along)
         moved = moved[0] / self.inertia, moved[1] / self.inertia, moved[2] / self.inertia
-        force = tuple(-self.length * (self.stiffness[k] * along[k] + self.damping[k] * moved[k]) for k in range(2))
+        force = tuple(
+            -self.length * (self.stiffness[k] * along[k] + self.damping[k] * moved[k])
+            for k in range(2)
+        )
         held = cross(along, (force[0] * self.length, force[1] * self.length, 0.0))
         own = self.moment(time, along)
         total = own[0] + held[0], own[1] + held[1], own[2] + held[2]
@@ -74,6 +77,8 @@ def angles(body: Body, times: Array, tolerance: float = CLOSE) -> Array:
 
     start = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     span = (0.0, float(times[-1]))
-    found = solve_ivp(body.rate, span, start, "DOP853", t_eval=times, rtol=tolerance, atol=1e-3 * tolerance)
+    found = solve_ivp(
+        body.rate, span, start, "DOP853", t_eval=times, rtol=tolerance, atol=1e-3 * tolerance
+    )
     x, y, z = found.y[:3] / np.linalg.norm(found.y[:3], axis=0)
     return np.stack((np.arctan2(-y, z), np.arcsin(x)))

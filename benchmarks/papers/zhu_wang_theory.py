@@ -15,11 +15,20 @@ from torsion.analyses.lateral.misaligned_shaft import (
     growth,
     small_angle_part,
 )
-from torsion.kernels.periodic.hill import Couplings, assembled, couplings_of, harmonics_of, hill_blocks, hill_exponents
+from torsion.kernels.periodic.hill import (
+    Couplings,
+    assembled,
+    couplings_of,
+    harmonics_of,
+    hill_blocks,
+    hill_exponents,
+)
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-HARMONICS = 8  # of the coefficients' period: those beyond are below rounding, as the coefficients have one
+HARMONICS = (
+    8  # of the coefficients' period: those beyond are below rounding, as the coefficients have one
+)
 
 
 def small_angle(turned: ArrayLike, tilt: float = 0.0) -> FloatArray:
@@ -59,7 +68,9 @@ def moment(turned: ArrayLike, tilt: float, first: ArrayLike, second: ArrayLike) 
 def forcing(turned: ArrayLike, tilt: float) -> FloatArray:
     """(..., 2) couple / torque on the shaft at rest: tan/2 sin 2x and sin/2 (1 - cos 2x)."""
     twice = 2.0 * np.asarray(turned, dtype=float)
-    return np.stack((0.5 * np.tan(tilt) * np.sin(twice), 0.5 * np.sin(tilt) * (1.0 - np.cos(twice))), axis=-1)
+    return np.stack(
+        (0.5 * np.tan(tilt) * np.sin(twice), 0.5 * np.sin(tilt) * (1.0 - np.cos(twice))), axis=-1
+    )
 
 
 def accelerations(
@@ -86,7 +97,9 @@ def bearing(
     across, over, _ = frame(a, b)
     place = length * np.stack((np.sin(b), -np.sin(a) * np.cos(b)), axis=-1)
     one, two = rates[..., 0], rates[..., 1]
-    speed = length * np.stack((np.cos(b) * two, -np.cos(a) * np.cos(b) * one + np.sin(a) * np.sin(b) * two), axis=-1)
+    speed = length * np.stack(
+        (np.cos(b) * two, -np.cos(a) * np.cos(b) * one + np.sin(a) * np.sin(b) * two), axis=-1
+    )
     force = -np.asarray(stiffness) * place - np.asarray(damping) * speed
     return length * np.stack(
         (-np.sum(force * over[..., :2], axis=-1), np.sum(force * across[..., :2], axis=-1)), axis=-1
@@ -109,7 +122,9 @@ class Response:
     speed: FloatArray  # (speeds,) rad/s
     order: np.ndarray  # (orders,)
     angle: ComplexArray  # (speeds, 2, orders) rad; angle = Re sum over orders of angle exp(i order speed t)
-    status: tuple[str, ...]  # (speeds,) "ok" or "unstable": there the periodic answer is never reached
+    status: tuple[
+        str, ...
+    ]  # (speeds,) "ok" or "unstable": there the periodic answer is never reached
 
 
 def natural_frequencies(shaft: MisalignedShaft, speeds: FloatArray | float = 0.0) -> Whirl:
@@ -125,7 +140,9 @@ def natural_frequencies(shaft: MisalignedShaft, speeds: FloatArray | float = 0.0
     return Whirl(at, np.abs(chosen.imag), -chosen.real)
 
 
-def hill_growth(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT, count: int = HARMONICS) -> FloatArray:
+def hill_growth(
+    shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT, count: int = HARMONICS
+) -> FloatArray:
     """(speeds,) 1/s by the eigenvalues of Hill's matrix: a check of `growth`."""
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     turned = _instants(count)
@@ -136,7 +153,9 @@ def hill_growth(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT
     return np.array(rates)
 
 
-def response(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT, count: int = HARMONICS) -> Response:
+def response(
+    shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT, count: int = HARMONICS
+) -> Response:
     """Periodic answer of the linear equations to the couple's forcing by Hill's matrix; unstable speeds are marked."""
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     turned = _instants(count)
@@ -162,18 +181,25 @@ def _entries(shaft: MisalignedShaft, turned: FloatArray, speed: float, model: Mo
     return couplings_of(np.broadcast_to(np.eye(2), stiffness[0].shape), damping[0], stiffness[0])
 
 
-def linear_rate(time: float, state: FloatArray, shaft: MisalignedShaft, speed: float, model: Model) -> FloatArray:
+def linear_rate(
+    time: float, state: FloatArray, shaft: MisalignedShaft, speed: float, model: Model
+) -> FloatArray:
     """(4,) derivative of (angles, rates) of the linear equations, driven: for integration in time."""
     turned = np.array([speed * time])
     damping, stiffness = coefficients(shaft, turned, np.array([speed]), model)
     force = shaft.pull_at(np.array([speed])) * forcing(turned[0], shaft.tilt)
-    return np.concatenate([state[2:], force - damping[0, 0] @ state[2:] - stiffness[0, 0] @ state[:2]])
+    return np.concatenate(
+        [state[2:], force - damping[0, 0] @ state[2:] - stiffness[0, 0] @ state[:2]]
+    )
 
 
 def exact_rate(time: float, state: FloatArray, shaft: MisalignedShaft, speed: float) -> FloatArray:
     """(4,) derivative of (angles, rates) of the exact equations at an even driven speed: for integration in time."""
     angles, rates = state[:2], state[2:]
-    own = shaft.pull_at(np.array([speed])) * moment(speed * time, shaft.tilt, angles[0], angles[1])[:2]
+    own = (
+        shaft.pull_at(np.array([speed]))
+        * moment(speed * time, shaft.tilt, angles[0], angles[1])[:2]
+    )
     held = bearing(angles, rates, shaft.stiffness, shaft.damping, shaft.length) / shaft.inertia
     return np.concatenate([rates, accelerations(angles, rates, own + held, speed, shaft.polar)])
 

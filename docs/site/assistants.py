@@ -39,19 +39,25 @@ def setup(app: Sphinx) -> dict[str, bool]:
 def _write(app: Sphinx, failed: Exception | None) -> None:
     if failed is None and app.builder.format == "html":
         titles = {page: title.astext() for page, title in app.env.titles.items()}
-        entries = {page: entry(page, title, app.env.get_doctree(page)) for page, title in titles.items()}
+        entries = {
+            page: entry(page, title, app.env.get_doctree(page)) for page, title in titles.items()
+        }
         Path(app.outdir, "llms.txt").write_text(list_pages(entries), encoding="utf-8")
 
 
 def entry(page: str, title: str, doctree: nodes.document) -> str:
     """Return title, address and first sentence of a page."""
     paragraph = next((found.astext() for found in doctree.findall(nodes.paragraph)), "")
-    sentence = re.split(r"(?<=[.:!?]) (?=[A-Z])", re.sub(r"^(?:When|Task): ", "", " ".join(paragraph.split())))[0]
+    sentence = re.split(
+        r"(?<=[.:!?]) (?=[A-Z])", re.sub(r"^(?:When|Task): ", "", " ".join(paragraph.split()))
+    )[0]
     return f"- [{title}]({page}.html): {sentence}" if sentence else f"- [{title}]({page}.html)"
 
 
 def list_pages(entries: dict[str, str]) -> str:
     """Return the list: recipes first, then the other pages by address."""
     recipes = [line for page, line in sorted(entries.items()) if page.startswith("docs/recipes/")]
-    others = [line for page, line in sorted(entries.items()) if not page.startswith("docs/recipes/")]
+    others = [
+        line for page, line in sorted(entries.items()) if not page.startswith("docs/recipes/")
+    ]
     return "\n".join([HEAD, "## Recipes", "", *recipes, "", "## Pages", "", *others]) + "\n"

@@ -43,7 +43,9 @@ UPRIGHT = {
     "Π",
     "Δ",
 }
-LONGEST_SYMBOL = 2  # Latin letters beside each other that are a product; more are a word or a function
+LONGEST_SYMBOL = (
+    2  # Latin letters beside each other that are a product; more are a word or a function
+)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -55,7 +57,11 @@ def setup(app: Sphinx) -> dict[str, bool]:
 @cache
 def page_of_equations(root: Path) -> dict[str, str]:
     """Return the page, as Sphinx names it, that defines each equation; `root` is that of the repository."""
-    files = [path for name in PAGES for path in (*sorted((root / name).glob("*.md")), root / f"{name}.md")]
+    files = [
+        path
+        for name in PAGES
+        for path in (*sorted((root / name).glob("*.md")), root / f"{name}.md")
+    ]
     return {
         match[2]: path.relative_to(root).with_suffix("").as_posix()
         for path in files
@@ -75,7 +81,10 @@ def _resolved(app: Sphinx, doctree: nodes.document, page: str) -> None:
             block.replace_self(nodes.raw("", rendered(block.astext(), defined), format="html"))
 
     pages = page_of_equations(Path(app.srcdir))
-    targets = {name: "" if of == page else app.builder.get_relative_uri(page, of) for name, of in pages.items()}
+    targets = {
+        name: "" if of == page else app.builder.get_relative_uri(page, of)
+        for name, of in pages.items()
+    }
     for text in [*doctree.findall(nodes.Text)]:
         if isinstance(text.parent, nodes.TextElement) and not _is_verbatim(text):
             made = [*_linked(str(text), targets, has_symbols=has_equations)]
@@ -86,7 +95,10 @@ def _resolved(app: Sphinx, doctree: nodes.document, page: str) -> None:
 def _is_verbatim(text: nodes.Text) -> bool:
     ancestor = text.parent
     while ancestor is not None:
-        if isinstance(ancestor, nodes.literal | nodes.literal_block | nodes.raw | nodes.reference | nodes.title):
+        if isinstance(
+            ancestor,
+            nodes.literal | nodes.literal_block | nodes.raw | nodes.reference | nodes.title,
+        ):
             return True
         ancestor = ancestor.parent
     return False
@@ -116,7 +128,9 @@ def rendered(block: str, defined: set[str]) -> str:
         name = "" if found is None or found[2] in defined else f' id="{found[2]}"'
         number = "" if found is None else f'<span class="number">({found[2]})</span>'
         defined |= set() if found is None else {found[2]}
-        lines.append(f'<div class="equation"{name}><span class="formula">{typeset(formula)}</span>{number}</div>')
+        lines.append(
+            f'<div class="equation"{name}><span class="formula">{typeset(formula)}</span>{number}</div>'
+        )
     return f'<div class="equations">{"".join(lines)}</div>'
 
 

@@ -21,9 +21,18 @@ PAGE, FOLDER = "docs/gallery", "shafting_specs"
 ROW = re.compile(r"^\| `(\w+)` \| (.*?) \| (.*?) \|", re.MULTILINE)  # name, source, what it shows
 FULL = ("usv", "haixun_06402", "v12_generator_set", "two_stroke_ship", "wind_gearbox", "fan_start")
 CHOSEN = (
-    "stability-map", "waterfall", "check-modes", "tilting", "stress", "torque", "motion", "sweep-torque", "joint-index",
-    "joint-motion", "mode-1",
-)  # fmt: skip
+    "stability-map",
+    "waterfall",
+    "check-modes",
+    "tilting",
+    "stress",
+    "torque",
+    "motion",
+    "sweep-torque",
+    "joint-index",
+    "joint-motion",
+    "mode-1",
+)
 FILTER = """
 ## All examples
 
@@ -56,7 +65,9 @@ def _fill(app: Sphinx, page: str, source: list[str]) -> None:
         for name in FULL[: app.config.gallery_most or None]:
             source[0] += f"{_report(app, name)} | {subjects[name]} |\n"
         source[0] += FILTER
-        for name, origin, shows in status_iterator(rows, "solving examples... ", "brown", len(rows), app.verbosity):
+        for name, origin, shows in status_iterator(
+            rows, "solving examples... ", "brown", len(rows), app.verbosity
+        ):
             source[0] += "\n".join(_entry(app, name, origin, shows))
 
 
@@ -87,8 +98,12 @@ def _entry(app: Sphinx, name: str, origin: str, shows: str) -> Iterator[str]:
 
 def chosen(figures: dict[str, ReportFigure]) -> Iterator[ReportFigure]:
     """The sketch, and the figure that says most of the train."""
-    sketch = figures.get("plant", figures.get("utilisation"))  # the cover of a judged train has its sketch
-    chosen = (figure for start in CHOSEN for name, figure in figures.items() if name.startswith(start))
+    sketch = figures.get(
+        "plant", figures.get("utilisation")
+    )  # the cover of a judged train has its sketch
+    chosen = (
+        figure for start in CHOSEN for name, figure in figures.items() if name.startswith(start)
+    )
     yield from filter(None, (sketch, next(chosen, sketch)))
 
 
@@ -99,5 +114,9 @@ def verdict(findings: Findings) -> str:
         return "No rule is requested."
     used = {check.utilisation: check for check in checks.lines if check.utilisation is not None}
     share, check = max(used.items(), default=(None, None))
-    highest = "" if check is None else f"; highest utilisation {100.0 * share:.3g} %: {check.where} ({check.what})"
+    highest = (
+        ""
+        if check is None
+        else f"; highest utilisation {100.0 * share:.3g} %: {check.where} ({check.what})"
+    )
     return f"{WORDS[worst_verdict(checks.lines)]}: {checks.counts}{highest}."

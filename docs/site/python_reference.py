@@ -63,7 +63,10 @@ def _class(name: str, kind: type) -> Iterator[str]:
 def _attributes(kind: type) -> Iterator[str]:
     """Yield a row for each method and property of a class that is public."""
     for attribute, value in inspect.getmembers_static(kind):
-        is_method, is_value = inspect.isfunction(value), isinstance(value, property) or hasattr(value, "func")
+        is_method, is_value = (
+            inspect.isfunction(value),
+            isinstance(value, property) or hasattr(value, "func"),
+        )
         if (is_method or is_value) and not attribute.startswith("_"):
             shown = f"{attribute}{_arguments(value)}" if is_method else attribute
             words = _first(value.func if hasattr(value, "func") else value)
@@ -73,7 +76,9 @@ def _attributes(kind: type) -> Iterator[str]:
 def _arguments(function: Any) -> str:
     """Return names and defaults of the arguments, without their types."""
     signature = inspect.signature(function)
-    bare = [p.replace(annotation=p.empty) for p in signature.parameters.values() if p.name != "self"]
+    bare = [
+        p.replace(annotation=p.empty) for p in signature.parameters.values() if p.name != "self"
+    ]
     return re.sub(r"<.*?>", "...", str(inspect.Signature(bare)))
 
 

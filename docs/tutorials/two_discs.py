@@ -30,40 +30,60 @@ def text(x: float, y: float, words: str, anchor: str = "middle", colour: str = I
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}">{words}</text>'
 
 
-def path(points: list[tuple[float, float]], colour: str, width: float = 1.5, dash: str = "none") -> str:
+def path(
+    points: list[tuple[float, float]], colour: str, width: float = 1.5, dash: str = "none"
+) -> str:
     steps = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-    return (
-        f'<polyline points="{steps}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dash}"/>'
-    )
+    return f'<polyline points="{steps}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dash}"/>'
 
 
-def axes(x: Scale, y: Scale, names: tuple[str, str, str], ticks: tuple[list[int], list[int]]) -> list[str]:
+def axes(
+    x: Scale, y: Scale, names: tuple[str, str, str], ticks: tuple[list[int], list[int]]
+) -> list[str]:
     """Frame, numbers and names (title, x, y) of a panel."""
     parts = [path([(x[1], TOP), (x[1], BOTTOM), (x[3], BOTTOM)], INK, 1)]
     parts += [text(at(value, x), BOTTOM + 14, str(value)) for value in ticks[0]]
     parts += [text(x[1] - 5, at(value, y) + 4, str(value), "end") for value in ticks[1]]
     middle = (x[1] + x[3]) / 2
-    return [*parts, text(middle, 20, names[0]), text(middle, BOTTOM + 30, names[1]), text(x[1], TOP - 6, names[2])]
+    return [
+        *parts,
+        text(middle, 20, names[0]),
+        text(middle, BOTTOM + 30, names[1]),
+        text(x[1], TOP - 6, names[2]),
+    ]
 
 
 def shape() -> list[str]:
     """The train and below it its mode: angle along the spring, with the node."""
     left, right, middle, unit = 40.0, 200.0, 185.0, 11.0
     node = left + (right - left) * PROPELLER / (MOTOR + PROPELLER)
-    coils = [(left + (right - left) * (0.3 + 0.02 * k), 85 + 8 * (-1) ** k * (0 < k < 20)) for k in range(21)]
+    coils = [
+        (left + (right - left) * (0.3 + 0.02 * k), 85 + 8 * (-1) ** k * (0 < k < 20))
+        for k in range(21)
+    ]
     ratio = -MOTOR / PROPELLER
     return [
         text((left + right) / 2, 20, "train and mode shape"),
         path([(left, 85), *coils, (right, 85)], INK),
         f'<rect x="{left - 6}" y="50" width="12" height="70" fill="{BLUE}"/>',
         f'<rect x="{right - 6}" y="66" width="12" height="38" fill="{BLUE}"/>',
-        text(left, 134, "motor"), text(right, 134, "propeller"),
+        text(left, 134, "motor"),
+        text(right, 134, "propeller"),
         path([(left, middle), (right, middle)], GREY, 1),
-        path([(left, middle), (left, middle - unit), (right, middle - ratio * unit), (right, middle)], RED),
+        path(
+            [
+                (left, middle),
+                (left, middle - unit),
+                (right, middle - ratio * unit),
+                (right, middle),
+            ],
+            RED,
+        ),
         f'<circle cx="{node:.1f}" cy="{middle}" r="3.5" fill="{INK}"/>',
         text(node + 4, middle - 8, "node", "start"),
-        text(left - 8, middle - unit + 4, "1", "end"), text(right + 8, middle - ratio * unit, f"{ratio:.0f}", "start"),
-    ]  # fmt: skip
+        text(left - 8, middle - unit + 4, "1", "end"),
+        text(right + 8, middle - ratio * unit, f"{ratio:.0f}", "start"),
+    ]
 
 
 def campbell() -> list[str]:
@@ -71,8 +91,12 @@ def campbell() -> list[str]:
     x, y = (0.0, 290.0, 2000.0, 490.0), (0.0, BOTTOM, 70.0, TOP)
     natural = NATURAL / (2 * pi)
     low, high = at(SLOW, x), at(FAST, x)
-    parts = [f'<rect x="{low:.1f}" y="{TOP}" width="{high - low:.1f}" height="{BOTTOM - TOP}" fill="#eef3f8"/>']
-    parts += axes(x, y, ("Campbell diagram", "speed, rpm", "Hz"), ([0, 1000, 2000], [0, 20, 40, 60]))
+    parts = [
+        f'<rect x="{low:.1f}" y="{TOP}" width="{high - low:.1f}" height="{BOTTOM - TOP}" fill="#eef3f8"/>'
+    ]
+    parts += axes(
+        x, y, ("Campbell diagram", "speed, rpm", "Hz"), ([0, 1000, 2000], [0, 20, 40, 60])
+    )
     parts.append(path([(x[1], at(natural, y)), (x[3], at(natural, y))], BLUE, 2))
     for order in (1, 2, 3, 4):
         end = min(x[2], 60 * y[2] / order)

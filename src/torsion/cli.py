@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import torsion
-from torsion.command_endings import end, print_report, refusals, refuse_with_json, show_progress, stop
+from torsion.command_endings import (
+    end,
+    print_report,
+    refusals,
+    refuse_with_json,
+    show_progress,
+    stop,
+)
 from torsion.errors import BAD_INPUT
 from torsion.exchange_commands import compare, export, import_
 from torsion.lasting_output import make_streams_last, say
@@ -23,7 +30,9 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 
 File = Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)]
 Out = Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report.")]
-Case = Annotated[str | None, typer.Option("--case", help="Only one case of the file (normal: the nominal case).")]
+Case = Annotated[
+    str | None, typer.Option("--case", help="Only one case of the file (normal: the nominal case).")
+]
 JSON_HELP = "Print the results as JSON; no file is written, and no option that writes one is taken."
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
@@ -34,8 +43,12 @@ def _say_version(is_requested: bool) -> None:
         raise typer.Exit
 
 
-Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Print all tables, not their summary.")]
-VERSION = typer.Option("--version", callback=_say_version, is_eager=True, help="Print the version and end.")
+Verbose = Annotated[
+    bool, typer.Option("-v", "--verbose", help="Print all tables, not their summary.")
+]
+VERSION = typer.Option(
+    "--version", callback=_say_version, is_eager=True, help="Print the version and end."
+)
 
 
 @app.callback()
@@ -52,18 +65,33 @@ def solve(
     case: Case = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     full: Annotated[
-        bool, typer.Option("--full", help="Add appendices: all mode shapes, Holzer tables, angles, engine harmonics.")
+        bool,
+        typer.Option(
+            "--full",
+            help="Add appendices: all mode shapes, Holzer tables, angles, engine harmonics.",
+        ),
     ] = False,
     matrices: Annotated[
-        Path | None, typer.Option("--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed.")
+        Path | None,
+        typer.Option(
+            "--matrices", help="Write J, K, C and H to this .npz file, C at the rated speed."
+        ),
     ] = None,
-    vtu: Annotated[bool, typer.Option("--vtu", help="Write the mode shapes as modes.vtu for ParaView.")] = False,
-    csv: Annotated[
-        bool, typer.Option("--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too.")
+    vtu: Annotated[
+        bool, typer.Option("--vtu", help="Write the mode shapes as modes.vtu for ParaView.")
     ] = False,
-    xlsx: Annotated[bool, typer.Option("--xlsx", help="Write the results as a workbook, results.xlsx.")] = False,
+    csv: Annotated[
+        bool,
+        typer.Option(
+            "--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too."
+        ),
+    ] = False,
+    xlsx: Annotated[
+        bool, typer.Option("--xlsx", help="Write the results as a workbook, results.xlsx.")
+    ] = False,
     memory: Annotated[
-        str | None, typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB).")
+        str | None,
+        typer.Option("--memory", help="Memory that a response may need, as 4GB (default: 2GB)."),
     ] = None,
     verbose: Verbose = False,
 ) -> None:
@@ -78,7 +106,15 @@ def solve(
 
     refuse_with_json(
         json,
-        {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--xlsx": xlsx, "--full": full, "--matrices": matrices, "-o": out},
+        {
+            "--vtu": vtu,
+            "--pdf": pdf,
+            "--csv": csv,
+            "--xlsx": xlsx,
+            "--full": full,
+            "--matrices": matrices,
+            "-o": out,
+        },
     )
     also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
     solved = partial(commands.solved, file, case=case, memory=memory)
@@ -91,19 +127,31 @@ def sweep(
     file: File,
     out: Out = None,
     *,
-    workers: Annotated[int, typer.Option("--workers", min=1, help="Processes of this machine (above 1: dask).")] = 1,
-    scheduler: Annotated[str, typer.Option("--scheduler", help="Address of a dask scheduler: tls://host:8786.")] = "",
+    workers: Annotated[
+        int, typer.Option("--workers", min=1, help="Processes of this machine (above 1: dask).")
+    ] = 1,
+    scheduler: Annotated[
+        str, typer.Option("--scheduler", help="Address of a dask scheduler: tls://host:8786.")
+    ] = "",
     scheduler_file: Annotated[
-        Path | None, typer.Option("--scheduler-file", help="File that a scheduler wrote its address to.")
+        Path | None,
+        typer.Option("--scheduler-file", help="File that a scheduler wrote its address to."),
     ] = None,
-    tls_ca: Annotated[Path | None, typer.Option("--tls-ca", help="Certificate of the authority, PEM.")] = None,
-    tls_cert: Annotated[Path | None, typer.Option("--tls-cert", help="Certificate of this client, PEM.")] = None,
+    tls_ca: Annotated[
+        Path | None, typer.Option("--tls-ca", help="Certificate of the authority, PEM.")
+    ] = None,
+    tls_cert: Annotated[
+        Path | None, typer.Option("--tls-cert", help="Certificate of this client, PEM.")
+    ] = None,
     tls_key: Annotated[Path | None, typer.Option("--tls-key", help="Its key, PEM.")] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Remove the parts that are there and begin anew.")] = False,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Remove the parts that are there and begin anew.")
+    ] = False,
     case: Case = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     csv: Annotated[
-        bool, typer.Option("--csv", help="Write every variant to variants.csv, and as `solve` does.")
+        bool,
+        typer.Option("--csv", help="Write every variant to variants.csv, and as `solve` does."),
     ] = False,
     verbose: Verbose = False,
 ) -> None:
@@ -118,14 +166,22 @@ def sweep(
 
     place = Scheduler(workers, scheduler, scheduler_file, tls_ca, tls_cert, tls_key)
     solved = partial(
-        swept.swept, file, out, scheduler=place, fresh=fresh, csv=csv, case=case,
+        swept.swept,
+        file,
+        out,
+        scheduler=place,
+        fresh=fresh,
+        csv=csv,
+        case=case,
         notice=partial(say, err=True),
-    )  # fmt: skip
+    )
     try:
         also = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
         print_report("solve", file, out, solved, also, as_json=False, is_verbose=verbose)
     except (KeyboardInterrupt, SystemExit) as ended:
-        typer.echo("ended; the finished parts stay, and the same command continues from there", err=True)
+        typer.echo(
+            "ended; the finished parts stay, and the same command continues from there", err=True
+        )
         if isinstance(ended, SystemExit):
             raise
         raise typer.Exit(128 + signal.SIGINT) from None
@@ -138,7 +194,8 @@ def joint(
     json: Json = False,
     case: Case = None,
     turns: Annotated[
-        int | None, typer.Option("--turns", min=1, max=100, help="Revolutions of the driving shaft.")
+        int | None,
+        typer.Option("--turns", min=1, max=100, help="Revolutions of the driving shaft."),
     ] = None,
 ) -> None:
     """Print the universal joints of a scene and write joints.html, joints.json and joints.csv.
@@ -148,7 +205,9 @@ def joint(
     from torsion import commands
 
     refuse_with_json(json, {"-o": out})
-    print_report("joint", file, out, partial(commands.joint, file, turns=turns, case=case), as_json=json)
+    print_report(
+        "joint", file, out, partial(commands.joint, file, turns=turns, case=case), as_json=json
+    )
 
 
 @app.command()
@@ -173,7 +232,9 @@ def study(
     tolerance: Annotated[
         str, typer.Option("--tolerance", help="Error that is good enough, for the recommendation.")
     ] = "0.1%",
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer elements and runs: seconds, not minutes.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Fewer elements and runs: seconds, not minutes.")
+    ] = False,
 ) -> None:
     """Time every model and method on this train against its error; write study.html, study.json and study.csv.
 
@@ -200,11 +261,18 @@ def study(
 
 @app.command()
 def report(
-    results: Annotated[Path, typer.Argument(help="results.json, or the folder that holds it.", show_default=False)],
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Folder of the report (default: the same).")] = None,
+    results: Annotated[
+        Path, typer.Argument(help="results.json, or the folder that holds it.", show_default=False)
+    ],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Folder of the report (default: the same).")
+    ] = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write report.pdf too.")] = False,
     csv: Annotated[
-        bool, typer.Option("--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too.")
+        bool,
+        typer.Option(
+            "--csv", help="Write values (data.zip), tables (tables.zip) and figures as CSV too."
+        ),
     ] = False,
     verbose: Verbose = False,
 ) -> None:
@@ -216,7 +284,9 @@ def report(
     from torsion.output.terminal import show
 
     with refusals(results):
-        made, folder = commands.report(results, out, also=commands.outputs(pdf=pdf, figures=csv, tables=csv))
+        made, folder = commands.report(
+            results, out, also=commands.outputs(pdf=pdf, figures=csv, tables=csv)
+        )
         show(made, folder, is_verbose=verbose or made.name != "solve")
     end(made.ending.unanswered, made.ending.status)
 
@@ -249,7 +319,8 @@ def plan(file: File, case: Case = None) -> None:
 def sketch(
     file: File,
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The SVG file to write (default: <model file>.svg).")
+        Path | None,
+        typer.Option("-o", "--out", help="The SVG file to write (default: <model file>.svg)."),
     ] = None,
     case: Case = None,
 ) -> None:
@@ -264,8 +335,13 @@ def sketch(
 def live(
     file: File,
     case: Case = None,
-    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page (default: a free one).")] = 0,
-    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open no browser.")] = False,
+    port: Annotated[
+        int,
+        typer.Option("--port", min=0, max=65535, help="Port of the page (default: a free one)."),
+    ] = 0,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Print the address and open no browser.")
+    ] = False,
 ) -> None:
     """Show a page that follows the file: verdict, Campbell diagram and response, solved again whenever it is saved.
 
@@ -281,7 +357,10 @@ def live(
     try:
         server = Server(Session(file, case), port)
     except OSError as error:
-        stop(f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)", BAD_INPUT)
+        stop(
+            f"port {port} cannot be taken: {error.strerror} (leave --port out for a free one)",
+            BAD_INPUT,
+        )
     try:
         say(f"{file} is shown at {server.address}\nCtrl-C ends it")
         sys.stdout.flush()
@@ -308,7 +387,9 @@ def schema() -> None:
 
 
 @app.command()
-def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("train.yaml")) -> None:
+def new(
+    file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("train.yaml"),
+) -> None:
     """Write a commented example that solves, and the JSON Schema by which an editor completes and checks it."""
     import json
 
@@ -317,8 +398,12 @@ def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path(
 
     try:
         with file.open("x", encoding="utf-8") as target:
-            target.write(f"# yaml-language-server: $schema={SCHEMA_FILE}\n{template('example.yaml')}")
-        file.with_name(SCHEMA_FILE).write_text(json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8")
+            target.write(
+                f"# yaml-language-server: $schema={SCHEMA_FILE}\n{template('example.yaml')}"
+            )
+        file.with_name(SCHEMA_FILE).write_text(
+            json.dumps(json_schema(), indent=2) + "\n", encoding="utf-8"
+        )
     except FileExistsError:
         stop(f"{file} is there already and is left as it is (give another name)", BAD_INPUT)
     except OSError as error:
@@ -327,7 +412,9 @@ def new(file: Annotated[Path, typer.Argument(help="The file to write.")] = Path(
 
 
 @app.command()
-def sources(bib: Annotated[bool, typer.Option("--bib", help="Print BibTeX entries.")] = False) -> None:
+def sources(
+    bib: Annotated[bool, typer.Option("--bib", help="Print BibTeX entries.")] = False,
+) -> None:
     """Print the literature of all formulas, methods and rules; the report lists what its run used."""
     from torsion.rules import RULES, rule
     from torsion.sources import SOURCES
@@ -336,7 +423,10 @@ def sources(bib: Annotated[bool, typer.Option("--bib", help="Print BibTeX entrie
         say("\n\n".join(record.bibtex for record in SOURCES.values()))
         return
     for record in SOURCES.values():
-        say(f"{record.key}: {record.words}; {record.use}" + ("" if record.compared else "; edition not confirmed"))
+        say(
+            f"{record.key}: {record.words}; {record.use}"
+            + ("" if record.compared else "; edition not confirmed")
+        )
     for name in RULES:
         say(f"{name}: {rule(name).edition or 'limits of the file or of a manufacturer'}")
 
@@ -347,7 +437,9 @@ def main() -> None:
     A reader that leaves (`| head`) changes no exit status; any other failure to print makes it that of faulty input.
     """
     gc.set_threshold(100_000, 20, 50)  # looking for cycles took 12 % of the time of a large train
-    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))  # as on Ctrl-C: files stay whole
+    signal.signal(
+        signal.SIGTERM, lambda number, _: sys.exit(128 + number)
+    )  # as on Ctrl-C: files stay whole
     output = make_streams_last()
     try:
         app()

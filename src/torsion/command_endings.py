@@ -25,15 +25,25 @@ def refusals(file: Path) -> Iterator[None]:
     except SolveError as error:
         stop(error.located or f"{file}: {error}", REFUSED)
     except MemoryError as error:
-        size, change = f" ({error})" if str(error) else "", "request fewer speeds, orders, modes or segments"
+        size, change = (
+            f" ({error})" if str(error) else "",
+            "request fewer speeds, orders, modes or segments",
+        )
         stop(f"{file}: this machine has too little memory for it{size}; {change}", REFUSED)
 
 
 def print_report(
-    report: str, file: Path, out: Path | None, solve: Callable[..., "Findings"], also: tuple[str, ...] = (), *,
-    as_json: bool, matrices: Path | None = None, is_full: bool = False,
+    report: str,
+    file: Path,
+    out: Path | None,
+    solve: Callable[..., "Findings"],
+    also: tuple[str, ...] = (),
+    *,
+    as_json: bool,
+    matrices: Path | None = None,
+    is_full: bool = False,
     is_verbose: bool = True,
-) -> NoReturn:  # fmt: skip
+) -> NoReturn:
     """Solve, write the files of a report and print it, or print its results as JSON alone; end with its exit status.
 
     What has no answer is said on the error stream, last.
@@ -52,7 +62,11 @@ def print_report(
             from torsion.output.terminal import show
 
             folder = commands.folder_of(file, out, findings.study.case)
-            show(commands.write(findings, folder, report, also=also, is_full=is_full), folder, is_verbose=is_verbose)
+            show(
+                commands.write(findings, folder, report, also=also, is_full=is_full),
+                folder,
+                is_verbose=is_verbose,
+            )
         if matrices is not None:
             say(commands.write_matrices(findings, matrices))
     end(findings.without_answer, findings.exit_status)

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsion.analyses import ANALYSES, ordered
-from torsion.analyses.discretisation import assembled, discretisation_words, has_inertia, highest_excited, no_response
+from torsion.analyses.discretisation import (
+    assembled,
+    discretisation_words,
+    has_inertia,
+    highest_excited,
+    no_response,
+)
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import lines
 from torsion.analyses.sweep.sweep_points import Points
@@ -28,10 +34,20 @@ if TYPE_CHECKING:
     from torsion.output.document import Document
 
 JOINT_RULES = ("universal-joints",)
-REST = ("everything but the joints", "`torsion joint` reports only the joints; `torsion solve` does the rest")
+REST = (
+    "everything but the joints",
+    "`torsion joint` reports only the joints; `torsion solve` does the rest",
+)
 ON_SUPPORTS = "it stands on supports; `torsion solve` computes its bending and judges it"
 OTHER_FOLDER = " (choose another folder with -o)"
-ELSEWHERE = ("natural frequencies", "damped modes", "response over speed", "critical speeds", "mean torque", "rules")
+ELSEWHERE = (
+    "natural frequencies",
+    "damped modes",
+    "response over speed",
+    "critical speeds",
+    "mean torque",
+    "rules",
+)
 
 
 def solve(
@@ -53,12 +69,21 @@ def solve(
     report stays whole then. With `vtu` the mode shapes are written too; `full` adds all appendices to the report.
     """
     findings = solved(file, case=case, memory=memory, progress=progress)
-    write(findings, folder_of(file, out, findings.study.case), also=outputs(pdf=pdf, vtu=vtu), is_full=full)
+    write(
+        findings,
+        folder_of(file, out, findings.study.case),
+        also=outputs(pdf=pdf, vtu=vtu),
+        is_full=full,
+    )
     return findings
 
 
 def solved(
-    file: str | Path, *, case: str | None = None, memory: str | float | None = None, progress: Progress = silent
+    file: str | Path,
+    *,
+    case: str | None = None,
+    memory: str | float | None = None,
+    progress: Progress = silent,
 ) -> Findings:
     """Read, solve and judge a scene; nothing is written. memory: as of `run`; case: one alone, "normal" without any."""
     study = read(file)
@@ -78,7 +103,9 @@ def one_case(study: Study, case: str | None) -> Study:
     raise located(InputError([fault]), study)
 
 
-def _beside(study: Study, left_out: tuple[tuple[str, str], ...], command: str) -> tuple[tuple[str, str], ...]:
+def _beside(
+    study: Study, left_out: tuple[tuple[str, str], ...], command: str
+) -> tuple[tuple[str, str], ...]:
     """What was left out, with the cases of a study of which one alone was taken."""
     if not study.cases:
         return left_out
@@ -100,7 +127,12 @@ def folder_of(file: str | Path, out: str | Path | None, case: Case | None = None
 
 
 def write(
-    findings: Findings, folder: Path, report: str = "solve", *, also: Collection[str] = (), is_full: bool = False
+    findings: Findings,
+    folder: Path,
+    report: str = "solve",
+    *,
+    also: Collection[str] = (),
+    is_full: bool = False,
 ) -> "Document":
     """Write the files of a report, `also` those of outputs on request; return the report.
 
@@ -124,7 +156,10 @@ def report(
     from torsion.output.write import redraw
 
     place = Path(results)
-    made, folder = opened(place), Path(out) if out is not None else place if place.is_dir() else place.parent
+    made, folder = (
+        opened(place),
+        Path(out) if out is not None else place if place.is_dir() else place.parent,
+    )
     with _writing(None, "the report", folder, OTHER_FOLDER):
         redraw(made, folder, also=also, results=file_at(place))
     return made, folder
@@ -147,7 +182,11 @@ def _writing(study: Study | None, what: str, place: Path, remedy: str = "") -> I
 
 
 def joint(
-    file: str | Path, *, turns: int | None = None, case: str | None = None, progress: Progress = silent
+    file: str | Path,
+    *,
+    turns: int | None = None,
+    case: str | None = None,
+    progress: Progress = silent,
 ) -> Findings:
     """Read a scene, or one case of it, and compute its joints alone, with their rules; nothing is written.
 
@@ -159,15 +198,27 @@ def joint(
     scene = read(file)
     study = one_case(scene, case)
     if not study.has_joints:
-        fault = Fault(("train",), "the train has no joint", "`torsion joint` reports joints; use `torsion solve`")
+        fault = Fault(
+            ("train",),
+            "the train has no joint",
+            "`torsion joint` reports joints; use `torsion solve`",
+        )
         raise located(InputError([fault]), study)
     settings = study.analyses.get("joints") or JointsSettings()
     if turns is not None:
         settings = settings.model_copy(update={"turns": turns})
     rules = tuple((name, given) for name, given in study.rules if name in JOINT_RULES)
-    findings = run(replace(study, analyses={"joints": settings}, rules=rules), only=("joints",), progress=progress)
+    findings = run(
+        replace(study, analyses={"joints": settings}, rules=rules),
+        only=("joints",),
+        progress=progress,
+    )
     mine = tuple(pair for pair in findings.plan.left_out if pair[0] not in ELSEWHERE)
-    supported = [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks] if rules else []
+    supported = (
+        [tube.name for tube in tubes(study.train) if tube.has_support and not tube.lacks]
+        if rules
+        else []
+    )
     unjudged = tuple((f"{JOINT_RULES[0]}: bending of {name}", ON_SUPPORTS) for name in supported)
     left_out = _beside(scene, (REST, *mine, *unjudged), "joint")
     return replace(findings, plan=replace(findings.plan, left_out=left_out))
@@ -181,7 +232,10 @@ def check(file: str | Path, *, case: str | None = None, progress: Progress = sil
     scene = read(file)
     study = one_case(scene, case)
     findings = run(replace(study, rules=()), only=("check",), progress=progress)
-    rest = ("everything else", "`torsion check` only compares the models; `torsion solve` does the rest")
+    rest = (
+        "everything else",
+        "`torsion check` only compares the models; `torsion solve` does the rest",
+    )
     left_out = _beside(scene, (*findings.plan.left_out, rest), "check")
     return replace(findings, study=study, plan=replace(findings.plan, left_out=left_out))
 
@@ -208,12 +262,20 @@ def study(
     try:
         system, ruled = assembled(scene), needed(scene)
         timings = study_times(
-            scene, highest=highest_excited(scene, system, ruled),
+            scene,
+            highest=highest_excited(scene, system, ruled),
             count=getattr(scene.analyses.get("modes"), "count", None),
-            no_response=no_response(scene, system, ruled), tolerance=goal, quick=quick, progress=progress,
-        )  # fmt: skip
+            no_response=no_response(scene, system, ruled),
+            tolerance=goal,
+            quick=quick,
+            progress=progress,
+        )
         if not timings.quantities:
-            fault = Fault(("train",), " ".join(timings.remarks), "a shaft with density, or an excitation and speeds")
+            fault = Fault(
+                ("train",),
+                " ".join(timings.remarks),
+                "a shaft with density, or an excitation and speeds",
+            )
             raise InputError([fault])
     except InputError as error:
         raise located(error, scene) from None
@@ -259,7 +321,15 @@ def write_matrices(findings: Findings, file: Path) -> str:
         if following and not speed:
             name = system.stations[following[0].station].name
             message = f"the damping of '{name}' follows from the speed, and so do the matrices; none is given"
-            raise InputError([Fault(("operation",), message, "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`")])
+            raise InputError(
+                [
+                    Fault(
+                        ("operation",),
+                        message,
+                        "`operation: {rated: {speed: 1500 rpm, power: 100 kW}}`",
+                    )
+                ]
+            )
         grid = np.array([speed or 0.0])
         steady = steady_if_known(study, system, grid) if speed else None
         view = matrices(system, ground_damping=ground_damping(system, grid, steady)[:, 0])
@@ -289,7 +359,11 @@ def plan(file: str | Path, *, case: str | None = None) -> Planned:
     """
     study = read(file)
     found = _planned(one_case(study, case))
-    return found if case is not None else replace(found, cases={key: _planned(one) for key, one in study.cases.items()})
+    return (
+        found
+        if case is not None
+        else replace(found, cases={key: _planned(one) for key, one in study.cases.items()})
+    )
 
 
 def _planned(study: Study) -> Planned:
@@ -306,7 +380,13 @@ def _planned(study: Study) -> Planned:
         if lacking.get(name):
             left_out.append((title, lacking[name]))
         elif name in sizes or is_named:
-            why = "the file names it" if is_named else "a rule of the file reads it" if name in ruled else "the default"
+            why = (
+                "the file names it"
+                if is_named
+                else "a rule of the file reads it"
+                if name in ruled
+                else "the default"
+            )
             steps.append((title, sizes.get(name, ""), why))
     if study.rules:
         steps.append(("rules", ", ".join(name for name, _ in study.rules), "the file names them"))
@@ -320,13 +400,16 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
     components = len(lines(system))
     sizes = {
         "assembly": f"{len(system.stations)} stations, {len(system.spans)} spans; {discretisation_words(system)}",
-        "modes": f"{count} elastic modes", "damped": f"{count} modes",
+        "modes": f"{count} elastic modes",
+        "damped": f"{count} modes",
         "critical": f"{components} orders and frequencies by {count} modes",
         "joints": f"{sum(part.joint is not None for part in study.train.parts)} joints",
         "lateral": f"{sum(bool(study.train.shaft(bar).support) for bar in study.train.bars)} shafts on supports",
-    }  # fmt: skip
+    }
     if study.has_mean_torque:
-        sizes["steady"] = "the mean torque in every span. " + power_balance(study.train, study.operation).sentence
+        sizes["steady"] = (
+            "the mean torque in every span. " + power_balance(study.train, study.operation).sentence
+        )
     if variation := study.variations.get("sweep"):
         settings = study.analyses["sweep"]
         assert isinstance(settings, SweepSettings)
@@ -336,25 +419,34 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         from torsion.analyses.transient.transient_settings import cases
 
         sizes["transient"] = " ".join(
-            f"{one.name}: {acting_torques(study, one).words}{expected_steps(study, system, one)}".removeprefix(": ")
+            f"{one.name}: {acting_torques(study, one).words}{expected_steps(study, system, one)}".removeprefix(
+                ": "
+            )
             for one, _ in cases(study)
         )
     if speeds is not None:
-        sizes["response"] = f"{components} harmonic components at {speeds.steps} speeds, and more around resonances"
+        sizes["response"] = (
+            f"{components} harmonic components at {speeds.steps} speeds, and more around resonances"
+        )
     return sizes
 
 
 def _lacking(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str]:
     """Why a step would be left out, by the names of analyses; empty words where it would not."""
     modes = "" if has_inertia(system) else "no component has an inertia"
-    modes = modes or ("" if modes_settings(study, ruled) is not None else "`analyses` does not name modes")
+    modes = modes or (
+        "" if modes_settings(study, ruled) is not None else "`analyses` does not name modes"
+    )
     ordered_lines = any(line.order is not None for line in lines(system))
     return {
-        "modes": modes, "damped": modes or ("" if system.damps else "nothing damps"),
+        "modes": modes,
+        "damped": modes or ("" if system.damps else "nothing damps"),
         "critical": modes or ("" if ordered_lines else "no order excites"),
         "response": no_response(study, system, ruled),
-        "steady": "" if study.has_mean_torque else "neither the power of the loads nor a rated power is given",
-    }  # fmt: skip
+        "steady": ""
+        if study.has_mean_torque
+        else "neither the power of the loads nor a rated power is given",
+    }
 
 
 def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None = None) -> Path:
@@ -369,7 +461,9 @@ def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None 
     findings = run(replace(one_case(read(file), case), rules=()), only=("assembly",))
     place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
     drawn, joining = plant.sketch(findings)
-    figure = Figure("plant", f"Train, numbered from its driving end (not to scale){joining}", (drawn,))
+    figure = Figure(
+        "plant", f"Train, numbered from its driving end (not to scale){joining}", (drawn,)
+    )
     with _writing(findings.study, "the sketch", place):
         place.write_text(f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8")
     return place

@@ -11,7 +11,9 @@ CONTROLS = re.compile(  # characters that a terminal obeys, that reorder or hide
 )
 REORDERING = re.compile(f"[{_REORDERING}]")
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status of the commands
-Path = tuple[str | int, ...]  # keys and list positions from the top of the file, e.g. ("train", 2, "shaft", "length")
+Path = tuple[
+    str | int, ...
+]  # keys and list positions from the top of the file, e.g. ("train", 2, "shaft", "length")
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,9 @@ class Fault:
     line: int | None = None  # 1-based; set by the reader, which knows where every path stands
     column: int | None = None
     other: Path = ()  # another place that the fault is about; the reader quotes its line
-    file: str = ""  # where it stands, with its line: a table that the scene names; empty: the scene itself
+    file: str = (
+        ""  # where it stands, with its line: a table that the scene names; empty: the scene itself
+    )
 
     @property
     def sentence(self) -> str:

@@ -11,9 +11,15 @@ from torsion.lasting_output import say
 
 
 def compare(
-    before: Annotated[Path, typer.Argument(help="results.json A, or its folder.", show_default=False)],
-    after: Annotated[Path, typer.Argument(help="results.json B, or its folder.", show_default=False)],
-    html: Annotated[Path | None, typer.Option("--html", help="Write the comparison as a page.")] = None,
+    before: Annotated[
+        Path, typer.Argument(help="results.json A, or its folder.", show_default=False)
+    ],
+    after: Annotated[
+        Path, typer.Argument(help="results.json B, or its folder.", show_default=False)
+    ],
+    html: Annotated[
+        Path | None, typer.Option("--html", help="Write the comparison as a page.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the comparison as JSON.")] = False,
 ) -> None:
     """Compare two results: input, natural frequencies and checks of every case; nothing is solved.
@@ -29,11 +35,15 @@ def compare(
 
 def import_(
     file: Annotated[
-        Path | None, typer.Argument(help="Mass-elastic table (.csv), or openTorsion-Editor file (.json).")
+        Path | None,
+        typer.Argument(help="Mass-elastic table (.csv), or openTorsion-Editor file (.json)."),
     ] = None,
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="Model file to write (default: print it).")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Model file to write (default: print it).")
+    ] = None,
     referred: Annotated[
-        bool, typer.Option("--referred", help="All values are referred to the speed of the first mass.")
+        bool,
+        typer.Option("--referred", help="All values are referred to the speed of the first mass."),
     ] = False,
     template: Annotated[bool, typer.Option("--template", help="Print a table to fill in.")] = False,
 ) -> None:
@@ -64,12 +74,25 @@ def import_(
 
 def export(
     file: Annotated[Path, typer.Argument(help="The shaft train, a YAML file.", show_default=False)],
-    out: Annotated[Path, typer.Option("-o", "--out", help="Train.mo (Modelica), or .npz or .mat (state space).")],
-    rpm: Annotated[float | None, typer.Option("--rpm", help="Reference speed (default: the rated speed).")] = None,
-    order: Annotated[str | None, typer.Option("--order", help="Modelica: one order only, as 2 or 1/2.")] = None,
-    at: Annotated[float | None, typer.Option("--at", help="State space: Hz at which loss factors are exact.")] = None,
-    inputs: Annotated[str, typer.Option("--inputs", help="State space: stations with a torque, by commas.")] = "",
-    outputs: Annotated[str, typer.Option("--outputs", help="State space: stations with a speed, by commas.")] = "",
+    out: Annotated[
+        Path,
+        typer.Option("-o", "--out", help="Train.mo (Modelica), or .npz or .mat (state space)."),
+    ],
+    rpm: Annotated[
+        float | None, typer.Option("--rpm", help="Reference speed (default: the rated speed).")
+    ] = None,
+    order: Annotated[
+        str | None, typer.Option("--order", help="Modelica: one order only, as 2 or 1/2.")
+    ] = None,
+    at: Annotated[
+        float | None, typer.Option("--at", help="State space: Hz at which loss factors are exact.")
+    ] = None,
+    inputs: Annotated[
+        str, typer.Option("--inputs", help="State space: stations with a torque, by commas.")
+    ] = "",
+    outputs: Annotated[
+        str, typer.Option("--outputs", help="State space: stations with a speed, by commas.")
+    ] = "",
     case: Annotated[str | None, typer.Option("--case", help="One case of the file.")] = None,
 ) -> None:
     """Write the lumped train as a Modelica model, or as a state space for Python or MATLAB.
@@ -79,4 +102,6 @@ def export(
     from torsion.exchange.export_command import export as write
 
     with refusals(file):
-        say(write(file, out, rpm=rpm, order=order, at=at, inputs=inputs, outputs=outputs, case=case))
+        say(
+            write(file, out, rpm=rpm, order=order, at=at, inputs=inputs, outputs=outputs, case=case)
+        )

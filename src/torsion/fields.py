@@ -53,7 +53,9 @@ def required(meaning: str, **limits: Any) -> Any:
     return Field(description=meaning, **limits)
 
 
-def refuse(message: str, hint: str = "", key: str | tuple[str | int, ...] = "") -> PydanticCustomError:
+def refuse(
+    message: str, hint: str = "", key: str | tuple[str | int, ...] = ""
+) -> PydanticCustomError:
     """The error that a reader of values raises; the hint says what would be right, the key which entry is at fault.
 
     key: that of a mapping, or the steps to what stands deeper.
@@ -62,7 +64,9 @@ def refuse(message: str, hint: str = "", key: str | tuple[str | int, ...] = "") 
     return PydanticCustomError("fault", text, {"message": message, "hint": hint, "key": key})
 
 
-_READING: ContextVar[tuple[str, bool]] = ContextVar("_READING", default=("", False))  # what is read; it is unusual
+_READING: ContextVar[tuple[str, bool]] = ContextVar(
+    "_READING", default=("", False)
+)  # what is read; it is unusual
 
 
 class Sized(Declared):
@@ -113,11 +117,17 @@ class Quantity:
             if isinstance(value, str):
                 return self._within(units.to_si(value, self.unit), *units.written(value, self.unit))
             if isinstance(value, bool) or not isinstance(value, int | float):
-                hint = "write a number" if self.unit == "1" else f"write a number with a unit, {self.unit}"
+                hint = (
+                    "write a number"
+                    if self.unit == "1"
+                    else f"write a number with a unit, {self.unit}"
+                )
                 raise refuse(f"{shown(value)} is not {units.speak(self.unit)}", hint)
             if units.needs_unit(self.unit):
                 hint = "deg or rad" if self.unit == "rad" else "rpm or rad/s"
-                raise refuse(f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one", hint)
+                raise refuse(
+                    f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one", hint
+                )
             return self._within(float(value), self.unit, 1.0)
         except units.UnitFault as fault:
             raise refuse(fault.message, fault.hint) from None
@@ -140,7 +150,9 @@ class Quantity:
             raise refuse(f"{_with_unit(number / size, unit)} is outside the usual range", hint)
         if number and not SMALLEST <= abs(number) <= LARGEST:
             hint = f"in SI from {SMALLEST:g} to {LARGEST:g}, or 0"
-            raise refuse(f"{_with_unit(number / size, unit)} is beyond all that can be computed with", hint)
+            raise refuse(
+                f"{_with_unit(number / size, unit)} is beyond all that can be computed with", hint
+            )
         return number
 
     @property
@@ -152,9 +164,11 @@ class Quantity:
     def limits(self) -> list[tuple[str, float, Callable[[float, float], bool]]]:
         """Every limit with the words for it and what must hold of a value and it."""
         known = (
-            ("more than", self.above, operator.gt), ("at least", self.at_least, operator.ge),
-            ("less than", self.below, operator.lt), ("at most", self.at_most, operator.le),
-        )  # fmt: skip
+            ("more than", self.above, operator.gt),
+            ("at least", self.at_least, operator.ge),
+            ("less than", self.below, operator.lt),
+            ("at most", self.at_most, operator.le),
+        )
         return [(words, limit, holds) for words, limit, holds in known if limit is not None]
 
     def _slip(self, number: float, size: float) -> str:
@@ -169,7 +183,9 @@ class Quantity:
         words = _with_unit(self.range.words(size), unit)
         return words + (", or 0" if self.at_least == 0 and self.range.low > 0.0 else "")
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(
@@ -195,13 +211,19 @@ def shown(value: object) -> str:
     return f"'{printable(value)}'" if isinstance(value, str) else str(value).lower()[:60]
 
 
-_EXACT = re.compile(r" *[+-]?[0-9]{0,20}(\.[0-9]{0,20}|/[0-9]{1,20})? *")  # no exponent: 1e999999 is beyond any memory
+_EXACT = re.compile(
+    r" *[+-]?[0-9]{0,20}(\.[0-9]{0,20}|/[0-9]{1,20})? *"
+)  # no exponent: 1e999999 is beyond any memory
 _DECIMAL = r"[0-9]{1,20}(?:\.[0-9]{1,20})?"
 
 
 def _quotient(value: object) -> str:
     """What to write for a quotient with decimals or a colon: 100/577 for '1/5.77', 5.77 for '5.77:1'; else empty."""
-    found = re.fullmatch(rf"\s*({_DECIMAL})\s*([/:])\s*({_DECIMAL})\s*", value) if isinstance(value, str) else None
+    found = (
+        re.fullmatch(rf"\s*({_DECIMAL})\s*([/:])\s*({_DECIMAL})\s*", value)
+        if isinstance(value, str)
+        else None
+    )
     if found is None or not Fraction(found[1]) or not Fraction(found[3]):
         return ""
     above, sign, below = found.groups()
@@ -220,7 +242,9 @@ def read_exact(value: object) -> Fraction:
             raise ValueError
         exact = Fraction(written)
     except (ValueError, ZeroDivisionError):
-        raise refuse(f"{shown(value)} is not a number", _quotient(value) or "write 2, 0.5 or 21/8") from None
+        raise refuse(
+            f"{shown(value)} is not a number", _quotient(value) or "write 2, 0.5 or 21/8"
+        ) from None
     if not 1e-9 < exact < 1e9:
         raise refuse(f"{shown(value)} is out of range", "must be a positive number")
     return exact
@@ -243,7 +267,9 @@ def read_amount(value: object) -> Amount:
         return value
     if isinstance(value, dict):
         if set(value) != {"of_mean"}:
-            raise refuse("a share of the mean torque has the key `of_mean` alone", "{of_mean: 10 %}")
+            raise refuse(
+                "a share of the mean torque has the key `of_mean` alone", "{of_mean: 10 %}"
+            )
         return Amount(of_mean=SHARE_OF_MEAN.read(value["of_mean"]))
     if isinstance(value, str) and value.strip().endswith("%"):
         return Amount(of_mean=SHARE_OF_MEAN.read(value))
@@ -255,7 +281,9 @@ def _read_by(read: Callable[[Any], Any]) -> GetPydanticSchema:
     return GetPydanticSchema(lambda *_: core_schema.no_info_plain_validator_function(read))
 
 
-OneOrMany = BeforeValidator(lambda value: value if isinstance(value, list | tuple) else (value,))  # one: a list of it
+OneOrMany = BeforeValidator(
+    lambda value: value if isinstance(value, list | tuple) else (value,)
+)  # one: a list of it
 
 Inertia = Annotated[float, Quantity("kg*m**2", at_least=0)]
 Stiffness = Annotated[float, Quantity("N*m/rad", above=0)]
@@ -275,7 +303,12 @@ Modulus = Annotated[float, Quantity("Pa", above=0, usual="modulus")]
 Tolerance = Annotated[float, Quantity("1", at_least=0, usual="tolerance")]
 LossFactor = Annotated[float, Quantity("1", at_least=0, usual="loss factor")]
 Number = Annotated[float, Quantity("1", above=0)]
-_exact = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": "^[0-9./]+$"}]}
+_exact = {
+    "anyOf": [
+        {"type": "number", "exclusiveMinimum": 0},
+        {"type": "string", "pattern": "^[0-9./]+$"},
+    ]
+}
 _of_mean = {
     "type": "object",
     "required": ["of_mean"],

@@ -62,8 +62,12 @@ class Unanswered:
     why: str = result("", (), "cause")
     remedy: str = result("", (), "what to change; empty if the cause says it")
     line: int | None = result("", (), "line of the file, from 1; null if there is none")
-    is_named: bool = result("", (), "the analysis was requested in the file; the exit status is then 3", key="named")
-    is_input: bool = result("", (), "an input error is the reason; the exit status is then 2", key="input_fault")
+    is_named: bool = result(
+        "", (), "the analysis was requested in the file; the exit status is then 3", key="named"
+    )
+    is_input: bool = result(
+        "", (), "an input error is the reason; the exit status is then 2", key="input_fault"
+    )
     text: str  # all of it, with the line quoted
 
     @property
@@ -116,7 +120,9 @@ class Log:
     lines: list[PlanLine] = field(default_factory=list)
     left_out: list[tuple[str, str]] = field(default_factory=list)
     unanswered: list[Unanswered] = field(default_factory=list)
-    libraries: dict[str, None] = field(default_factory=lambda: dict.fromkeys(("numpy", "scipy", "pydantic", "PyYAML")))
+    libraries: dict[str, None] = field(
+        default_factory=lambda: dict.fromkeys(("numpy", "scipy", "pydantic", "PyYAML"))
+    )
 
     @contextmanager
     def step(self, what: str, why: str) -> Iterator[Step]:
@@ -133,7 +139,10 @@ class Log:
 
     def plan(self) -> Plan:
         """All that was collected, with the versions of what the numbers come from."""
-        versions = {"torsion": version("torsion"), "Python": ".".join(map(str, sys.version_info[:3]))}
+        versions = {
+            "torsion": version("torsion"),
+            "Python": ".".join(map(str, sys.version_info[:3])),
+        }
         versions |= {name: version(name) for name in self.libraries}
         return Plan(tuple(self.lines), tuple(self.left_out), versions, tuple(self.unanswered))
 
@@ -172,7 +181,9 @@ class Findings(Displayed, Results):
     """Everything that a study requests."""
 
     plan: Plan
-    cases: "Mapping[str, Findings]" = field(default_factory=dict)  # of every case of the study, by name
+    cases: "Mapping[str, Findings]" = field(
+        default_factory=dict
+    )  # of every case of the study, by name
 
     def __getitem__(self, name: str) -> Any:
         """The result of that name; raises KeyError with the nearest name."""
@@ -191,7 +202,13 @@ class Findings(Displayed, Results):
         It is never True where the command ends with another exit status than 0.
         """
         verdict = self.verdict
-        return False if verdict == "FAIL" else True if verdict != "NOT JUDGED" and self.exit_status == SOLVED else None
+        return (
+            False
+            if verdict == "FAIL"
+            else True
+            if verdict != "NOT JUDGED" and self.exit_status == SOLVED
+            else None
+        )
 
     @property
     def checks(self) -> tuple[Any, ...]:
@@ -275,7 +292,9 @@ class Work(Results):
     ruled: frozenset[str] = frozenset()  # analyses that the rules of the study read
     rules: Any = None  # the module of the rules, for the speeds that their verdicts stand on
     solve: Callable[..., Findings] | None = None  # another study to its findings, as `run` does
-    answered: Callable[..., Any] | None = None  # chunks of a sweep to their parts, in place of this process
+    answered: Callable[..., Any] | None = (
+        None  # chunks of a sweep to their parts, in place of this process
+    )
 
     def settings(self, name: str, kind: type[Settings]) -> Settings:
         """The settings of an analysis, defaults where the file names it without any or not at all."""

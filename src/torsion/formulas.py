@@ -18,11 +18,21 @@ from torsion.kinematics import cross
 from torsion.rules import m68_shafts, shrink_fits
 
 __all__ = [
-    "cross_joint_fluctuation", "cross_joint_ratio", "m68_continuous_stress", "m68_minimum_diameter",
-    "m68_transient_stress", "reciprocating_inertia", "round_shaft_stiffness", "round_shaft_stress", "shaft_inertia",
-    "shrink_fit_torque", "throw_stiffness_carter", "throw_stiffness_ker_wilson", "tuned_damper_optimum",
+    "cross_joint_fluctuation",
+    "cross_joint_ratio",
+    "m68_continuous_stress",
+    "m68_minimum_diameter",
+    "m68_transient_stress",
+    "reciprocating_inertia",
+    "round_shaft_stiffness",
+    "round_shaft_stress",
+    "shaft_inertia",
+    "shrink_fit_torque",
+    "throw_stiffness_carter",
+    "throw_stiffness_ker_wilson",
+    "tuned_damper_optimum",
     "viscous_damper_optimum",
-]  # fmt: skip
+]
 MPA = 1e6  # Pa
 MM = 1e-3  # m
 Cylinder = tuple[float, float, float]  # m: diameter, bore, length
@@ -46,10 +56,14 @@ def round_shaft_stiffness(
     >>> round(float(round_shaft_stiffness(length=np.pi / 32, diameter=1, shear_modulus=80e9)))
     80000000000
     """
-    return np.asarray(shear_modulus * polar_area_moment(diameter, bore) / np.asarray(length, dtype=float))
+    return np.asarray(
+        shear_modulus * polar_area_moment(diameter, bore) / np.asarray(length, dtype=float)
+    )
 
 
-def round_shaft_stress(*, torque: ArrayLike, diameter: ArrayLike, bore: ArrayLike = 0.0) -> FloatArray:
+def round_shaft_stress(
+    *, torque: ArrayLike, diameter: ArrayLike, bore: ArrayLike = 0.0
+) -> FloatArray:
     """Return τ = 16 T D/(π (D⁴ - d⁴)), the nominal shear stress at the surface, Pa. Source: strength of materials.
 
     >>> round(float(round_shaft_stress(torque=np.pi / 16 * 50e6 * 0.1**3, diameter=0.1)) / 1e6, 9)  # T = W · 50 MPa
@@ -58,7 +72,9 @@ def round_shaft_stress(*, torque: ArrayLike, diameter: ArrayLike, bore: ArrayLik
     return np.asarray(np.asarray(torque, dtype=float) / section_modulus(diameter, bore))
 
 
-def shaft_inertia(*, length: ArrayLike, diameter: ArrayLike, bore: ArrayLike = 0.0, density: float) -> FloatArray:
+def shaft_inertia(
+    *, length: ArrayLike, diameter: ArrayLike, bore: ArrayLike = 0.0, density: float
+) -> FloatArray:
     """Return J = π ρ L (D⁴ - d⁴)/32 of a cylinder, kg m². Source: mechanics of rigid bodies.
 
     A disc of 100 kg and 0.4 m radius has J = m r²/2 = 8 kg m²:
@@ -70,7 +86,12 @@ def shaft_inertia(*, length: ArrayLike, diameter: ArrayLike, bore: ArrayLike = 0
 
 
 def throw_stiffness_carter(
-    *, journal: Cylinder, pin: Cylinder, web: tuple[float, float], radius: float, shear_modulus: float
+    *,
+    journal: Cylinder,
+    pin: Cylinder,
+    web: tuple[float, float],
+    radius: float,
+    shear_modulus: float,
 ) -> float:
     """Return the stiffness of a crank throw, N m/rad. Source: Carter, in Nestorides 1958 (edition not confirmed).
 
@@ -85,7 +106,12 @@ def throw_stiffness_carter(
 
 
 def throw_stiffness_ker_wilson(
-    *, journal: Cylinder, pin: Cylinder, web: tuple[float, float], radius: float, shear_modulus: float
+    *,
+    journal: Cylinder,
+    pin: Cylinder,
+    web: tuple[float, float],
+    radius: float,
+    shear_modulus: float,
 ) -> float:
     """Return the stiffness of a crank throw, N m/rad. Source: Ker Wilson, in Nestorides 1958 (edition not confirmed).
 
@@ -138,7 +164,9 @@ def tuned_damper_optimum(*, ring: float, inertia: float, frequency: float) -> Da
 def _optimum(optimum: ring_damper.Optimum, ring: float, frequency: float) -> DamperOptimum:
     speed = 2.0 * math.pi * frequency
     return DamperOptimum(
-        ring * (speed * optimum.tuning) ** 2, 2.0 * ring * speed * optimum.damping, optimum.magnification
+        ring * (speed * optimum.tuning) ** 2,
+        2.0 * ring * speed * optimum.damping,
+        optimum.magnification,
     )
 
 
@@ -194,7 +222,13 @@ def m68_transient_stress(
 
 
 def m68_minimum_diameter(
-    *, power: float, speed: float, strength: float, k: float = 1.0, factor: float = 100.0, bore_share: float = 0.0
+    *,
+    power: float,
+    speed: float,
+    strength: float,
+    k: float = 1.0,
+    factor: float = 100.0,
+    bore_share: float = 0.0,
 ) -> float:
     """Return the minimum shaft diameter, m. Source: IACS UR M68, M68.4 (edition not confirmed).
 

@@ -35,7 +35,9 @@ def _replace_closed_streams() -> None:
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            stream = os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8", errors="replace")
+            stream = os.fdopen(
+                os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8", errors="replace"
+            )
             setattr(sys, name, stream)
             setattr(sys, f"__{name}__", stream)
 
@@ -49,7 +51,12 @@ def make_streams_last() -> Output | None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="replace")
-    if os.name != "posix" or sys.stdout is not sys.__stdout__ or sys.stdout is None or sys.stderr is None:
+    if (
+        os.name != "posix"
+        or sys.stdout is not sys.__stdout__
+        or sys.stdout is None
+        or sys.stderr is None
+    ):
         return None
     sys.stderr, _ = _lasting(sys.stderr, 2)
     sys.stdout, output = _lasting(sys.stdout, 1)
@@ -61,4 +68,6 @@ def _lasting(stream: TextIO, number: int) -> tuple[io.TextIOWrapper, Output]:
     stream.flush()
     raw = Output(number, "wb", closefd=False)
     buffered = io.BufferedWriter(raw)
-    return io.TextIOWrapper(buffered, "utf-8", "replace", line_buffering=number == 2 or raw.isatty()), raw
+    return io.TextIOWrapper(
+        buffered, "utf-8", "replace", line_buffering=number == 2 or raw.isatty()
+    ), raw

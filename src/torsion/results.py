@@ -52,13 +52,23 @@ class Quantity:
     key: str = BY_UNIT  # its name in every output, by itself that with its unit; "" stands for the whole result
     printed: Axes = ()  # axes of the outputs, in their order; a span may be reduced to the element that it belongs to
     is_total: bool = False  # over a group of segments it adds up; else the value at the end of the group stands for it
-    known_by: str = ""  # the statuses, over the first axes of the array, that are 0 where its values are known
-    record: str | None = None  # its axis runs over records that take the arrays over it: "", or the name of a value
+    known_by: str = (
+        ""  # the statuses, over the first axes of the array, that are 0 where its values are known
+    )
+    record: str | None = (
+        None  # its axis runs over records that take the arrays over it: "", or the name of a value
+    )
 
     def named(self, name: str) -> "Quantity":
         """As a field or property of that name declares it; its key ends in the unit, spelled like rad_per_s."""
         unit = self.unit.removeprefix("1").translate(_SPELLED)
-        key = self.key if self.key != BY_UNIT else f"{name}_{unit.removeprefix('_')}" if unit else name
+        key = (
+            self.key
+            if self.key != BY_UNIT
+            else f"{name}_{unit.removeprefix('_')}"
+            if unit
+            else name
+        )
         return dataclasses.replace(self, name=name, key=key, printed=self.printed or self.axes)
 
 
@@ -68,9 +78,13 @@ class Derived(cached_property[Value]):
     declared: Quantity
 
 
-def result(unit: str, axes: Axes, meaning: str, *, default: Any = dataclasses.MISSING, **traits: Any) -> Any:
+def result(
+    unit: str, axes: Axes, meaning: str, *, default: Any = dataclasses.MISSING, **traits: Any
+) -> Any:
     """A field of a result: its unit, what the axes of its array run over, what it means; `traits` as of Quantity."""
-    return dataclasses.field(default=default, metadata={"declared": Quantity(unit, axes, meaning, **traits)})
+    return dataclasses.field(
+        default=default, metadata={"declared": Quantity(unit, axes, meaning, **traits)}
+    )
 
 
 @typing.dataclass_transform(frozen_default=True, field_specifiers=(result,))
@@ -82,7 +96,9 @@ def reported(kind: type[Value]) -> type[Value]:
     return dataclass(frozen=True, repr=False)(kind)
 
 
-def derived(unit: str, axes: Axes, meaning: str, **traits: Any) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
+def derived(
+    unit: str, axes: Axes, meaning: str, **traits: Any
+) -> Callable[[Callable[[Any], Value]], Derived[Value]]:
     """A property of a result that is an output too, declared as a field is."""
 
     def declare(function: Callable[[Any], Value]) -> Derived[Value]:
@@ -105,7 +121,9 @@ def single_values(shown: Any) -> str:
     """
     fields = {field.name for field in dataclasses.fields(shown)}
     values = (
-        (quantity.key, getattr(shown, quantity.name)) for quantity in quantities(type(shown)) if quantity.name in fields
+        (quantity.key, getattr(shown, quantity.name))
+        for quantity in quantities(type(shown))
+        if quantity.name in fields
     )
     words = (
         f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}"
@@ -138,7 +156,9 @@ class Keyed:
         in_radians = f"{key.removesuffix('_rpm')}_rad_per_s"
         if key.endswith("_rpm") and in_radians in names:
             return getattr(self, names[in_radians]) * RPM
-        raise AttributeError(f"'{type(self).__name__}' has no attribute '{key}'", name=key, obj=self)
+        raise AttributeError(
+            f"'{type(self).__name__}' has no attribute '{key}'", name=key, obj=self
+        )
 
     def __dir__(self) -> list[str]:
         return sorted({*object.__dir__(self), *names_by_key(type(self))})
@@ -190,7 +210,11 @@ def by_name(name: str, values: Mapping[str, Value], what: str = "component") -> 
 
 def names_by_key(kind: type) -> dict[str, str]:
     """Return the field or property of every key that is spelled another way."""
-    return {quantity.key: quantity.name for quantity in quantities(kind) if quantity.key not in ("", quantity.name)}
+    return {
+        quantity.key: quantity.name
+        for quantity in quantities(kind)
+        if quantity.key not in ("", quantity.name)
+    }
 
 
 def words(codes: Any, kind: type[Enum]) -> np.ndarray:
@@ -255,7 +279,10 @@ def _hint(kind: type, name: str) -> Any:
     if isinstance(attribute, Derived):
         return typing.get_type_hints(attribute.func)["return"]
     holder = next(base for base in kind.__mro__ if name in inspect.get_annotations(base))
-    alone = {"__annotations__": {name: inspect.get_annotations(holder)[name]}, "__module__": holder.__module__}
+    alone = {
+        "__annotations__": {name: inspect.get_annotations(holder)[name]},
+        "__module__": holder.__module__,
+    }
     return typing.get_type_hints(type(name, (), alone))[name]
 
 

@@ -9,7 +9,17 @@ from typing import Any
 from torsion import rules
 from torsion.analyses import ANALYSES, Analysis, ordered
 from torsion.errors import Fault, InputError, SolveError
-from torsion.findings import NORMAL, Findings, Plan, PlanLine, Progress, Unanswered, UsedSource, Work, silent
+from torsion.findings import (
+    NORMAL,
+    Findings,
+    Plan,
+    PlanLine,
+    Progress,
+    Unanswered,
+    UsedSource,
+    Work,
+    silent,
+)
 from torsion.rules import judgement
 from torsion.rules.demanded_states import unjudged, unjudged_variants
 from torsion.rules.reached_speeds import demanded_study, in_rpm
@@ -22,15 +32,27 @@ from torsion.study import Study, bytes_of
 ESSENTIAL = ("sections", "assembly")  # without which nothing else stands
 DEFAULT = ("modes", "response")  # analyses of a file that names none
 ANSWERS = (  # results of which one at least makes a report
-    "modes", "damped_modes", "response", "frequency_response", "joints", "lateral", "stability", "stability_map",
-    "transient", "check",
-)  # fmt: skip
+    "modes",
+    "damped_modes",
+    "response",
+    "frequency_response",
+    "joints",
+    "lateral",
+    "stability",
+    "stability_map",
+    "transient",
+    "check",
+)
 
 
 def run(
-    study: Study, *, only: Collection[str] = (), memory: str | float | None = None, progress: Progress = silent,
+    study: Study,
+    *,
+    only: Collection[str] = (),
+    memory: str | float | None = None,
+    progress: Progress = silent,
     answered: Callable[..., Any] | None = None,
-) -> Findings:  # fmt: skip
+) -> Findings:
     """Compute everything that the study requests, and its cases, or of it `only` those analyses and what they need.
 
     An analysis without an answer is reported in the plan (`plan.unanswered`) and takes no other with it; its error is
@@ -52,9 +74,13 @@ def run(
     for place, (name, case) in enumerate(study.cases.items(), start=1):
         part = _part_of(progress, f"case {name}", (place, total))
         part("", 0.0)
-        others = {key: one for key, one in case.variations.items() if key != "design"}  # which is over all cases
+        others = {
+            key: one for key, one in case.variations.items() if key != "design"
+        }  # which is over all cases
         try:
-            cases[name] = _misfires(replace(case, memory=study.memory, variations=others), only, part, answered)
+            cases[name] = _misfires(
+                replace(case, memory=study.memory, variations=others), only, part, answered
+            )
         except (InputError, SolveError) as error:
             cases[name] = _without_answer(case, error)
     return replace(found, cases=cases)
@@ -62,7 +88,7 @@ def run(
 
 def _misfires(
     study: Study, only: Collection[str], progress: Progress, answered: Callable[..., Any] | None
-) -> Findings:  # fmt: skip
+) -> Findings:
     """The findings of a study, without its cases.
 
     Where every cylinder of an engine is to misfire in turn, it is computed once for each: the checks are the worst of
@@ -74,26 +100,37 @@ def _misfires(
     from torsion.components.engine.misfire_cases import misfire_cases
 
     each = list(misfire_cases(study.train.parts, study.train.torques))
-    return _worst({
-        words: _one(
-            replace(study, train=replace(study.train, parts=parts, torques=torques)),
-            only, _part_of(progress, words, (place, len(each))), answered,
-        )
-        for place, (words, parts, torques) in enumerate(each)
-    })  # fmt: skip
+    return _worst(
+        {
+            words: _one(
+                replace(study, train=replace(study.train, parts=parts, torques=torques)),
+                only,
+                _part_of(progress, words, (place, len(each))),
+                answered,
+            )
+            for place, (words, parts, torques) in enumerate(each)
+        }
+    )
 
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
     """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
     lines = worst_checks({words: found.need(Checks).lines for words, found in cases.items()})
     named = [
-        replace(check, misfire=words, note="; ".join(filter(None, (words, check.note))), barred=_united(check.barred))
+        replace(
+            check,
+            misfire=words,
+            note="; ".join(filter(None, (words, check.note))),
+            barred=_united(check.barred),
+        )
         for words, check in lines.values()
-    ]  # fmt: skip
+    ]
     worst = max(lines.values(), key=lambda line: rank(line[1]))[0] if lines else next(iter(cases))
     found = cases[worst]
     unanswered = {one.analysis: one for case in cases.values() for one in case.plan.unanswered}
-    left_out = dict.fromkeys((*found.plan.left_out, *((one.what, one.words) for one in unanswered.values())))
+    left_out = dict.fromkeys(
+        (*found.plan.left_out, *((one.what, one.words) for one in unanswered.values()))
+    )
     plan = replace(found.plan, unanswered=tuple(unanswered.values()), left_out=tuple(left_out))
     whole = replace(found, plan=plan).having(checks=Checks(tuple(named)))
     first = next(iter(cases.values())).results.get("engines")  # that which has the misfires
@@ -101,7 +138,9 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
         return whole
     pairs = zip(found.results["engines"].each, first.each, strict=True)
     return whole.having(
-        engines=replace(first, each=tuple(replace(own, superposed=one.superposed) for own, one in pairs))
+        engines=replace(
+            first, each=tuple(replace(own, superposed=one.superposed) for own, one in pairs)
+        )
     )
 
 
@@ -110,12 +149,21 @@ def _united(bands: Iterable[BarredRange]) -> tuple[BarredRange, ...]:
     found: list[BarredRange] = []
     for band in sorted(bands, key=lambda one: (one.shaft, one.order or 0, one.lower)):
         last = found[-1] if found else None
-        if last is None or (last.shaft, last.order) != (band.shaft, band.order) or band.lower > last.upper:
+        if (
+            last is None
+            or (last.shaft, last.order) != (band.shaft, band.order)
+            or band.lower > last.upper
+        ):
             found.append(band)
             continue
         ends = [min(last.lower, band.lower), max(last.upper, band.upper)]
-        formula = [min(last.formula_lower, band.formula_lower), max(last.formula_upper, band.formula_upper)]
-        found[-1] = replace(last, lower=ends[0], upper=ends[1], formula_lower=formula[0], formula_upper=formula[1])
+        formula = [
+            min(last.formula_lower, band.formula_lower),
+            max(last.formula_upper, band.formula_upper),
+        ]
+        found[-1] = replace(
+            last, lower=ends[0], upper=ends[1], formula_lower=formula[0], formula_upper=formula[1]
+        )
     return tuple(found)
 
 
@@ -133,23 +181,41 @@ def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
         remedy, text = "; ".join(fault.hint for fault in error.faults if fault.hint), str(error)
     else:
         why, remedy, text = error.message, error.hint, error.located or str(error)
-    one = Unanswered("", f"case '{name}'", why, remedy, None, True, isinstance(error, InputError), text)
+    one = Unanswered(
+        "", f"case '{name}'", why, remedy, None, True, isinstance(error, InputError), text
+    )
     return Findings(case, {}, Plan((), ((one.what, one.words),), {}, (one,)))
 
 
 def _message(fault: Fault, study: Study) -> str:
     """The message of a fault, without the case that it is of."""
-    return fault.message.removeprefix(f"case '{study.case.name}': ") if study.case is not None else fault.message
+    return (
+        fault.message.removeprefix(f"case '{study.case.name}': ")
+        if study.case is not None
+        else fault.message
+    )
 
 
 def _one(
-    study: Study, only: Collection[str], progress: Progress, answered: Callable[..., Any] | None = None
-) -> Findings:  # fmt: skip
+    study: Study,
+    only: Collection[str],
+    progress: Progress,
+    answered: Callable[..., Any] | None = None,
+) -> Findings:
     """The findings of a study with its cylinders as they are, without its cases."""
     names = _with_needs(only) if only else list(ANALYSES)
-    judged = replace(study, rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)))
+    judged = replace(
+        study,
+        rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)),
+    )
     work = Work(
-        judged, {}, progress=progress, ruled=rules.needed(judged), rules=judgement, solve=run, answered=answered
+        judged,
+        {},
+        progress=progress,
+        ruled=rules.needed(judged),
+        rules=judgement,
+        solve=run,
+        answered=answered,
     )
     for name, _ in study.rules:
         if name not in dict(judged.rules):
@@ -175,7 +241,9 @@ def _one(
         raise located(error, study) from None
     except SolveError as error:
         if error.path and study.text:
-            error.located = str(located(InputError([Fault(error.path, error.message, error.hint)]), study))
+            error.located = str(
+                located(InputError([Fault(error.path, error.message, error.hint)]), study)
+            )
         raise
     plan = replace(work.log.plan(), sources=used_sources(study, citations, work.need(Checks)))
     found = Findings(study, work.results, plan)
@@ -195,7 +263,9 @@ def used_sources(study: Study, citations: Citations, checks: Checks) -> tuple[Us
     for check in checks.lines:
         if check.basis is not None and check.basis.kind in ("text", "confirmed", "unconfirmed"):
             compared = clauses.setdefault((check.rule, check.basis.edition), {})
-            compared[check.clause] = compared.get(check.clause, True) and check.basis.kind != "unconfirmed"
+            compared[check.clause] = (
+                compared.get(check.clause, True) and check.basis.kind != "unconfirmed"
+            )
     editions = [
         UsedSource(rule, words, tuple(compared), all(compared.values()), is_rule=True)
         for (rule, words), compared in clauses.items()
@@ -216,7 +286,9 @@ def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> 
     start = time.perf_counter()
     try:
         analyses = rules.needed(above) | _beside_response(above)
-        above = replace(above, analyses={name: one for name, one in study.analyses.items() if name in analyses})
+        above = replace(
+            above, analyses={name: one for name, one in study.analyses.items() if name in analyses}
+        )
         if faults := study_faults(above):
             raise InputError(faults)
         further = _one(above, analyses, progress).need(Checks).lines
@@ -225,7 +297,9 @@ def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> 
         rows = {(check.rule, check.where): _not_computed(check, end, why) for check in mine}
         further = tuple(rows.values())
     own = f"above `operation.speeds`, computed up to {end} for the rule"
-    worst = worst_checks({"": tuple(mine), own: tuple(check for check in further if check.rule in names)})
+    worst = worst_checks(
+        {"": tuple(mine), own: tuple(check for check in further if check.rule in names)}
+    )
     merged = tuple(
         replace(check, note="; ".join(filter(None, (words, check.note))))
         if words and not math.isnan(check.value)
@@ -234,9 +308,12 @@ def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> 
     )
     others = tuple(check for check in found.need(Checks).lines if check.rule not in names)
     line = PlanLine(
-        f"speeds up to {end}", "the same model", f"{len(further)} checks", time.perf_counter() - start,
+        f"speeds up to {end}",
+        "the same model",
+        f"{len(further)} checks",
+        time.perf_counter() - start,
         f"{', '.join(names)}: demanded above `operation.speeds`",
-    )  # fmt: skip
+    )
     plan = replace(found.plan, done=(*found.plan.done, line))
     return replace(found, plan=plan).having(checks=Checks(_in_order(study, (*others, *merged))))
 
@@ -250,17 +327,23 @@ def _in_order(study: Study, checks: Iterable[Check]) -> tuple[Check, ...]:
 def _beside_response(study: Study) -> frozenset[str]:
     """Analyses that change the response, of those that a rule of vibration reads."""
     names = ("engine", "coupling temperatures", "nonlinear peaks")
-    return frozenset(name for name in names if name in study.analyses or ANALYSES[name].wanted(study))
+    return frozenset(
+        name for name in names if name in study.analyses or ANALYSES[name].wanted(study)
+    )
 
 
 def _not_computed(check: Check, end: str, why: str) -> Check:
     """The row of the speeds that a rule demands and that have no answer."""
     what = "Torsional stress amplitude above the computed speeds"
-    row = unjudged(check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing)
+    row = unjudged(
+        check.rule, "speeds", check.where, what, f"demanded up to {end}: {why}", check.standing
+    )
     return replace(row, basis=check.basis)
 
 
-def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError | SolveError) -> Unanswered:
+def _unanswered(
+    study: Study, name: str, analysis: Analysis, error: InputError | SolveError
+) -> Unanswered:
     """The error, located in the file where it says its place or the file names the analysis."""
     place = analysis.place or ("analyses", name)
     by_default = name == "steady" or (not study.analyses and name in DEFAULT)
@@ -268,14 +351,24 @@ def _unanswered(study: Study, name: str, analysis: Analysis, error: InputError |
     if isinstance(error, InputError):
         faults = list(error.faults)
     else:
-        faults = [Fault(error.path or (place if named and study.analyses else ()), error.message, error.hint)]
+        faults = [
+            Fault(
+                error.path or (place if named and study.analyses else ()), error.message, error.hint
+            )
+        ]
     known = (
-        located(InputError(faults), study) if all(fault.path for fault in faults) else InputError(faults, str(error))
+        located(InputError(faults), study)
+        if all(fault.path for fault in faults)
+        else InputError(faults, str(error))
     )
-    why = "; ".join(_message(fault, study).removeprefix(f"{analysis.title}: ") for fault in known.faults)
+    why = "; ".join(
+        _message(fault, study).removeprefix(f"{analysis.title}: ") for fault in known.faults
+    )
     remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
     line = next((fault.line for fault in known.faults if not fault.file), None)
-    return Unanswered(name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known))
+    return Unanswered(
+        name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known)
+    )
 
 
 def _with_needs(only: Collection[str]) -> list[str]:
@@ -283,7 +376,9 @@ def _with_needs(only: Collection[str]) -> list[str]:
     found: dict[str, None] = {}
     for name in only:
         if name not in ANALYSES:
-            raise InputError([Fault(("only",), f"no analysis is called '{name}'", ", ".join(ANALYSES))])
+            raise InputError(
+                [Fault(("only",), f"no analysis is called '{name}'", ", ".join(ANALYSES))]
+            )
         found |= dict.fromkeys([*_with_needs(ANALYSES[name].needs), name])
     return list(found)
 

@@ -34,8 +34,14 @@ class Source:
     @property
     def bibtex(self) -> str:
         """The entry of a bibliography."""
-        fields = {"author": self.authors.replace(", ", " and "), "year": self.year, "note": self.work}
-        lines = [f"  {name} = {{{value}}}".replace("&", r"\&") for name, value in fields.items() if value]
+        fields = {
+            "author": self.authors.replace(", ", " and "),
+            "year": self.year,
+            "note": self.work,
+        }
+        lines = [
+            f"  {name} = {{{value}}}".replace("&", r"\&") for name, value in fields.items() if value
+        ]
         return f"@misc{{{self.key},\n" + ",\n".join(lines) + "\n}"
 
 
@@ -89,7 +95,9 @@ def read_records(table: str) -> dict[str, Source]:
     """Return the records of a table by key."""
     rows = (line.split("; ") for line in table.splitlines())
     return {
-        key: Source(key, authors, year.strip("-"), work, use.removesuffix(" (M)"), not use.endswith(" (M)"))
+        key: Source(
+            key, authors, year.strip("-"), work, use.removesuffix(" (M)"), not use.endswith(" (M)")
+        )
         for key, authors, year, work, use in rows
     }
 
@@ -105,7 +113,9 @@ def note(key: str, where: str = "") -> None:
         citations[SOURCES[key].key, where] = None
 
 
-def source(key: str, where: str = "") -> Callable[[Callable[Arguments, Answer]], Callable[Arguments, Answer]]:
+def source(
+    key: str, where: str = ""
+) -> Callable[[Callable[Arguments, Answer]], Callable[Arguments, Answer]]:
     """Declare on a function the source that it evaluates: each call notes it."""
 
     def declare(function: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:

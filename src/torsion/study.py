@@ -33,7 +33,9 @@ class Range(Declared):
 
     def refuse_clashes(self) -> None:
         if self.first >= self.last:
-            raise refuse("`from` is not below `to`", "a range runs from the lower to the higher value", "to")
+            raise refuse(
+                "`from` is not below `to`", "a range runs from the lower to the higher value", "to"
+            )
 
     def values(self) -> FloatArray:
         """(steps,) in the unit of both ends."""
@@ -69,19 +71,28 @@ class Operation(Sized):
     at: str | None = given("the component whose speed is meant (default: the first)")
     speeds: SpeedRange | None = given("speed range")
     rated: Rated | None = given("rated speed and power")
-    highest: fields.Speed | None = given("highest speed that the train can run at; rules demand none above it")
+    highest: fields.Speed | None = given(
+        "highest speed that the train can run at; rules demand none above it"
+    )
     by: str | None = given("what keeps `highest`: governor", examples=["governor"])
     load: Load = given(
         "law of loads that have no `load`: propeller or quadratic (T ~ n**2), linear, constant, constant-power, "
         "{exponent, at_rest}; or the mean torque, [[speed, torque], ...]",
-        "propeller", validate_default=True,
-    )  # fmt: skip
+        "propeller",
+        validate_default=True,
+    )
 
     def refuse_clashes(self) -> None:
         if self.by is not None and self.highest is None:
             raise refuse("`by` explains `highest`, which is missing", "highest: 100 rpm", "by")
-        if self.highest is not None and self.speeds is not None and self.speeds.last > self.highest * (1 + 1e-9):
-            raise refuse("`highest` is below the last of `speeds`", "let `speeds` end at it", "highest")
+        if (
+            self.highest is not None
+            and self.speeds is not None
+            and self.speeds.last > self.highest * (1 + 1e-9)
+        ):
+            raise refuse(
+                "`highest` is below the last of `speeds`", "let `speeds` end at it", "highest"
+            )
 
     @property
     def speed(self) -> float | None:
@@ -94,8 +105,10 @@ class Operation(Sized):
 class ModalDamping(Declared):
     """Damping by mode, in place of that of the components."""
 
-    modal: Annotated[tuple[ModalRatio, ...], OneOrMany, Field(min_length=1, max_length=10_000)] = required(
-        "damping ratio of every elastic mode, or a list by mode whose last value holds for all above: [1 %, 2 %]"
+    modal: Annotated[tuple[ModalRatio, ...], OneOrMany, Field(min_length=1, max_length=10_000)] = (
+        required(
+            "damping ratio of every elastic mode, or a list by mode whose last value holds for all above: [1 %, 2 %]"
+        )
     )
 
 
@@ -130,7 +143,10 @@ class ShaftModel(Declared):
 
 def _one_line(value: str) -> str:
     if not value.strip() or not value.isprintable():
-        raise refuse("the text is empty" if not value.strip() else "the text is not on one line", "a few words")
+        raise refuse(
+            "the text is empty" if not value.strip() else "the text is not on one line",
+            "a few words",
+        )
     return value
 
 
@@ -151,19 +167,31 @@ def _imo_number(value: Any) -> str:
 
 Words = Annotated[str, Field(max_length=100), AfterValidator(_one_line)]
 Label = Annotated[str, Field(max_length=50), AfterValidator(_one_line)]
-ImoNumber = Annotated[str, BeforeValidator(_imo_number, int | Annotated[str, Field(pattern="^(IMO *)?[0-9]{7}$")])]
+ImoNumber = Annotated[
+    str, BeforeValidator(_imo_number, int | Annotated[str, Field(pattern="^(IMO *)?[0-9]{7}$")])
+]
 
 
 class FrontMatter(Declared):
     """What the cover and the running head of a submission say; all of it is optional."""
 
     vessel: Words | None = given("name of the vessel, or of the plant", examples=["Example Star"])
-    yard: Words | None = given("yard and number of the building", examples=["Example Yard, hull 123"])
-    imo_number: ImoNumber | None = given("IMO number of the vessel; its check digit is checked", examples=[9074729])
-    society: Words | None = given("the classification society that it is submitted to", examples=["Lloyd's Register"])
-    document_number: Label | None = given("number of the document, on every page", examples=["TVC-0123"])
+    yard: Words | None = given(
+        "yard and number of the building", examples=["Example Yard, hull 123"]
+    )
+    imo_number: ImoNumber | None = given(
+        "IMO number of the vessel; its check digit is checked", examples=[9074729]
+    )
+    society: Words | None = given(
+        "the classification society that it is submitted to", examples=["Lloyd's Register"]
+    )
+    document_number: Label | None = given(
+        "number of the document, on every page", examples=["TVC-0123"]
+    )
     revision: Label | None = given("its revision, on every page", examples=["B"])
-    prepared: Words | None = given("who prepared it, next to a line for the signature", examples=["A. Engineer"])
+    prepared: Words | None = given(
+        "who prepared it, next to a line for the signature", examples=["A. Engineer"]
+    )
     checked: Words | None = given("who checked it", examples=["B. Engineer"])
     approved: Words | None = given("who approved it", examples=["C. Engineer"])
     logo: str | None = given(
@@ -189,7 +217,9 @@ class Case:
     changes: tuple[Change, ...]
     is_judged: bool = True  # it counts for the verdict over all cases
     is_corner: bool = False  # its couplings are at an end of their tolerances
-    source: Any = field(default=None, repr=False, compare=False)  # the values of the file, changed, with their places
+    source: Any = field(
+        default=None, repr=False, compare=False
+    )  # the values of the file, changed, with their places
 
     @property
     def has_own_speeds(self) -> bool:
@@ -275,7 +305,9 @@ class Study(Displayed, StudyActions):
     operation: Operation = field(default_factory=Operation)
     model: Literal["lumped", "fem", "exact"] = "lumped"
     fem: FiniteElements = field(default_factory=FiniteElements)
-    analyses: Mapping[str, Declared] = field(default_factory=dict)  # settings of every analysis that is named
+    analyses: Mapping[str, Declared] = field(
+        default_factory=dict
+    )  # settings of every analysis that is named
     rules: tuple[tuple[str, Declared], ...] = ()  # (rule, its settings)
     file: str = ""
     text: str = ""  # the file as read
@@ -283,11 +315,15 @@ class Study(Displayed, StudyActions):
     memory: float = MEMORY  # bytes that a response may need
     document: FrontMatter | None = None
     logo: str = ""  # its picture as a data URI
-    variations: "Mapping[str, Variation]" = field(default_factory=dict, repr=False, compare=False)  # by the analysis
+    variations: "Mapping[str, Variation]" = field(
+        default_factory=dict, repr=False, compare=False
+    )  # by the analysis
     case: Case | None = None  # which one of another study it is
     changes: tuple[Change, ...] = ()  # of `with_`, from the file as it was
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
-    case_states: tuple[CaseStates, ...] = ()  # of every judged case of its file, which a case and a variant know too
+    case_states: tuple[
+        CaseStates, ...
+    ] = ()  # of every judged case of its file, which a case and a variant know too
 
     def __repr__(self) -> str:
         words, speeds = [f"{len(self.train.parts)} components"], self.operation.speeds
@@ -309,12 +345,17 @@ class Study(Displayed, StudyActions):
 
     def covers(self, state: str, rule: str) -> bool:
         """A judged case of the file, under that rule, has a state that rules demand."""
-        return any(state in case.states and (case.rules is None or rule in case.rules) for case in self.case_states)
+        return any(
+            state in case.states and (case.rules is None or rule in case.rules)
+            for case in self.case_states
+        )
 
     @property
     def varies_tolerances(self) -> bool:
         """It, or a case of it, has the couplings at an end of their tolerances."""
-        return any(one.case is not None and one.case.is_corner for one in (self, *self.cases.values()))
+        return any(
+            one.case is not None and one.case.is_corner for one in (self, *self.cases.values())
+        )
 
     @property
     def has_mean_torque(self) -> bool:
@@ -325,7 +366,9 @@ class Study(Displayed, StudyActions):
     def has_tolerances(self) -> bool:
         """A stiffness or an inertia has a tolerance, and couplings are not at an end of theirs."""
         at_its_end = self.case is not None and self.case.is_corner
-        return not at_its_end and any(part.stiffness_tolerance or part.inertia_tolerance for part in self.train.parts)
+        return not at_its_end and any(
+            part.stiffness_tolerance or part.inertia_tolerance for part in self.train.parts
+        )
 
     @property
     def has_joints(self) -> bool:
@@ -342,7 +385,10 @@ class Study(Displayed, StudyActions):
     @property
     def excites(self) -> bool:
         """Something in the train excites it by order, or at a frequency of its own."""
-        harmonic = any(torque.order is not None or torque.frequency is not None for torque in self.train.torques)
+        harmonic = any(
+            torque.order is not None or torque.frequency is not None
+            for torque in self.train.torques
+        )
         return harmonic or any(mesh.error for mesh in self.train.constraints)
 
 
@@ -351,23 +397,39 @@ def states_mean_torque(train: Train, operation: Operation) -> bool:
     if operation.load.table or (operation.rated is not None and operation.rated.power is not None):
         return True
     machines = (part.machine for part in train.parts)
-    return any(machine.is_stated for machine in machines if machine is not None and not machine.is_driver)
+    return any(
+        machine.is_stated for machine in machines if machine is not None and not machine.is_driver
+    )
 
 
 def mesh_faults(study: Study, what: str) -> list[Fault]:
     """Excitations at meshes, where `what` does not take them."""
     hint = "leave it out here; a case may take it away: `remove`"
     meshes = [torque for torque in study.train.torques if torque.mesh is not None]
-    return [Fault(torque.path, f"{what} does not support an excitation at a mesh", hint) for torque in meshes]
+    return [
+        Fault(torque.path, f"{what} does not support an excitation at a mesh", hint)
+        for torque in meshes
+    ]
 
 
 def bytes_of(memory: str | float) -> float:
     """Bytes of a number of them, or of text such as "4 GB"; raises InputError."""
-    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory) if isinstance(memory, str) else None
+    found = (
+        re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory)
+        if isinstance(memory, str)
+        else None
+    )
     if isinstance(memory, str) and found is None:
         message = f"'{memory}' is not an amount of memory"
         raise InputError([Fault((), message)], f"{message} (for example 4GB or 500MB)")
-    value = float(memory) if found is None else float(found[1]) * 1000.0 ** " kMGT".index(found[2][:-1] or " ")
+    value = (
+        float(memory)
+        if found is None
+        else float(found[1]) * 1000.0 ** " kMGT".index(found[2][:-1] or " ")
+    )
     if not 0.0 < value < math.inf:
-        raise InputError([Fault((), f"{memory} is not an amount of memory")], f"{memory} is not an amount of memory")
+        raise InputError(
+            [Fault((), f"{memory} is not an amount of memory")],
+            f"{memory} is not an amount of memory",
+        )
     return value

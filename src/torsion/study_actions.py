@@ -24,7 +24,9 @@ class StudyActions:
 
     def critical_rpm(self, order: float, count: int = 6) -> list[float]:
         """Return the speeds of the reference, rpm, at which an order meets the lowest modes."""
-        return [60.0 * frequency / float(order) for frequency in self.modes(count).frequency.tolist()]
+        return [
+            60.0 * frequency / float(order) for frequency in self.modes(count).frequency.tolist()
+        ]
 
     def run(self) -> Any:
         """Return the findings of everything that the file requests."""

@@ -13,7 +13,16 @@ from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord
 from torsion.components.material import STEEL, Material
 from torsion.components.shaft_details import StepForm
 from torsion.errors import Fault, InputError, Path, nearest
-from torsion.primitives import Bar, Constraint, Damper, Inertia, SectionMesh, Spring, Station, Torque
+from torsion.primitives import (
+    Bar,
+    Constraint,
+    Damper,
+    Inertia,
+    SectionMesh,
+    Spring,
+    Station,
+    Torque,
+)
 from torsion.results import Displayed, by_name, listed, one_line
 from torsion.sources import collected
 
@@ -41,9 +50,15 @@ class Train(Displayed):
     dampers: tuple[Damper, ...]
     torques: tuple[Torque, ...]
     materials: Mapping[str, Material]
-    modal_damping: tuple[float, ...] = ()  # damping ratio of each elastic mode, the last of all above; () for none
-    steps: StepForm | None = "none"  # of shafts that say none of their own; None: all are springs already
-    sources: tuple[tuple[str, str], ...] = ()  # literature of the formulas of its components: key, place in it
+    modal_damping: tuple[
+        float, ...
+    ] = ()  # damping ratio of each elastic mode, the last of all above; () for none
+    steps: StepForm | None = (
+        "none"  # of shafts that say none of their own; None: all are springs already
+    )
+    sources: tuple[
+        tuple[str, str], ...
+    ] = ()  # literature of the formulas of its components: key, place in it
 
     def __repr__(self) -> str:
         names = listed((part.name for part in self.parts), most=6)
@@ -75,7 +90,11 @@ class Train(Displayed):
         torques: dict[str, tuple[Torque, ...]] = {}
         for torque in self.torques:
             if torque.order is not None or torque.frequency is not None:
-                part = self.stations[torque.station].part if torque.cylinder is None else torque.cylinder.engine
+                part = (
+                    self.stations[torque.station].part
+                    if torque.cylinder is None
+                    else torque.cylinder.engine
+                )
                 name = torque.mesh[0] if torque.mesh else self.parts[part].name
                 torques[name] = (*torques.get(name, ()), torque)
         return torques
@@ -105,7 +124,9 @@ class Train(Displayed):
     def has_corners(self) -> bool:
         """A shaft begins with another diameter or bore where one ends; something may stand between them."""
         ends = {bar.driven: (bar.outer[1], bar.bore[1]) for bar in self.bars if bar.section is None}
-        starts = [(bar.driving, (bar.outer[0], bar.bore[0])) for bar in self.bars if bar.section is None]
+        starts = [
+            (bar.driving, (bar.outer[0], bar.bore[0])) for bar in self.bars if bar.section is None
+        ]
         return any(ends.get(station, across) != across for station, across in starts)
 
     @property
@@ -139,7 +160,9 @@ class Train(Displayed):
 
     def has_tables_over(self, over: str) -> bool:
         """The stiffness of a coupling follows a table over that."""
-        return any(spring.table is not None and spring.table.over == over for spring in self.springs)
+        return any(
+            spring.table is not None and spring.table.over == over for spring in self.springs
+        )
 
     @property
     def follows_speed(self) -> bool:
@@ -183,7 +206,7 @@ def train(
     """
     found, faults = lowered(
         components, excitations=excitations, links=links, materials=materials, reference=reference
-    )  # fmt: skip
+    )
     if found is None or faults:
         raise InputError(faults)
     return replace(found, steps=steps)
@@ -215,14 +238,18 @@ def lowered(
         if excitation is not None:
             _excite(build, excitation, ("excitations", position))
     _names(build)
-    counted = None if reference is None else _named(build, reference, ("operation", "at"), point=False)
+    counted = (
+        None if reference is None else _named(build, reference, ("operation", "at"), point=False)
+    )
     train = _train(build, Fraction(1) if counted is None else counted.ratio)
     return replace(train, sources=tuple(citations)), build.faults
 
 
 def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
     """Lower an excitation at a point, or at the mesh of a gear."""
-    made = (one for one in build.primitives if isinstance(one, Constraint) and one.name == excitation.at)
+    made = (
+        one for one in build.primitives if isinstance(one, Constraint) and one.name == excitation.at
+    )
     mesh = next((one for one in made if build.parts[one.part].kind == "gear"), None)
     if mesh is not None:
         from torsion.components.mesh_excitation import mesh_torque
@@ -236,7 +263,9 @@ def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
         return
     if excitation.transmission_error is not None or excitation.harmonic != 1:
         message = f"'{excitation.at}' has no teeth, and so no transmission error"
-        build.faults.append(Fault((*path, "at"), message, "the name of a gear, or `torque` with `order`"))
+        build.faults.append(
+            Fault((*path, "at"), message, "the name of a gear, or `torque` with `order`")
+        )
         return
     build.add(excitation.primitive(excitation.at, point.stations[0], path, excitation.source))
 
@@ -247,15 +276,28 @@ def _train(build: Lowering, unit: Fraction) -> Train:
     def of(kind: type) -> tuple:  # type: ignore[type-arg]
         return tuple(p for p in build.primitives if isinstance(p, kind))
 
-    referred = [None if part.referred_to is None else part.referred_to / unit for part in build.parts]
+    referred = [
+        None if part.referred_to is None else part.referred_to / unit for part in build.parts
+    ]
     return Train(
-        tuple(replace(p, ratio=p.ratio / unit, referred_to=to) for p, to in zip(build.parts, referred, strict=True)),
+        tuple(
+            replace(p, ratio=p.ratio / unit, referred_to=to)
+            for p, to in zip(build.parts, referred, strict=True)
+        ),
         tuple(replace(station, ratio=station.ratio / unit) for station in build.stations),
-        of(Inertia), of(Spring), of(Bar), of(Constraint), of(Damper), of(Torque), build.materials,
-    )  # fmt: skip
+        of(Inertia),
+        of(Spring),
+        of(Bar),
+        of(Constraint),
+        of(Damper),
+        of(Torque),
+        build.materials,
+    )
 
 
-def name_fault(name: str, path: Path, known: Mapping[str, tuple[str, bool]], *, point: bool = True) -> Fault | None:
+def name_fault(
+    name: str, path: Path, known: Mapping[str, tuple[str, bool]], *, point: bool = True
+) -> Fault | None:
     """The fault of a name that is none of the known components', or that of no point where one is needed.
 
     known: of every component its kind, and whether it is a point.
@@ -268,7 +310,9 @@ def name_fault(name: str, path: Path, known: Mapping[str, tuple[str, bool]], *, 
         kind = known[name][0]
         return Fault(path, f"'{name}' is a{'n' * (kind[0] in 'aeiou')} {kind}, not a point", listed)
     near = nearest(name, names)
-    return Fault(path, f"no component is called '{name}'", f"did you mean '{near}'?" if near else listed)
+    return Fault(
+        path, f"no component is called '{name}'", f"did you mean '{near}'?" if near else listed
+    )
 
 
 def _kinds(build: Lowering) -> dict[str, tuple[str, bool]]:
@@ -288,7 +332,9 @@ def _named(build: Lowering, name: str, path: Path, *, point: bool = True) -> Par
 
 def _close(build: Lowering, link: Link, path: Path) -> None:
     """Lower a link between two points of equal speed and sense."""
-    first, second = (_named(build, name, (*path, "between", side)) for side, name in enumerate(link.between))
+    first, second = (
+        _named(build, name, (*path, "between", side)) for side, name in enumerate(link.between)
+    )
     if first is None or second is None:
         return
     both, place = f"'{first.name}' and '{second.name}'", (*path, "between")
@@ -297,7 +343,9 @@ def _close(build: Lowering, link: Link, path: Path) -> None:
         hint = "write the train without `differential`, both halves one by one"
         build.faults.append(Fault(place, "a half of a differential takes no link", hint))
     elif first.stations == second.stations:
-        build.faults.append(Fault(place, f"{both} are one point", "a link joins two different points"))
+        build.faults.append(
+            Fault(place, f"{both} are one point", "a link joins two different points")
+        )
     elif first.ratio != second.ratio or len(senses) > 1:
         hint = "a link joins two different points of the same speed and sense of rotation"
         build.faults.append(Fault(place, f"{both} do not turn together", hint))
@@ -316,7 +364,9 @@ def _join(build: Lowering, first: Part, second: Part, component: Component, path
     component.enter(build, path)
     made = build.parts[-1].stations[-1]
     for position, primitive in enumerate(build.primitives[begin:], begin):
-        moved: dict[str, Any] = dict.fromkeys((end for end in ENDS if getattr(primitive, end, None) == made), driven)
+        moved: dict[str, Any] = dict.fromkeys(
+            (end for end in ENDS if getattr(primitive, end, None) == made), driven
+        )
         build.primitives[position] = replace(primitive, **moved)
     del build.stations[made]
     build.record(stations=(driving, driven))
@@ -335,10 +385,17 @@ def taken(name: str, path: Path, by: Path, *, given: bool = True) -> Fault:
     """The fault of a name, given or automatic, that another component has; paths are those of the components."""
     if given:
         return Fault((*path, "name"), f"the name '{name}' is taken", "names are unique", other=by)
-    return Fault(path, f"its name would be '{name}', which is taken", "give one of the two another `name`", other=by)
+    return Fault(
+        path,
+        f"its name would be '{name}', which is taken",
+        "give one of the two another `name`",
+        other=by,
+    )
 
 
-Rigid = dict[int, list[tuple[int, Spring | Constraint]]]  # of each station: (the other one, the rigid span between)
+Rigid = dict[
+    int, list[tuple[int, Spring | Constraint]]
+]  # of each station: (the other one, the rigid span between)
 
 
 def fixed_point_faults(train: Train) -> list[Fault]:

@@ -48,7 +48,9 @@ def pairs(file: Path, columns: Columns) -> tuple[tuple[float, ...], ...]:
     try:
         text = read_file(file, columns.largest).decode("utf-8-sig")
     except (OSError, ValueError) as error:
-        raise ValueError(f"'{file}' cannot be read: {getattr(error, 'strerror', error)}", "give a text file") from None
+        raise ValueError(
+            f"'{file}' cannot be read: {getattr(error, 'strerror', error)}", "give a text file"
+        ) from None
     return _pairs(file, text, columns)
 
 
@@ -58,7 +60,10 @@ def _pairs(file: Path, text: str, columns: Columns) -> tuple[tuple[float, ...], 
     lines = text.splitlines()
     numbered = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
     if not 3 <= len(numbered) <= columns.most + 1:
-        raise ValueError(f"'{file}' has {max(len(numbered) - 1, 0)} rows", f"2 to {columns.most} rows below the units")
+        raise ValueError(
+            f"'{file}' has {max(len(numbered) - 1, 0)} rows",
+            f"2 to {columns.most} rows below the units",
+        )
     factors = _factors(file, numbered[0][1], columns)
     rows = [_row(file, number, line, factors, columns) for number, line in numbered[1:]]
     first = columns.names[0]
@@ -89,7 +94,9 @@ def _factors(file: Path, header: str, columns: Columns) -> tuple[float, ...]:
     """SI per unit of every column."""
     cells = _BETWEEN.split(header)
     if len(cells) != len(columns.names):
-        raise ValueError(f"'{file}' has {len(cells)} columns in line 1, not {len(columns.names)}", columns.head)
+        raise ValueError(
+            f"'{file}' has {len(cells)} columns in line 1, not {len(columns.names)}", columns.head
+        )
     found = []
     for cell, unit in zip(cells, columns.units, strict=True):
         match = _UNIT.fullmatch(cell.strip())
@@ -102,8 +109,14 @@ def _factors(file: Path, header: str, columns: Columns) -> tuple[float, ...]:
     return tuple(found)
 
 
-def _row(file: Path, number: int, line: str, factors: tuple[float, ...], columns: Columns) -> tuple[float, ...]:
-    cells = _DECIMAL.sub(".", line).split(";") if _DECIMAL.search(line) and ";" in line else _BETWEEN.split(line)
+def _row(
+    file: Path, number: int, line: str, factors: tuple[float, ...], columns: Columns
+) -> tuple[float, ...]:
+    cells = (
+        _DECIMAL.sub(".", line).split(";")
+        if _DECIMAL.search(line) and ";" in line
+        else _BETWEEN.split(line)
+    )
     if len(cells) != len(factors):
         more = "a point in decimals, or decimal commas and semicolons"
         hint = more if len(cells) > len(factors) else columns.both
@@ -112,7 +125,9 @@ def _row(file: Path, number: int, line: str, factors: tuple[float, ...], columns
         values = tuple(float(cell) * factor for cell, factor in zip(cells, factors, strict=True))
     except ValueError:
         what = "pair of numbers" if len(factors) > 1 else "number"
-        raise ValueError(f"'{file}', line {number}: '{line.strip()}' is no {what}", columns.row) from None
+        raise ValueError(
+            f"'{file}', line {number}: '{line.strip()}' is no {what}", columns.row
+        ) from None
     if not (all(map(math.isfinite, values)) and values[0] >= columns.least):
         raise ValueError(f"'{file}', line {number}: {columns.meant} is meant", columns.row)
     return values

@@ -19,7 +19,22 @@ if TYPE_CHECKING:
     from pint.util import UnitsContainer
 
 _HIGHEST = 12  # power of one unit; bounds the size of exact fractions
-_TRADE = ["kN", "MN", "kg", "mm", "km", "MPa", "GPa", "kW", "MW", "kHz", "Nm", "kNm", "MNm", "Nms"]  # often misspelled
+_TRADE = [
+    "kN",
+    "MN",
+    "kg",
+    "mm",
+    "km",
+    "MPa",
+    "GPa",
+    "kW",
+    "MW",
+    "kHz",
+    "Nm",
+    "kNm",
+    "MNm",
+    "Nms",
+]  # often misspelled
 _LONGEST = 100  # characters of a quantity; no sensible one is longer
 _PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 
@@ -57,7 +72,13 @@ _COMMON: dict[str, dict[str, Fraction | int]] = {  # SI unit: spelling: its size
     "rad/s": {"rpm": _PI / 30, "1/min": _PI / 30, "min**-1": _PI / 30},
     "Hz": {"kHz": 1000, "1/s": 1},
     "s": {"ms": Fraction(1, 1000), "min": 60},
-    "N*m/rad": {"Nm/rad": 1, "kN*m/rad": 10**3, "kNm/rad": 10**3, "MN*m/rad": 10**6, "MNm/rad": 10**6},
+    "N*m/rad": {
+        "Nm/rad": 1,
+        "kN*m/rad": 10**3,
+        "kNm/rad": 10**3,
+        "MN*m/rad": 10**6,
+        "MNm/rad": 10**6,
+    },
     "N*m*s/rad": {"Nms/rad": 1, "kN*m*s/rad": 10**3, "kNms/rad": 10**3},
     "kg*m**2": {"kgm**2": 1},
     "N*m": {"Nm": 1, "kN*m": 10**3, "kNm": 10**3, "MN*m": 10**6, "MNm": 10**6},
@@ -69,7 +90,9 @@ _COMMON: dict[str, dict[str, Fraction | int]] = {  # SI unit: spelling: its size
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"
 _NUMBER = re.compile(rf"[+-]?(?:{_DIGITS}(?:\.(?:{_DIGITS})?)?|\.{_DIGITS})(?:[eE]([+-]?[0-9]+))?")
 _TOKEN = re.compile(r"\s*(\*\*[+-]?[0-9]{1,2}(?![0-9])|[*/()]|1(?![0-9.])|[^\W\d_]+|%)\s*")
-_GLUED = re.compile(r"([kMGmu]?N|kgf|lbf)(mm|cm|m|in|ft)(s?)|([kMGmu]?N|[kMGm]?W|[kM]?Pa)(s)|(kg|g|lb)(mm|cm|m|in|ft)")
+_GLUED = re.compile(
+    r"([kMGmu]?N|kgf|lbf)(mm|cm|m|in|ft)(s?)|([kMGmu]?N|[kMGm]?W|[kM]?Pa)(s)|(kg|g|lb)(mm|cm|m|in|ft)"
+)
 _MARKED = re.compile(  # groups: the whole part, its mark, what follows a decimal point
     r"([-+]?[0-9]{1,3}(?:(['\u2019\s])[0-9]{3}(?:\s?\2?[0-9]{3})*|(?:\.[0-9]{3}){2,}))(?![0-9/])((?:\.[0-9]+)?)"
 )
@@ -79,7 +102,9 @@ _DATE = re.compile(
     re.IGNORECASE,
 )
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
-_SIGNS = str.maketrans(dict.fromkeys("·⋅∙•×", "*") | {"µ": "u", "μ": "u", "−": "-", "^": "**", "℃": "degC"})
+_SIGNS = str.maketrans(
+    dict.fromkeys("·⋅∙•×", "*") | {"µ": "u", "μ": "u", "−": "-", "^": "**", "℃": "degC"}
+)
 _RAISED = re.compile(r"[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 _REWRITES = (  # towards one spelling: pattern, replacement
     (re.compile(r"°"), "deg"),
@@ -165,20 +190,25 @@ def _parts(text: str) -> tuple[Fraction, str]:
     if not found:
         if spelled.lstrip("+-.").casefold() in {"nan", "inf", "infinity"}:
             raise UnitFault(f"{_quoted(text)} is not a finite number")
-        raise UnitFault(f"{_quoted(text)} does not begin with a number", "write a number, a space and a unit")
+        raise UnitFault(
+            f"{_quoted(text)} does not begin with a number", "write a number, a space and a unit"
+        )
     if len(spelled) > _LONGEST:
         raise UnitFault(f"{_quoted(text)} is too long for a quantity")
     written = spelled[found.end() :].strip()
     _refuse_slips(spelled, text)
     if re.match(r",\s*[0-9]", written):
         raise UnitFault(
-            f"{_quoted(text)} has a comma in its number", "write a decimal point, and no mark between thousands"
+            f"{_quoted(text)} has a comma in its number",
+            "write a decimal point, and no mark between thousands",
         )
     if found[1] and len(found[1].lstrip("+-0")) > 3:
         raise UnitFault(f"{_quoted(text)} is outside the range of numbers")
     for pattern, replacement in _REWRITES:
         written = pattern.sub(replacement, written)
-    return Fraction(found[0].replace("_", "")), "1" + written if written.startswith("/") else written
+    return Fraction(found[0].replace("_", "")), "1" + written if written.startswith(
+        "/"
+    ) else written
 
 
 def _refuse_slips(spelled: str, text: str) -> None:
@@ -187,7 +217,9 @@ def _refuse_slips(spelled: str, text: str) -> None:
         right = f"write {re.sub(r'[^-+0-9]', '', found[1])}{found[3]}"
         raise UnitFault(f"{_quoted(text)} has a mark between its thousands", right)
     if _DATE.fullmatch(spelled):
-        hint = "write the number; a spreadsheet makes dates of cells that are not formatted as numbers"
+        hint = (
+            "write the number; a spreadsheet makes dates of cells that are not formatted as numbers"
+        )
         raise UnitFault(f"{_quoted(text)} looks like a date", hint)
 
 
@@ -205,7 +237,9 @@ def _rounded(amount: Fraction, text: str) -> float:
 def _registry() -> "UnitRegistry[Any]":
     from pint import UnitRegistry
 
-    return UnitRegistry(Path(__file__).with_name("units.txt"), non_int_type=Fraction, cache_folder=None)
+    return UnitRegistry(
+        Path(__file__).with_name("units.txt"), non_int_type=Fraction, cache_folder=None
+    )
 
 
 @cache
@@ -216,29 +250,44 @@ def _container(written: str) -> "UnitsContainer":
     registry, powers = _registry(), Counter[str]()
     for name, power in _powers(written).items():
         try:
-            powers[registry.get_name("percent" if name == "%" else name)] += power  # '' for dimensionless
+            powers[registry.get_name("percent" if name == "%" else name)] += (
+                power  # '' for dimensionless
+            )
         except PintError:
             raise UnitFault(f"'{name}' is not a known unit", _similar(name)) from None
     if any(abs(power) > _HIGHEST for power in powers.values()):
         raise UnitFault(f"'{written}' has a power that no quantity has")
-    return registry.UnitsContainer({name: power for name, power in powers.items() if name and power})
+    return registry.UnitsContainer(
+        {name: power for name, power in powers.items() if name and power}
+    )
 
 
 def _converted(amount: Fraction, written: str, unit: str, text: str) -> Fraction:
     from pint.errors import PintError
 
-    found, expected, dimension = _container(written), _container(unit), _registry().get_dimensionality
+    found, expected, dimension = (
+        _container(written),
+        _container(unit),
+        _registry().get_dimensionality,
+    )
     if unit == "rad/s" and found == _container("1/min"):
         found = _container("rpm")
     if dimension(found) != dimension(expected):
         said = f"is {_kinds().get(dimension(found), f'in {written}')}"
-        raise UnitFault(f"{_quoted(text)} {said}, {_expected(unit)} is expected", _remedy(text, found, unit))
+        raise UnitFault(
+            f"{_quoted(text)} {said}, {_expected(unit)} is expected", _remedy(text, found, unit)
+        )
     if unit == "K" and found in (_container("degC"), _container("degF")):
-        raise UnitFault(f"{_quoted(text)} is a temperature, {_expected(unit)} is expected", _remedy(text, found, unit))
+        raise UnitFault(
+            f"{_quoted(text)} is a temperature, {_expected(unit)} is expected",
+            _remedy(text, found, unit),
+        )
     try:
         return Fraction(_registry().convert(amount, found, expected))
     except PintError:
-        raise UnitFault(f"{_quoted(text)} mixes a temperature scale with other units", "write K") from None
+        raise UnitFault(
+            f"{_quoted(text)} mixes a temperature scale with other units", "write K"
+        ) from None
 
 
 def _remedy(text: str, found: "UnitsContainer", unit: str) -> str:
@@ -264,7 +313,11 @@ def _kinds() -> "dict[UnitsContainer, str]":
 def _spelled() -> tuple[str, ...]:
     """The names of units that others are compared with."""
     registry = _registry()
-    plain = (spelling for spelling in registry if spelling.isalpha() and not registry.parse_unit_name(spelling)[0][0])
+    plain = (
+        spelling
+        for spelling in registry
+        if spelling.isalpha() and not registry.parse_unit_name(spelling)[0][0]
+    )
     return (*plain, *_TRADE)
 
 
@@ -322,4 +375,7 @@ def _factor(tokens: list[str], written: str) -> Counter[str]:
 
 
 def _unreadable(written: str) -> UnitFault:
-    return UnitFault(f"the unit {_quoted(written)} cannot be read", "units are written like kN*m/rad, kg*m**2, rpm")
+    return UnitFault(
+        f"the unit {_quoted(written)} cannot be read",
+        "units are written like kN*m/rad, kg*m**2, rpm",
+    )

@@ -27,7 +27,9 @@ def read_file(file: str | Path, largest: int) -> bytes:
 def check_file(file: str | Path, largest: int) -> None:
     """Raise OSError for what is no regular file, or larger than that (bytes); for a reader that opens it itself."""
     if not os.path.exists(file):
-        open(file, "rb").close()  # raises OSError; the live page hears which file was opened in vain
+        open(
+            file, "rb"
+        ).close()  # raises OSError; the live page hears which file was opened in vain
     found = os.stat(file)
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, "it is a folder", str(file))
@@ -40,5 +42,7 @@ def check_file(file: str | Path, largest: int) -> None:
 def _too_large(file: str | Path, size: int, largest: int) -> OSError:
     unit, name = (1e6, "MB") if largest >= 1e6 else (1e3, "kB")
     return OSError(
-        errno.EFBIG, f"it has {size / unit:,.0f} {name}, at most {largest / unit:,.0f} {name} are read", str(file)
+        errno.EFBIG,
+        f"it has {size / unit:,.0f} {name}, at most {largest / unit:,.0f} {name} are read",
+        str(file),
     )

@@ -9,7 +9,10 @@ from dataclasses import dataclass
 from torsion import units
 
 WIDEST = 3.0  # m; the shafts of the largest water turbines
-SMALLEST, LARGEST = 1e-60, 1e60  # in SI, of any number but 0: squares and cubes of these are numbers too
+SMALLEST, LARGEST = (
+    1e-60,
+    1e60,
+)  # in SI, of any number but 0: squares and cubes of these are numbers too
 
 
 @dataclass(frozen=True)

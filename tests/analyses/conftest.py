@@ -25,7 +25,11 @@ def make_study(components: list, **keywords: object) -> tuple[Study, System]:
 
 
 def dense_answer(
-    system: System, w: float, force: np.ndarray, ground: np.ndarray, errors: dict[int, complex] | None = None
+    system: System,
+    w: float,
+    force: np.ndarray,
+    ground: np.ndarray,
+    errors: dict[int, complex] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Own angles (stations,) and span torques (spans,) by one dense solve, without folding any ratio.
 
@@ -67,7 +71,10 @@ def random_components(random: np.random.Generator, points: int, depth: int = 0) 
         damping = float(random.uniform(0.1, 3.0)) if random.random() < 0.5 else None
         line.append(Disc(inertia=float(random.uniform(0.5, 5.0)), damping=damping))
         if depth < 2 and random.random() < 0.3:
-            branch = [_random_link(random), *random_components(random, int(random.integers(1, 4)), depth + 1)]
+            branch = [
+                _random_link(random),
+                *random_components(random, int(random.integers(1, 4)), depth + 1),
+            ]
             line.append(Branch(train=tuple(branch)))
     return line
 

@@ -78,10 +78,11 @@ def test_roots_are_those_of_a_matrix_with_a_state_for_every_term() -> None:
     expected = with_states(
         [10, 40, 2 + 3 / 4, 5 / 4],
         [
-            (0, 1, 15e3, 0.0, [(6e3, 0.05), (9e3, 0.005)]), (1, 2, 2e5, 40.0, []),
+            (0, 1, 15e3, 0.0, [(6e3, 0.05), (9e3, 0.005)]),
+            (1, 2, 2e5, 40.0, []),
             (2, 3, 1e4, 0.0, [(7.5e3, 0.01)]),
         ],
-    )  # fmt: skip
+    )
     rising = np.sort_complex(expected[expected.imag > 1.0])
     assert found.eigenvalue[np.argsort(found.eigenvalue.real)] == pytest.approx(rising, rel=1e-12)
     real = np.sort(expected[(np.abs(expected.imag) < 1e-6) & (np.abs(expected) > 1.0)].real)[::-1]
@@ -94,12 +95,17 @@ def test_roots_of_random_trains_are_those_of_the_states(seed: int) -> None:
     inertia, springs, text = (10.0 ** draw.uniform(0, 2, 5)).tolist(), [], ""
     for k in range(4):
         static, viscous = 10.0 ** draw.uniform(4, 6), 10.0 ** draw.uniform(0, 2)
-        terms = [(static * 10.0 ** draw.uniform(-1, 1), 10.0 ** draw.uniform(-4, 0)) for _ in range(k % 3)]
+        terms = [
+            (static * 10.0 ** draw.uniform(-1, 1), 10.0 ** draw.uniform(-4, 0))
+            for _ in range(k % 3)
+        ]
         springs.append((k, k + 1, static, 0.0 if terms else viscous, terms))
         rows = ", ".join(f"[{a!r}, {b!r} s]" for a, b in terms)
-        own = f"prony: {{stiffness: {static!r}, terms: [{rows}]}}" if terms else (
-            f"stiffness: {static!r}, viscous: {viscous!r}"
-        )  # fmt: skip
+        own = (
+            f"prony: {{stiffness: {static!r}, terms: [{rows}]}}"
+            if terms
+            else (f"stiffness: {static!r}, viscous: {viscous!r}")
+        )
         text += f"  - coupling: {{{own}}}\n  - disc: {{inertia: {inertia[k + 1]!r}}}\n"
     scene = torsion.parse(f"name: r\ntrain:\n  - disc: {{inertia: {inertia[0]!r}}}\n{text}")
     found = damped(assemble(scene.train), speed=0.0, count=None)
@@ -125,7 +131,9 @@ def test_modes_of_a_power_of_the_frequency_are_roots_to_many_digits() -> None:
     found = of(FRACTIONAL)
     with mp.workdps(40):
         exact = mp.findroot(
-            lambda s: 8 * s**2 + 10000 + 6000 * (s * mp.mpf(TAU)) ** mp.mpf(0.35), mp.mpc(-4.2, 42.6), tol=1e-60
+            lambda s: 8 * s**2 + 10000 + 6000 * (s * mp.mpf(TAU)) ** mp.mpf(0.35),
+            mp.mpc(-4.2, 42.6),
+            tol=1e-60,
         )
     assert found.eigenvalue == pytest.approx([complex(exact)], rel=1e-14)
     assert complex(exact) == pytest.approx(-4.24713713628618 + 42.60187946230709j, rel=1e-13)
@@ -133,7 +141,9 @@ def test_modes_of_a_power_of_the_frequency_are_roots_to_many_digits() -> None:
 
 
 @pytest.mark.parametrize("exponent", [0.05, 0.5, 0.95])
-def test_three_masses_with_a_power_beside_other_damping_have_the_roots_of_their_determinant(exponent: float) -> None:
+def test_three_masses_with_a_power_beside_other_damping_have_the_roots_of_their_determinant(
+    exponent: float,
+) -> None:
     law = f"fractional: {{stiffness: 10e3, k1: 9e3, tau: 0.02 s, exponent: {exponent}}}"
     found = of(law, "  - coupling: {stiffness: 2e5, viscous: 60}\n  - disc: {inertia: 30}\n")
     assert len(found.eigenvalue) == 2
@@ -142,7 +152,15 @@ def test_three_masses_with_a_power_beside_other_damping_have_the_roots_of_their_
 
             def determinant(s: mp.mpc) -> mp.mpc:
                 k, c = 10000 + 9000 * (s * mp.mpf(0.02)) ** mp.mpf(exponent), 200000 + 60 * s
-                return mp.det(mp.matrix([[10 * s**2 + k, -k, 0], [-k, 40 * s**2 + k + c, -c], [0, -c, 30 * s**2 + c]]))
+                return mp.det(
+                    mp.matrix(
+                        [
+                            [10 * s**2 + k, -k, 0],
+                            [-k, 40 * s**2 + k + c, -c],
+                            [0, -c, 30 * s**2 + c],
+                        ]
+                    )
+                )
 
             exact = complex(mp.findroot(determinant, mp.mpc(root), tol=1e-40))
         assert root == pytest.approx(exact, rel=1e-13)
@@ -175,12 +193,18 @@ def test_response_has_the_stiffness_of_the_law_at_every_frequency(coupling: str)
     k = 15e3 + 6e3 * s * 0.05 / (1 + s * 0.05) + 9e3 * s * 0.005 / (1 + s * 0.005)
     if coupling == FRACTIONAL:
         k = 10e3 + 6e3 * (s * TAU) ** 0.35
-    assert found.torque[:, 0, 0] == pytest.approx(100.0 * k * 40.0 / (k * 50.0 + s**2 * 400.0), rel=1e-12)
+    assert found.torque[:, 0, 0] == pytest.approx(
+        100.0 * k * 40.0 / (k * 50.0 + s**2 * 400.0), rel=1e-12
+    )
 
 
 def test_slope_of_relaxing_springs_has_a_bound_below_two_that_one_term_reaches() -> None:
     w = np.geomspace(1e-3, 1e6, 20_001)
-    for terms in (((6e3, 0.05),), ((6e3, 0.05), (9e3, 0.005)), ((1e6, 0.1), (2e6, 1e-4), (5e5, 1e-2))):
+    for terms in (
+        ((6e3, 0.05),),
+        ((6e3, 0.05), (9e3, 0.005)),
+        ((1e6, 0.1), (2e6, 1e-4), (5e5, 1e-2)),
+    ):
         law = prony(15e3, terms)
         largest = max(law.slope(float(one)) for one in w)
         assert largest <= law.steepest < 2.0
@@ -201,11 +225,12 @@ def test_derivative_of_a_law_is_that_of_its_series() -> None:
 @pytest.mark.parametrize(
     "coupling",
     [
-        PRONY, FRACTIONAL,
+        PRONY,
+        FRACTIONAL,
         "table: {over: frequency, at: [5, 40], stiffness: [20e3, 36 kN*m/rad], psi: [1, 1], beyond: hold}",
         "table: {over: vibratory torque, at: [0, 40], stiffness: [30e3, 22e3], psi: [1, 1], beyond: hold}",
     ],
-)  # fmt: skip
+)
 def test_the_tolerance_of_a_coupling_is_that_of_all_stiffnesses_of_its_law(coupling: str) -> None:
     """Soft and stiff have both ends of it at every point, and the same loss factor."""
     scene = study(f"{coupling}, tolerance: 20 %", "cases: {from: tolerances}\n")

@@ -60,17 +60,25 @@ def test_every_harmonic_component_has_stiffness_and_loss_of_its_own_frequency() 
     at = [int(np.argmin(abs(found.speed - HERTZ * one))) for one in hertz]
     expected = [two_masses(f, np.interp(f, F, K), np.interp(f, F, ETA)) for f in hertz]
     assert found.torque[at, 0, 0] == pytest.approx([one[0] for one in expected], rel=1e-12)
-    assert heat(found, found.system, np.array([0]))[at] == pytest.approx([one[1] for one in expected], rel=1e-12)
+    assert heat(found, found.system, np.array([0]))[at] == pytest.approx(
+        [one[1] for one in expected], rel=1e-12
+    )
 
 
 def test_two_masses_have_the_published_torque_and_heat() -> None:
     """reference [coupling_frequency]: by numpy.linalg.solve of the two equations of motion."""
     given = study(rest=ONE_ORDER)
-    found = torsion.response(given, assemble(given.train), speeds=HERTZ * np.array([5.0, 9.0, 40.0]))
+    found = torsion.response(
+        given, assemble(given.train), speeds=HERTZ * np.array([5.0, 9.0, 40.0])
+    )
     at = [int(np.argmin(abs(found.speed - HERTZ * one))) for one in (5.0, 9.0, 40.0)]
     torque, power = found.torque[at, 0, 0], heat(found, found.system, np.array([0]))[at]
-    assert np.abs(torque) == pytest.approx([130.59033742850158, 473.7924557649227, 6.234513443549591], rel=1e-12)
-    assert np.degrees(np.angle(torque)) == pytest.approx([-4.372169579, -119.306227259, -169.004987971], abs=1e-9)
+    assert np.abs(torque) == pytest.approx(
+        [130.59033742850158, 473.7924557649227, 6.234513443549591], rel=1e-12
+    )
+    assert np.degrees(np.angle(torque)) == pytest.approx(
+        [-4.372169579, -119.306227259, -169.004987971], abs=1e-9
+    )
     assert power == pytest.approx([1.58446983285, 36.53089060087, 0.02365576537], abs=1e-10)
 
 
@@ -115,9 +123,13 @@ def test_modes_of_three_masses_lie_within_their_bounds_and_share_their_energy() 
 
 
 @pytest.mark.parametrize("model", ["lumped", "fem", "exact"])
-def test_mode_equals_that_of_a_plain_coupling_of_its_stiffness_in_every_model_of_shafts(model: str) -> None:
+def test_mode_equals_that_of_a_plain_coupling_of_its_stiffness_in_every_model_of_shafts(
+    model: str,
+) -> None:
     shaft = "  - shaft: {length: 2, diameter: 90 mm, loss_factor: 1 %}\n  - disc: {inertia: 30}\n"
-    found = modes(assemble(study(more=shaft, coupling=f"table: {TABLE[:-1]}, beyond: hold}}").train, model), 3)
+    found = modes(
+        assemble(study(more=shaft, coupling=f"table: {TABLE[:-1]}, beyond: hold}}").train, model), 3
+    )
     for mode, hertz in enumerate(found.frequency):
         k = float(np.interp(hertz, F, K))
         plain = modes(assemble(study(more=shaft, coupling=f"stiffness: {k!r}").train, model), 3)
@@ -132,14 +144,17 @@ def test_table_of_one_stiffness_gives_the_results_of_a_plain_coupling() -> None:
     plain = study("stiffness: 24e3, loss_factor: 0.1", EXCITED, gear % "stiffness: 9e3, psi: 0.9")
     flat = "table: {over: frequency, at: [1, 100], stiffness: [%s, %s], %s: [%s, %s], beyond: hold}"
     tabled = study(
-        flat % ("24e3", "24e3", "loss_factor", 0.1, 0.1), EXCITED, gear % (flat % ("9e3", "9e3", "psi", 0.9, 0.9))
+        flat % ("24e3", "24e3", "loss_factor", 0.1, 0.1),
+        EXCITED,
+        gear % (flat % ("9e3", "9e3", "psi", 0.9, 0.9)),
     )
     one, other = torsion.run(plain), torsion.run(tabled)
     first, second = one.results["modes"], other.results["modes"]
     assert second.frequency == pytest.approx(first.frequency, rel=1e-14)
     assert second.elastic == pytest.approx(first.elastic, rel=1e-10)
     by_speed = [
-        torsion.response(given, assemble(given.train), speeds=np.linspace(40.0, 200.0, 5)) for given in (plain, tabled)
+        torsion.response(given, assemble(given.train), speeds=np.linspace(40.0, 200.0, 5))
+        for given in (plain, tabled)
     ]
     speeds = [found.speed for found in by_speed]
     both = np.intersect1d(*speeds)
@@ -149,17 +164,23 @@ def test_table_of_one_stiffness_gives_the_results_of_a_plain_coupling() -> None:
 
 def test_modal_loss_factor_is_the_damping_ratio_of_the_complex_root_doubled() -> None:
     """Of a light hysteresis in a table of one stiffness: eta_modal/2 = zeta to second order."""
-    light = "table: {over: frequency, at: [1, 100], stiffness: [24e3, 24e3], loss_factor: [1e-5, 1e-5]}"
+    light = (
+        "table: {over: frequency, at: [1, 100], stiffness: [24e3, 24e3], loss_factor: [1e-5, 1e-5]}"
+    )
     rest = "analyses: {modes: }"
     found = torsion.run(study(light, rest, THREE)).need(CouplingTables)
-    plain = torsion.run(study("stiffness: 24e3, loss_factor: 1e-5", rest, THREE)).results["damped_modes"]
+    plain = torsion.run(study("stiffness: 24e3, loss_factor: 1e-5", rest, THREE)).results[
+        "damped_modes"
+    ]
     assert found.modal_loss_factor / 2.0 == pytest.approx(plain.damping_ratio, rel=1e-8)
 
 
 def test_viscous_damping_of_a_table_is_linear_over_the_frequency() -> None:
     table = StiffnessTable("frequency", (10.0, 20.0), (100.0, 300.0), (0.0, 0.0), (1.0, 3.0))
     w = np.array([10.0, 15.0, 20.0])
-    assert table.complex_stiffness(w, w) == pytest.approx(np.array([100 + 10j, 200 + 30j, 300 + 60j]), rel=1e-15)
+    assert table.complex_stiffness(w, w) == pytest.approx(
+        np.array([100 + 10j, 200 + 30j, 300 + 60j]), rel=1e-15
+    )
     assert table.slopes == pytest.approx(np.array([[2.0], [4.0 / 3.0]]), rel=1e-15)
 
 
@@ -178,21 +199,31 @@ def test_modes_above_a_table_that_ends_are_left_out_and_said_so() -> None:
     short = "table: {over: frequency, at: [5, 10], stiffness: [20e3, 24e3]}"
     found = torsion.run(study(short, "analyses: {modes: {count: 2}}", THREE))
     assert found.results["modes"].frequency == pytest.approx([7.9412679306599765], rel=1e-14)
-    assert [what for what, _ in found.plan.left_out if what.startswith("modes above")] == ["modes above 10 Hz"]
+    assert [what for what, _ in found.plan.left_out if what.startswith("modes above")] == [
+        "modes above 10 Hz"
+    ]
 
 
 def test_mode_below_a_table_is_refused_at_the_table() -> None:
-    late = study("table: {over: frequency, at: [20, 40], stiffness: [20e3, 24e3]}", "analyses: {modes: }")
-    with pytest.raises(SolveError, match="mode 1 lies below 20 Hz, where the table of 'c' begins") as caught:
+    late = study(
+        "table: {over: frequency, at: [20, 40], stiffness: [20e3, 24e3]}", "analyses: {modes: }"
+    )
+    with pytest.raises(
+        SolveError, match="mode 1 lies below 20 Hz, where the table of 'c' begins"
+    ) as caught:
         torsion.run(late)
     assert ":4:" in str(caught.value.located)
 
 
-def test_stiffness_that_rises_faster_than_the_square_of_the_frequency_is_refused_for_modes_alone() -> None:
+def test_stiffness_that_rises_faster_than_the_square_of_the_frequency_is_refused_for_modes_alone() -> (
+    None
+):
     """From 10 to 11 Hz it trebles: k = (2 pi f)^2 8 has roots below, between and above."""
     steep = "table: {over: frequency, at: [5, 10, 11, 40], stiffness: [20e3, 20e3, 60e3, 61e3], beyond: hold}"
     given = study(steep, EXCITED)
-    with pytest.raises(SolveError, match="faster than the square of the frequency from 10 to 11 Hz"):
+    with pytest.raises(
+        SolveError, match="faster than the square of the frequency from 10 to 11 Hz"
+    ):
         modes(assemble(given.train))
     found = torsion.run(given)
     assert "response" in found.results
@@ -209,8 +240,14 @@ def test_system_taken_at_a_frequency_has_the_tree_of_one_assembled_so() -> None:
     system = assemble(study(more="  - gear: {ratio: 2}\n  - disc: {inertia: 1}\n" + THREE).train)
     found = taken_at(system, HERTZ * 7.5)
     k = float(np.interp(7.5, F, K))
-    plain = assemble(study(f"stiffness: {k!r}", more="  - gear: {ratio: 2}\n  - disc: {inertia: 1}\n" + THREE).train)
-    assert found.condensed.tree.flexibility == pytest.approx(plain.condensed.tree.flexibility, rel=1e-15)
+    plain = assemble(
+        study(
+            f"stiffness: {k!r}", more="  - gear: {ratio: 2}\n  - disc: {inertia: 1}\n" + THREE
+        ).train
+    )
+    assert found.condensed.tree.flexibility == pytest.approx(
+        plain.condensed.tree.flexibility, rel=1e-15
+    )
     assert not found.tables
 
 

@@ -43,7 +43,9 @@ def heat(theta: float, hertz: float, torque: float) -> float:
     share, w = (min(theta, 100.0) - 30.0) / 70.0, 2.0 * math.pi * hertz
     k, eta = 20e3 * (1.0 - 0.4 * share), 1.0 / (8.0 + 2.67 * share)
     stiffness = k * (1.0 + 1j * eta)
-    motion = np.array([[stiffness - 10.0 * w**2, -stiffness], [-stiffness, stiffness - 40.0 * w**2]])
+    motion = np.array(
+        [[stiffness - 10.0 * w**2, -stiffness], [-stiffness, stiffness - 40.0 * w**2]]
+    )
     twist = np.array([1.0, -1.0]) @ np.linalg.solve(motion, [torque, 0.0])
     return float(0.5 * w * k * eta * abs(twist) ** 2)
 
@@ -65,8 +67,12 @@ def test_three_equilibria_are_found_and_the_middle_one_is_unstable() -> None:
     assert found.number[0] == 3
     listed = [one for one in found.equilibria if one.speed == found.speed[0]]
     assert [one.temperature for one in listed] == pytest.approx(roots(6.5, 250.0), rel=1e-12)
-    assert [one.temperature for one in listed] == pytest.approx([38.766455592, 74.066734624, 97.467898674], abs=1e-9)
-    assert [one.heat for one in listed] == pytest.approx([50.094031954, 251.809912135, 385.530849568], abs=1e-8)
+    assert [one.temperature for one in listed] == pytest.approx(
+        [38.766455592, 74.066734624, 97.467898674], abs=1e-9
+    )
+    assert [one.heat for one in listed] == pytest.approx(
+        [50.094031954, 251.809912135, 385.530849568], abs=1e-8
+    )
     assert [one.is_stable for one in listed] == [True, False, True]
     assert (found.lowest[0], found.highest[0]) == (listed[0].temperature, listed[2].temperature)
 
@@ -85,7 +91,9 @@ def test_temperatures_over_the_speed_are_those_of_the_equations_of_motion() -> N
     for k in np.linspace(0, len(found.speed) - 1, 7).astype(int):
         every = roots(found.speed[k] / (2.0 * math.pi), 250.0)
         assert found.number[k] == len(every)
-        assert (found.lowest[k], found.highest[k]) == pytest.approx((every[0], every[-1]), rel=1e-11)
+        assert (found.lowest[k], found.highest[k]) == pytest.approx(
+            (every[0], every[-1]), rel=1e-11
+        )
 
 
 def test_coupling_that_runs_away_fails_the_rule_of_its_maker() -> None:
@@ -110,7 +118,10 @@ def test_coupling_that_warms_little_passes_and_one_that_makes_no_heat_stays_cold
     ("rest", "why"),
     [
         ("links: [{between: [a, b], coupling: {name: d, stiffness: 30e3}}]", "closes a loop"),
-        ("links: [{between: [a, b], coupling: {name: d, stiffness: 30e3, clearance: 0.1 deg}}]", "not balanced again"),
+        (
+            "links: [{between: [a, b], coupling: {name: d, stiffness: 30e3, clearance: 0.1 deg}}]",
+            "not balanced again",
+        ),
     ],
 )
 def test_coupling_whose_temperature_has_no_answer_does_not_pass(rest: str, why: str) -> None:
@@ -129,7 +140,9 @@ def test_other_results_are_of_a_coupling_as_cold_as_its_surroundings() -> None:
     warm += "to: 90}"
     plain = "stiffness: 16e3, psi: 0.5"
     first, second = (solved(100.0, one, "") for one in (f"stiffness: 20e3, {warm}", plain))
-    assert first.results["modes"].frequency == pytest.approx(second.results["modes"].frequency, rel=1e-14)
+    assert first.results["modes"].frequency == pytest.approx(
+        second.results["modes"].frequency, rel=1e-14
+    )
     ends = [found.results["response"].torque[[0, -1]] for found in (first, second)]
     assert np.abs(ends[0] - ends[1]).max() <= 1e-12 * np.abs(ends[1]).max()
 
@@ -138,7 +151,9 @@ def test_table_over_frequency_warms_by_its_factor() -> None:
     """A table of one stiffness and loss factor has the equilibria of the plain coupling."""
     warm = "temperature: {now: 30, stiffness: [[30, 1], [100, 0.6]], rise: 70, at: 400 W, to: 100}"
     flat = "table: {over: frequency, at: [1, 50], stiffness: [20e3, 20e3], loss_factor: [0.1, 0.1]}"
-    first, second = (of(solved(200.0, f"{one}, {warm}")) for one in (flat, "stiffness: 20e3, loss_factor: 0.1"))
+    first, second = (
+        of(solved(200.0, f"{one}, {warm}")) for one in (flat, "stiffness: 20e3, loss_factor: 0.1")
+    )
     assert first.number[[0, -1]].tolist() == second.number[[0, -1]].tolist()
     assert first.lowest[[0, -1]] == pytest.approx(second.lowest[[0, -1]], rel=1e-10)
 
@@ -148,11 +163,19 @@ def test_table_over_frequency_warms_by_its_factor() -> None:
     [
         ("to: 130 degC", "to: 20 degC", "20 degC is not above the 30 degC of `now`"),
         ("to: 130 degC", "to: 140 degC", "the rows run from 30 to 130 degC"),
-        ("[[30, 1], [100 degC, 60 %], [130, 0.6]]", "[[30, 1], [20, 0.6]]", "two rows or more, rising"),
+        (
+            "[[30, 1], [100 degC, 60 %], [130, 0.6]]",
+            "[[30, 1], [20, 0.6]]",
+            "two rows or more, rising",
+        ),
         ("[[30, 1], [100 degC, 60 %], [130, 0.6]]", "[1, 0.6]", "not a table over temperature"),
         ("rise: 70 K", "rise: 343 K", "outside the usual range"),
         ("at: 400 W", "at: 400 K", "a difference of temperature"),
-        ("stiffness: 20e3, ", "stiffness: 20e3, psi: 1, ", "`psi` and `temperature` both say what the coupling loses"),
+        (
+            "stiffness: 20e3, ",
+            "stiffness: 20e3, psi: 1, ",
+            "`psi` and `temperature` both say what the coupling loses",
+        ),
         ("stiffness: 20e3, ", "flexibility: 0, ", "a rigid coupling"),
         (
             "stiffness: 20e3, ",

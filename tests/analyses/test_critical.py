@@ -15,7 +15,11 @@ from torsion.components.disc import Disc
 from torsion.components.harmonic_torques import Excitation
 from torsion.study import Operation
 
-LINES = (Line(Fraction(2), None, ("joint",)), Line(Fraction(4), None, ("propeller",)), Line(None, 3.0, ("hum",)))
+LINES = (
+    Line(Fraction(2), None, ("joint",)),
+    Line(Fraction(4), None, ("propeller",)),
+    Line(None, 3.0, ("hum",)),
+)
 
 
 def _modes(build):
@@ -40,7 +44,9 @@ def test_margin_counts_from_the_rated_speed_else_from_the_nearest_end(build, ope
 
 def test_lines_are_ordered_and_exact(build):
     excite = [Excitation(at="disc-1", order=k, torque=1.0) for k in ("4", "21/8", "1")]
-    _, system = build([Disc(inertia=2.0), Coupling(stiffness=120.0), Disc(inertia=3.0)], excitations=excite)
+    _, system = build(
+        [Disc(inertia=2.0), Coupling(stiffness=120.0), Disc(inertia=3.0)], excitations=excite
+    )
     assert [line.order for line in lines(system)] == [Fraction(1), Fraction(21, 8), Fraction(4)]
 
 
@@ -48,9 +54,18 @@ def test_lines_are_ordered_and_exact(build):
     ("line", "words"),
     [
         (Line(Fraction(40, 21), None, ("screw",), (Fraction(5),)), "5 × screw (40/21 of motor)"),
-        (Line(Fraction(2), None, ("motor", "joint"), (Fraction(2), Fraction(2))), "2 × motor, joint"),
-        (Line(Fraction(2), None, ("motor", "pump"), (Fraction(2), Fraction(4))), "2 × motor, 4 × pump (2 of motor)"),
-        (Line(Fraction(1, 2), None, tuple(f"cylinder {k}" for k in range(1, 7))), "0.5 × cylinder 1–6"),
+        (
+            Line(Fraction(2), None, ("motor", "joint"), (Fraction(2), Fraction(2))),
+            "2 × motor, joint",
+        ),
+        (
+            Line(Fraction(2), None, ("motor", "pump"), (Fraction(2), Fraction(4))),
+            "2 × motor, 4 × pump (2 of motor)",
+        ),
+        (
+            Line(Fraction(1, 2), None, tuple(f"cylinder {k}" for k in range(1, 7))),
+            "0.5 × cylinder 1–6",
+        ),
         (Line(None, 12.5, ("a1", "a3", "a4", "b", "c")), "12.5 Hz (a1, a3, a4, b, c)"),
     ],
 )
@@ -67,5 +82,7 @@ train: [motor: {name: m, inertia: 1, ripple: [{order: 2, torque: 1}]}, gear: {ra
   propeller: {name: screw, inertia: 2, blades: 5, excitation: [{blade_order: 1, torque: 3}]}]
 """
     both = lines(torsion.assemble(torsion.parse(text).train))
-    assert [(line.order, line.sources, line.own_orders) for line in both] == [(2, ("m", "screw"), (2, 5))]
+    assert [(line.order, line.sources, line.own_orders) for line in both] == [
+        (2, ("m", "screw"), (2, 5))
+    ]
     assert both[0].named("m") == "2 × m, 5 × screw (2 of m)"

@@ -61,7 +61,11 @@ def test_silicone_follows_the_published_law_over_frequency_and_temperature(celsi
 
 def test_silicone_has_the_worked_value() -> None:
     """reference 1.8: 75 degC, 100 Hz, shape 5."""
-    k, _, c = Silicone(viscosity=0.15, shape=5.0, temperature=75.0).lowered(1.0).values(np.array(HERTZ * 100.0))
+    k, _, c = (
+        Silicone(viscosity=0.15, shape=5.0, temperature=75.0)
+        .lowered(1.0)
+        .values(np.array(HERTZ * 100.0))
+    )
     assert (k, c) == pytest.approx((35950.25, 99.25755), rel=2e-7)
 
 
@@ -74,7 +78,9 @@ def solved(w: float, k: complex, torque: float) -> np.ndarray:
 
 def by_table(hertz: float) -> complex:
     at = (20.0, 100.0, 300.0)
-    return complex(np.interp(hertz, at, (2e4, 4e4, 5e4)) * (1 + 1j * np.interp(hertz, at, (0.6, 0.9, 0.7))))
+    return complex(
+        np.interp(hertz, at, (2e4, 4e4, 5e4)) * (1 + 1j * np.interp(hertz, at, (0.6, 0.9, 0.7)))
+    )
 
 
 def of_silicone(hertz: float) -> complex:
@@ -92,17 +98,25 @@ LAWS = {
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_every_harmonic_component_has_stiffness_and_damping_of_its_own_frequency_and_its_heat(law: str) -> None:
+def test_every_harmonic_component_has_stiffness_and_damping_of_its_own_frequency_and_its_heat(
+    law: str,
+) -> None:
     given = study(law)
-    found = torsion.response(given, assemble(given.train), speeds=np.array([1300.0, 2789.0, 5000.0]) * RPM)
+    found = torsion.response(
+        given, assemble(given.train), speeds=np.array([1300.0, 2789.0, 5000.0]) * RPM
+    )
     span = [one.name for one in found.system.spans].index("d ring")
     for at, speed in enumerate(found.speed):
         for column, (order, torque) in enumerate(((2.0, 100.0), (2.5, 60.0))):
             w = order * speed
             k = LAWS[law](w / HERTZ)
             expected = solved(w, k, torque)
-            assert np.abs(found.angle[at, column] - expected).max() <= 1e-12 * np.abs(expected).max()
-        assert heat(found, found.system, np.array([span]))[at] == pytest.approx(power(law, speed), rel=1e-11)
+            assert (
+                np.abs(found.angle[at, column] - expected).max() <= 1e-12 * np.abs(expected).max()
+            )
+        assert heat(found, found.system, np.array([span]))[at] == pytest.approx(
+            power(law, speed), rel=1e-11
+        )
 
 
 def power(law: str, speed: float) -> float:
@@ -120,10 +134,17 @@ def power(law: str, speed: float) -> float:
 def test_heat_of_every_kind_is_judged_by_its_limit(law: str) -> None:
     """The worst of all speeds, none of 2000 speeds of the dense solution beyond it."""
     (check,) = torsion.run(study(law, "rules: [coupling-maker]\n")).need(Checks).lines
-    assert (check.clause, check.where, check.limit, check.speed is not None) == ("P_KW", "d", 40.0, True)
+    assert (check.clause, check.where, check.limit, check.speed is not None) == (
+        "P_KW",
+        "d",
+        40.0,
+        True,
+    )
     assert check.value == pytest.approx(power(law, check.speed or 0.0), rel=1e-10)
     worst = max(power(law, speed) for speed in np.linspace(1200.0, 6000.0, 2000) * RPM)
-    assert worst <= check.value * (1.0 + 4e-4)  # peaks lower than that between two speeds are not sought
+    assert worst <= check.value * (
+        1.0 + 4e-4
+    )  # peaks lower than that between two speeds are not sought
     assert (check.verdict == "fail") == (worst > 40.0)
 
 
@@ -154,7 +175,11 @@ def test_modes_of_a_train_are_the_roots_of_its_determinant_in_many_digits() -> N
 
             def determinant(f: mp.mpf) -> mp.mpf:
                 s, k, c = (2 * mp.pi * f) ** 2, moduli(75.0, f)[0], mp.mpf(COUPLING)
-                rows = [[c - WHEEL * s, -c, 0], [-c, c + k - mp.mpf(HOUSING) * s, -k], [0, -k, k - mp.mpf(RING) * s]]
+                rows = [
+                    [c - WHEEL * s, -c, 0],
+                    [-c, c + k - mp.mpf(HOUSING) * s, -k],
+                    [0, -k, k - mp.mpf(RING) * s],
+                ]
                 return mp.det(mp.matrix(rows)) / s
 
             exact = mp.findroot(determinant, (hertz * 0.9999, hertz * 1.0001))
@@ -184,7 +209,9 @@ def test_temperature_is_a_case() -> None:
     given = study(rest=cases)
     for name, celsius in (("hot", 115), ("cold", 20)):
         plain = study(SILICONE.replace("75 degC", f"{celsius} degC"))
-        found, expected = (modes(assemble(one.train)).frequency for one in (given.cases[name], plain))
+        found, expected = (
+            modes(assemble(one.train)).frequency for one in (given.cases[name], plain)
+        )
         assert found == pytest.approx(expected, rel=1e-15)
 
 
@@ -193,9 +220,13 @@ def test_figures_are_of_the_speed_of_a_damper_behind_a_gear() -> None:
     second = "  - damper: {name: e, housing: %s, ring: %s, silicone: {viscosity: 0.15, temperature: 60, shape: %s}}\n"
     plain, geared = second % (0.2, 0.4, 3), "  - gear: {ratio: 1/2}\n" + second % (0.05, 0.1, 0.75)
     pair = [study("damping: 1", more=text) for text in (plain, geared)]
-    found = [torsion.response(one, assemble(one.train), speeds=np.array([3000.0 * RPM])) for one in pair]
+    found = [
+        torsion.response(one, assemble(one.train), speeds=np.array([3000.0 * RPM])) for one in pair
+    ]
     spans = [[span.name for span in one.system.spans].index("e ring") for one in found]
-    powers = [heat(one, one.system, np.array([span])) for one, span in zip(found, spans, strict=True)]
+    powers = [
+        heat(one, one.system, np.array([span])) for one, span in zip(found, spans, strict=True)
+    ]
     assert powers[1] == pytest.approx(powers[0], rel=1e-12)
 
 

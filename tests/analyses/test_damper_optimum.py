@@ -17,10 +17,11 @@ def found(tmp_path: Any, **changes: Any) -> Any:
     scene = {
         "name": "two discs",
         "train": [
-            {"disc": {"name": "wheel", "inertia": WHEEL}}, {"coupling": {"stiffness": STIFFNESS}},
+            {"disc": {"name": "wheel", "inertia": WHEEL}},
+            {"coupling": {"stiffness": STIFFNESS}},
             {"damper": {"housing": HOUSING, "ring": RING, "damping": 30}},
         ],
-    }  # fmt: skip
+    }
     file = tmp_path / "scene.yaml"
     file.write_text(yaml.safe_dump({**scene, **changes}))
     return solved(file)
@@ -34,17 +35,22 @@ def test_mode_has_the_inertia_of_two_discs_at_the_housing(tmp_path: Any) -> None
     assert one.frequency == pytest.approx(omega / (2 * math.pi), rel=1e-14)
     assert one.ratio == pytest.approx(RING / inertia, rel=1e-14)
     ratio = RING / inertia
-    assert one.viscous == pytest.approx(2 * RING * omega / math.sqrt(2 * (1 + ratio) * (2 + ratio)), rel=1e-13)
+    assert one.viscous == pytest.approx(
+        2 * RING * omega / math.sqrt(2 * (1 + ratio) * (2 + ratio)), rel=1e-13
+    )
     assert one.viscous_peak == pytest.approx((2 + ratio) / ratio, rel=1e-14)
 
 
 def test_figures_are_at_the_speed_of_a_damper_behind_a_gear(tmp_path: Any) -> None:
     half = [
-        {"disc": {"name": "wheel", "inertia": WHEEL}}, {"coupling": {"stiffness": STIFFNESS}},
+        {"disc": {"name": "wheel", "inertia": WHEEL}},
+        {"coupling": {"stiffness": STIFFNESS}},
         {"gear": {"teeth": [20, 40], "inertia": [0, 0]}},
         {"damper": {"housing": 4 * HOUSING, "ring": 4 * RING, "damping": 120}},
-    ]  # fmt: skip
-    (plain,), (geared,) = (one.results["dampers"].each for one in (found(tmp_path), found(tmp_path, train=half)))
+    ]
+    (plain,), (geared,) = (
+        one.results["dampers"].each for one in (found(tmp_path), found(tmp_path, train=half))
+    )
     assert geared.frequency == pytest.approx(plain.frequency, rel=1e-14)
     for name in ("inertia", "viscous", "stiffness", "damping"):
         assert getattr(geared, name) == pytest.approx(4 * getattr(plain, name), rel=1e-13)
@@ -61,16 +67,19 @@ def test_figures_are_at_the_speed_of_a_damper_behind_a_gear(tmp_path: Any) -> No
         {"stiffness": 2e4, "magnifier": 5, "damping": 10},
     ],
 )
-def test_the_peak_as_given_is_that_of_the_response_over_a_fixed_end(tmp_path: Any, ring: dict[str, Any]) -> None:
+def test_the_peak_as_given_is_that_of_the_response_over_a_fixed_end(
+    tmp_path: Any, ring: dict[str, Any]
+) -> None:
     """With the other end fixed there is one mode, and the closed form is exact."""
     train = [
-        {"disc": {"held": True}}, {"coupling": {"stiffness": STIFFNESS}},
+        {"disc": {"held": True}},
+        {"coupling": {"stiffness": STIFFNESS}},
         {"damper": {"name": "damper", "housing": HOUSING, "ring": RING, **ring}},
-    ]  # fmt: skip
+    ]
     excited = {
         "operation": {"speeds": {"from": "600 rpm", "to": "6000 rpm", "steps": 4001}},
         "excitations": [{"at": "damper", "order": 1, "torque": 1.0}],
-    }  # fmt: skip
+    }
     findings = found(tmp_path, train=train, **excited | {"analyses": {"modes": {}, "response": {}}})
     (one,) = findings.results["dampers"].each
     angle = np.abs(findings.results["response"].angle)[:, 0]
@@ -80,20 +89,24 @@ def test_the_peak_as_given_is_that_of_the_response_over_a_fixed_end(tmp_path: An
 
 def test_a_damper_beside_another_point_is_joined_to_it_rigidly(tmp_path: Any) -> None:
     beside = [
-        {"disc": {"name": "wheel", "inertia": WHEEL}}, {"coupling": {"stiffness": STIFFNESS}},
+        {"disc": {"name": "wheel", "inertia": WHEEL}},
+        {"coupling": {"stiffness": STIFFNESS}},
         {"disc": {"name": "nose", "inertia": HOUSING / 2}},
         {"damper": {"housing": HOUSING / 2, "ring": RING, "damping": 30}},
-    ]  # fmt: skip
-    (plain,), (joined,) = (one.results["dampers"].each for one in (found(tmp_path), found(tmp_path, train=beside)))
+    ]
+    (plain,), (joined,) = (
+        one.results["dampers"].each for one in (found(tmp_path), found(tmp_path, train=beside))
+    )
     assert joined.inertia == pytest.approx(plain.inertia, rel=1e-13)
     assert joined.given_peak == pytest.approx(plain.given_peak, rel=1e-13)
 
 
 def test_a_ring_that_is_too_small_for_a_mode_is_left_out(tmp_path: Any) -> None:
     train = [
-        {"disc": {"inertia": WHEEL}}, {"coupling": {"stiffness": STIFFNESS}},
+        {"disc": {"inertia": WHEEL}},
+        {"coupling": {"stiffness": STIFFNESS}},
         {"damper": {"housing": HOUSING, "ring": 1e-4, "damping": 0.1}},
-    ]  # fmt: skip
+    ]
     assert found(tmp_path, train=train).results["dampers"].each == ()
 
 
@@ -115,21 +128,36 @@ def test_a_ring_without_damping_is_refused(tmp_path: Any, ring: dict[str, Any], 
 
 def test_heat_of_a_ring_is_half_its_damping_times_the_square_of_its_speed(tmp_path: Any) -> None:
     train = [
-        {"disc": {"name": "wheel", "inertia": WHEEL}}, {"coupling": {"stiffness": STIFFNESS}},
-        {"damper": {"name": "damper", "housing": HOUSING, "ring": RING, "damping": 30, "heat_limit": 1e-3}},
-    ]  # fmt: skip
+        {"disc": {"name": "wheel", "inertia": WHEEL}},
+        {"coupling": {"stiffness": STIFFNESS}},
+        {
+            "damper": {
+                "name": "damper",
+                "housing": HOUSING,
+                "ring": RING,
+                "damping": 30,
+                "heat_limit": 1e-3,
+            }
+        },
+    ]
     findings = found(
-        tmp_path, train=train, rules=["coupling-maker"],
+        tmp_path,
+        train=train,
+        rules=["coupling-maker"],
         operation={"speeds": {"from": "1000 rpm", "to": "4000 rpm", "steps": 301}},
         excitations=[{"at": "wheel", "order": 1, "torque": 100.0}],
-    )  # fmt: skip
+    )
     (check,) = findings.results["checks"].lines
     omega = check.speed
-    matrix = np.array([
-        [STIFFNESS - omega**2 * WHEEL, -STIFFNESS, 0],
-        [-STIFFNESS, STIFFNESS + 30j * omega - omega**2 * HOUSING, -30j * omega],
-        [0, -30j * omega, 30j * omega - omega**2 * RING],
-    ])  # fmt: skip
+    matrix = np.array(
+        [
+            [STIFFNESS - omega**2 * WHEEL, -STIFFNESS, 0],
+            [-STIFFNESS, STIFFNESS + 30j * omega - omega**2 * HOUSING, -30j * omega],
+            [0, -30j * omega, 30j * omega - omega**2 * RING],
+        ]
+    )
     angle = np.linalg.solve(matrix, np.array([100.0, 0, 0]))
-    assert check.value == pytest.approx(0.5 * 30 * omega**2 * abs(angle[1] - angle[2]) ** 2, rel=1e-9)
+    assert check.value == pytest.approx(
+        0.5 * 30 * omega**2 * abs(angle[1] - angle[2]) ** 2, rel=1e-9
+    )
     assert check.verdict == "fail"

@@ -40,7 +40,12 @@ def test_frequency_is_that_of_the_stiffness_at_each_speed() -> None:
     found = torsion.run(study()).need(FrequenciesOverSpeed)
     expected = [math.sqrt(stiffness(n / RPM) / 8.0) / (2.0 * math.pi) for n in found.speed]
     assert found.frequency[0] == pytest.approx(expected, rel=1e-13)
-    published = {300: 12.224923143825823, 500: 13.783222385544802, 700: 16.76801373471191, 900: 21.204073957918418}
+    published = {
+        300: 12.224923143825823,
+        500: 13.783222385544802,
+        700: 16.76801373471191,
+        900: 21.204073957918418,
+    }
     for rpm, hertz in published.items():
         assert found.at(rpm * RPM)[0] == pytest.approx(hertz, rel=1e-14)
 
@@ -49,7 +54,8 @@ def test_critical_speeds_are_the_roots_within_the_range_and_may_be_none() -> Non
     """8 (2 pi o n/60)^2 = a + b T with T = n^2/100: in n^2 linear on each piece; order 1 has none."""
     found = torsion.run(study()).need(CriticalSpeeds).crossings
     (second, above) = [
-        math.sqrt(a / (8.0 * (order * RPM) ** 2 - b / 100.0)) for order, a, b in ((2.0, 40e3, 8.0), (1.5, 30e3, 12.0))
+        math.sqrt(a / (8.0 * (order * RPM) ** 2 - b / 100.0))
+        for order, a, b in ((2.0, 40e3, 8.0), (1.5, 30e3, 12.0))
     ]
     assert [float(one.order) for one in found] == [2.0, 1.5]
     assert [one.speed / RPM for one in found] == pytest.approx([second, above], rel=1e-12)
@@ -59,7 +65,11 @@ def test_critical_speeds_are_the_roots_within_the_range_and_may_be_none() -> Non
 def test_an_order_that_meets_a_curve_three_times_has_three_critical_speeds() -> None:
     """The stiffness doubles between 6.4 and 6.6 kN m, from 800 to 812 rpm."""
     steep = "table: {over: mean torque, at: [0, 6400, 6600, 10e3], stiffness: [90e3, 90e3, 180e3, 180e3]}"
-    found = [one for one in torsion.run(study(steep)).need(CriticalSpeeds).crossings if float(one.order) == 1.5]
+    found = [
+        one
+        for one in torsion.run(study(steep)).need(CriticalSpeeds).crossings
+        if float(one.order) == 1.5
+    ]
     low, high = (math.sqrt(k / 8.0) / (1.5 * RPM) for k in (90e3, 180e3))
     through = math.sqrt((90e3 - 450.0 * 6400.0) / (8.0 * (1.5 * RPM) ** 2 - 4.5))
     assert low < 800.0 < through < 812.5 < high < 1000.0
@@ -74,9 +84,13 @@ def test_response_of_each_speed_has_the_stiffness_of_its_mean_torque() -> None:
         plain = study(f"stiffness: {stiffness(speed / RPM)!r}, loss_factor: 0.1")
         other = torsion.response(plain, assemble(plain.train), speeds=np.array([speed]))
         k, n = int(np.argmin(abs(found.speed - speed))), int(np.argmin(abs(other.speed - speed)))
-        assert np.abs(found.torque[k] - other.torque[n]).max() <= 1e-12 * np.abs(other.torque[n]).max()
+        assert (
+            np.abs(found.torque[k] - other.torque[n]).max() <= 1e-12 * np.abs(other.torque[n]).max()
+        )
         spans = np.array([0])
-        assert heat(found, found.system, spans)[k] == pytest.approx(heat(other, other.system, spans)[n], rel=1e-11)
+        assert heat(found, found.system, spans)[k] == pytest.approx(
+            heat(other, other.system, spans)[n], rel=1e-11
+        )
 
 
 def test_modes_are_those_of_the_rated_speed() -> None:
@@ -85,7 +99,9 @@ def test_modes_are_those_of_the_rated_speed() -> None:
 
 
 def test_mean_torque_is_needed_and_must_be_covered() -> None:
-    text = TRAIN.format(coupling=f"table: {{over: mean torque, {POINTS}}}", power=1.0).replace(", power: 1.0 W", "")
+    text = TRAIN.format(coupling=f"table: {{over: mean torque, {POINTS}}}", power=1.0).replace(
+        ", power: 1.0 W", ""
+    )
     with pytest.raises(InputError, match="a stiffness over mean torque needs the mean torque"):
         torsion.parse(text)
     with pytest.raises(InputError, match="covers 0 to 100 N m; 10000 N m is needed") as caught:

@@ -51,15 +51,39 @@ LINES = {
     "wall at the end behind a rigid coupling": [WALL, SOFT, BODY, STIFF, RIGID, WALL],
     "walls at both ends behind rigid couplings": [WALL, RIGID, SOFT, BODY, STIFF, RIGID, WALL],
     "disc fixed to the last wall": [WALL, RIGID, SOFT, BODY, STIFF, Disc(inertia=0.3), RIGID, WALL],
-    "rigid gear before the last wall": [WALL, RIGID, SOFT, BODY, STIFF, Gear(ratio=2, inertia=(0.1, 0.2)), WALL],
+    "rigid gear before the last wall": [
+        WALL,
+        RIGID,
+        SOFT,
+        BODY,
+        STIFF,
+        Gear(ratio=2, inertia=(0.1, 0.2)),
+        WALL,
+    ],
     "disc fixed to an inner wall, and a branch beyond": [
-        WALL, RIGID, SOFT, BODY, STIFF, Disc(inertia=0.3), RIGID, WALL, SOFT, Disc(inertia=1.0),
+        WALL,
+        RIGID,
+        SOFT,
+        BODY,
+        STIFF,
+        Disc(inertia=0.3),
+        RIGID,
+        WALL,
+        SOFT,
+        Disc(inertia=1.0),
     ],
     "elastic branch at what a wall holds": [
-        WALL, RIGID, SOFT, BODY, STIFF, Disc(inertia=0.3),
-        Branch(train=(SOFT, Disc(inertia=0.4, damping=1.0))), RIGID, WALL,
+        WALL,
+        RIGID,
+        SOFT,
+        BODY,
+        STIFF,
+        Disc(inertia=0.3),
+        Branch(train=(SOFT, Disc(inertia=0.4, damping=1.0))),
+        RIGID,
+        WALL,
     ],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("line", LINES.values(), ids=LINES)
@@ -73,9 +97,9 @@ def test_a_body_between_two_walls_swings_on_both_springs(line) -> None:
     hand = 7.0 / (4e4 - 2.0 * SPEED**2 + 1j * SPEED * (3.0 + 5.0 + 2.0))
     body = [station.name for station in system.stations].index("body")
     assert found.angle[:, body] == pytest.approx(hand, rel=1e-13)
-    assert _torque(system, found, "coupling-2" if line[1] is RIGID else "coupling-1") == pytest.approx(
-        -(1e4 + 5j * SPEED) * hand, rel=1e-13
-    )
+    assert _torque(
+        system, found, "coupling-2" if line[1] is RIGID else "coupling-1"
+    ) == pytest.approx(-(1e4 + 5j * SPEED) * hand, rel=1e-13)
     assert (found.status == Status.OK).all()
     assert found.residual.max() < 1e-14
 
@@ -94,7 +118,11 @@ def test_every_angle_torque_and_reaction_agrees_with_a_dense_solution(dense, lin
 def test_mode_shapes_keep_the_equilibrium_of_every_station_that_turns(line) -> None:
     system = assemble(train(line))
     found = modes(system, None)
-    rest = (2 * np.pi * found.frequency) ** 2 * np.where(system.held, 0.0, system.inertia)[:, None] * found.shape
+    rest = (
+        (2 * np.pi * found.frequency) ** 2
+        * np.where(system.held, 0.0, system.inertia)[:, None]
+        * found.shape
+    )
     ratio = np.array([float(span.ratio) for span in system.spans])[:, None]
     np.subtract.at(rest, system.driving, found.torque)
     np.add.at(rest, system.driven, found.torque / ratio)
@@ -103,11 +131,21 @@ def test_mode_shapes_keep_the_equilibrium_of_every_station_that_turns(line) -> N
 
 def test_joints_at_both_walls_push_through_the_springs_behind_them(dense) -> None:
     """Two joints at walls: each imposes its unevenness on a massless body, exactly as the dense equations say."""
-    line = [WALL, Joint(angle="15 deg"), SOFT, BODY, STIFF, Joint(angle="9 deg", phase="30 deg"), WALL]
+    line = [
+        WALL,
+        Joint(angle="15 deg"),
+        SOFT,
+        BODY,
+        STIFF,
+        Joint(angle="9 deg", phase="30 deg"),
+        WALL,
+    ]
     system, ground, (found,) = _answered(line, pushed=False)
     errors = {k: dict(span.error)[2] for k, span in enumerate(system.spans) if span.error}
     for k, speed in enumerate(SPEED):
-        angle, torque = dense(system, 2 * speed, np.zeros(len(system.stations)), ground[:, k], errors)
+        angle, torque = dense(
+            system, 2 * speed, np.zeros(len(system.stations)), ground[:, k], errors
+        )
         assert found.angle[k] == pytest.approx(angle, rel=1e-12, abs=1e-13 * abs(angle).max())
         assert found.torque[k] == pytest.approx(torque, rel=1e-12, abs=1e-12 * abs(torque).max())
 
@@ -129,21 +167,31 @@ analyses: {response: {method: harmonic-balance}}
     found = run(parse(text))
     rows = np.isin(found.need(PeriodicResponse).speed, found.need(Response).speed)
     assert np.count_nonzero(rows) == found.need(Response).speed.size == 2
-    second = found.need(PeriodicResponse).torque[rows, found.need(PeriodicResponse).orders.index(Fraction(2))]
+    second = found.need(PeriodicResponse).torque[
+        rows, found.need(PeriodicResponse).orders.index(Fraction(2))
+    ]
     assert second == pytest.approx(found.need(Response).torque[:, 0], rel=2e-3)
 
 
 def test_a_joint_between_two_walls_twists_the_spring_by_its_unevenness() -> None:
     line = [WALL, SOFT, Joint(angle="15 deg"), WALL]
-    system, _, (found,) = _answered(line, pushed=False)  # 0 = angle between + error: the spring turns by the error
+    system, _, (found,) = _answered(
+        line, pushed=False
+    )  # 0 = angle between + error: the spring turns by the error
     amplitude = dict(next(span.error for span in system.spans if span.error))[2]
     assert abs(amplitude) == pytest.approx(math.tan(math.radians(7.5)) ** 2, rel=1e-12)
-    assert _torque(system, found, "coupling-1") == pytest.approx(amplitude * (1e4 + 10j * SPEED), rel=1e-14)
+    assert _torque(system, found, "coupling-1") == pytest.approx(
+        amplitude * (1e4 + 10j * SPEED), rel=1e-14
+    )
 
 
 def test_the_same_train_from_either_end_and_with_the_wall_for_the_rigid_body_is_the_same() -> None:
     one = [WALL, RIGID, SOFT, BODY, STIFF, RIGID, WALL]
-    for other in (one[::-1], [WALL, SOFT, BODY, STIFF, WALL], [WALL, SOFT, BODY, STIFF, RIGID, WALL]):
+    for other in (
+        one[::-1],
+        [WALL, SOFT, BODY, STIFF, WALL],
+        [WALL, SOFT, BODY, STIFF, RIGID, WALL],
+    ):
         (a, _, (first,)), (b, _, (second,)) = _answered(one), _answered(other)
         places = [[station.name for station in system.stations].index("body") for system in (a, b)]
         assert first.angle[:, places[0]] == pytest.approx(second.angle[:, places[1]], rel=1e-14)
@@ -161,15 +209,29 @@ def test_a_wall_amid_elastic_spans_to_a_wall_parts_the_train(dense) -> None:
 
 FAULTS = {
     "side by side": ([WALL, WALL, SOFT, BODY], ("train", 1, "disc", "held"), "'disc-2' is fixed"),
-    "rigid coupling": ([WALL, RIGID, WALL, SOFT, BODY], ("train", 2, "disc", "held"), "'disc-1', which is fixed too"),
-    "rigid gear": ([WALL, Gear(ratio=2), WALL, SOFT, BODY], ("train", 2, "disc", "held"), "rigid parts alone"),
+    "rigid coupling": (
+        [WALL, RIGID, WALL, SOFT, BODY],
+        ("train", 2, "disc", "held"),
+        "'disc-1', which is fixed too",
+    ),
+    "rigid gear": (
+        [WALL, Gear(ratio=2), WALL, SOFT, BODY],
+        ("train", 2, "disc", "held"),
+        "rigid parts alone",
+    ),
     "joint": ([WALL, Joint(angle="5 deg"), WALL], ("train", 1, "joint"), "'joint-1' cannot turn"),
-    "joint in line": ([WALL, Joint(angle="0 deg"), WALL], ("train", 2, "disc", "held"), "rigid parts"),
+    "joint in line": (
+        [WALL, Joint(angle="0 deg"), WALL],
+        ("train", 2, "disc", "held"),
+        "rigid parts",
+    ),
 }
 
 
 @pytest.mark.parametrize(("line", "path", "words"), FAULTS.values(), ids=FAULTS)
-def test_two_held_points_with_nothing_elastic_between_are_a_fault_where_they_stand(line, path, words) -> None:
+def test_two_held_points_with_nothing_elastic_between_are_a_fault_where_they_stand(
+    line, path, words
+) -> None:
     (fault,) = fixed_point_faults(train(line))
     assert fault.path == path
     assert words in fault.message

@@ -49,7 +49,11 @@ def test_modes_of_a_uniform_shaft_in_very_many_segments_are_those_of_the_uniform
     assert found.nodes.tolist() == [k + (1 if held == 0 else 0) for k in range(COUNT)]
     along = np.arange(SEGMENTS + 1) * math.pi / SEGMENTS
     order = [0, *range(2, SEGMENTS + 1), 1]
-    wave = np.sin(mode * along[:, None]) if math.isinf(system.inertia[0]) else np.cos(mode * along[:, None])
+    wave = (
+        np.sin(mode * along[:, None])
+        if math.isinf(system.inertia[0])
+        else np.cos(mode * along[:, None])
+    )
     shape = found.shape[order] / np.abs(found.shape).max(axis=0)
     np.testing.assert_allclose(shape * np.sign(shape[1] * wave[1]), wave, atol=1e-9)
     torque = np.diff(found.shape[order], axis=0) / -h

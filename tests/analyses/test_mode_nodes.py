@@ -28,13 +28,20 @@ def _line(draw: random.Random, size: int) -> list:
     line = [Disc(inertia=10 ** draw.uniform(-12, 9), unusual=True)]
     for _ in range(size - 1):
         rigid = draw.random() < 0.1
-        line.append(Coupling(flexibility=0) if rigid else Coupling(stiffness=10 ** draw.uniform(-3, 18)))
+        line.append(
+            Coupling(flexibility=0) if rigid else Coupling(stiffness=10 ** draw.uniform(-3, 18))
+        )
         line.append(Disc(inertia=10 ** draw.uniform(-12, 9), unusual=True))
     return line
 
 
 def test_heavy_disc_between_light_ones_has_the_sign_of_its_tiny_angle(build):
-    line = [Disc(inertia=1e-9), Coupling(stiffness=1e18), Disc(inertia=1e9), Coupling(stiffness=1e-2)]
+    line = [
+        Disc(inertia=1e-9),
+        Coupling(stiffness=1e18),
+        Disc(inertia=1e9),
+        Coupling(stiffness=1e-2),
+    ]
     _, system = build([*line, Disc(inertia=1e-12, unusual=True)])
     assert modes(system).nodes.tolist() == [1, 2]
 
@@ -45,7 +52,9 @@ def test_every_mode_of_a_tree_has_one_node_more_than_the_one_before(build, seed)
     draw = random.Random(seed)
     line = _line(draw, draw.randint(2, 6))
     for _ in range(draw.randint(0, 3)):
-        branch = Branch(train=(Coupling(stiffness=10 ** draw.uniform(-3, 18)), *_line(draw, draw.randint(1, 3))))
+        branch = Branch(
+            train=(Coupling(stiffness=10 ** draw.uniform(-3, 18)), *_line(draw, draw.randint(1, 3)))
+        )
         line.insert(draw.randint(1, len(line)), branch)
     if draw.random() < 0.3:
         line = [Disc(held=True), Coupling(stiffness=10 ** draw.uniform(-3, 18)), *line]

@@ -52,7 +52,9 @@ def study(scene: str):
 
 def drill(fem: str, count: int = 4) -> np.ndarray:
     text = (SCENES / "drill_string.yaml").read_text(encoding="utf-8")
-    text = text.replace("model: exact", f"model: fem\n  fem: {fem}").replace("count: 6", f"count: {count}")
+    text = text.replace("model: exact", f"model: fem\n  fem: {fem}").replace(
+        "count: 6", f"count: {count}"
+    )
     return torsion.run(torsion.parse(text)).need(Modes)
 
 
@@ -64,7 +66,8 @@ def drill_exact(count: int) -> np.ndarray:
         one, two = 200 / shaft, 10 / shaft
         roots = [
             mpmath.findroot(
-                lambda b: (b * b * one * two - 1) * mpmath.sin(b) - b * (one + two) * mpmath.cos(b), n * 3.1361
+                lambda b: (b * b * one * two - 1) * mpmath.sin(b) - b * (one + two) * mpmath.cos(b),
+                n * 3.1361,
             )
             for n in range(1, count + 1)
         ]
@@ -82,7 +85,9 @@ def test_a_continuum_has_the_frequencies_of_its_closed_form(scene):
             if scene == "fixed_shaft_disc":
                 exact = mpmath.findroot(lambda x: x * mpmath.sin(x) - mpmath.cos(x), b)
             else:
-                exact = mpmath.findroot(lambda x: (x * x - 1) * mpmath.sin(x) - 2.5 * x * mpmath.cos(x), b)
+                exact = mpmath.findroot(
+                    lambda x: (x * x - 1) * mpmath.sin(x) - 2.5 * x * mpmath.cos(x), b
+                )
             assert abs(value / exact - 1) < 2e-15
 
 
@@ -90,7 +95,9 @@ def test_the_drill_string_as_a_continuum():
     found = torsion.run(study("drill_string")).need(Modes)
     np.testing.assert_allclose(found.frequency, drill_exact(6), rtol=2e-15)
     assert found.enclosure.shape == (6, 2)
-    assert np.all((found.enclosure[:, 0] <= found.frequency) & (found.frequency <= found.enclosure[:, 1]))
+    assert np.all(
+        (found.enclosure[:, 0] <= found.frequency) & (found.frequency <= found.enclosure[:, 1])
+    )
 
 
 @pytest.mark.parametrize("elements", BOOK)
@@ -120,7 +127,9 @@ def test_elements_fewer_than_the_modes_need_are_told_without_a_certificate():
     np.testing.assert_allclose(found.frequency[:2], drill_exact(2), rtol=1e-2)
 
 
-def ends(model: str, frequency: float = 900.0, segments: int | None = None, **settings) -> np.ndarray:
+def ends(
+    model: str, frequency: float = 900.0, segments: int | None = None, **settings
+) -> np.ndarray:
     """(speeds, lines, 4) complex N m at both ends of both shafts, (speeds, lines, 2) rad at pump and screw."""
     text = TRAIN if segments is None else TRAIN.replace("length:", f"segments: {segments}, length:")
     scene = torsion.parse(text)
@@ -130,18 +139,26 @@ def ends(model: str, frequency: float = 900.0, segments: int | None = None, **se
     assert np.all(found.status[found.requested] == Status.OK)
     stated = []
     for name in ("first", "second"):
-        own = [k for k, span in enumerate(system.spans) if system.train.parts[span.part].name == name]
+        own = [
+            k for k, span in enumerate(system.spans) if system.train.parts[span.part].name == name
+        ]
         if model == "lumped":  # half a segment's inertia is beyond its last span
             first, last = system.spans[own[0]], system.spans[own[-1]]
-            lump = {station: _lump(system, name, station) for station in (first.driving, last.driven)}
+            lump = {
+                station: _lump(system, name, station) for station in (first.driving, last.driven)
+            }
             w2 = (2.0 * math.pi * found.frequency[found.requested]) ** 2
             angle = found.angle[found.requested]
-            stated += [kept[..., own[0]] - w2 * lump[first.driving] * angle[..., first.driving],
-                     kept[..., own[-1]] + w2 * lump[last.driven] * angle[..., last.driven]]  # fmt: skip
+            stated += [
+                kept[..., own[0]] - w2 * lump[first.driving] * angle[..., first.driving],
+                kept[..., own[-1]] + w2 * lump[last.driven] * angle[..., last.driven],
+            ]
         else:
             stated += [kept[..., own[0]], kept[..., own[-1]]]
     points = [system.train.part(name).stations[0] for name in ("pump", "screw")]
-    return np.concatenate([np.stack(stated, axis=-1), found.angle[found.requested][..., points]], axis=-1)
+    return np.concatenate(
+        [np.stack(stated, axis=-1), found.angle[found.requested][..., points]], axis=-1
+    )
 
 
 def _lump(system, name: str, station: int) -> float:
@@ -217,12 +234,18 @@ analyses: {response: {frequencies: {from: 1.0e-6, to: 2.0e-6, steps: 2}}}
     found = frequency_response(scene, system)
     inertia = system.inertia.sum()
     spans = {span.name: k for k, span in enumerate(system.spans)}
-    np.testing.assert_allclose(found.torque[0, spans["line, driven end"]], 3.0 / inertia, rtol=1e-12)
+    np.testing.assert_allclose(
+        found.torque[0, spans["line, driven end"]], 3.0 / inertia, rtol=1e-12
+    )
     np.testing.assert_allclose(found.torque[0, spans["line [1]"]], 1.0 - 2.0 / inertia, rtol=1e-12)
 
 
 def test_a_study_without_enough_pieces_is_divided_until_its_modes_are_in_reach():
-    text = (SCENES / "free_shaft_discs.yaml").read_text(encoding="utf-8").replace("count: 4", "count: 60")
+    text = (
+        (SCENES / "free_shaft_discs.yaml")
+        .read_text(encoding="utf-8")
+        .replace("count: 4", "count: 60")
+    )
     found = torsion.run(torsion.parse(text))
     assert len(found.need(Modes).frequency) == 60
     assert found.need(Modes).certified
@@ -259,7 +282,9 @@ def test_a_holzer_table_of_distributed_shafts_is_in_equilibrium(model):
         for row in np.flatnonzero(np.isfinite(table.transfer[:, 0, 0])).tolist():
             ends = table.transfer[row] @ (table.angle[table.before[row]], table.torque_in[row])
             assert ends[0] == pytest.approx(table.angle[row], abs=1e-12 * np.abs(table.angle).max())
-            assert ends[1] == pytest.approx(table.torque_out[row], abs=1e-11 * np.abs(table.torque_in).max())
+            assert ends[1] == pytest.approx(
+                table.torque_out[row], abs=1e-11 * np.abs(table.torque_in).max()
+            )
             assert np.linalg.det(table.transfer[row]) == pytest.approx(1.0, rel=1e-12)
 
 
@@ -269,14 +294,19 @@ def test_constants_of_a_uniform_shaft_are_the_closed_form(turned):
     ends = ["disc: {name: a, inertia: 0.2}", "disc: {name: b, inertia: 3}"]
     shaft = "shaft: {name: s, length: 3 m, diameter: [60 mm], bore: 20 mm, material: m}"
     text = "materials: {m: {shear_modulus: 80 GPa, density: 7800}}\ntrain:\n- "
-    train = torsion.parse("name: x\n" + text + "\n- ".join([ends[turned], shaft, ends[not turned]])).train
+    train = torsion.parse(
+        "name: x\n" + text + "\n- ".join([ends[turned], shaft, ends[not turned]])
+    ).train
     impedance = math.pi / 32.0 * (0.06**4 - 0.02**4) * math.sqrt(7800 * 80e9)
     system = torsion.assemble(train, "exact", frequency=2000.0)
     for mode in range(3):
         table = holzer(system, torsion.modes(system, 3), mode)
         omega = math.sqrt(table.square)
         mu = omega * 3.0 * math.sqrt(7800 / 80e9)
-        closed = [[math.cos(mu), -math.sin(mu) / omega / impedance], [omega * impedance * math.sin(mu), math.cos(mu)]]
+        closed = [
+            [math.cos(mu), -math.sin(mu) / omega / impedance],
+            [omega * impedance * math.sin(mu), math.cos(mu)],
+        ]
         np.testing.assert_allclose(table.transfer[1], closed, rtol=1e-12)
 
 
@@ -292,13 +322,19 @@ def test_the_torques_told_are_those_at_the_driving_and_the_driven_end(model, hel
     assert np.all(system.condensed.sign == (1.0 if held == "driving" else -1.0))
     free = study.train.part("free").stations[0]
     square = (2.0 * math.pi * found.frequency) ** 2
-    near = system.spans.index(next(span for span in system.spans if free in (span.driving, span.driven)))
+    near = system.spans.index(
+        next(span for span in system.spans if free in (span.driving, span.driven))
+    )
     pushed = 1.5 * square * found.shape[free] * (-1.0 if held == "driving" else 1.0)
     np.testing.assert_allclose(found.torque[near], pushed, rtol=1e-12)
-    far = next(k for k, span in enumerate(system.spans) if system.held[[span.driving, span.driven]].any())
+    far = next(
+        k for k, span in enumerate(system.spans) if system.held[[span.driving, span.driven]].any()
+    )
     fine = torsion.assemble(study.train, "lumped", frequency=1e5)
     other = torsion.modes(fine, 3)
-    at_held = next(k for k, span in enumerate(fine.spans) if fine.held[[span.driving, span.driven]].any())
+    at_held = next(
+        k for k, span in enumerate(fine.spans) if fine.held[[span.driving, span.driven]].any()
+    )
     sign = np.sign(found.shape[free] * other.shape[free])
     np.testing.assert_allclose(found.torque[far], other.torque[at_held] * sign, rtol=1e-4)
 
@@ -320,7 +356,9 @@ analyses: {{model: {model}, modes: {{count: 4}}}}
 
 
 def test_lumped_shafts_have_as_many_modes_as_are_asked(tmp_path):
-    branch = "  - branch: {train: [{shaft: {length: 1 m, diameter: 50 mm}}, {disc: {inertia: 0.1}}]}\n"
+    branch = (
+        "  - branch: {train: [{shaft: {length: 1 m, diameter: 50 mm}}, {disc: {inertia: 0.1}}]}\n"
+    )
     file = tmp_path / "three.yaml"
     text = "name: three equal branches\ntrain:\n  - disc: {inertia: 1}\n" + 3 * branch
     found = {}

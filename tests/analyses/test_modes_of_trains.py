@@ -24,7 +24,9 @@ def _chain(inertias: list[float], stiffnesses: list[float]) -> list:
 
 
 def test_gear_reflects_inertia_with_the_square_of_the_ratio(build):
-    _, geared = build([Disc(inertia=2.0), Coupling(stiffness=1e4), Gear(teeth=(20, 50)), Disc(inertia=3.0)])
+    _, geared = build(
+        [Disc(inertia=2.0), Coupling(stiffness=1e4), Gear(teeth=(20, 50)), Disc(inertia=3.0)]
+    )
     frequency = modes(geared).frequency[0]
     referred = 3.0 * (20 / 50) ** 2
     exact = math.sqrt(1e4 * (1 / 2.0 + 1 / referred)) / (2 * math.pi)
@@ -32,7 +34,9 @@ def test_gear_reflects_inertia_with_the_square_of_the_ratio(build):
 
 
 def test_gear_reflects_stiffness_with_the_square_of_the_ratio_and_torque_with_the_ratio(build):
-    _, geared = build([Disc(inertia=2.0), Gear(ratio=2.5), Coupling(stiffness=1e4), Disc(inertia=3.0)])
+    _, geared = build(
+        [Disc(inertia=2.0), Gear(ratio=2.5), Coupling(stiffness=1e4), Disc(inertia=3.0)]
+    )
     found = modes(geared)
     exact = math.sqrt(1e4 / 2.5**2 * (1 / 2.0 + 2.5**2 / 3.0)) / (2 * math.pi)
     assert found.frequency[0] == pytest.approx(exact, rel=1e-15)
@@ -48,10 +52,14 @@ def test_geared_t_of_friswell_in_either_direction_of_the_gear(build, ratio):
     """Benchmark B3, also with everything behind the gear at another speed: the referred train is the same."""
     scale = ratio**2
     line = [
-        Disc(inertia=400e-6), Coupling(stiffness=10000), Disc(inertia=25e-6),
+        Disc(inertia=400e-6),
+        Coupling(stiffness=10000),
+        Disc(inertia=25e-6),
         Branch(train=(Coupling(stiffness=5000), Disc(inertia=700e-6))),
-        Gear(ratio=ratio, inertia=(0, 25e-6 * scale)), Coupling(stiffness=5000.0 * scale), Disc(inertia=700e-6 * scale),
-    ]  # fmt: skip
+        Gear(ratio=ratio, inertia=(0, 25e-6 * scale)),
+        Coupling(stiffness=5000.0 * scale),
+        Disc(inertia=700e-6 * scale),
+    ]
     _, system = build(line)
     assert modes(system).frequency == pytest.approx([425.359477, 634.07276, 3247.19235], rel=2e-9)
 
@@ -66,7 +74,9 @@ def test_span_torque_is_stiffness_times_twist_with_driving_less_driven(build):
 def test_shapes_have_a_generalised_inertia_of_one_and_shares_add_up(build):
     _, system = build(_chain([1.0, 2.0, 3.0, 0.5], [100.0, 200.0, 50.0]))
     found = modes(system)
-    assert found.shape.T @ np.diag(system.inertia) @ found.shape == pytest.approx(np.eye(3), abs=1e-14)
+    assert found.shape.T @ np.diag(system.inertia) @ found.shape == pytest.approx(
+        np.eye(3), abs=1e-14
+    )
     assert found.kinetic.sum(axis=0) == pytest.approx(np.ones(3), rel=1e-14)
     assert found.elastic.sum(axis=0) == pytest.approx(np.ones(3), rel=1e-14)
     assert found.rigid == 1
@@ -101,7 +111,12 @@ def test_line_that_stands_still_adds_no_nodes(build):
 
 
 def test_held_end_behind_a_rigid_span_stays_the_root_beside_a_spring_to_ground(build):
-    line = [Disc(inertia=4.0, stiffness=60.0), Coupling(stiffness=40.0), Coupling(flexibility=0), Disc(held=True)]
+    line = [
+        Disc(inertia=4.0, stiffness=60.0),
+        Coupling(stiffness=40.0),
+        Coupling(flexibility=0),
+        Disc(held=True),
+    ]
     _, system = build(line)
     assert modes(system).frequency == pytest.approx([5.0 / (2 * math.pi)], rel=1e-15)
 
@@ -109,16 +124,26 @@ def test_held_end_behind_a_rigid_span_stays_the_root_beside_a_spring_to_ground(b
 def test_repeated_branches_count_one_node_each(build):
     """Three equal branches on a hub: a pair of modes in which the hub stands still."""
     branch = Branch(train=(Coupling(stiffness=300.0), Disc(inertia=0.5)))
-    _, system = build([Disc(inertia=2.0), branch, branch, Coupling(stiffness=300.0), Disc(inertia=0.5)])
+    _, system = build(
+        [Disc(inertia=2.0), branch, branch, Coupling(stiffness=300.0), Disc(inertia=0.5)]
+    )
     found = modes(system)
     exact = math.sqrt(600.0) / (2 * math.pi)
     assert found.frequency[:2] == pytest.approx([exact, exact], rel=1e-15)
     assert abs(found.shape[0, :2]).max() < 1e-14
-    assert found.shape.T @ np.diag(system.inertia) @ found.shape == pytest.approx(np.eye(3), abs=1e-13)
+    assert found.shape.T @ np.diag(system.inertia) @ found.shape == pytest.approx(
+        np.eye(3), abs=1e-13
+    )
 
 
 def test_viscous_ring_is_one_more_rigid_motion(build):
-    _, system = build([RingDamper(housing=1.0, ring=5.0, damping=10.0), Coupling(stiffness=100.0), Disc(inertia=2.0)])
+    _, system = build(
+        [
+            RingDamper(housing=1.0, ring=5.0, damping=10.0),
+            Coupling(stiffness=100.0),
+            Disc(inertia=2.0),
+        ]
+    )
     found = modes(system)
     assert found.rigid == 2
     assert found.frequency == pytest.approx([math.sqrt(100.0 * 1.5) / (2 * math.pi)], rel=1e-15)
@@ -150,16 +175,22 @@ def test_closed_ring_of_equal_discs_has_its_closed_form(build):
 
 def test_grounded_train_through_a_gear_keeps_every_span_law(build):
     line = [
-        Disc(inertia=1.0, stiffness=40.0), Coupling(stiffness=100.0), Gear(ratio=2),
-        Disc(inertia=3.0, stiffness=500.0), Coupling(stiffness=80.0), Disc(inertia=0.4),
-    ]  # fmt: skip
+        Disc(inertia=1.0, stiffness=40.0),
+        Coupling(stiffness=100.0),
+        Gear(ratio=2),
+        Disc(inertia=3.0, stiffness=500.0),
+        Coupling(stiffness=80.0),
+        Disc(inertia=0.4),
+    ]
     _, system = build(line)
     found = modes(system)
     assert found.rigid == 0
     elastic = system.flexibility > 0
     ratio = np.array([float(span.ratio) for span in system.spans])
     twist = found.shape[system.driving] - found.shape[system.driven] / ratio[:, None]
-    assert found.torque[elastic] == pytest.approx(twist[elastic] / system.flexibility[elastic, None], rel=1e-12)
+    assert found.torque[elastic] == pytest.approx(
+        twist[elastic] / system.flexibility[elastic, None], rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("mode", [0, 1, 2])
@@ -174,23 +205,32 @@ def test_holzer_table_closes(build, mode):
         assert table.before[row] == row - 1
         assert table.torque_in[row] == table.torque_out[row] == pytest.approx(total, rel=1e-11)
         assert table.angle[row] == pytest.approx(table.angle[row - 1] - table.twist[row], rel=1e-11)
-    assert total + table.inertia_torque[3] == pytest.approx(0.0, abs=1e-11 * abs(table.inertia_torque).max())
+    assert total + table.inertia_torque[3] == pytest.approx(
+        0.0, abs=1e-11 * abs(table.inertia_torque).max()
+    )
 
 
 @pytest.mark.parametrize("end", [Disc(inertia=3.0), Disc(held=True)])
 def test_holzer_table_of_a_grounded_geared_branched_train_balances_every_station(build, end):
     line = [
-        Disc(inertia=1.0, stiffness=40.0), Coupling(stiffness=100.0), Disc(inertia=0.3),
-        Branch(train=(Coupling(stiffness=70.0), Disc(inertia=0.7))), Gear(ratio=2), Disc(inertia=2.0),
-        Coupling(stiffness=300.0), end,
-    ]  # fmt: skip
+        Disc(inertia=1.0, stiffness=40.0),
+        Coupling(stiffness=100.0),
+        Disc(inertia=0.3),
+        Branch(train=(Coupling(stiffness=70.0), Disc(inertia=0.7))),
+        Gear(ratio=2),
+        Disc(inertia=2.0),
+        Coupling(stiffness=300.0),
+        end,
+    ]
     _, system = build(line)
     table = holzer(system, modes(system), 1)
     sums = table.inertia_torque + table.torque_out
     for row, before in enumerate(table.before.tolist()):
         if before >= 0:
             sums[before] -= table.torque_in[row]
-            assert table.angle[row] == pytest.approx(table.angle[before] - table.twist[row], rel=1e-11, abs=1e-13)
+            assert table.angle[row] == pytest.approx(
+                table.angle[before] - table.twist[row], rel=1e-11, abs=1e-13
+            )
     free = np.isfinite(table.inertia)
     assert np.count_nonzero(~free) == 1 + end.held
     assert sums[free] == pytest.approx(np.zeros(free.sum()), abs=1e-11 * abs(table.torque_in).max())

@@ -44,7 +44,14 @@ FAST = "lateral: {modes: 20, speeds: {from: 1 rpm, to: 1e9 rpm}}"
 FLAT = "response: {frequencies: {from: 1, to: 5}}"
 NO_ANSWER = [  # scene, what has no answer, its words, what the line begins with, the exit status
     (GEAR, "stability: ", "stability", "teeth 37/211", "- gear", 3),
-    (GEAR, "response: {method: harmonic-balance}", "exact periodic response", "joint-2 (order 2)", "- gear", 3),
+    (
+        GEAR,
+        "response: {method: harmonic-balance}",
+        "exact periodic response",
+        "joint-2 (order 2)",
+        "- gear",
+        3,
+    ),
     (SHAFT, FAST, "bending of the shafts", "at most 400 are possible", "analyses", 3),
     (SHAFT, FLAT, "response over frequency", "no torque acts at every frequency", "analyses", 2),
 ]
@@ -61,7 +68,9 @@ def stated(findings) -> dict:
 
 
 @pytest.mark.parametrize(("text", "requested", "what", "words", "line", "status"), NO_ANSWER)
-def test_analysis_without_an_answer_is_left_out_and_all_others_stay(text, requested, what, words, line, status):
+def test_analysis_without_an_answer_is_left_out_and_all_others_stay(
+    text, requested, what, words, line, status
+):
     study = scene(text, "modes: ", requested)
     found = torsion.run(study)
     (one,) = found.plan.unanswered
@@ -78,7 +87,9 @@ def test_command_writes_the_report_says_it_last_and_tells_by_its_status(
 ):
     file = tmp_path / "scene.yaml"
     file.write_text(scene(text, "modes: ", requested).text, encoding="utf-8")
-    done = CliRunner().invoke(app, ["solve", str(file), "-o", str(tmp_path / "out")], env={"COLUMNS": "200"})
+    done = CliRunner().invoke(
+        app, ["solve", str(file), "-o", str(tmp_path / "out")], env={"COLUMNS": "200"}
+    )
     assert done.exit_code == status
     last = done.stderr.strip().splitlines()
     assert last[0] == f"no answer: {what}"
@@ -93,7 +104,9 @@ def test_command_writes_the_report_says_it_last_and_tells_by_its_status(
 
 
 def test_remedy_that_is_offered_gives_the_answer():
-    few = GEAR.replace("from: 30 rad/s, to: 90 rad/s, steps: 4", "from: 60 rad/s, to: 60.1 rad/s, steps: 2")
+    few = GEAR.replace(
+        "from: 30 rad/s, to: 90 rad/s, steps: 4", "from: 60 rad/s, to: 60.1 rad/s, steps: 2"
+    )
     (one,) = torsion.run(scene(few, "stability: ")).plan.unanswered
     teeth = re.search(r"`(teeth: \[\d+, \d+\])`", one.remedy).group(1)
     found = torsion.run(scene(few.replace("teeth: [37, 211]", teeth), "stability: "))
@@ -130,10 +143,15 @@ def run_with(monkeypatch, study: Study, **errors: Exception):
 
 
 def test_what_the_file_does_not_name_leaves_the_exit_status_alone(monkeypatch):
-    study = torsion.parse(SHAFT.replace("length: 1 m", "length: 1 m, support: {at: 0.5 m, stiffness: 1e6}"))
+    study = torsion.parse(
+        SHAFT.replace("length: 1 m", "length: 1 m, support: {at: 0.5 m, stiffness: 1e6}")
+    )
     errors = {"lateral": SolveError("too many elements", "fewer"), "modes": SolveError("too low")}
     plan = run_with(monkeypatch, study, **errors).plan
-    assert {one.analysis: one.is_named for one in plan.unanswered} == {"lateral": False, "modes": True}
+    assert {one.analysis: one.is_named for one in plan.unanswered} == {
+        "lateral": False,
+        "modes": True,
+    }
     assert ("lateral", "too many elements; remedy: fewer") in plan.left_out
 
 
@@ -144,13 +162,19 @@ def test_a_bug_in_an_analysis_is_not_caught(monkeypatch):
         run_with(monkeypatch, study, joints=ZeroDivisionError())
 
 
-@pytest.mark.parametrize("error", [SolveError("no way", "another"), InputError([Fault(("train", 1), "bad", "good")])])
+@pytest.mark.parametrize(
+    "error", [SolveError("no way", "another"), InputError([Fault(("train", 1), "bad", "good")])]
+)
 def test_analysis_that_a_rule_of_the_file_reads_is_not_left_out(error, monkeypatch):
     study = torsion.parse(f"{SHAFT}rules: [universal-joints]\n")
-    with pytest.raises(type(error), match=error.args[0] if isinstance(error, SolveError) else "bad"):
+    with pytest.raises(
+        type(error), match=error.args[0] if isinstance(error, SolveError) else "bad"
+    ):
         run_with(monkeypatch, study, joints=error)
     monkeypatch.undo()
-    assert [one.analysis for one in run_with(monkeypatch, study, critical=error).plan.unanswered] == ["critical"]
+    assert [
+        one.analysis for one in run_with(monkeypatch, study, critical=error).plan.unanswered
+    ] == ["critical"]
 
 
 def test_nothing_is_reported_where_nothing_has_an_answer():
@@ -195,9 +219,7 @@ def test_a_link_from_a_point_to_itself_is_said_to_be_that() -> None:
 
 
 def test_a_tolerance_that_is_read_but_not_varied_is_said_in_the_plan():
-    text = (
-        "name: x\ntrain: [disc: {inertia: 1}, coupling: {name: k, stiffness: 5, tolerance: 15 %}, disc: {inertia: 2}]\n"
-    )
+    text = "name: x\ntrain: [disc: {inertia: 1}, coupling: {name: k, stiffness: 5, tolerance: 15 %}, disc: {inertia: 2}]\n"
     left = dict(torsion.run(torsion.parse(text)).plan.left_out)
     assert left["the tolerance of 'k'"] == (
         "its 15 % change only the frequencies; other results use the nominal stiffness (`cases: {from: tolerances}` "
@@ -208,9 +230,7 @@ def test_a_tolerance_that_is_read_but_not_varied_is_said_in_the_plan():
 def test_of_some_analyses_the_rules_that_read_others_are_left_out():
     text = "name: x\noperation: {speeds: {from: 300 rpm, to: 900 rpm}, rated: {speed: 800 rpm, power: 50 kW}}\n"
     text += "train: [motor: {inertia: 1, ripple: [{order: 2, torque: 5 %}]}, "
-    text += (
-        "coupling: {stiffness: 5e4, psi: 0.5, vibratory_torque: 9}, propeller: {inertia: 2}]\nrules: [coupling-maker]\n"
-    )
+    text += "coupling: {stiffness: 5e4, psi: 0.5, vibratory_torque: 9}, propeller: {inertia: 2}]\nrules: [coupling-maker]\n"
     found = torsion.run(torsion.parse(text), only=("modes",))
     assert found.study.rules
     assert found.results["checks"].lines == ()

@@ -24,12 +24,17 @@ train:
 
 @pytest.mark.parametrize("bores", [(0.02, 0.08), (0.08, 0.02)])
 @pytest.mark.parametrize("outer", [(0.1, 0.1), (0.09, 0.1)])
-def test_notch_in_a_cone_is_judged_at_its_weaker_end(bores: tuple[float, float], outer: tuple[float, float]) -> None:
+def test_notch_in_a_cone_is_judged_at_its_weaker_end(
+    bores: tuple[float, float], outer: tuple[float, float]
+) -> None:
     sizes = (f"[{one[0]} m, {one[1]} m]" for one in (outer, bores))
     shaft = "diameter: {}, bore: {}, notches: {{hole: 10 mm}}".format(*sizes)
     system = assemble(parse(SCENE.replace("SHAFT", shaft)).train)
     (found,) = stated_fillets(system)
-    worst = max(hole_factor(0.01 / o) / float(section_modulus(o, b)) for o, b in zip(outer, bores, strict=True))
+    worst = max(
+        hole_factor(0.01 / o) / float(section_modulus(o, b))
+        for o, b in zip(outer, bores, strict=True)
+    )
     assert found.factor / found.modulus == pytest.approx(worst, rel=1e-12)
 
 
@@ -72,8 +77,12 @@ HOLE = "endurance: 60 MPa, notches: {hole: 9 mm}"
         ),
     ],
 )
-def test_corner_without_a_fillet_beside_an_endurance_is_not_judged(step: str, unjudged: list[str]) -> None:
-    lines = torsion.run(parse(JUDGED.replace("STEP", step).replace("HOLE", HOLE))).need(Checks).lines
+def test_corner_without_a_fillet_beside_an_endurance_is_not_judged(
+    step: str, unjudged: list[str]
+) -> None:
+    lines = (
+        torsion.run(parse(JUDGED.replace("STEP", step).replace("HOLE", HOLE))).need(Checks).lines
+    )
     assert [one.what for one in lines if one.verdict == "not judged"] == unjudged
 
 
@@ -96,7 +105,9 @@ def test_fillet_on_a_flange_has_the_torque_of_its_own_side(sizes: tuple[str, str
     own = found.system.span_part == found.study.train.position("ab"[sizes.index(SMALL)])
     torque = found.need(Synthesis).half_range[:, own].max(axis=1)
     assert one.nominal is not None
-    assert one.nominal * one.modulus == pytest.approx(torque.max(), rel=0.02)  # the shaft's own inertia is slight
+    assert one.nominal * one.modulus == pytest.approx(
+        torque.max(), rel=0.02
+    )  # the shaft's own inertia is slight
 
 
 def factors(text: str) -> list[float]:
@@ -105,7 +116,9 @@ def factors(text: str) -> list[float]:
 
 
 @pytest.mark.parametrize("backwards", [False, True])
-def test_fillet_beside_a_larger_shaft_of_thin_wall_has_at_least_its_nominal_stress(*, backwards: bool) -> None:
+def test_fillet_beside_a_larger_shaft_of_thin_wall_has_at_least_its_nominal_stress(
+    *, backwards: bool
+) -> None:
     step = ", step: {fillet: 50 mm}"
     first, last = ["diameter: 100 mm", "diameter: 102 mm, bore: 98 mm"][:: -1 if backwards else 1]
     (found,) = factors(
@@ -141,10 +154,16 @@ def test_fillets_two_diameters_apart_know_nothing_of_each_other() -> None:
 
 def test_fillets_and_hubs_have_room_on_their_shaft() -> None:
     with pytest.raises(InputError, match="reaches into another detail of 'b'"):
-        assemble(parse(SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", neck(19.0, 10.0))).train)
+        assemble(
+            parse(
+                SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", neck(19.0, 10.0))
+            ).train
+        )
     hub = neck(60.0, 10.0).replace("diameter: 100 mm, step: {fillet: 10.0 mm}", HUB)
     with pytest.raises(InputError, match="reaches into another detail of 'b'"):
-        assemble(parse(SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", hub)).train)
+        assemble(
+            parse(SCENE.replace("  - shaft: {name: seat, length: 200 mm, SHAFT}\n", hub)).train
+        )
 
 
 HUB = "diameter: 100 mm, hub: {length: 55 mm, diameter: 160 mm, fit: shrink}"
@@ -158,13 +177,21 @@ def test_empty_list_of_details_is_refused_in_its_place(key: str) -> None:
 
 def test_endurance_of_a_shaft_without_a_detail_is_refused() -> None:
     with pytest.raises(InputError, match="finds no fillet or notch with an `endurance`"):
-        torsion.run(parse(JUDGED.replace("STEP", "step: sharp").replace("HOLE", "notches: {hole: 9 mm}")))
+        torsion.run(
+            parse(JUDGED.replace("STEP", "step: sharp").replace("HOLE", "notches: {hole: 9 mm}"))
+        )
 
 
 @pytest.mark.parametrize(("outer", "bore"), [(0.092, 0.085), (0.092, 0.076), (0.1, 0.085)])
 def test_fillet_to_a_weaker_tube_has_more_stress_than_the_tube(outer: float, bore: float) -> None:
     """Its K_t is that of both ends: a thin tube behind it makes it larger, and the tube is not judged by itself."""
     larger = f"{outer} m, bore: {bore} m, endurance: 60 MPa"
-    text = JUDGED.replace("140 mm, HOLE", larger).replace("STEP", f"step: {{fillet: {outer / 2 - 0.045} m}}")
+    text = JUDGED.replace("140 mm, HOLE", larger).replace(
+        "STEP", f"step: {{fillet: {outer / 2 - 0.045} m}}"
+    )
     (fillet,) = stated_fillets(assemble(parse(text).train))
-    assert fillet.factor / fillet.modulus > 1.0 / float(section_modulus(outer, bore)) > 1.0 / fillet.modulus
+    assert (
+        fillet.factor / fillet.modulus
+        > 1.0 / float(section_modulus(outer, bore))
+        > 1.0 / fillet.modulus
+    )

@@ -71,7 +71,11 @@ def test_response_is_that_of_hub_and_bob_about_a_constant_speed() -> None:
     record = found.system.train.part("p").pendulum
     assert record is not None
     deflection = deflections(found.system, found, span, record)
-    torques = {Fraction(2): (0, 10.0), Fraction(5, 2): (0, 7.0 * np.exp(1j * math.pi / 6)), Fraction(4): (3, 5.0)}
+    torques = {
+        Fraction(2): (0, 10.0),
+        Fraction(5, 2): (0, 7.0 * np.exp(1j * math.pi / 6)),
+        Fraction(4): (3, 5.0),
+    }
     for speed in speeds:
         at = int(np.argmin(abs(found.speed - speed)))
         mass, damp, stiff = equations(speed)
@@ -81,7 +85,10 @@ def test_response_is_that_of_hub_and_bob_about_a_constant_speed() -> None:
             force = np.zeros(5, dtype=complex)
             force[place] = torque
             expected = np.linalg.solve(stiff + 1j * w * damp - w * w * mass, force)
-            assert np.abs(found.angle[at, column, shaft] - expected[:4]).max() <= 1e-12 * np.abs(expected[:4]).max()
+            assert (
+                np.abs(found.angle[at, column, shaft] - expected[:4]).max()
+                <= 1e-12 * np.abs(expected[:4]).max()
+            )
             assert deflection[at, column] == pytest.approx(abs(expected[4]), rel=1e-12)
 
 
@@ -117,10 +124,14 @@ def test_critical_speeds_of_an_order_are_those_of_the_train_with_its_inertia() -
     found = torsion.run(study()).need(CriticalSpeeds).crossings
     m = NUMBER * MASS * (ARM + LENGTH) ** 2
     for order in (2.0, 2.5, 4.0):
-        inertia = np.diag([DISCS[0], DISCS[1], HUB + m / (1.0 - order**2 / (ARM / LENGTH)), DISCS[2]])
+        inertia = np.diag(
+            [DISCS[0], DISCS[1], HUB + m / (1.0 - order**2 / (ARM / LENGTH)), DISCS[2]]
+        )
         root = eigvals(equations(0.0)[2][:4, :4], inertia)
         w = np.sqrt(root.real[(abs(root.imag) < 1e-6 * abs(root)) & (root.real > 1.0)])
-        expected = sorted(one / order for one in w.tolist() if 100.0 * RPM <= one / order <= 6000.0 * RPM)
+        expected = sorted(
+            one / order for one in w.tolist() if 100.0 * RPM <= one / order <= 6000.0 * RPM
+        )
         met = sorted(one.speed for one in found if float(one.order) == order)
         assert met == pytest.approx(expected, rel=1e-12)
         assert expected
@@ -135,7 +146,9 @@ def test_figures_hold_behind_a_gear() -> None:
     speed, w = 1500.0 * RPM, 2.0 * 1500.0 * RPM
     found = torsion.response(given, system, speeds=np.array([speed]))
     mass, damp, stiff = equations(2.0 * speed)
-    shaft = np.diag([1.0, 1.0, 2.0, 2.0, 2.0])  # hub, d and bobs turn twice as fast as the discs before the gear
+    shaft = np.diag(
+        [1.0, 1.0, 2.0, 2.0, 2.0]
+    )  # hub, d and bobs turn twice as fast as the discs before the gear
     before = np.zeros((5, 5))  # the coupling between disc-2 and the gear, of the first shaft
     before[1:3, 1:3] = STIFFNESS[1] * np.array([[1.0, -1.0], [-1.0, 1.0]])
     mass, damp, stiff = (shaft @ one @ shaft for one in (mass, damp, stiff - before))
@@ -185,13 +198,23 @@ def test_modes_are_those_of_the_rated_speed_and_said_so(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (("operation: {speeds: {from: 100 rpm, to: 6000 rpm}, rated: {speed: 3000 rpm, power: 10 kW}}", ""),
-         "frequencies of a train with a pendulum follow the speed"),
-        (("excitations:", "analyses: {transient: {duration: 1}}\nexcitations:"), "does not support a pendulum"),
+        (
+            (
+                "operation: {speeds: {from: 100 rpm, to: 6000 rpm}, rated: {speed: 3000 rpm, power: 10 kW}}",
+                "",
+            ),
+            "frequencies of a train with a pendulum follow the speed",
+        ),
+        (
+            ("excitations:", "analyses: {transient: {duration: 1}}\nexcitations:"),
+            "does not support a pendulum",
+        ),
         (("excitations:", "damping: {modal: 2 %}\nexcitations:"), "a pendulum has many"),
     ],
-)  # fmt: skip
-def test_what_takes_no_pendulum_is_refused_at_the_pendulum(change: tuple[str, str], words: str) -> None:
+)
+def test_what_takes_no_pendulum_is_refused_at_the_pendulum(
+    change: tuple[str, str], words: str
+) -> None:
     with pytest.raises(InputError, match=words) as caught:
         study(TRAIN.replace(*change))
     assert any(words in fault.message and fault.line == 7 for fault in caught.value.faults)
@@ -211,11 +234,17 @@ operation: {speeds: {from: 100 rpm, to: 6000 rpm}}
 excitations: [{at: a, order: 2, torque: 10}]
 """
     plain = {"disc": {"name": "p", "inertia": 0.02 + 0.0081 / (1 - 4 / 8)}}
-    bobs: dict[str, Any] = {"pendulum": {"name": "p", "mass": 1, "arm": 0.08, "length": 0.01, "inertia": 0.02}}
+    bobs: dict[str, Any] = {
+        "pendulum": {"name": "p", "mass": 1, "arm": 0.08, "length": 0.01, "inertia": 0.02}
+    }
     one, other = (torsion.parse(looped % str(each).replace("'", "")) for each in (plain, bobs))
     speeds = np.array([800.0, 2000.0, 4000.0]) * RPM
-    first, second = (torsion.response(each, assemble(each.train), speeds=speeds) for each in (one, other))
-    at = [[int(np.argmin(abs(found.speed - speed))) for speed in speeds] for found in (first, second)]
+    first, second = (
+        torsion.response(each, assemble(each.train), speeds=speeds) for each in (one, other)
+    )
+    at = [
+        [int(np.argmin(abs(found.speed - speed))) for speed in speeds] for found in (first, second)
+    ]
     assert second.angle[at[1], 0, :3] == pytest.approx(first.angle[at[0], 0, :3], rel=1e-11)
 
 
@@ -242,7 +271,11 @@ train:
   - disc: {inertia: 2}
 analyses: {response: }
 """
-    (engine,) = torsion.run(torsion.parse(scene.replace("STATE", "imbalance: [[2, 103 %]]"))).need(Engines).each
+    (engine,) = (
+        torsion.run(torsion.parse(scene.replace("STATE", "imbalance: [[2, 103 %]]")))
+        .need(Engines)
+        .each
+    )
     case = next(one for one in engine.misfires if one.cylinder == 1)
     own = torsion.run(torsion.parse(scene.replace("STATE", "misfire: 1")))
     speed, half = own.results["response"].speed, own.need(Synthesis).half_range
@@ -253,14 +286,20 @@ analyses: {response: }
     assert sum(bool((abs(speed / at - 1.0) < 1e-12).any()) for at in case.speed) >= 3
 
 
-@pytest.mark.parametrize("analyses", ["{response: }", "{modes: {count: 1}, response: }", "{modes: , response: }"])
-def test_response_has_a_point_at_every_resonance_whatever_modes_are_requested(analyses: str) -> None:
+@pytest.mark.parametrize(
+    "analyses", ["{response: }", "{modes: {count: 1}, response: }", "{modes: , response: }"]
+)
+def test_response_has_a_point_at_every_resonance_whatever_modes_are_requested(
+    analyses: str,
+) -> None:
     """At every positive root of K x = w^2 M x of every order that lies in the range."""
     coarse = TRAIN.replace("to: 6000 rpm", "to: 6000 rpm, steps: 4")
     speed = torsion.run(study(coarse + f"analyses: {analyses}\n")).results["response"].speed
     m, met = NUMBER * MASS * (ARM + LENGTH) ** 2, 0
     for order in (2.0, 2.5, 4.0):
-        inertia = np.diag([DISCS[0], DISCS[1], HUB + m / (1.0 - order**2 / (ARM / LENGTH)), DISCS[2]])
+        inertia = np.diag(
+            [DISCS[0], DISCS[1], HUB + m / (1.0 - order**2 / (ARM / LENGTH)), DISCS[2]]
+        )
         root = eigvals(equations(0.0)[2][:4, :4], inertia)
         w = np.sqrt(root.real[(abs(root.imag) < 1e-6 * abs(root)) & (root.real > 1.0)])
         for one in w[(w / order >= 100.0 * RPM) & (w / order <= 6000.0 * RPM)]:
@@ -271,15 +310,23 @@ def test_response_has_a_point_at_every_resonance_whatever_modes_are_requested(an
 
 def test_a_table_that_ends_beside_a_pendulum_leaves_out_the_modes_above_it() -> None:
     table = "  - coupling: {table: {over: frequency, at: [START, 130], stiffness: [1.9e4, 2e4], loss_factor: [0, 0]}}\n"
-    ends = TRAIN.replace("  - coupling: {stiffness: 20000.0}\n", table).replace("to: 6000 rpm", "to: 1500 rpm")
+    ends = TRAIN.replace("  - coupling: {stiffness: 20000.0}\n", table).replace(
+        "to: 6000 rpm", "to: 1500 rpm"
+    )
     assert ends.count("over: frequency") == 1
     findings = torsion.run(study(ends.replace("START", "1")))
     modes = findings.results["modes"].frequency
     curves = findings.need(FrequenciesOverSpeed).frequency
     assert 1 <= len(curves) <= len(modes)
     assert "response" in findings.results
-    fourth = "".join(line for line in ends.splitlines(True) if "order: 2" not in line and "order: 5/2" not in line)
-    below = torsion.run(study(fourth.replace("START", "6.5")))  # at 100 rpm the pendulum's own lies below
+    fourth = "".join(
+        line
+        for line in ends.splitlines(True)
+        if "order: 2" not in line and "order: 5/2" not in line
+    )
+    below = torsion.run(
+        study(fourth.replace("START", "6.5"))
+    )  # at 100 rpm the pendulum's own lies below
     assert "response" in below.results
     assert [one.analysis for one in below.plan.unanswered] == ["frequencies over speed"]
     assert "points of the response at every resonance" in [what for what, _ in below.plan.left_out]
@@ -288,7 +335,9 @@ def test_a_table_that_ends_beside_a_pendulum_leaves_out_the_modes_above_it() -> 
 def test_bobs_that_would_swing_past_a_right_angle_are_no_answer() -> None:
     """A light pendulum without damping would take any torque of its order, by deflections without meaning."""
     light = (
-        TRAIN.replace("mass: 0.7", "mass: 1 g").replace(f", damping: {PIVOT}", "").replace("length: 10 mm", "order: 2")
+        TRAIN.replace("mass: 0.7", "mass: 1 g")
+        .replace(f", damping: {PIVOT}", "")
+        .replace("length: 10 mm", "order: 2")
     )
     found = torsion.run(study(light))
     assert ["degrees" in one.why for one in found.plan.unanswered] == [True]

@@ -20,7 +20,9 @@ from torsion.rules import judgement
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 
-ORACLES = json.loads((Path(__file__).parent / "power_balance_oracles.json").read_text(encoding="utf-8"))
+ORACLES = json.loads(
+    (Path(__file__).parent / "power_balance_oracles.json").read_text(encoding="utf-8")
+)
 MEAN = ORACLES["mean_torque"]
 DIGITS = 1e-12  # of figures that are stated with 13
 
@@ -66,8 +68,12 @@ def mean_torques(study: Study, rpm: float) -> dict[str, float]:
     """N m by the name of spans at their driving station, and by that of machines at their own speed."""
     system = assemble(study.train)
     found = steady(study.train, system, study.operation, np.array([rpm * math.pi / 30]))
-    applied = {station.name: float(found.applied[k, 0]) for k, station in enumerate(system.stations)}
-    return applied | {span.name: float(found.torque[k, 0]) for k, span in enumerate(system.own_spans)}
+    applied = {
+        station.name: float(found.applied[k, 0]) for k, station in enumerate(system.stations)
+    }
+    return applied | {
+        span.name: float(found.torque[k, 0]) for k, span in enumerate(system.own_spans)
+    }
 
 
 def assert_row(found: dict[str, float], row: dict) -> None:
@@ -85,9 +91,16 @@ def assert_row(found: dict[str, float], row: dict) -> None:
 
 @pytest.mark.parametrize("rpm", [750, 600, 450])
 @pytest.mark.parametrize(
-    "more", [STATED, STATED | {"RATED": ", power: 4480 kW"}, {**STATED, "CPP": "", "RATED": ", power: 4480 kW"}]
+    "more",
+    [
+        STATED,
+        STATED | {"RATED": ", power: 4480 kW"},
+        {**STATED, "CPP": "", "RATED": ", power: 4480 kW"},
+    ],
 )
-def test_every_load_follows_its_own_law_and_the_engine_gives_their_sum(rpm: int, more: dict[str, str]) -> None:
+def test_every_load_follows_its_own_law_and_the_engine_gives_their_sum(
+    rpm: int, more: dict[str, str]
+) -> None:
     found = mean_torques(train_m(**more), rpm)
     assert_row(found, MEAN["train_M"]["at_rpm"][str(rpm)])
 
@@ -96,11 +109,18 @@ def test_all_loads_fall_alike_where_a_cylinder_does_not_fire_and_the_plan_says_i
     row = MEAN["train_M"]["one_cylinder_of_8_without_fuel_all_consumers_fall_alike"]
     study = train_m(**STATED, ENGINE=", misfire: 8")
     found = mean_torques(study, 750)
-    for name, key in (("PTO coupling", "pto_coupling"), ("tail", "tail"), ("flange", "flange"), ("CPP", "cpp")):
+    for name, key in (
+        ("PTO coupling", "pto_coupling"),
+        ("tail", "tail"),
+        ("flange", "flange"),
+        ("CPP", "cpp"),
+    ):
         assert found[name] == pytest.approx(row[key], rel=DIGITS)
     assert "3920 kW of 4480 kW enter" in power_balance(study.train, study.operation).sentence
     kept = mean_torques(train_m(**STATED, ENGINE=", misfire: 8, keep_power: true"), 750)
-    assert kept["PTO coupling"] == pytest.approx(MEAN["train_M"]["at_rpm"]["750"]["pto_coupling"], rel=DIGITS)
+    assert kept["PTO coupling"] == pytest.approx(
+        MEAN["train_M"]["at_rpm"]["750"]["pto_coupling"], rel=DIGITS
+    )
 
 
 def test_a_machine_that_helps_the_engine_takes_its_power_from_that() -> None:
@@ -135,7 +155,9 @@ def test_a_coupling_carries_what_the_pumps_behind_it_take() -> None:
     assert found["first"] == pytest.approx(row["motor"], rel=DIGITS)
     assert found["pump 1"] == pytest.approx(row["pump 1"], rel=DIGITS)
     assert found["pump 2"] == pytest.approx(row["pump 2"], rel=DIGITS)
-    assert found["second"] == pytest.approx(2 * row["coupling 2 (second pump, geared up 1:2)"], rel=DIGITS)
+    assert found["second"] == pytest.approx(
+        2 * row["coupling 2 (second pump, geared up 1:2)"], rel=DIGITS
+    )
 
 
 GENSET = """
@@ -157,8 +179,15 @@ train:
         ("20.08 MW", "generator", ", power: 80 kW", "main_80kW", "exciter_80kW"),
     ],
 )
-def test_an_exciter_takes_its_own_power_alone(power: str, kind: str, more: str, main: str, behind: str) -> None:
-    text = GENSET.replace("POWER", power).replace("KIND", kind).replace(" GENERATOR", "").replace(" EXCITER", more)
+def test_an_exciter_takes_its_own_power_alone(
+    power: str, kind: str, more: str, main: str, behind: str
+) -> None:
+    text = (
+        GENSET.replace("POWER", power)
+        .replace("KIND", kind)
+        .replace(" GENERATOR", "")
+        .replace(" EXCITER", more)
+    )
     found = mean_torques(torsion.parse(text), 3000)
     assert found["main"] == pytest.approx(MEAN["genset_20_MW"][main], rel=DIGITS)
     assert found["to exciter"] == pytest.approx(MEAN["genset_20_MW"][behind], rel=DIGITS)
@@ -174,11 +203,15 @@ train: [motor: {{inertia: 5}}, coupling: {{name: c, stiffness: 4e4, viscous: 10}
 """
     study = torsion.parse(text)
     for rpm in (1500, 1000, 500):
-        assert mean_torques(study, rpm)["c"] == pytest.approx(oracle["T"] * oracle["speed_rpm"] / rpm, rel=DIGITS)
+        assert mean_torques(study, rpm)["c"] == pytest.approx(
+            oracle["T"] * oracle["speed_rpm"] / rpm, rel=DIGITS
+        )
 
 
 def test_a_table_of_a_machine_is_over_its_own_speed() -> None:
-    text = PUMPS.replace("power: 90 kW", "load: [[0 rpm, 100 N*m], [3000 rpm, 400 N*m]]").replace(", power: 250 kW", "")
+    text = PUMPS.replace("power: 90 kW", "load: [[0 rpm, 100 N*m], [3000 rpm, 400 N*m]]").replace(
+        ", power: 250 kW", ""
+    )
     text = text.replace("rated: {speed: 1480 rpm}", "rated: {speed: 1480 rpm, power: 340 kW}")
     found = mean_torques(torsion.parse(text), 1000)
     assert found["pump 2"] == pytest.approx(-300.0, rel=DIGITS)
@@ -193,13 +226,19 @@ def test_what_is_stated_and_what_is_computed_is_in_the_results() -> None:
     for name, key in (("engine", "engine"), ("generator", "generator"), ("CPP", "cpp")):
         assert machines[name].power == pytest.approx(row["power"][key], rel=DIGITS)
         assert machines[name].torque == pytest.approx(row[key], rel=DIGITS)
-    assert [(machine.name, machine.enters, machine.law, machine.free) for machine in machines.values()] == [
-        ("engine", True, "", False), ("generator", False, "constant power", False), ("CPP", False, "quadratic", True),
-    ]  # fmt: skip
+    assert [
+        (machine.name, machine.enters, machine.law, machine.free) for machine in machines.values()
+    ] == [
+        ("engine", True, "", False),
+        ("generator", False, "constant power", False),
+        ("CPP", False, "quadratic", True),
+    ]
 
 
 def test_a_share_of_the_mean_torque_is_one_of_the_machine_s_own() -> None:
-    text = PUMPS.replace("power: 90 kW", "power: 90 kW, blades: 5, excitation: [{blade_order: 1, torque: 10 %}]")
+    text = PUMPS.replace(
+        "power: 90 kW", "power: 90 kW, blades: 5, excitation: [{blade_order: 1, torque: 10 %}]"
+    )
     study = torsion.parse(text)
     system, speed = assemble(study.train), np.array([1000.0, 1480.0]) * math.pi / 30
     (torque,) = study.train.torques
@@ -211,19 +250,41 @@ def test_a_share_of_the_mean_torque_is_one_of_the_machine_s_own() -> None:
 @pytest.mark.parametrize(
     ("more", "message", "hint", "place"),
     [
-        ({"RATED": ", power: 4480 kW"}, ("4480 kW enter, and the file does not say how they divide between 'generator' "
-         "and 'CPP'"), "give `power` to both, or to one of them and the other takes the rest", "generator"),
-        (STATED | {"GENERATOR": ", power: 1670 kW", "RATED": ", power: 4480 kW"},
-         "the loads absorb 4950 kW, `rated` has 4480 kW", ("leave out the power of the one that takes the rest, or "
-         "correct one"), "power"),
-        ({"GENERATOR": ", power: 4950 kW", "RATED": ", power: 4480 kW"},
-         "the loads absorb 4950 kW, `rated` has 4480 kW",
-         "make a machine that drives a `motor`", "power"),
-        ({"GENERATOR": ", power: 1200 kW"}, "'CPP' has no `power`", "operation.rated.power", "propeller"),
-        (STATED | {"RATED": "}, load: [[400 rpm, 2 kN*m], [800 rpm, 3 kN*m]]"},
-         "a table of `load` is the total", "give the table to one machine", "load"),
+        (
+            {"RATED": ", power: 4480 kW"},
+            (
+                "4480 kW enter, and the file does not say how they divide between 'generator' "
+                "and 'CPP'"
+            ),
+            "give `power` to both, or to one of them and the other takes the rest",
+            "generator",
+        ),
+        (
+            STATED | {"GENERATOR": ", power: 1670 kW", "RATED": ", power: 4480 kW"},
+            "the loads absorb 4950 kW, `rated` has 4480 kW",
+            ("leave out the power of the one that takes the rest, or correct one"),
+            "power",
+        ),
+        (
+            {"GENERATOR": ", power: 4950 kW", "RATED": ", power: 4480 kW"},
+            "the loads absorb 4950 kW, `rated` has 4480 kW",
+            "make a machine that drives a `motor`",
+            "power",
+        ),
+        (
+            {"GENERATOR": ", power: 1200 kW"},
+            "'CPP' has no `power`",
+            "operation.rated.power",
+            "propeller",
+        ),
+        (
+            STATED | {"RATED": "}, load: [[400 rpm, 2 kN*m], [800 rpm, 3 kN*m]]"},
+            "a table of `load` is the total",
+            "give the table to one machine",
+            "load",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_balance_that_the_file_does_not_say_is_refused(
     more: dict[str, str], message: str, hint: str, place: str
 ) -> None:
@@ -279,7 +340,11 @@ def test_the_full_torque_of_every_span_is_that_when_all_cylinders_fire() -> None
 def test_the_mesh_of_a_shaft_generator_has_a_mean_torque_of_its_own() -> None:
     study = train_m(**STATED)
     findings = torsion.run(torsion.parse(study.text + "rules: [gear-hammer]\n"))
-    checks = {check.where: check for check in findings.need(Checks).lines if check.clause == "torque reversal"}
+    checks = {
+        check.where: check
+        for check in findings.need(Checks).lines
+        if check.clause == "torque reversal"
+    }
     at = int(np.argmin(np.abs(findings.need(Response).speed - checks["gear wheel 2"].speed)))
     rpm = float(findings.need(Response).speed[at]) * 30 / math.pi
     generator = 1200e3 / (rpm * math.pi / 30)  # referred to the engine, at constant power
@@ -287,10 +352,14 @@ def test_the_mesh_of_a_shaft_generator_has_a_mean_torque_of_its_own() -> None:
 
 
 @pytest.mark.parametrize(("rpm", "within"), [(1500, 1e-12), (1000, 1e-5), (500, 1e-5), (60, 1e-5)])
-def test_a_share_of_a_torque_at_constant_power_follows_the_speed_over_time(rpm: float, within: float) -> None:
-    text = PUMPS.replace("pump: {name: pump 1, inertia: 3, power: 250 kW}",
-                         "generator: {name: g, inertia: 3, power: 250 kW, load: constant-power, "
-                         "ripple: [{order: 2, torque: 4 %}]}").replace("1480 rpm}", "1500 rpm}")  # fmt: skip
+def test_a_share_of_a_torque_at_constant_power_follows_the_speed_over_time(
+    rpm: float, within: float
+) -> None:
+    text = PUMPS.replace(
+        "pump: {name: pump 1, inertia: 3, power: 250 kW}",
+        "generator: {name: g, inertia: 3, power: 250 kW, load: constant-power, "
+        "ripple: [{order: 2, torque: 4 %}]}",
+    ).replace("1480 rpm}", "1500 rpm}")
     study = torsion.parse(text)
     system, speed = assemble(study.train), rpm * math.pi / 30
     size = _size(study, system, study.train.torques[0], begins=0.0, staying=None)

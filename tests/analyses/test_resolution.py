@@ -15,11 +15,15 @@ MODELS = {"lumped": 1e-3, "fem": 1e-6, "exact": 1e-12}  # error that each promis
 SHAFTS = [(3.0, 0.09), (2.0, 0.14), (4.0, 0.07)]  # m, length and diameter
 MODULUS, DENSITY = 79.3e9, 7850.0  # steel
 DISCS = (10.0, 4.0)  # kg m2
-STEPPED = "\n".join([
-    "name: stepped", "train:", f"- disc: {{name: first, inertia: {DISCS[0]}}}",
-    *(f"- shaft: {{length: {length}, diameter: {outer}}}" for length, outer in SHAFTS),
-    f"- disc: {{name: last, inertia: {DISCS[1]}}}",
-])  # fmt: skip
+STEPPED = "\n".join(
+    [
+        "name: stepped",
+        "train:",
+        f"- disc: {{name: first, inertia: {DISCS[0]}}}",
+        *(f"- shaft: {{length: {length}, diameter: {outer}}}" for length, outer in SHAFTS),
+        f"- disc: {{name: last, inertia: {DISCS[1]}}}",
+    ]
+)
 EXCITED = "\noperation: {speeds: {from: 30 rad/s, to: 150 rad/s}}\nexcitations: [{at: first, order: 20, torque: 100}]\n"
 
 
@@ -40,8 +44,11 @@ def stepped_frequencies(count: int) -> np.ndarray:
     """(count,) Hz: both ends are free of torque."""
     scan = np.linspace(1.0, 2000.0, 40_001)
     value = [transfer(hertz)[1, 0] for hertz in scan]
-    roots = [brentq(lambda f: transfer(f)[1, 0], *scan[k : k + 2], xtol=1e-12, rtol=1e-14)
-             for k in range(len(scan) - 1) if value[k] * value[k + 1] < 0]  # fmt: skip
+    roots = [
+        brentq(lambda f: transfer(f)[1, 0], *scan[k : k + 2], xtol=1e-12, rtol=1e-14)
+        for k in range(len(scan) - 1)
+        if value[k] * value[k + 1] < 0
+    ]
     return np.array(roots[:count])
 
 
@@ -91,11 +98,16 @@ def test_a_shaft_keeps_its_promise_up_to_the_frequency_to_which_it_is_resolved(m
     found = torsion.modes(system, count=number, refine=False).frequency
     wanted = half_wave * np.arange(1, number + 1)
     np.testing.assert_allclose(found, wanted, rtol=MODELS[model] * 1.02)
-    assert abs(found[-1] / wanted[-1] - 1.0) > MODELS[model] / 5.0  # nor is it more than what was requested
+    assert (
+        abs(found[-1] / wanted[-1] - 1.0) > MODELS[model] / 5.0
+    )  # nor is it more than what was requested
 
 
 def test_discs_springs_and_stated_segments_leave_nothing_to_refine():
-    springs = assembled("name: s\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 10}, disc: {inertia: 1}]", "lumped")
+    springs = assembled(
+        "name: s\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 10}, disc: {inertia: 1}]",
+        "lumped",
+    )
     assert math.isinf(springs.resolved_to)
     assert torsion.modes(springs, 1, refine=False).system is springs
     stated = assembled(STEPPED.replace("length:", "segments: 3, length:"), "lumped")
@@ -134,12 +146,19 @@ def test_a_response_beyond_the_resolution_refines_the_shafts(model):
     assert found.torque.shape[2] == len(found.system.spans)
     if model != "exact":
         with pytest.raises(torsion.SolveError, match="resolved up to"):
-            torsion.response(scene, torsion.assemble(scene.train, model, frequency=10.0), speeds=10 * speeds,
-                             refine=False)  # fmt: skip
+            torsion.response(
+                scene,
+                torsion.assemble(scene.train, model, frequency=10.0),
+                speeds=10 * speeds,
+                refine=False,
+            )
 
 
 def test_a_response_over_frequency_beyond_the_resolution_refines_the_shafts():
-    text = EXCITED.replace("order: 20, ", "") + "analyses: {response: {frequencies: {from: 40, to: 300}}}\n"
+    text = (
+        EXCITED.replace("order: 20, ", "")
+        + "analyses: {response: {frequencies: {from: 40, to: 300}}}\n"
+    )
     scene = torsion.parse(STEPPED + text)
     coarse = torsion.assemble(scene.train, model="lumped")
     hertz = np.array([40.0, 300.0])
@@ -157,5 +176,8 @@ def test_modes_of_a_coarser_system_do_not_serve_a_refined_response():
     scene = torsion.parse(STEPPED + EXCITED)
     coarse = torsion.assemble(scene.train, model="lumped")
     known = torsion.modes(coarse, 20)
-    plain, given = (torsion.response(scene, coarse, speeds=np.array([30.0, 150.0]), modes=m) for m in (None, known))
+    plain, given = (
+        torsion.response(scene, coarse, speeds=np.array([30.0, 150.0]), modes=m)
+        for m in (None, known)
+    )
     np.testing.assert_array_equal(plain.angle, given.angle)

@@ -16,13 +16,18 @@ from torsion.kernels.variant_modes import variant_modes
 INERTIA, STIFFNESS = (1.2, 0.35, 0.6, 0.95), (20000.0, 310000.0, 47000.0)
 WIDE = (0.15, 0.03, 0.08)
 AIMS = (  # span, mode, Hz, N m/rad: roots of the characteristic equation to 18 digits
-    (1, 1, 40.0, 445474.195060636745), (1, 2, 55.0, 27113.357406885973), (2, 3, 60.0, 8863.92602550130498),
-    (3, 2, 75.0, 103123.009101467866), (3, 2, 120.0, 315913.497861724244),
-)  # fmt: skip
+    (1, 1, 40.0, 445474.195060636745),
+    (1, 2, 55.0, 27113.357406885973),
+    (2, 3, 60.0, 8863.92602550130498),
+    (3, 2, 75.0, 103123.009101467866),
+    (3, 2, 120.0, 315913.497861724244),
+)
 
 
 def scene(stiffness=STIFFNESS, inertia=INERTIA, wide=WIDE, rest="", heavy=(0, 0, 0, 0)) -> str:
-    extra = [f", tolerance: {float(tolerance)!r}" if tolerance else "" for tolerance in (*wide, *heavy)]
+    extra = [
+        f", tolerance: {float(tolerance)!r}" if tolerance else "" for tolerance in (*wide, *heavy)
+    ]
     discs = [
         f"  - disc: {{inertia: {float(own)!r}{words}}}\n"
         for own, words in zip(inertia, extra[len(wide) :], strict=True)
@@ -43,7 +48,12 @@ def exact(stiffness, inertia=INERTIA) -> list[float]:
         size = len(inertia)
         matrix, root = mp.matrix(size, size), [mp.sqrt(mp.mpf(one)) for one in inertia]
         for at, k in enumerate(map(mp.mpf, stiffness)):
-            for a, b, sign in ((at, at, 1), (at + 1, at + 1, 1), (at, at + 1, -1), (at + 1, at, -1)):
+            for a, b, sign in (
+                (at, at, 1),
+                (at + 1, at + 1, 1),
+                (at, at + 1, -1),
+                (at + 1, at, -1),
+            ):
                 matrix[a, b] += sign * k / (root[a] * root[b])
         values = sorted(mp.eigsy(matrix, eigvals_only=True))[1:]
         return [float(mp.sqrt(one) / (2 * mp.pi)) for one in values]
@@ -54,7 +64,9 @@ def test_bands_are_the_corners_to_rounding() -> None:
     for sign, band in ((-1, made.lower), (1, made.upper)):
         ends = [k * (1 + sign * t) for k, t in zip(STIFFNESS, WIDE, strict=True)]
         assert band == pytest.approx(exact(ends), rel=3e-15)
-    assert (made.lower < exact([k * (1 - t) for k, t in zip(STIFFNESS, WIDE, strict=True)])).all()  # a bound
+    assert (
+        made.lower < exact([k * (1 - t) for k, t in zip(STIFFNESS, WIDE, strict=True)])
+    ).all()  # a bound
 
 
 HEAVY = (0.05, 0.02, 0.05, 0.10)
@@ -69,7 +81,9 @@ def test_bands_over_stiffnesses_and_inertias_are_the_published_corners() -> None
     assert made.lower == pytest.approx(BAND[0], rel=4e-15)
     assert made.upper == pytest.approx(BAND[1], rel=4e-15)
     one = found(scene(wide=(0.15,) * 3, heavy=(0.05,) * 4))
-    assert one.lower / one.frequency == pytest.approx([np.sqrt(0.85 / 1.05)] * 3, rel=1e-14)  # any train, any mode
+    assert one.lower / one.frequency == pytest.approx(
+        [np.sqrt(0.85 / 1.05)] * 3, rel=1e-14
+    )  # any train, any mode
     assert one.upper / one.frequency == pytest.approx([np.sqrt(1.15 / 0.95)] * 3, rel=1e-14)
 
 
@@ -79,8 +93,12 @@ def test_the_figure_that_matters_most_comes_first() -> None:
     assert len(ranked) == 7
     first = ranked["coupling-1.stiffness"]  # sensitivities of mode 1 in 50 digits
     assert first.sensitivity[0] == pytest.approx(0.403343153160794559, rel=1e-14)
-    assert ranked["disc-4.inertia"].sensitivity[0] == pytest.approx(-0.164302497776000125, rel=1e-14)
-    assert ranked["disc-4.inertia"].change == pytest.approx(-0.1 * ranked["disc-4.inertia"].sensitivity)
+    assert ranked["disc-4.inertia"].sensitivity[0] == pytest.approx(
+        -0.164302497776000125, rel=1e-14
+    )
+    assert ranked["disc-4.inertia"].change == pytest.approx(
+        -0.1 * ranked["disc-4.inertia"].sensitivity
+    )
     assert sum(one.sensitivity for one in made.figures) == pytest.approx(np.zeros(3), abs=1e-14)
     assert made.figures[0] is first
     half = sum(one.change for one in made.figures)  # the band to second order
@@ -97,16 +115,23 @@ def test_water_and_a_gear_move_a_mode_as_their_figures_do() -> None:
     made, step = found(text % (1.2, 40.0)), 1e-6
     ranked = {one.figure: one.sensitivity for one in made.figures}
     for figure, one in (("motor-1.inertia", (1.2, 0.0)), ("propeller-1.inertia", (0.0, 40.0))):
-        ends = [found(text % (1.2 + s * step * one[0], 40.0 + s * step * one[1])).frequency for s in (1.0, -1.0)]
-        assert ranked[figure] == pytest.approx(np.log(ends[0] / ends[1]) / (2 * step), rel=1e-6, abs=1e-9)
+        ends = [
+            found(text % (1.2 + s * step * one[0], 40.0 + s * step * one[1])).frequency
+            for s in (1.0, -1.0)
+        ]
+        assert ranked[figure] == pytest.approx(
+            np.log(ends[0] / ends[1]) / (2 * step), rel=1e-6, abs=1e-9
+        )
     light = found(text % (1.2, 40.0))
     assert (light.lower < light.frequency).all()
 
 
 def test_a_fixed_point_has_no_tolerance() -> None:
     with pytest.raises(torsion.InputError, match="could vary"):
-        torsion.parse("name: x\ntrain:\n  - disc: {held: true, tolerance: 5 %}\n  - coupling: {stiffness: 1}\n"
-                      "  - disc: {inertia: 1}\n")  # fmt: skip
+        torsion.parse(
+            "name: x\ntrain:\n  - disc: {held: true, tolerance: 5 %}\n  - coupling: {stiffness: 1}\n"
+            "  - disc: {inertia: 1}\n"
+        )
 
 
 def test_each_coupling_alone_without_it_and_rigid() -> None:
@@ -119,7 +144,9 @@ def test_each_coupling_alone_without_it_and_rigid() -> None:
 
 
 @pytest.mark.parametrize(("span", "mode", "hertz", "stiffness"), AIMS)
-def test_stiffness_that_puts_a_mode_where_it_should_be(span: int, mode: int, hertz: float, stiffness: float) -> None:
+def test_stiffness_that_puts_a_mode_where_it_should_be(
+    span: int, mode: int, hertz: float, stiffness: float
+) -> None:
     aim = f"analyses: {{modes: , tolerances: {{aim: [{{mode: {mode}, frequency: {hertz} Hz}}]}}}}\n"
     one = found(scene(wide=(0, 0, 0), rest=aim)).aims[span - 1]
     assert one.coupling == f"coupling-{span}"
@@ -127,7 +154,9 @@ def test_stiffness_that_puts_a_mode_where_it_should_be(span: int, mode: int, her
 
 
 def test_no_stiffness_is_told_beyond_what_a_coupling_reaches() -> None:
-    made = found(scene(rest="analyses: {modes: , tolerances: {aim: [{mode: 2, frequency: 45 Hz}]}}\n"))
+    made = found(
+        scene(rest="analyses: {modes: , tolerances: {aim: [{mode: 2, frequency: 45 Hz}]}}\n")
+    )
     first, second, third = made.aims
     assert first.stiffness is None
     assert 45.0 < first.softest == pytest.approx(exact(STIFFNESS[1:], INERTIA[1:])[0], rel=1e-14)
@@ -136,7 +165,9 @@ def test_no_stiffness_is_told_beyond_what_a_coupling_reaches() -> None:
 
 
 def test_an_aim_at_a_mode_that_is_not_computed_is_refused_where_it_stands() -> None:
-    text = scene(rest="analyses: {modes: {count: 2}, tolerances: {aim: [{mode: 3, frequency: 45 Hz}]}}\n")
+    text = scene(
+        rest="analyses: {modes: {count: 2}, tolerances: {aim: [{mode: 3, frequency: 45 Hz}]}}\n"
+    )
     done = torsion.run(torsion.parse(text))
     (failed,) = done.plan.unanswered
     assert (failed.line, done.exit_status) == (10, 2)
@@ -167,7 +198,9 @@ def test_a_table_over_frequency_is_scaled_as_a_whole() -> None:
     text = "name: x\ntrain:\n  - disc: {inertia: 10}\n  - coupling: {%s}\n  - disc: {inertia: 40}\n"
     made = found(text % (table % ("20e3", "40e3") + ", tolerance: 10 %"))
     for end, k in ((made.lower, ("18e3", "36e3")), (made.upper, ("22e3", "44e3"))):
-        assert end == pytest.approx(modes(torsion.assemble(torsion.parse(text % (table % k)).train), 1).frequency)
+        assert end == pytest.approx(
+            modes(torsion.assemble(torsion.parse(text % (table % k)).train), 1).frequency
+        )
 
 
 @settings(max_examples=25, deadline=None)
@@ -182,7 +215,9 @@ def test_no_corner_of_a_random_train_lies_outside(size: int, seed: int) -> None:
     made = tolerances(study, nominal, None)
     factor = 1.0 + np.array(list(itertools.product((-1, 1), repeat=2 * size + 1))) * wide
     tree, node = undamped_tree(nominal.system), nominal.system.condensed
-    inertia, flexibility = (np.repeat(own[:, None], len(factor), axis=1) for own in (tree.inertia, tree.flexibility))
+    inertia, flexibility = (
+        np.repeat(own[:, None], len(factor), axis=1) for own in (tree.inertia, tree.flexibility)
+    )
     inertia[node.node] *= factor[:, size:].T
     flexibility[node.span] /= factor[:, :size].T
     every = variant_modes(tree, flexibility, inertia, size).frequency / (2.0 * np.pi)
@@ -196,7 +231,9 @@ def test_no_corner_of_a_random_train_lies_outside(size: int, seed: int) -> None:
 def test_no_corner_of_a_train_with_loops_lies_outside(seed: int) -> None:
     """Every combination of the ends of all figures, by the dense problem."""
     rng, loops = np.random.default_rng(seed), 1 + seed % 2
-    k, j, chord = (10.0 ** rng.uniform(*ends, n) for ends, n in (((2, 5), 3), ((-1, 1), 4), ((2, 5), loops)))
+    k, j, chord = (
+        10.0 ** rng.uniform(*ends, n) for ends, n in (((2, 5), 3), ((-1, 1), 4), ((2, 5), loops))
+    )
     wide = rng.uniform(0.01, 0.3, 7 + loops)
     links = [
         f"  - {{between: [disc-{1 + one}, disc-{3 + one}], coupling: {{stiffness: {c!r}, tolerance: {t!r}}}}}\n"
@@ -221,12 +258,16 @@ def test_no_corner_of_a_train_with_a_distributed_shaft_lies_outside(model: str) 
         "name: x\nanalyses: {model: %s}\ntrain:\n  - disc: {inertia: %r%s}\n  - coupling: {stiffness: %r%s}\n"
         "  - disc: {inertia: 2}\n  - shaft: {length: 2 m, diameter: 80 mm}\n  - disc: {inertia: %r%s}\n"
     )
-    made = found(text % (model, 5.0, ", tolerance: 5 %", 4e5, ", tolerance: 10 %", 8.0, ", tolerance: 20 %"))
+    made = found(
+        text % (model, 5.0, ", tolerance: 5 %", 4e5, ", tolerance: 10 %", 8.0, ", tolerance: 20 %")
+    )
     ends = [(one * (1 - t), one * (1 + t)) for one, t in ((5.0, 0.05), (4e5, 0.1), (8.0, 0.2))]
-    corners = np.array([
-        torsion.run(torsion.parse(text % (model, a, "", b, "", c, ""))).need(Modes).frequency
-        for a, b, c in itertools.product(*ends)
-    ])  # fmt: skip
+    corners = np.array(
+        [
+            torsion.run(torsion.parse(text % (model, a, "", b, "", c, ""))).need(Modes).frequency
+            for a, b, c in itertools.product(*ends)
+        ]
+    )
     shown = corners[:, : made.lower.size]
     assert made.lower == pytest.approx(shown.min(axis=0), rel=1e-11)
     assert made.upper == pytest.approx(shown.max(axis=0), rel=1e-11)

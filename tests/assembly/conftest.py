@@ -15,7 +15,9 @@ Drawn = tuple[np.ndarray, np.ndarray]  # points (points, 2), triangles (triangle
 
 def mapped(at: Callable[[np.ndarray, np.ndarray], np.ndarray], across: int, along: int) -> Drawn:
     """Quadratic triangles on the image of the unit square, `at(u, v)` (2, ...); ends of u may shrink to a point."""
-    u, v = np.meshgrid(np.linspace(0, 1, 2 * across + 1), np.linspace(0, 1, 2 * along + 1), indexing="ij")
+    u, v = np.meshgrid(
+        np.linspace(0, 1, 2 * across + 1), np.linspace(0, 1, 2 * along + 1), indexing="ij"
+    )
     drawn = np.moveaxis(at(u, v), 0, -1).reshape(-1, 2)
     same = np.unique(np.round(drawn, 9) + 0.0, axis=0, return_index=True, return_inverse=True)
     points, name = drawn[same[1]], same[2].reshape(u.shape)
@@ -33,7 +35,9 @@ def mapped(at: Callable[[np.ndarray, np.ndarray], np.ndarray], across: int, alon
     return points[used], place.reshape(-1, 6)
 
 
-def around(outline: Callable[[np.ndarray], np.ndarray], across: int, along: int, hole: float = 0.0) -> Drawn:
+def around(
+    outline: Callable[[np.ndarray], np.ndarray], across: int, along: int, hole: float = 0.0
+) -> Drawn:
     """A section within `outline(angle)` (2, ...), and a hole of the same shape and so many times its size."""
     return mapped(lambda u, v: (hole + (1.0 - hole) * u) * outline(2.0 * np.pi * v), across, along)
 
@@ -60,7 +64,9 @@ def write(drawn: Drawn, file: Path, **how: str) -> str:
     """The mesh as a file of the sort that its ending says; its name."""
     points, nodes = drawn
     kind = "triangle" if nodes.shape[1] == 3 else "triangle6"
-    meshio.write(file, meshio.Mesh(np.column_stack([points, np.zeros(len(points))]), [(kind, nodes)]), **how)
+    meshio.write(
+        file, meshio.Mesh(np.column_stack([points, np.zeros(len(points))]), [(kind, nodes)]), **how
+    )
     return str(file)
 
 

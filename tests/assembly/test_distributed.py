@@ -49,9 +49,14 @@ def test_an_element_turned_as_a_whole_has_the_inertia_of_its_piece_and_no_torque
     turned[: 3 if degree == 2 else 2] = 1.0  # the middle node of degree 2 turns too, bubbles do not
     stiffness, inertia = element_matrices(bars.pieces, bars.degree)
     torque = stiffness @ turned
-    np.testing.assert_allclose(torque / np.abs(stiffness).max(axis=(1, 2))[:, None], 0.0, atol=2e-14)
+    np.testing.assert_allclose(
+        torque / np.abs(stiffness).max(axis=(1, 2))[:, None], 0.0, atol=2e-14
+    )
     x, weight = np.polynomial.legendre.leggauss(20)
-    whole = [RHO * piece.length / 2.0 * piece.polar_area_moment((x + 1) / 2) @ weight for piece in bars.pieces]
+    whole = [
+        RHO * piece.length / 2.0 * piece.polar_area_moment((x + 1) / 2) @ weight
+        for piece in bars.pieces
+    ]
     np.testing.assert_allclose(turned @ inertia @ turned, whole, rtol=3e-15)
 
 
@@ -59,12 +64,16 @@ def test_an_element_turned_as_a_whole_has_the_inertia_of_its_piece_and_no_torque
 def test_every_model_has_the_same_inertia_and_the_same_static_flexibility(model):
     lumped, other = system(CONE, "lumped", frequency=500.0), system(CONE, model, frequency=500.0)
     ratio2 = other.speed_ratio**2
-    assert other.inertia @ ratio2 == pytest.approx(lumped.inertia @ lumped.speed_ratio**2, rel=1e-14)
+    assert other.inertia @ ratio2 == pytest.approx(
+        lumped.inertia @ lumped.speed_ratio**2, rel=1e-14
+    )
     for name in ("first", "second"):
         part = other.train.part(name)
         whole = [
             sum(
-                h for h, span in zip(one.flexibility, one.spans, strict=True) if one.train.parts[span.part].name == name
+                h
+                for h, span in zip(one.flexibility, one.spans, strict=True)
+                if one.train.parts[span.part].name == name
             )
             for one in (lumped, other)
         ]
@@ -107,7 +116,10 @@ def test_division_keeps_the_estimate_below_a_millionth(degree):
     errors = [element_error(bar, found.segments[bar.name], degree, 400.0) for bar in bars]
     assert found.bars.error == max(errors) <= 1e-6
     if degree < 3:  # one element less would not do, in one of the shafts
-        assert max(element_error(bar, found.segments[bar.name] - 1, degree, 400.0) for bar in bars) > 0.9e-6
+        assert (
+            max(element_error(bar, found.segments[bar.name] - 1, degree, 400.0) for bar in bars)
+            > 0.9e-6
+        )
 
 
 def test_the_estimate_for_a_varying_section_falls_with_the_power_2p():
@@ -125,7 +137,9 @@ def test_the_degree_follows_from_a_given_number_of_elements():
 
 
 @pytest.mark.parametrize("degree", [1, 2, 5])
-def test_the_matrices_in_full_have_the_inertia_of_the_train_and_no_stiffness_against_turning(degree):
+def test_the_matrices_in_full_have_the_inertia_of_the_train_and_no_stiffness_against_turning(
+    degree,
+):
     found = system(CONE, "fem", degree=degree, elements=3)
     view = matrices(found)
     free = 8 - 1  # four stations of the train with the gear as one, two inside of each shaft
@@ -133,9 +147,15 @@ def test_the_matrices_in_full_have_the_inertia_of_the_train_and_no_stiffness_aga
     assert len(view.names) == len(view.stiffness)
     turned = np.full(len(view.names), 1.0 if degree == 2 else 0.0)
     turned[:free] = 1.0
-    np.testing.assert_allclose(view.stiffness @ turned, 0.0, atol=1e-14 * np.abs(view.stiffness).max())
-    assert turned @ view.inertia @ turned == pytest.approx(found.inertia @ found.speed_ratio**2, rel=1e-14)
-    np.testing.assert_allclose(view.loss, 0.03 * view.stiffness, rtol=1e-13, atol=1e-15 * np.abs(view.stiffness).max())
+    np.testing.assert_allclose(
+        view.stiffness @ turned, 0.0, atol=1e-14 * np.abs(view.stiffness).max()
+    )
+    assert turned @ view.inertia @ turned == pytest.approx(
+        found.inertia @ found.speed_ratio**2, rel=1e-14
+    )
+    np.testing.assert_allclose(
+        view.loss, 0.03 * view.stiffness, rtol=1e-13, atol=1e-15 * np.abs(view.stiffness).max()
+    )
 
 
 def test_the_exact_model_refuses_to_write_matrices():
@@ -155,11 +175,15 @@ def modules(code: str) -> str:
     """Which of the heavy libraries are imported after running the code."""
     tell = "; print([name for name in ('skfem', 'meshio') if name in sys.modules])"
     program = f"import sys, torsion; {code}{tell}"
-    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    found = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     return found.stdout.strip()
 
 
-@pytest.mark.parametrize(("model", "expected"), [("lumped", False), ("exact", False), ("fem", True)])
+@pytest.mark.parametrize(
+    ("model", "expected"), [("lumped", False), ("exact", False), ("fem", True)]
+)
 def test_scikit_fem_is_imported_for_finite_elements_alone(model, expected):
     scene = UNIFORM + f"analyses: {{model: {model}, modes: {{count: 2}}}}\n"
     assert ("skfem" in modules(f"torsion.run(torsion.parse({scene!r}))")) == expected
@@ -178,7 +202,9 @@ def test_the_law_of_elements_is_that_of_their_matrices_at_the_speed_of_each_shaf
     bars, ratio2 = whole.bars, whole.span_ratio[whole.bars.span] ** 2
     assert len({piece.bar.name for piece in bars.pieces}) == len(set(ratio2.tolist())) == 2
     law = element_law(bars.pieces, bars.degree, ratio2)
-    plain = condensed_elements(*(part * ratio2[:, None, None] for part in element_matrices(bars.pieces, bars.degree)))
+    plain = condensed_elements(
+        *(part * ratio2[:, None, None] for part in element_matrices(bars.pieces, bars.degree))
+    )
     s = np.array([0.0, 0.2, 0.6]) * (plain.limit if degree > 1 else 1e4) ** 2
     for one, other in zip(law.at(s), plain.at(s), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-13)

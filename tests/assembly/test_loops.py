@@ -22,7 +22,9 @@ links:
 
 @pytest.mark.parametrize("ends", ["[a, b]", "[c, d]"])
 def test_loop_of_rigid_links_is_a_fault_of_the_link_that_closes_it(ends):
-    with pytest.raises(InputError, match="'hard' is rigid and closes a loop of rigid links") as raised:
+    with pytest.raises(
+        InputError, match="'hard' is rigid and closes a loop of rigid links"
+    ) as raised:
         torsion.run(torsion.parse(LOOP.replace("ENDS", ends)))
     (fault,) = raised.value.faults
     assert (fault.line, fault.path) == (12, ("links", 1, "coupling", "flexibility"))
@@ -30,4 +32,7 @@ def test_loop_of_rigid_links_is_a_fault_of_the_link_that_closes_it(ends):
 
 def test_rigid_link_that_closes_a_loop_with_a_spring_in_it_is_no_fault():
     found = torsion.run(torsion.parse(LOOP.replace("ENDS", "[b, c]")))
-    assert [found.system.spans[span].name for span in found.system.condensed.extra] == ["coupling-2", "soft"]
+    assert [found.system.spans[span].name for span in found.system.condensed.extra] == [
+        "coupling-2",
+        "soft",
+    ]

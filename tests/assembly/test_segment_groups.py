@@ -73,7 +73,9 @@ def test_the_response_of_a_condensed_train_is_that_of_all_its_segments(shaft, is
             here = found.torque[point, line, -GROUPS - 1 :]
             np.testing.assert_allclose(here, there, atol=3e-9 * np.abs(torque).max())
             there = angle[groups.stations]
-            np.testing.assert_allclose(found.angle[point, line], there, atol=3e-9 * np.abs(angle).max())
+            np.testing.assert_allclose(
+                found.angle[point, line], there, atol=3e-9 * np.abs(angle).max()
+            )
 
 
 def test_groups_keep_the_names_and_sums_of_their_segments():
@@ -93,7 +95,9 @@ def test_a_train_without_long_shafts_stays_as_it_is():
 
 
 def test_a_cone_that_is_swept_against_its_drive_is_condensed_from_its_other_end():
-    scene = SCENE.format(first=CONICAL, second=COUPLING).replace("name: c, inertia: 2.0", "name: c, held: true")
+    scene = SCENE.format(first=CONICAL, second=COUPLING).replace(
+        "name: c, inertia: 2.0", "name: c, held: true"
+    )
     study = torsion.parse(scene.replace(", {at: c, torque: 30, order: 3, phase: 20 deg}", ""))
     whole = assemble(study.train)
     small = condensed(whole, GROUPS)

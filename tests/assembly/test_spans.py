@@ -16,10 +16,12 @@ from torsion.train import train
 def geared() -> System:
     """Two shafts, in 4 segments and in 1, with a gear between them."""
     line = [
-        Disc(name="a", inertia=1.0), Shaft(name="long", length=2.0, diameter=(0.1,), segments=4),
-        Gear(name="gear", teeth=(20, 30)), Shaft(name="short", length=1.0, diameter=(0.1, 0.2), segments=1),
+        Disc(name="a", inertia=1.0),
+        Shaft(name="long", length=2.0, diameter=(0.1,), segments=4),
+        Gear(name="gear", teeth=(20, 30)),
+        Shaft(name="short", length=1.0, diameter=(0.1, 0.2), segments=1),
         Disc(name="b", inertia=3.0),
-    ]  # fmt: skip
+    ]
     return assemble(train(line))
 
 
@@ -30,15 +32,23 @@ def test_arrays_say_of_every_station_and_span_what_reading_them_one_by_one_says(
     np.testing.assert_array_equal(geared.driven, [span.driven for span in spans])
     np.testing.assert_array_equal(geared.span_part, [span.part for span in spans])
     np.testing.assert_array_equal(geared.station_part, [station.part for station in stations])
-    np.testing.assert_array_equal(geared.speed_ratio, [float(station.ratio) for station in stations])
-    assert [stations[k] for k in range(len(stations))] == [geared.stations[k] for k in range(len(stations))]
+    np.testing.assert_array_equal(
+        geared.speed_ratio, [float(station.ratio) for station in stations]
+    )
+    assert [stations[k] for k in range(len(stations))] == [
+        geared.stations[k] for k in range(len(stations))
+    ]
     assert geared.spans[-3:] == tuple(spans[-3:])
 
 
 def test_segments_lead_from_the_driving_to_the_driven_station_under_their_names(geared):
     row = [span for span in geared.spans if span.name.startswith("long")]
     assert [span.name for span in row] == [f"long [{k}]" for k in (1, 2, 3, 4)]
-    assert [geared.stations[span.driven].name for span in row[:-1]] == ["long 1/4", "long 2/4", "long 3/4"]
+    assert [geared.stations[span.driven].name for span in row[:-1]] == [
+        "long 1/4",
+        "long 2/4",
+        "long 3/4",
+    ]
     assert [span.driving for span in row[1:]] == [span.driven for span in row[:-1]]
     ends = geared.train.part("long").stations
     assert (row[0].driving, row[-1].driven) == (ends[0], ends[-1])
@@ -55,7 +65,9 @@ def test_a_uniform_shaft_and_a_cone_of_more_pieces_than_a_block_keep_flexibility
     for diameter in ((0.3,), (0.2, 0.4)):
         built = train([Disc(inertia=1.0), Shaft(length=5.0, diameter=diameter), Disc(inertia=1.0)])
         few, many = (bar_segments(built.bars[0], number) for number in (4, BLOCK + 5))
-        assert [values.sum() for values in many] == pytest.approx([values.sum() for values in few], rel=1e-13)
+        assert [values.sum() for values in many] == pytest.approx(
+            [values.sum() for values in few], rel=1e-13
+        )
         ratio = (built.bars[0].outer[0] / built.bars[0].outer[1]) ** 4
         assert many[0][-1] / many[0][0] == pytest.approx(ratio, rel=1e-3)
         assert many[1][0] / many[1][-1] == pytest.approx(ratio, rel=1e-3)

@@ -17,9 +17,10 @@ KNOWN = {  # period elongation and amplitude decay in % at h/T of 0.05, 0.1, 0.2
     "precise integration": [(0.0, 0.0), (0.0, 0.0), (0.0, 0.0)],
 }
 LIMITS = {
-    "central differences": 1.0 / math.pi, "linear acceleration": math.sqrt(3.0) / math.pi,
+    "central differences": 1.0 / math.pi,
+    "linear acceleration": math.sqrt(3.0) / math.pi,
     "Runge-Kutta 4": math.sqrt(2.0) / math.pi,
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +38,9 @@ def test_a_method_changes_period_and_amplitude_as_known(name: str, methods) -> N
 
 @pytest.mark.parametrize("name", KNOWN)
 def test_a_method_is_stable_up_to_its_limit(name: str, methods) -> None:
-    assert methods.stable_to(methods.METHODS[name]) == pytest.approx(LIMITS.get(name, math.inf), rel=1e-4)
+    assert methods.stable_to(methods.METHODS[name]) == pytest.approx(
+        LIMITS.get(name, math.inf), rel=1e-4
+    )
 
 
 def test_every_compared_method_is_known(methods) -> None:

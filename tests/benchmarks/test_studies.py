@@ -24,25 +24,38 @@ def row(curve: str, size: int, error: float, *seconds: float) -> TimedRow:
 
 def test_page_of_accuracy_names_the_fastest_within_a_tolerance_and_what_none_beats(accuracy):
     rows = (
-        row("lumped", 8, 1e-2, 1.0), row("exact", 3, 1e-15, 4.0), row("fem, degree 10", 2, 1e-13, 5.0),
-        row("openTorsion", 8, 1e-1, 2.0), row("openTorsion", 100, 1e-3, 300.0), row("lumped", 1, 2.0, 0.5),
+        row("lumped", 8, 1e-2, 1.0),
+        row("exact", 3, 1e-15, 4.0),
+        row("fem, degree 10", 2, 1e-13, 5.0),
+        row("openTorsion", 8, 1e-1, 2.0),
+        row("openTorsion", 100, 1e-3, 300.0),
+        row("lumped", 1, 2.0, 0.5),
         row("fem, degree 1", 1, math.inf, 0.1),
-    )  # fmt: skip
+    )
     stepped = [one for one in rows if one.error < 1.0]
-    text = "\n\n".join(accuracy.parts([accuracy.Study("a line", rows, rows, ("something was left out",))], stepped))
+    text = "\n\n".join(
+        accuracy.parts([accuracy.Study("a line", rows, rows, ("something was left out",))], stepped)
+    )
     assert "| 0.01 | lumped, 8 pieces: 1e+03 ms | openTorsion, 100 pieces: 3e+05 ms |" in text
     assert "| 1e-06 | exact, 3 pieces: 4e+03 ms | none |" in text
     frontier = text[text.index("| method") : text.index("Fewer than ten modes")]
-    assert [line.split("|")[1].strip() for line in frontier.splitlines()[2:] if line] == ["lumped", "exact"]
+    assert [line.split("|")[1].strip() for line in frontier.splitlines()[2:] if line] == [
+        "lumped",
+        "exact",
+    ]
     assert "fem, degree 1 with 1." in text
     assert "- something was left out" in text
-    assert "times faster: 75 by the medians, 75 by the smallest times, both meant >= 50: met" in text
+    assert (
+        "times faster: 75 by the medians, 75 by the smallest times, both meant >= 50: met" in text
+    )
     assert "times more accurate: 1e+12, meant >= 1e+10: met" in text
     assert accuracy.figure(accuracy.Study("a line", rows, rows, ())).count(">openTorsion<") == 1
 
 
 @pytest.mark.parametrize("name", ["CONE", "MARINE"])
-def test_torques_at_mid_shaft_of_exact_and_high_degree_models_are_those_of_two_ports(benchmark, accuracy, name):
+def test_torques_at_mid_shaft_of_exact_and_high_degree_models_are_those_of_two_ports(
+    benchmark, accuracy, name
+):
     scenes, methods = benchmark("accuracy_scenes"), benchmark("accuracy_methods")
     effort = Effort(rounds=1, segments=64, unknowns=20, degrees=(10,), modes=0, dense=0, speeds=0)
     w = benchmark("accuracy").np.array([40.0, 333.0, 2000.0])

@@ -16,17 +16,27 @@ REFERENCE = {  # Hz at 40 digits, rounded as printed here; half a unit of the la
     "friswell_geared_t": ["425.359477", "634.07276", "3247.19235"],
     "haixun_06402": ["21.4181", "35.6279", "383.4036", "424.6482", "619.7428", "2382.44"],
     "six_cylinder": [
-        "216.5836", "592.7405", "984.9230", "1171.017", "1415.995", "1660.044", "1794.388", "2993.474",
+        "216.5836",
+        "592.7405",
+        "984.9230",
+        "1171.017",
+        "1415.995",
+        "1660.044",
+        "1794.388",
+        "2993.474",
     ],
     "motorcycle_crank": ["1168.90761", "2084.56541", "2618.70295", "14913.6919", "15634.4075"],
-}  # fmt: skip
+}
 CLOSED = {  # rad/s
     "rao": [500.0 * math.sqrt(2.0), 500.0 * math.sqrt(6.0)],
     "opposed_torques": [10.0],
     # two inertias on a spring: w^2 = k (1/J1 + 1/J2)
     "two_discs": [math.sqrt(9.775e6 * (1.0 / 211.4 + 1.0 / 8.3))],
     # k/J symmetric functions: J1 J2 J3 w^4 - w^2 [k1 (J1 + J2) J3 + k2 (J2 + J3) J1] + k1 k2 (J1 + J2 + J3) = 0
-    "three_discs": [math.sqrt((19.0 - math.sqrt(73.0)) / 12.0), math.sqrt((19.0 + math.sqrt(73.0)) / 12.0)],
+    "three_discs": [
+        math.sqrt((19.0 - math.sqrt(73.0)) / 12.0),
+        math.sqrt((19.0 + math.sqrt(73.0)) / 12.0),
+    ],
 }
 PUBLISHED = {  # what the source prints, Hz
     "friswell_9_7_1": ["81.21", "141.21", "378.95", "536.36"],

@@ -24,24 +24,39 @@ HALF = [
     {"disc": {"name": "hub", "inertia": J["hub"]}},
     {"coupling": {"name": "tyre", "stiffness": K2, "loss_factor": 0.1}},
     {"propeller": {"name": "wheel", "inertia": J["wheel"], "damping": 1.5}},
-]  # fmt: skip
+]
 
 
 def scene(**differential: Any) -> dict[str, Any]:
     halves = {
-        "side_gear": J["side"], "planets": N, "planet_inertia": PLANET, "teeth": [16, 10], "train": HALF, **differential
-    }  # fmt: skip
+        "side_gear": J["side"],
+        "planets": N,
+        "planet_inertia": PLANET,
+        "teeth": [16, 10],
+        "train": HALF,
+        **differential,
+    }
     return {
         "name": "axle",
         "train": [
-            {"motor": {"name": "motor", "inertia": J["motor"]}}, {"coupling": {"name": "propshaft", "stiffness": K0}},
-            {"gear": {"name": "axle", "teeth": [11, 41], "inertia": [J["pinion"], J["case"]], "differential": halves}},
+            {"motor": {"name": "motor", "inertia": J["motor"]}},
+            {"coupling": {"name": "propshaft", "stiffness": K0}},
+            {
+                "gear": {
+                    "name": "axle",
+                    "teeth": [11, 41],
+                    "inertia": [J["pinion"], J["case"]],
+                    "differential": halves,
+                }
+            },
         ],
-        "operation": {"speeds": {"from": "300 rpm", "to": "3000 rpm", "steps": 5},
-                      "rated": {"speed": "3000 rpm", "power": "90 kW"}},
+        "operation": {
+            "speeds": {"from": "300 rpm", "to": "3000 rpm", "steps": 5},
+            "rated": {"speed": "3000 rpm", "power": "90 kW"},
+        },
         "excitations": [{"at": "motor", "order": 2, "torque": "40 N*m", "phase": "0.3 rad"}],
         "analyses": {"modes": {}, "response": {}},
-    }  # fmt: skip
+    }
 
 
 def solved(given: dict[str, Any]) -> Any:
@@ -73,7 +88,11 @@ def equations(iw: Any, damped: bool) -> tuple[Any, Any]:
         add(inertia, mp.mpf(J["side"]), {f"side {k}": 1})
         add(inertia, mp.mpf(J["hub"]), {f"hub {k}": 1})
         add(inertia, mp.mpf(J["wheel"]), {f"wheel {k}": 1})
-        lost = (iw * mp.mpf(C1), mp.mpc(0, mp.mpf(K2) * mp.mpf(0.1)), iw * mp.mpf(1.5)) if damped else (0, 0, 0)
+        lost = (
+            (iw * mp.mpf(C1), mp.mpc(0, mp.mpf(K2) * mp.mpf(0.1)), iw * mp.mpf(1.5))
+            if damped
+            else (0, 0, 0)
+        )
         add(stiffness, mp.mpf(K1) + lost[0], {f"side {k}": 1, f"hub {k}": -1})
         add(stiffness, mp.mpf(K2) + lost[1], {f"hub {k}": 1, f"wheel {k}": -1})
         add(stiffness, lost[2], {f"wheel {k}": 1})
@@ -86,13 +105,17 @@ def test_modes_are_those_of_both_halves_with_the_constraint_of_the_case() -> Non
     inverse = root**-1
     roots = sorted(mp.eigsy(inverse * stiffness * inverse.T, eigvals_only=True))
     found = solved(scene()).results["modes"]
-    assert 2 * np.pi * found.frequency == pytest.approx([float(mp.sqrt(one)) for one in roots[2:]], rel=1e-12)
+    assert 2 * np.pi * found.frequency == pytest.approx(
+        [float(mp.sqrt(one)) for one in roots[2:]], rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("one_wheel", [False, True])
 def test_response_of_each_half_is_that_with_the_constraint_of_the_case(one_wheel: bool) -> None:
     given = scene()
-    if one_wheel:  # the torque acts on the first wheel alone: once on both together, once against each other
+    if (
+        one_wheel
+    ):  # the torque acts on the first wheel alone: once on both together, once against each other
         acting = {"order": "82/11", "torque": "25 N*m"}
         given["excitations"] = [{"at": "wheel", **acting}, {"at": "wheel opposed", **acting}]
     found = solved(given)
@@ -106,22 +129,38 @@ def test_response_of_each_half_is_that_with_the_constraint_of_the_case(one_wheel
         x = mp.lu_solve(iw * iw * inertia + stiffness, force)
         turned = dict(zip(NAMES, x, strict=True))
         for half, sign in (("1", 1), ("2", -1)):
-            shaft = complex((mp.mpf(K1) + iw * mp.mpf(C1)) * (turned[f"side {half}"] - turned[f"hub {half}"]))
-            both, against = (response.torque[k, 0, names[one]] for one in ("half shaft", "half shaft opposed"))
+            shaft = complex(
+                (mp.mpf(K1) + iw * mp.mpf(C1)) * (turned[f"side {half}"] - turned[f"hub {half}"])
+            )
+            both, against = (
+                response.torque[k, 0, names[one]] for one in ("half shaft", "half shaft opposed")
+            )
             assert (both + sign * against) / 2 == pytest.approx(shaft, rel=1e-11)
-        before = complex(mp.mpf(K0) * (turned["motor"] - RATIO * (turned["side 1"] + turned["side 2"]) / 2))
+        before = complex(
+            mp.mpf(K0) * (turned["motor"] - RATIO * (turned["side 1"] + turned["side 2"]) / 2)
+        )
         assert response.torque[k, 0, names["propshaft"]] == pytest.approx(before, rel=1e-11)
 
 
 def test_mean_torque_goes_through_both_halves_and_limits_are_those_of_both() -> None:
     given = scene()
     given["train"][2]["gear"]["differential"]["train"] = [
-        {"coupling": {"name": "half shaft", "stiffness": K1, "rated_torque": 800, "heat_limit": 50}}, *HALF[1:]
-    ]  # fmt: skip
+        {
+            "coupling": {
+                "name": "half shaft",
+                "stiffness": K1,
+                "rated_torque": 800,
+                "heat_limit": 50,
+            }
+        },
+        *HALF[1:],
+    ]
     found = solved(given)
     mean, span = found.results["mean"], [one.name for one in found.system.spans]
     motor = 90e3 / (3000 * np.pi / 30)
-    assert mean.torque[span.index("half shaft"), -1] == pytest.approx(motor * float(RATIO), rel=1e-12)
+    assert mean.torque[span.index("half shaft"), -1] == pytest.approx(
+        motor * float(RATIO), rel=1e-12
+    )
     assert mean.torque[span.index("half shaft opposed"), -1] == 0.0
     ratings = found.study.train.part("half shaft").ratings
     assert (ratings.rated_torque, ratings.heat_limit) == (1600, 100)
@@ -129,13 +168,27 @@ def test_mean_torque_goes_through_both_halves_and_limits_are_those_of_both() -> 
 
 
 def test_half_shafts_by_their_size_are_two_shafts_of_twice_the_stress_modulus() -> None:
-    shaft = {"shaft": {"name": "half shaft", "length": "0.8 m", "diameter": "36 mm", "bore": "12 mm", "segments": 3}}
+    shaft = {
+        "shaft": {
+            "name": "half shaft",
+            "length": "0.8 m",
+            "diameter": "36 mm",
+            "bore": "12 mm",
+            "segments": 3,
+        }
+    }
     found = solved(scene(train=[shaft, *HALF[1:]]))
     bar = next(one for one in found.study.train.bars if one.name == "half shaft")
     polar = np.pi * (0.036**4 - 0.012**4) / 32
-    assert (bar.section.torsion_constant, bar.section.polar_moment) == pytest.approx((2 * polar, 2 * polar), rel=1e-14)
+    assert (bar.section.torsion_constant, bar.section.polar_moment) == pytest.approx(
+        (2 * polar, 2 * polar), rel=1e-14
+    )
     assert bar.section.stress_modulus == pytest.approx(2 * polar / 0.018, rel=1e-14)
-    flexibility = [found.system.flexibility[k] for k, one in enumerate(found.system.spans) if one.part == bar.part]
+    flexibility = [
+        found.system.flexibility[k]
+        for k, one in enumerate(found.system.spans)
+        if one.part == bar.part
+    ]
     assert 1 / sum(flexibility) == pytest.approx(2 * bar.shear_modulus * polar / 0.8, rel=1e-13)
 
 
@@ -146,13 +199,19 @@ def test_half_shafts_by_their_size_are_two_shafts_of_twice_the_stress_modulus() 
         ([{"coupling": {"stiffness": 5e3, "clearance": "1 deg"}}, HALF[-1]], "nonlinear"),
         ([{"joint": {"angle": "5 deg"}}, HALF[-1]], "does not support: joint"),
         ([{"shaft": {"length": 1, "diameter": ["40 mm", "50 mm"]}}, HALF[-1]], "conical"),
-        ([{"shaft": {"length": 1, "diameter": "40 mm", "role": "intermediate"}}, HALF[-1]], "`role`"),
+        (
+            [{"shaft": {"length": 1, "diameter": "40 mm", "role": "intermediate"}}, HALF[-1]],
+            "`role`",
+        ),
     ],
-)  # fmt: skip
+)
 def test_half_that_two_equal_ones_cannot_stand_for_is_refused(train: list[Any], words: str) -> None:
     with pytest.raises(InputError, match=words) as raised:
         solved(scene(train=train))
-    assert len([fault for fault in raised.value.faults if "half of a differential" in fault.message]) == 1
+    assert (
+        len([fault for fault in raised.value.faults if "half of a differential" in fault.message])
+        == 1
+    )
 
 
 def test_planets_need_their_teeth() -> None:
@@ -166,9 +225,13 @@ def test_report_says_what_the_halves_stand_for_and_draws_each_motion_on_a_row_of
     found = solved(scene())
     said = [block.text for block in mass_elastic.chapter(found) if isinstance(block, Paragraph)]
     assert any(
-        text.startswith("half shaft, hub, tyre, wheel: both halves downstream of axle together") for text in said
+        text.startswith("half shaft, hub, tyre, wheel: both halves downstream of axle together")
+        for text in said
     )
-    assert any("axle side gears opposed, half shaft opposed" in text and "against each other" in text for text in said)
+    assert any(
+        "axle side gears opposed, half shaft opposed" in text and "against each other" in text
+        for text in said
+    )
     placed, name = layout(found.system), [one.name for one in found.system.stations]
     assert np.isfinite(placed.x).all()
     assert placed.row[name.index("wheel")] != placed.row[name.index("wheel opposed")]
@@ -183,7 +246,9 @@ def test_half_takes_no_link() -> None:
 
 def test_halves_are_exact_in_every_model_of_the_shafts() -> None:
     """A half shaft by its size: finite elements against the closed form of the model exact."""
-    shaft = {"shaft": {"name": "half shaft", "length": "0.8 m", "diameter": "36 mm", "bore": "12 mm"}}
+    shaft = {
+        "shaft": {"name": "half shaft", "length": "0.8 m", "diameter": "36 mm", "bore": "12 mm"}
+    }
     each = []
     for model in ("fem", "exact"):
         given = scene(train=[shaft, *HALF[1:]])
@@ -199,7 +264,9 @@ def test_no_rule_passes_a_half_by_the_mean_of_both() -> None:
     given["train"][2]["gear"]["differential"]["train"] = [half, *HALF[1:]]
     given["excitations"].append({"at": "wheel opposed", "order": 2, "torque": "50 kN*m"})
     given["rules"] = ["coupling-maker"]
-    with pytest.raises(InputError, match="'wheel opposed' moves the halves unlike, and coupling-maker judges both"):
+    with pytest.raises(
+        InputError, match="'wheel opposed' moves the halves unlike, and coupling-maker judges both"
+    ):
         solved(given)
     given["excitations"][-1]["torque"] = "0 N*m"
     assert solved(given).results["checks"] is not None

@@ -21,9 +21,12 @@ from torsion.study import Operation, Study
 from torsion.train import Link, train
 
 OPERATION = Operation(
-    speeds={"from": "300 rpm", "to": "1500 rpm", "steps": 9}, rated={"speed": "1500 rpm", "power": 1e5}
+    speeds={"from": "300 rpm", "to": "1500 rpm", "steps": 9},
+    rated={"speed": "1500 rpm", "power": 1e5},
 )
-FIRST, WHEEL, SECOND, THIRD, LAST = (Fraction(x) for x in ("5/2", "3/2", "6/5", "4/5", "2/3"))  # before / after
+FIRST, WHEEL, SECOND, THIRD, LAST = (
+    Fraction(x) for x in ("5/2", "3/2", "6/5", "4/5", "2/3")
+)  # before / after
 
 
 def _train(referred: bool, also: bool = False) -> list:
@@ -41,45 +44,91 @@ def _train(referred: bool, also: bool = False) -> list:
     one, wheel, two, aux = (FIRST,), (FIRST, THIRD), (FIRST, SECOND), (FIRST, LAST)
     hung = (
         Coupling(stiffness=own(2e4, *one), viscous=own(1.0, *one)),
-        Gear(ratio=THIRD, inertia=(own(0.02, *one), own(0.03, *wheel)), mesh_stiffness=own(3e5, *one), referred=also),
+        Gear(
+            ratio=THIRD,
+            inertia=(own(0.02, *one), own(0.03, *wheel)),
+            mesh_stiffness=own(3e5, *one),
+            referred=also,
+        ),
         Disc(name="fan", inertia=own(0.4, *wheel), stiffness=own(150.0, *wheel)),
-        Coupling(stiffness=own(3e4, *wheel)), Disc(name="rotor", inertia=own(0.2, *wheel)),
-    )  # fmt: skip
+        Coupling(stiffness=own(3e4, *wheel)),
+        Disc(name="rotor", inertia=own(0.2, *wheel)),
+    )
     beside = (
         Coupling(stiffness=own(2e4, WHEEL), viscous=own(1.0, WHEEL)),
         Disc(name="pump", inertia=own(0.7, WHEEL), damping=own(2.0, WHEEL)),
     )
     side = GearBranch(ratio=WHEEL, inertia=own(0.4, WHEEL), mesh_stiffness=4e5, train=beside)
     far = GearBranch(
-        ratio=LAST, inertia=own(0.05, *aux), mesh_stiffness=own(6e5, *one),
+        ratio=LAST,
+        inertia=own(0.05, *aux),
+        mesh_stiffness=own(6e5, *one),
         train=(Coupling(stiffness=own(5e4, *aux)), Disc(name="aux", inertia=own(0.3, *aux))),
-    )  # fmt: skip
+    )
     return [
-        Motor(inertia=3.0), Coupling(stiffness=3e4, psi=1.0),
-        Gear(name="first", ratio=FIRST, inertia=(0.3, own(0.2, *one)), mesh_stiffness=5e5, referred=referred,
-             branches=(side,)),
-        Disc(name="hub", inertia=own(0.05, *one)), Branch(train=hung),
-        Coupling(flexibility=soft(1e-6, *one), loss_factor=0.05, inertia=(own(0.02, *one), own(0.03, *one))),
-        RingDamper(housing=own(0.01, *one), ring=own(0.1, *one), damping=own(3.0, *one), stiffness=own(1e3, *one)),
+        Motor(inertia=3.0),
+        Coupling(stiffness=3e4, psi=1.0),
+        Gear(
+            name="first",
+            ratio=FIRST,
+            inertia=(0.3, own(0.2, *one)),
+            mesh_stiffness=5e5,
+            referred=referred,
+            branches=(side,),
+        ),
+        Disc(name="hub", inertia=own(0.05, *one)),
+        Branch(train=hung),
+        Coupling(
+            flexibility=soft(1e-6, *one),
+            loss_factor=0.05,
+            inertia=(own(0.02, *one), own(0.03, *one)),
+        ),
+        RingDamper(
+            housing=own(0.01, *one),
+            ring=own(0.1, *one),
+            damping=own(3.0, *one),
+            stiffness=own(1e3, *one),
+        ),
         Coupling(stiffness=own(7e4, *one)),
-        Gear(name="second", ratio=SECOND, inertia=(own(0.01, *one), own(0.02, *two)), mesh_stiffness=own(2e5, *one),
-             referred=also, branches=(far,)),
-        Disc(name="end", inertia=own(0.02, *two)), Coupling(name="tail", stiffness=own(1e5, *two)),
-        Propeller(name="screw", inertia=own(0.8, *two), blades=4, damping=own(15.0, *two),
-                  excitation=[{"blade_order": 1, "torque": 40.0}, {"blade_order": 2, "torque": "5 %"}]),
-    ]  # fmt: skip
+        Gear(
+            name="second",
+            ratio=SECOND,
+            inertia=(own(0.01, *one), own(0.02, *two)),
+            mesh_stiffness=own(2e5, *one),
+            referred=also,
+            branches=(far,),
+        ),
+        Disc(name="end", inertia=own(0.02, *two)),
+        Coupling(name="tail", stiffness=own(1e5, *two)),
+        Propeller(
+            name="screw",
+            inertia=own(0.8, *two),
+            blades=4,
+            damping=own(15.0, *two),
+            excitation=[{"blade_order": 1, "torque": 40.0}, {"blade_order": 2, "torque": "5 %"}],
+        ),
+    ]
 
 
 def _solved(components: list, links: list):
-    excite = [Excitation(at="fan", order="3/2", torque=9.0), Excitation(at="pump", frequency=20.0, torque=4.0)]
+    excite = [
+        Excitation(at="fan", order="3/2", torque=9.0),
+        Excitation(at="pump", frequency=20.0, torque=4.0),
+    ]
     built = train(components, excitations=excite, links=links)
     study, system = Study("gears", built, operation=OPERATION), assemble(built)
-    return modes(system, 8).frequency, response(study, system), [station.ratio for station in system.stations]
+    return (
+        modes(system, 8).frequency,
+        response(study, system),
+        [station.ratio for station in system.stations],
+    )
 
 
 @pytest.mark.parametrize("loop", [False, True])
 @pytest.mark.parametrize("also", [False, True])
-def test_everything_behind_a_referred_gear_is_at_the_speed_before_it_behind_further_gears_too(also, loop):
+def test_everything_behind_a_referred_gear_is_at_the_speed_before_it_behind_further_gears_too(
+    also, loop
+):
     closing = (3e3, 3e3 * float(FIRST * THIRD) ** 2)
     pairs = []
     for referred in (True, False):

@@ -70,9 +70,14 @@ def test_next_yoke_stands_90_degrees_on_behind_a_cross_alone(keys, added):
 def test_a_joint_knows_the_one_before_it_through_points_and_branches_but_not_through_a_gear():
     on_branch = Joint(angle="1 deg", phase="4 deg")
     components = [
-        Joint(angle="1 deg", phase="3 deg"), Disc(inertia=1.0), Branch(train=(on_branch, Disc(inertia=1.0, name="d"))),
-        Joint(angle="1 deg"), Gear(ratio=2), Joint(angle="1 deg", phase="5 deg"), Joint(angle="1 deg"),
-    ]  # fmt: skip
+        Joint(angle="1 deg", phase="3 deg"),
+        Disc(inertia=1.0),
+        Branch(train=(on_branch, Disc(inertia=1.0, name="d"))),
+        Joint(angle="1 deg"),
+        Gear(ratio=2),
+        Joint(angle="1 deg", phase="5 deg"),
+        Joint(angle="1 deg"),
+    ]
     found = joints_of(*components)
     parts = [mesh.part for mesh in found]
     assert [mesh.after for mesh in found] == [None, parts[0], parts[0], None, parts[3]]
@@ -95,5 +100,8 @@ def test_first_joint_of_the_wheel_of_a_gear_has_no_phase():
 
 
 def test_joint_with_a_phase_of_nothing_is_the_joint_without_one():
-    plain, given = (joints_of(Joint(angle="9 deg"), Joint(angle="9 deg", **more)) for more in ({}, {"phase": "0 deg"}))
+    plain, given = (
+        joints_of(Joint(angle="9 deg"), Joint(angle="9 deg", **more))
+        for more in ({}, {"phase": "0 deg"})
+    )
     assert [mesh.error for mesh in plain] == [mesh.error for mesh in given]

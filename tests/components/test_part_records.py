@@ -13,7 +13,11 @@ from torsion.primitives import Bar
 from torsion.train import Train
 
 SOURCE = Path(torsion.__file__).parent
-ABOVE = [path for path in SOURCE.rglob("*.py") if "components" not in path.parts and "schema" not in path.parts]
+ABOVE = [
+    path
+    for path in SOURCE.rglob("*.py")
+    if "components" not in path.parts and "schema" not in path.parts
+]
 SCENE = """
 name: x
 train:
@@ -51,7 +55,12 @@ def train() -> Train:
 def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
     part = train.part
     motor = part("m")
-    assert (motor.kind, motor.is_point, motor.is_named, motor.machine.power) == ("motor", True, True, 30e3)
+    assert (motor.kind, motor.is_point, motor.is_named, motor.machine.power) == (
+        "motor",
+        True,
+        True,
+        30e3,
+    )
     assert (motor.source, motor.note) == ("maker", "as built")
     assert (part("damper-1").is_named, part("damper-1").damping) == (False, ("damping", 3.0))
     assert part("coupling-1").ratings == CouplingRatings(1000.0, 300.0, 2500.0, 120.0, 0.15)
@@ -60,14 +69,19 @@ def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
     assert part("coupling-3").damping == ("viscous", 7.0)
     assert (part("gear-1").application_factor, part("gear-1").is_point) == (1.3, False)
     assert part("propeller-1").propeller == PropellerRecord(4.0, 1.0, 3, 1.5, None, None)
-    assert (part("propeller-1").machine.damping_model, part("propeller-1").machine.damping_factor) == ("frahm", 3.0)
+    assert (
+        part("propeller-1").machine.damping_model,
+        part("propeller-1").machine.damping_factor,
+    ) == ("frahm", 3.0)
     assert part("propeller-2").propeller == PropellerRecord(1.0, *[None] * 5)
 
 
 def test_a_joint_has_its_yoke_counted_along_its_shaft_line(train: Train) -> None:
     """Behind a tripod nothing is added: 0.25 of its own, then 0.5 - 0.125 of the cross."""
     assert train.part("joint-1").joint == JointRecord("tripod", 0.09, 0.0, 0.25, 0.25, 0, 0.03, 0.6)
-    assert train.part("joint-2").joint == JointRecord("cross", 0.1, 0.125, 0.5, 0.625, 2, None, None)
+    assert train.part("joint-2").joint == JointRecord(
+        "cross", 0.1, 0.125, 0.5, 0.625, 2, None, None
+    )
 
 
 def test_a_bar_finds_its_shaft_and_no_other_component(train: Train) -> None:
@@ -75,7 +89,10 @@ def test_a_bar_finds_its_shaft_and_no_other_component(train: Train) -> None:
     assert (first.material, first.role, first.features) == ("steel", "thrust", ("slot",))
     assert [one.at for one in first.support] == [0.5]
     assert (second.role, second.features, second.support) == (None, (), ())
-    assert (train.part("shaft-1").damping, train.part("shaft-2").damping) == (("loss_factor", 0.01), None)
+    assert (train.part("shaft-1").damping, train.part("shaft-2").damping) == (
+        ("loss_factor", 0.01),
+        None,
+    )
     with pytest.raises(LookupError):
         train.shaft(Bar("m", 0, 0, 1, 1.0, (1.0, 1.0), (0.0, 0.0), 1.0, 1.0))
 
@@ -84,7 +101,9 @@ def test_a_bar_finds_its_shaft_and_no_other_component(train: Train) -> None:
 def test_the_parts_of_a_kind_stand_at_their_positions(train: Train, kind: str) -> None:
     found = dict(train.of_kind(kind))
     assert found
-    assert all(train.parts[number] is part and part.path[-1] == kind for number, part in found.items())
+    assert all(
+        train.parts[number] is part and part.path[-1] == kind for number, part in found.items()
+    )
 
 
 def test_limits_are_known_to_be_there_where_one_is() -> None:
@@ -100,4 +119,6 @@ def test_nothing_above_lowering_knows_a_kind_of_component() -> None:
     for path in ABOVE:
         nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
         assert not kinds & {node.module for node in nodes if isinstance(node, ast.ImportFrom)}, path
-        assert "keyword" not in {node.attr for node in nodes if isinstance(node, ast.Attribute)}, path
+        assert "keyword" not in {node.attr for node in nodes if isinstance(node, ast.Attribute)}, (
+            path
+        )

@@ -19,9 +19,17 @@ MEMBERS = ("sun", "ring", "carrier")
 
 def stage(**changes: Any) -> dict[str, Any]:
     return {
-        "sun": 24, "ring": 96, "planets": 4, "sun_inertia": 0.02, "ring_inertia": 1.3, "carrier_inertia": 0.9,
-        "planet_inertia": 0.03, "planet_mass": 6.0, "radius": 0.12, **changes,
-    }  # fmt: skip
+        "sun": 24,
+        "ring": 96,
+        "planets": 4,
+        "sun_inertia": 0.02,
+        "ring_inertia": 1.3,
+        "carrier_inertia": 0.9,
+        "planet_inertia": 0.03,
+        "planet_mass": 6.0,
+        "radius": 0.12,
+        **changes,
+    }
 
 
 def dense(given: dict[str, Any]) -> tuple[np.ndarray, float]:
@@ -33,9 +41,13 @@ def dense(given: dict[str, Any]) -> tuple[np.ndarray, float]:
     driven = next(one for one in MEMBERS if one not in (driving, fixed))
     with_sun, with_ring = given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2)
     # all angles of (sun, ring, carrier, planet) from those of carrier and of the planet against it
-    rolling = np.array([[1, -with_sun / given["sun"]], [1, with_ring / given["ring"]], [1, 0], [1, 1]], dtype=float)
+    rolling = np.array(
+        [[1, -with_sun / given["sun"]], [1, with_ring / given["ring"]], [1, 0], [1, 1]], dtype=float
+    )
     at = {name: rolling[k] for k, name in enumerate((*MEMBERS, "planet"))}
-    free = scipy.linalg.null_space(at[fixed][None, :])[:, 0]  # the one motion that holds the fixed member
+    free = scipy.linalg.null_space(at[fixed][None, :])[
+        :, 0
+    ]  # the one motion that holds the fixed member
     own = {name: float(row @ free) for name, row in at.items()}
     ratio = own[driven] / own[driving]
     inertia = sum(given[f"{name}_inertia"] * own[name] ** 2 for name in MEMBERS if name != fixed)
@@ -43,8 +55,12 @@ def dense(given: dict[str, Any]) -> tuple[np.ndarray, float]:
     inertia += given["planets"] * given["planet_mass"] * given["radius"] ** 2 * own["carrier"] ** 2
     a, b = own[driving], own[driven]
     k1, k2 = SHAFTS["k1"], SHAFTS["k2"]
-    stiffness = np.array([[k1, -k1 * a, 0], [-k1 * a, k1 * a**2 + k2 * b**2, -k2 * b], [0, -k2 * b, k2]])
-    roots = scipy.linalg.eigh(stiffness, np.diag([SHAFTS["J1"], inertia, SHAFTS["J2"]]), eigvals_only=True)
+    stiffness = np.array(
+        [[k1, -k1 * a, 0], [-k1 * a, k1 * a**2 + k2 * b**2, -k2 * b], [0, -k2 * b, k2]]
+    )
+    roots = scipy.linalg.eigh(
+        stiffness, np.diag([SHAFTS["J1"], inertia, SHAFTS["J2"]]), eigvals_only=True
+    )
     return np.sqrt(roots[1:]), ratio
 
 
@@ -52,26 +68,35 @@ def findings(tmp_path: Any, given: dict[str, Any], **gear: Any) -> Any:
     scene = {
         "name": "planetary",
         "train": [
-            {"disc": {"name": "a", "inertia": SHAFTS["J1"]}}, {"coupling": {"stiffness": SHAFTS["k1"]}},
+            {"disc": {"name": "a", "inertia": SHAFTS["J1"]}},
+            {"coupling": {"stiffness": SHAFTS["k1"]}},
             {"gear": {"planetary": given, **gear}},
-            {"coupling": {"stiffness": SHAFTS["k2"]}}, {"disc": {"name": "b", "inertia": SHAFTS["J2"]}},
+            {"coupling": {"stiffness": SHAFTS["k2"]}},
+            {"disc": {"name": "b", "inertia": SHAFTS["J2"]}},
         ],
         "analyses": {"modes": {}},
-    }  # fmt: skip
+    }
     file = tmp_path / "scene.yaml"
     file.write_text(yaml.safe_dump(scene))
     return torsion.run(torsion.read(file))
 
 
 CASES = [
-    {}, {"fixed": "carrier"}, {"fixed": "sun", "driving": "ring"}, {"driving": "carrier"},
-    {"fixed": "carrier", "driving": "ring"}, {"fixed": "sun", "driving": "carrier"},
-    {"planet": [40, 20]}, {"planet": [30, 12], "fixed": "sun", "driving": "ring"},
-]  # fmt: skip
+    {},
+    {"fixed": "carrier"},
+    {"fixed": "sun", "driving": "ring"},
+    {"driving": "carrier"},
+    {"fixed": "carrier", "driving": "ring"},
+    {"fixed": "sun", "driving": "carrier"},
+    {"planet": [40, 20]},
+    {"planet": [30, 12], "fixed": "sun", "driving": "ring"},
+]
 
 
 @pytest.mark.parametrize("changes", CASES)
-def test_stage_moves_as_sun_ring_carrier_and_planets_roll(tmp_path: Any, changes: dict[str, Any]) -> None:
+def test_stage_moves_as_sun_ring_carrier_and_planets_roll(
+    tmp_path: Any, changes: dict[str, Any]
+) -> None:
     given = stage(**changes)
     found = findings(tmp_path, given)
     omega, ratio = dense(given)
@@ -82,14 +107,20 @@ def test_stage_moves_as_sun_ring_carrier_and_planets_roll(tmp_path: Any, changes
 
 @pytest.mark.parametrize(
     ("fixed", "driving", "speed"),
-    [("ring", "sun", "24/120"), ("carrier", "sun", "-24/96"), ("sun", "ring", "96/120"), ("ring", "carrier", "120/24")],
+    [
+        ("ring", "sun", "24/120"),
+        ("carrier", "sun", "-24/96"),
+        ("sun", "ring", "96/120"),
+        ("ring", "carrier", "120/24"),
+    ],
 )
 def test_speeds_are_those_of_willis(fixed: str, driving: str, speed: str) -> None:
     assert Planetary(sun=24, ring=96, fixed=fixed, driving=driving).speed == Fraction(speed)
 
 
 @pytest.mark.parametrize(
-    ("fixed", "driving"), [("ring", "sun"), ("carrier", "sun"), ("sun", "ring"), ("ring", "carrier")]
+    ("fixed", "driving"),
+    [("ring", "sun"), ("carrier", "sun"), ("sun", "ring"), ("ring", "carrier")],
 )
 def test_meshes_yield_by_the_energy_of_their_torques(fixed: str, driving: str) -> None:
     """1 N m at the driving member: half T^2/k of sun and ring, torques from equilibrium and no power lost."""
@@ -100,7 +131,9 @@ def test_meshes_yield_by_the_energy_of_their_torques(fixed: str, driving: str) -
     scaled = {name: one / torques[driving] for name, one in torques.items()}
     driven = next(one for one in MEMBERS if one not in speeds)
     assert 1.0 + scaled[driven] * float(found.speed) == pytest.approx(0.0, abs=1e-14)
-    assert found.flexibility == pytest.approx(scaled["sun"] ** 2 / 3e6 + scaled["ring"] ** 2 / 7e6, rel=1e-14)
+    assert found.flexibility == pytest.approx(
+        scaled["sun"] ** 2 / 3e6 + scaled["ring"] ** 2 / 7e6, rel=1e-14
+    )
 
 
 def planet_by_planet(given: dict[str, Any]) -> tuple[list[float], float]:
@@ -115,12 +148,21 @@ def planet_by_planet(given: dict[str, Any]) -> tuple[list[float], float]:
     driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
     driven = next(one for one in MEMBERS if one not in (driving, fixed))
     with_sun, with_ring = given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2)
-    names = ["a", *(one for one in MEMBERS if one != fixed), *(f"planet {k}" for k in range(n)), "b"]
+    names = [
+        "a",
+        *(one for one in MEMBERS if one != fixed),
+        *(f"planet {k}" for k in range(n)),
+        "b",
+    ]
     inertia = {
-        "a": SHAFTS["J1"], "b": SHAFTS["J2"], **{name: given[f"{name}_inertia"] for name in MEMBERS},
+        "a": SHAFTS["J1"],
+        "b": SHAFTS["J2"],
+        **{name: given[f"{name}_inertia"] for name in MEMBERS},
         **{f"planet {k}": given["planet_inertia"] for k in range(n)},
-    }  # fmt: skip
-    inertia["carrier"] = mp.mpf(inertia["carrier"]) + n * mp.mpf(given["planet_mass"]) * mp.mpf(given["radius"]) ** 2
+    }
+    inertia["carrier"] = (
+        mp.mpf(inertia["carrier"]) + n * mp.mpf(given["planet_mass"]) * mp.mpf(given["radius"]) ** 2
+    )
     springs = [({"a": 1, driving: -1}, SHAFTS["k1"]), ({driven: 1, "b": -1}, SHAFTS["k2"])]
     zs, zr, za, zb = (mp.mpf(one) for one in (given["sun"], given["ring"], with_sun, with_ring))
     for k in range(n):
@@ -136,30 +178,43 @@ def planet_by_planet(given: dict[str, Any]) -> tuple[list[float], float]:
                 root = mp.sqrt(mp.mpf(inertia[names[i]]) * mp.mpf(inertia[names[j]]))
                 matrix[i, j] += mp.mpf(stiffness) * x * y / root
     roots = sorted(mp.eigsy(matrix, eigvals_only=True))[1:]
-    against = (mp.mpf(given["sun_mesh"]) * (za / zs) ** 2 + mp.mpf(given["ring_mesh"]) * (zb / zr) ** 2) / n
-    return [float(mp.sqrt(one)) for one in roots], float(mp.sqrt(against / mp.mpf(given["planet_inertia"])))
+    against = (
+        mp.mpf(given["sun_mesh"]) * (za / zs) ** 2 + mp.mpf(given["ring_mesh"]) * (zb / zr) ** 2
+    ) / n
+    return [float(mp.sqrt(one)) for one in roots], float(
+        mp.sqrt(against / mp.mpf(given["planet_inertia"]))
+    )
 
 
 ELASTIC = [
-    {"sun_mesh": 3e6, "ring_mesh": 9e7}, {"sun_mesh": 3e6, "ring_mesh": 9e7, "driving": "carrier"},
-    {"sun_mesh": 2e6, "ring_mesh": 1.6e7 * 2, "driving": "carrier"},  # of one stiffness at the teeth
+    {"sun_mesh": 3e6, "ring_mesh": 9e7},
+    {"sun_mesh": 3e6, "ring_mesh": 9e7, "driving": "carrier"},
+    {
+        "sun_mesh": 2e6,
+        "ring_mesh": 1.6e7 * 2,
+        "driving": "carrier",
+    },  # of one stiffness at the teeth
     {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "sun", "driving": "ring"},
     {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "sun", "driving": "carrier"},
     {"sun_mesh": 3e6, "ring_mesh": 2e7, "fixed": "carrier"},
     {"sun_mesh": 3e6, "ring_mesh": 9e8, "fixed": "carrier", "driving": "ring"},
     {"sun_mesh": 3e6, "ring_mesh": 9e8, "planet": [40, 20]},
     {"sun_mesh": 3e7, "ring_mesh": 2e7, "planet": [30, 12], "fixed": "sun", "driving": "ring"},
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("changes", ELASTIC)
-def test_stage_of_elastic_meshes_moves_as_its_planets_one_by_one(tmp_path: Any, changes: dict[str, Any]) -> None:
+def test_stage_of_elastic_meshes_moves_as_its_planets_one_by_one(
+    tmp_path: Any, changes: dict[str, Any]
+) -> None:
     given = stage(**changes)
     every, against = planet_by_planet(given)
     alike = [one for one in every if abs(one / against - 1.0) > 1e-9]
     assert len(every) - len(alike) == given["planets"] - 1
     found = findings(tmp_path, given)
-    assert [part.name for part in found.study.train.parts if part.kind == "planets"] == ["gear-1 planets"]
+    assert [part.name for part in found.study.train.parts if part.kind == "planets"] == [
+        "gear-1 planets"
+    ]
     assert 2 * np.pi * found.results["modes"].frequency == pytest.approx(alike, rel=1e-12)
 
 
@@ -167,17 +222,21 @@ def train_of(given: dict[str, Any]) -> Any:
     scene = {
         "name": "planetary",
         "train": [
-            {"disc": {"inertia": SHAFTS["J1"]}}, {"coupling": {"stiffness": SHAFTS["k1"]}},
+            {"disc": {"inertia": SHAFTS["J1"]}},
+            {"coupling": {"stiffness": SHAFTS["k1"]}},
             {"gear": {"planetary": given}},
-            {"coupling": {"stiffness": SHAFTS["k2"]}}, {"disc": {"inertia": SHAFTS["J2"]}},
+            {"coupling": {"stiffness": SHAFTS["k2"]}},
+            {"disc": {"inertia": SHAFTS["J2"]}},
         ],
-    }  # fmt: skip
+    }
     return torsion.parse(yaml.safe_dump(scene)).train
 
 
 @pytest.mark.parametrize("driving", MEMBERS)
 @pytest.mark.parametrize("fixed", MEMBERS)
-def test_stage_has_all_its_modes_or_is_refused_for_meshes_of_any_stiffness(fixed: str, driving: str) -> None:
+def test_stage_has_all_its_modes_or_is_refused_for_meshes_of_any_stiffness(
+    fixed: str, driving: str
+) -> None:
     """Each mesh from 1e-3 to 1e3 times the other at the teeth: all frequencies to 1e-11, or refused at the mesh.
 
     A fixed member whose mesh is the softer one couples carrier and ring (or sun) by a negative inertia, which no
@@ -236,7 +295,9 @@ def test_soft_ring_beside_a_rigid_sun_is_refused_only_for_planets_with_inertia()
         ({"planet": [40, 96]}, {}, "a planet of 96 teeth does not turn in a ring of 96"),
     ],
 )
-def test_what_cannot_be_is_refused(tmp_path: Any, given: dict[str, Any], gear: dict[str, Any], words: str) -> None:
+def test_what_cannot_be_is_refused(
+    tmp_path: Any, given: dict[str, Any], gear: dict[str, Any], words: str
+) -> None:
     made = {key: value for key, value in stage(**given).items() if value is not None}
     with pytest.raises(InputError, match=words):
         findings(tmp_path, made, **gear)
@@ -255,26 +316,42 @@ def test_stage_is_a_plain_gear_with_the_planets_at_the_carrier(tmp_path: Any) ->
     np.testing.assert_allclose(found.torque, plain.torque, rtol=1e-11)
 
 
-@pytest.mark.parametrize("changes", [*ELASTIC, {"sun_mesh": 3e6, "ring_mesh": 9e7, "planet_inertia": 0.0}])
-def test_error_of_the_teeth_moves_a_stage_as_its_planets_one_by_one(tmp_path: Any, changes: dict[str, Any]) -> None:
+@pytest.mark.parametrize(
+    "changes", [*ELASTIC, {"sun_mesh": 3e6, "ring_mesh": 9e7, "planet_inertia": 0.0}]
+)
+def test_error_of_the_teeth_moves_a_stage_as_its_planets_one_by_one(
+    tmp_path: Any, changes: dict[str, Any]
+) -> None:
     given = stage(**changes)
     driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
     member = "ring" if fixed == "sun" or (fixed == "carrier" and driving == "ring") else "sun"
     findings(tmp_path, given)
     scene = yaml.safe_load((tmp_path / "scene.yaml").read_text())
     scene |= {
-        "excitations": [{"at": "gear-1", "transmission_error": "4 um", "base_radius": "50 mm", "phase": "0.7 rad"}],
-        "operation": {"speeds": {"from": "500 rpm", "to": "2000 rpm", "steps": 3}}, "analyses": {"response": {}},
-    }  # fmt: skip
+        "excitations": [
+            {
+                "at": "gear-1",
+                "transmission_error": "4 um",
+                "base_radius": "50 mm",
+                "phase": "0.7 rad",
+            }
+        ],
+        "operation": {"speeds": {"from": "500 rpm", "to": "2000 rpm", "steps": 3}},
+        "analyses": {"response": {}},
+    }
     (tmp_path / "excited.yaml").write_text(yaml.safe_dump(scene))
     found = torsion.run(torsion.read(tmp_path / "excited.yaml"))
     response, names = found.results["response"], [one.name for one in found.system.spans]
     speeds = dict(zip(("sun", "ring", "carrier"), _own_speeds(given), strict=True))
     order = given[member] * abs(speeds[member] - speeds["carrier"])
     assert float(response.lines[0].order) == pytest.approx(order, rel=1e-14)
-    for k in np.flatnonzero(response.requested):  # those between lie at resonances, where digits are lost
+    for k in np.flatnonzero(
+        response.requested
+    ):  # those between lie at resonances, where digits are lost
         error = 4e-6 / 0.05 * np.exp(0.7j)
-        known = mesh_torque(given, float(response.lines[0].order) * response.speed[k], member, error)
+        known = mesh_torque(
+            given, float(response.lines[0].order) * response.speed[k], member, error
+        )
         at_driving = response.torque[k, 0, names.index("gear-1")]  # at the driving member's speed
         assert abs(at_driving - known * speeds[member]) < 1e-12 * abs(at_driving)
 
@@ -283,8 +360,15 @@ def _own_speeds(given: dict[str, Any]) -> list[float]:
     """Of sun, ring and carrier over that of the driving member."""
     with_sun, with_ring = given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2)
     i = with_sun * given["ring"] / (with_ring * given["sun"])
-    rows = np.array([[1.0, i, -1.0 - i], *(np.eye(3)[MEMBERS.index(given.get(key, default))] for key, default in (
-        ("fixed", "ring"), ("driving", "sun")))])  # fmt: skip
+    rows = np.array(
+        [
+            [1.0, i, -1.0 - i],
+            *(
+                np.eye(3)[MEMBERS.index(given.get(key, default))]
+                for key, default in (("fixed", "ring"), ("driving", "sun"))
+            ),
+        ]
+    )
     return list(np.linalg.solve(rows, [0.0, 0.0, 1.0]))
 
 
@@ -293,18 +377,34 @@ def mesh_torque(given: dict[str, Any], w: float, member: str, error: complex) ->
     n = given["planets"]
     driving, fixed = given.get("driving", "sun"), given.get("fixed", "ring")
     driven = next(one for one in MEMBERS if one not in (driving, fixed))
-    with_sun, with_ring = (mp.mpf(x) for x in given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2))
+    with_sun, with_ring = (
+        mp.mpf(x) for x in given.get("planet", [(given["ring"] - given["sun"]) / 2] * 2)
+    )
     steps = {"sun": with_sun / given["sun"], "ring": -with_ring / given["ring"]}
-    names = ["a", *(one for one in MEMBERS if one != fixed), *(f"planet {k}" for k in range(n)), "b"]
-    inertia = {"a": SHAFTS["J1"], "b": SHAFTS["J2"], **{name: given[f"{name}_inertia"] for name in MEMBERS}}
-    inertia["carrier"] = mp.mpf(inertia["carrier"]) + n * mp.mpf(given["planet_mass"]) * mp.mpf(given["radius"]) ** 2
+    names = [
+        "a",
+        *(one for one in MEMBERS if one != fixed),
+        *(f"planet {k}" for k in range(n)),
+        "b",
+    ]
+    inertia = {
+        "a": SHAFTS["J1"],
+        "b": SHAFTS["J2"],
+        **{name: given[f"{name}_inertia"] for name in MEMBERS},
+    }
+    inertia["carrier"] = (
+        mp.mpf(inertia["carrier"]) + n * mp.mpf(given["planet_mass"]) * mp.mpf(given["radius"]) ** 2
+    )
     springs: list[tuple[dict[str, Any], Any, Any]] = [
-        ({"a": 1, driving: -1}, mp.mpf(SHAFTS["k1"]), 0), ({driven: 1, "b": -1}, mp.mpf(SHAFTS["k2"]), 0)
-    ]  # fmt: skip
+        ({"a": 1, driving: -1}, mp.mpf(SHAFTS["k1"]), 0),
+        ({driven: 1, "b": -1}, mp.mpf(SHAFTS["k2"]), 0),
+    ]
     for k in range(n):
         for one, step in steps.items():
             shape = {one: mp.mpf(1), f"planet {k}": step, "carrier": -1 - step}
-            springs.append((shape, mp.mpf(given[f"{one}_mesh"]) / n, mp.mpc(error) if one == member else 0))
+            springs.append(
+                (shape, mp.mpf(given[f"{one}_mesh"]) / n, mp.mpc(error) if one == member else 0)
+            )
     left, right = mp.matrix(len(names)), mp.matrix(len(names), 1)
     for name in names:
         own = inertia.get(name, given["planet_inertia"])
@@ -319,6 +419,8 @@ def mesh_torque(given: dict[str, Any], w: float, member: str, error: complex) ->
     total = mp.mpc(0)
     for shape, stiffness, own_error in springs[2:]:
         if member in shape:
-            twist = sum(value * angle[names.index(name)] for name, value in shape.items() if name in names)
+            twist = sum(
+                value * angle[names.index(name)] for name, value in shape.items() if name in names
+            )
             total += stiffness * (twist - own_error)
     return complex(total)

@@ -95,9 +95,18 @@ def of_trains() -> dict[str, Digits]:
             for spread in (1.0, 12.0):
                 rng = np.random.default_rng(size)
                 behind = np.arange(size) - 1
-                parent = behind if shape == "chain" else np.array([-1, *(rng.integers(0, k) for k in range(1, size))])
-                flexibility, inertia = 10.0 ** (-spread * rng.random(size)), rng.uniform(0.5, 2.0, size)
-                found = tree_modes(Tree(parent, flexibility, inertia, np.zeros(size, dtype=bool)), None)
+                parent = (
+                    behind
+                    if shape == "chain"
+                    else np.array([-1, *(rng.integers(0, k) for k in range(1, size))])
+                )
+                flexibility, inertia = (
+                    10.0 ** (-spread * rng.random(size)),
+                    rng.uniform(0.5, 2.0, size),
+                )
+                found = tree_modes(
+                    Tree(parent, flexibility, inertia, np.zeros(size, dtype=bool)), None
+                )
                 name = f"{shape} of {size}, spread 1e{spread:g}"
                 taken |= {
                     f"{name}: {what}": digits(getattr(found, what))
@@ -113,4 +122,6 @@ def write(file: Path, values: dict[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    write(FILE, {**{name: of_scene(written(name)) for name in SCENES}, "random trains": of_trains()})
+    write(
+        FILE, {**{name: of_scene(written(name)) for name in SCENES}, "random trains": of_trains()}
+    )

@@ -15,7 +15,9 @@ train:
 - propeller: {inertia: 0.8}
 rules: [coupling-maker]
 """
-JOINT = COUPLING.replace("- propeller", "- joint: {angle: 5 deg}\n- shaft: {length: 1 m, diameter: 60 mm}\n- propeller")
+JOINT = COUPLING.replace(
+    "- propeller", "- joint: {angle: 5 deg}\n- shaft: {length: 1 m, diameter: 60 mm}\n- propeller"
+)
 COUNT = """
 import contextlib, io, sys
 source, scene = sys.argv[1:]
@@ -37,7 +39,9 @@ print(len(entered))
 """
 
 
-@pytest.mark.parametrize(("scene", "most"), [(COUPLING, 100), (JOINT, 113)], ids=["stiffness", "angle of a joint"])
+@pytest.mark.parametrize(
+    ("scene", "most"), [(COUPLING, 100), (JOINT, 113)], ids=["stiffness", "angle of a joint"]
+)
 def test_a_figure_enters_few_files(scene: str, most: int, tmp_path: Path) -> None:
     """Files in which a function or the body of a class runs, from the command to the text of the results."""
     file, source = tmp_path / "scene.yaml", Path(__file__).parents[2] / "src" / "torsion"

@@ -20,7 +20,9 @@ def _equal(found: dict, known: dict) -> None:
             continue
         assert isinstance(digits[1], int), name
         assert digits[1] == known[name][1], name
-        assert digits[2] == pytest.approx(known[name][2], rel=1e-12, abs=1e-12 * known[name][3]), name
+        assert digits[2] == pytest.approx(known[name][2], rel=1e-12, abs=1e-12 * known[name][3]), (
+            name
+        )
         assert digits[3] == pytest.approx(known[name][3], rel=1e-12), name
 
 
@@ -36,9 +38,13 @@ def _drawn(report: Document) -> None:
     assert len({figure.name for figure in figures}) == len(figures)
     for figure in figures:
         root = ElementTree.fromstring(svg(figure))
-        lines = [one for one in root.iter("{http://www.w3.org/2000/svg}g") if one.get("class") == "line"]
+        lines = [
+            one for one in root.iter("{http://www.w3.org/2000/svg}g") if one.get("class") == "line"
+        ]
         assert len(lines) == sum(len(plot.lines) for plot in figure.plots)
-        assert "nan" not in {word for one in root.iter() for value in one.attrib.values() for word in value.split()}
+        assert "nan" not in {
+            word for one in root.iter() for value in one.attrib.values() for word in value.split()
+        }
 
 
 def test_digits_of_random_trains_are_the_frozen_ones() -> None:

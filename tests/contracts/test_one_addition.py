@@ -82,7 +82,11 @@ def toys(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.syspath_prepend(str(tmp_path))
     entry = Analysis(
-        "speed of the rims", "toy_analysis", settings="RimSettings", needs=("modes",), results={"rims": "Rims"}
+        "speed of the rims",
+        "toy_analysis",
+        settings="RimSettings",
+        needs=("modes",),
+        results={"rims": "Rims"},
     )
     monkeypatch.setitem(ANALYSES, "rims", entry)
     monkeypatch.setitem(rules.RULES, "rim-speed", "toy_rule:RimSpeed")
@@ -97,9 +101,14 @@ def test_an_analysis_is_in_the_results_and_in_both_manuals(toys: Path) -> None:
     fastest = 0.3 * 60.0
     assert rims["fastest_m_per_s"] == pytest.approx(fastest, rel=1e-15)
     ratios = [float(station.ratio) for station in found.system.stations]
-    np.testing.assert_allclose(rims["rim_m_per_s"], [fastest * ratio for ratio in ratios], rtol=1e-15)
+    np.testing.assert_allclose(
+        rims["rim_m_per_s"], [fastest * ratio for ratio in ratios], rtol=1e-15
+    )
     by_path = {key.path: key for key in documented()}
-    assert (by_path["rims.rim_m_per_s"].axes, by_path["rims.rim_m_per_s"].unit) == (("station",), "m/s")
+    assert (by_path["rims.rim_m_per_s"].axes, by_path["rims.rim_m_per_s"].unit) == (
+        ("station",),
+        "m/s",
+    )
     assert "speed of the rim at each station" in "".join(results_manual.pages().values())
     assert "radius of every rim" in "".join(manual.pages().values())
     assert "radius of every rim" in json.dumps(json_schema())
@@ -107,14 +116,21 @@ def test_an_analysis_is_in_the_results_and_in_both_manuals(toys: Path) -> None:
 
 def test_an_analysis_without_a_chapter_is_reported_as_declared(toys: Path) -> None:
     made = document(torsion.run(torsion.parse(SCENE)))
-    assert "Speed of the rims" in [item.block.text for item in made.body if isinstance(item.block, Heading)]
+    assert "Speed of the rims" in [
+        item.block.text for item in made.body if isinstance(item.block, Heading)
+    ]
     tables = {item.block.caption: item.block for item in made.body if isinstance(item.block, Table)}
-    assert tables["Single values of rims"].rows == (("fastest", "18.000", "m/s", "speed of the fastest rim"),)
+    assert tables["Single values of rims"].rows == (
+        ("fastest", "18.000", "m/s", "speed of the fastest rim"),
+    )
     by_station = dict(tables["Values of rims by station"].rows)
     assert (by_station["near"], by_station["far"]) == ("18.000", "9.0000")
     text = [point for item in made.body for point in getattr(item.block, "items", ())]
     size = f"2 by {len(by_station)} values"
-    assert f"speed of the rims over the speed range: {size}, `rims.series_m_per_s` of results.json" in text
+    assert (
+        f"speed of the rims over the speed range: {size}, `rims.series_m_per_s` of results.json"
+        in text
+    )
     stream = io.StringIO()
     show(made, None, Console(file=stream, width=80, color_system=None))
     assert "fastest" in stream.getvalue()
@@ -137,7 +153,10 @@ def test_a_rule_is_in_the_verdicts_everywhere(toys: Path) -> None:
 
 def test_an_output_is_written_with_every_report(toys: Path) -> None:
     write(torsion.run(torsion.parse(SCENE)), toys / "out")
-    assert "Single values of rims" in (toys / "out" / "report.txt").read_text(encoding="utf-8").splitlines()
+    assert (
+        "Single values of rims"
+        in (toys / "out" / "report.txt").read_text(encoding="utf-8").splitlines()
+    )
 
 
 def test_without_the_entries_the_words_are_refused() -> None:

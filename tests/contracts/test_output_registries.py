@@ -10,13 +10,22 @@ from torsion.output.reports import REPORTS
 
 CHAPTERS = [
     *(name for analysis in ANALYSES.values() for name in analysis.chapters),
-    *(name for report in REPORTS.values() for name in (*report.chapters, report.columns) if name and name[0] != "@"),
+    *(
+        name
+        for report in REPORTS.values()
+        for name in (*report.chapters, report.columns)
+        if name and name[0] != "@"
+    ),
 ]
 PLACES = [
-    *(f"torsion.output.chapters.{name}" if ":" in name else f"torsion.output.chapters.{name}:chapter"
-      for name in dict.fromkeys(CHAPTERS)),
+    *(
+        f"torsion.output.chapters.{name}"
+        if ":" in name
+        else f"torsion.output.chapters.{name}:chapter"
+        for name in dict.fromkeys(CHAPTERS)
+    ),
     *(output.render for output in OUTPUTS.values()),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -34,9 +43,15 @@ def test_a_report_names_analyses_and_outputs_that_exist(report) -> None:
 
 @pytest.mark.parametrize("report", REPORTS.values(), ids=REPORTS)
 def test_the_files_of_a_report_have_different_names(report) -> None:
-    names = [report.files.get(key, report.stem + one.suffix) for key, one in OUTPUTS.items() if one.suffix]
+    names = [
+        report.files.get(key, report.stem + one.suffix)
+        for key, one in OUTPUTS.items()
+        if one.suffix
+    ]
     assert len(set(names)) == len(names)
 
 
 def test_every_analysis_with_results_has_a_chapter_of_its_own() -> None:
-    assert [name for name, analysis in ANALYSES.items() if analysis.results and not analysis.chapters] == []
+    assert [
+        name for name, analysis in ANALYSES.items() if analysis.results and not analysis.chapters
+    ] == []

@@ -25,10 +25,22 @@ from torsion.output.selection import elements
 Found = dict[str, Any]
 Values = Callable[[Found, Row], Iterable[Any]]
 SI = {
-    "rpm": math.pi / 30.0, "deg": math.pi / 180.0, "%": 0.01, "1/min": 1.0 / 60.0, "N/mm²": 1e6, "µm": 1e-6, "mm": 1e-3,
-    "kN m": 1e3, "MN m": 1e6, "kW": 1e3, "kN": 1e3, "bar": 1e5, "ms": 1e-3, "deg/min": math.pi / 180.0 / 60.0,
+    "rpm": math.pi / 30.0,
+    "deg": math.pi / 180.0,
+    "%": 0.01,
+    "1/min": 1.0 / 60.0,
+    "N/mm²": 1e6,
+    "µm": 1e-6,
+    "mm": 1e-3,
+    "kN m": 1e3,
+    "MN m": 1e6,
+    "kW": 1e3,
+    "kN": 1e3,
+    "bar": 1e5,
+    "ms": 1e-3,
+    "deg/min": math.pi / 180.0 / 60.0,
     "cm²": 1e-4,
-}  # fmt: skip
+}
 NUMBER = re.compile(r"[−\d][\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]*")
 PAIR = re.compile(r"(\S+) / (?:≥ )?(\S+)")
 FRACTION = re.compile(r"(\d+)/(\d+) ≈ .*")
@@ -56,7 +68,9 @@ def flat(value: Any) -> Iterator[Any]:
 
 def key(*paths: str, times: float = 1.0) -> Values:
     """Any value at these keys."""
-    return of_every_row(lambda found: (as_number(one) * times for path in paths for one in at(found, path)))
+    return of_every_row(
+        lambda found: (as_number(one) * times for path in paths for one in at(found, path))
+    )
 
 
 def of_every_row(values: Callable[[Found], Iterable[float]]) -> Values:
@@ -86,7 +100,9 @@ def as_number(value: Any) -> float:
 def written_number(path: str) -> Values:
     """The number of a value with its unit, as the file states it, in the row of its figure."""
     return lambda found, row: (
-        float(str(one[path]).partition(" ")[0]) for one in found["fit"]["figures"] if one["name"] == row["Parameter"]
+        float(str(one[path]).partition(" ")[0])
+        for one in found["fit"]["figures"]
+        if one["name"] == row["Parameter"]
     )
 
 
@@ -106,7 +122,9 @@ def within(what: str) -> Values:
 
     def values(found: Found, row: Row) -> list[float]:
         findings = found["findings"]
-        spans = next(list(one.spans) for one in elements(findings.system) if one.name == row["Component"])
+        spans = next(
+            list(one.spans) for one in elements(findings.system) if one.name == row["Component"]
+        )
         return getattr(findings.need(Synthesis), what)[:, spans].ravel().tolist()
 
     return values
@@ -114,7 +132,9 @@ def within(what: str) -> Values:
 
 def amplitudes(what: str) -> Values:
     """The sizes of complex amplitudes of all lines; results.json has those at the ends of an element alone."""
-    return of_every_row(lambda found: np.abs(getattr(found["findings"].need(Response), what)).ravel())
+    return of_every_row(
+        lambda found: np.abs(getattr(found["findings"].need(Response), what)).ravel()
+    )
 
 
 def of_check(*names: str) -> Values:
@@ -122,7 +142,9 @@ def of_check(*names: str) -> Values:
 
     def values(found: Found, row: Row) -> Iterator[Any]:
         for one in found["checks"]:
-            is_clause = row["Rule, clause and basis"].startswith(f"{one['rule']}: {symbols(one['clause'])} (")
+            is_clause = row["Rule, clause and basis"].startswith(
+                f"{one['rule']}: {symbols(one['clause'])} ("
+            )
             if is_clause and (one["what"], one["where"]) == (row["Check"], row["Component"]):
                 yield from (value for name in names for value in flat(one[name]))
 
@@ -147,7 +169,9 @@ def not_passed(verdicts: list[str]) -> Iterable[int]:
 def speed_amplitudes(found: Found, row: Row) -> Iterator[float]:
     for line in found["response"]["lines"]:
         for hertz, speed in zip(line["frequency_Hz"], line["angle_rad"], strict=True):
-            yield from (math.hypot(*pair) * hertz * 2.0 * math.pi for pair in speed if pair[0] is not None)
+            yield from (
+                math.hypot(*pair) * hertz * 2.0 * math.pi for pair in speed if pair[0] is not None
+            )
 
 
 def magnifiers(found: Found, row: Row) -> Iterator[float]:
@@ -167,7 +191,12 @@ def shares(found: Found, row: Row) -> Iterator[float]:
         for part in dict.fromkeys(of_whole.tolist()):
             yield from value[:, of_whole == part].sum(axis=1).tolist()
         for part in dict.fromkeys(of.tolist()):
-            for chosen in (of == part, (of == part) & whole, (of == part) & inside, (of == part) & (inside | ends)):
+            for chosen in (
+                of == part,
+                (of == part) & whole,
+                (of == part) & inside,
+                (of == part) & (inside | ends),
+            ):
                 yield from value[:, chosen].sum(axis=1).tolist()
 
 
@@ -177,7 +206,9 @@ def distances(found: Found, row: Row) -> Iterator[float]:
 
 def harmonics(what: str, of: Callable[[complex], float] = abs) -> Values:
     """Of the harmonics of cylinders."""
-    return lambda found, row: (of(complex(*one[what])) for engine in found["engines"] for one in engine["harmonics"])
+    return lambda found, row: (
+        of(complex(*one[what])) for engine in found["engines"] for one in engine["harmonics"]
+    )
 
 
 def phases(found: Found, row: Row) -> Iterator[float]:
@@ -191,14 +222,19 @@ def misfires(per: str = "", times: float = 1.0) -> Values:
     def values(found: Found, row: Row) -> Iterator[float]:
         for engine in found["engines"]:
             for case in engine["misfires"]:
-                yield from (max(curve) * times / (engine[per] if per else 1.0) for curve in case["half_range_Nm"])
+                yield from (
+                    max(curve) * times / (engine[per] if per else 1.0)
+                    for curve in case["half_range_Nm"]
+                )
 
     return values
 
 
 def balance(found: Found, row: Row) -> Iterator[float]:
     for compressor in found.get("compressors") or []:
-        yield from (compressor[name] for name in ("indicated_torque_Nm", "needed_Nm", "mean_torque_Nm"))
+        yield from (
+            compressor[name] for name in ("indicated_torque_Nm", "needed_Nm", "mean_torque_Nm")
+        )
     size = 1e-5 if row["Unit"] == "bar" else 1.0
     names = (
         ("imep_Pa", "stated_imep_Pa")
@@ -223,7 +259,10 @@ def throws(found: Found, row: Row) -> Iterator[float]:
 
 def of_ends(how: Callable[[list[float]], float]) -> Values:
     return lambda found, row: (
-        how(end["pressure_Pa"]) for one in found["compressors"] for throw in one["throws"] for end in throw["ends"]
+        how(end["pressure_Pa"])
+        for one in found["compressors"]
+        for throw in one["throws"]
+        for end in throw["ends"]
     )
 
 
@@ -243,7 +282,9 @@ def spreads(end: str) -> Values:
 
 def moved(found: Found, row: Row) -> Iterator[float]:
     for one in found["tolerances"]["couplings"]:
-        for f, low, high in zip(found["modes"]["frequency_Hz"], one["lower_Hz"], one["upper_Hz"], strict=True):
+        for f, low, high in zip(
+            found["modes"]["frequency_Hz"], one["lower_Hz"], one["upper_Hz"], strict=True
+        ):
             yield (high - low) / f
 
 
@@ -253,7 +294,9 @@ def swept(name: str) -> Values:
 
 
 RPM, HZ = "speed_rad_per_s", "frequency_Hz"
-COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the figures that may stand there
+COLUMNS: dict[
+    tuple[str, str], Values
+] = {  # (begin of the caption, title): the figures that may stand there
     ("Checks, each", "Value"): of_check("value"),
     ("Checks, each", "Limit"): of_check("limit"),
     ("Checks, each", "Utilisation"): of_check("utilisation"),
@@ -266,7 +309,9 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Barred ranges", "From, tolerances"): key("checks[].barred[].tolerance_lower_rad_per_s"),
     ("Barred ranges", "To, tolerances"): key("checks[].barred[].tolerance_upper_rad_per_s"),
     ("Checks by case", ""): of_cases("checks[].value", "checks[].limit"),
-    ("Cases of the model file", "Checks"): of_cases("checks[].verdict", how=lambda verdicts: [len(verdicts)]),
+    ("Cases of the model file", "Checks"): of_cases(
+        "checks[].verdict", how=lambda verdicts: [len(verdicts)]
+    ),
     ("Cases of the model file", "Failed"): of_cases("checks[].verdict", how=not_passed),
     ("Cases of the model file", "Highest utilisation"): of_cases("checks[].utilisation"),
     ("Natural frequencies of the cases", "Mode"): of_cases("modes.frequency_Hz"),
@@ -382,7 +427,9 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Power balance", "Power"): key("machines[].power_W"),
     ("Power balance", "Torque"): key("machines[].torque_Nm"),
     ("Mean torque at", "Mean torque"): key("mean.torque_Nm"),
-    ("Mean torque at", "Maximum"): lambda found, row: (abs(one) for one in at(found, "mean.torque_Nm")),
+    ("Mean torque at", "Maximum"): lambda found, row: (
+        abs(one) for one in at(found, "mean.torque_Nm")
+    ),
     ("Maximum vibratory torque", "Total"): largest("synthesis.half_range_Nm"),
     ("Maximum vibratory torque", "Speed"): key(f"response.{RPM}"),
     ("Maximum vibratory torque", "Torque of this"): amplitudes("torque"),
@@ -400,11 +447,15 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Maximum stress amplitude", "Frequency"): key("response.lines[].frequency_Hz"),
     ("Vibratory torque (", "Maximum vibratory torque"): largest("synthesis.half_range_Nm"),
     ("Vibratory torque (", "Speed"): key(f"response.{RPM}"),
-    ("Vibratory torque (", "Mean torque"): lambda found, row: map(abs, at(found, "response.mean_torque_Nm")),
+    ("Vibratory torque (", "Mean torque"): lambda found, row: map(
+        abs, at(found, "response.mean_torque_Nm")
+    ),
     ("Torque and power loss", "Vibratory torque"): largest("synthesis.half_range_Nm"),
     ("Torque and power loss", "Peak torque"): largest("synthesis.peak_Nm"),
     ("Torque and power loss", "Speed"): key(f"response.{RPM}"),
-    ("Torque and power loss", "Mean torque"): lambda found, row: map(abs, at(found, "mean.torque_Nm")),
+    ("Torque and power loss", "Mean torque"): lambda found, row: map(
+        abs, at(found, "mean.torque_Nm")
+    ),
     ("Maximum torque amplitude", "Frequency"): key("frequency_response.frequency_Hz"),
     ("Maximum angular amplitude", "Frequency"): key("frequency_response.frequency_Hz"),
     ("Angles of the joints", "Angle"): key("joints.joints[].angle_rad"),
@@ -420,7 +471,9 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Joints of one shaft line", "Phase"): key("joints.lines[].phase_rad"),
     ("Joints of one shaft line", "Maximum"): key("joints.lines[].greatest.speed_ratio"),
     ("Joints of one shaft line", "Minimum"): key("joints.lines[].least.speed_ratio"),
-    ("Joints of one shaft line", "at"): key("joints.lines[].greatest.at_rad", "joints.lines[].least.at_rad"),
+    ("Joints of one shaft line", "at"): key(
+        "joints.lines[].greatest.at_rad", "joints.lines[].least.at_rad"
+    ),
     ("Joints of one shaft line", "Degree"): key("joints.lines[].index"),
     ("Speed and acceleration", "Mean speed"): key("joints.joints[].speed_rad_per_s"),
     ("Secondary couples", "Torque"): key("joints.joints[].torque_Nm"),
@@ -432,24 +485,38 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Unstable ranges of speed", "To"): key("stability.ranges[].to_rad_per_s"),
     ("Unstable ranges of speed", "Maximum growth"): key("stability.ranges[].growth_per_s"),
     ("Unstable ranges of speed", "Speed"): key("stability.ranges[].at_rad_per_s"),
-    ("Unstable ranges of the tilt", "From"): key("lateral.shafts[].tilting.unstable[].from_rad_per_s"),
+    ("Unstable ranges of the tilt", "From"): key(
+        "lateral.shafts[].tilting.unstable[].from_rad_per_s"
+    ),
     ("Unstable ranges of the tilt", "To"): key("lateral.shafts[].tilting.unstable[].to_rad_per_s"),
-    ("Unstable ranges of the tilt", "Maximum growth"): key("lateral.shafts[].tilting.unstable[].growth_per_s"),
-    ("Unstable ranges of the tilt", "Speed"): key("lateral.shafts[].tilting.unstable[].at_rad_per_s"),
+    ("Unstable ranges of the tilt", "Maximum growth"): key(
+        "lateral.shafts[].tilting.unstable[].growth_per_s"
+    ),
+    ("Unstable ranges of the tilt", "Speed"): key(
+        "lateral.shafts[].tilting.unstable[].at_rad_per_s"
+    ),
     ("Shafts and their supports", "Length"): key("lateral.shafts[].length_m"),
     ("Shafts and their supports", "Speed / reference"): key("lateral.shafts[].ratio"),
-    ("Shafts and their supports", "Lowest frequency at rest, y"): key("lateral.shafts[].at_rest_Hz.y"),
+    ("Shafts and their supports", "Lowest frequency at rest, y"): key(
+        "lateral.shafts[].at_rest_Hz.y"
+    ),
     ("Shafts and their supports", "z"): key("lateral.shafts[].at_rest_Hz.z"),
     ("Critical bending speeds", "Critical speed"): key(f"lateral.shafts[].critical_speeds[].{RPM}"),
-    ("Critical bending speeds", "Frequency"): key("lateral.shafts[].critical_speeds[].frequency_Hz"),
-    ("Critical bending speeds", "Damping ratio"): key("lateral.shafts[].critical_speeds[].damping_ratio"),
+    ("Critical bending speeds", "Frequency"): key(
+        "lateral.shafts[].critical_speeds[].frequency_Hz"
+    ),
+    ("Critical bending speeds", "Damping ratio"): key(
+        "lateral.shafts[].critical_speeds[].damping_ratio"
+    ),
     ("Critical bending speeds", "Order"): key("lateral.shafts[].critical_speeds[].order"),
     ("Critical bending speeds", "Mode"): key("lateral.shafts[].critical_speeds[].mode"),
     ("Whirl over", "Frequency at"): key("lateral.shafts[].whirl.frequency_Hz"),
     ("Whirl over", "at the highest"): key("lateral.shafts[].whirl.frequency_Hz"),
     ("Whirl over", "Minimum log"): key("lateral.shafts[].whirl.log_decrement"),
     ("Whirl over", "Speed"): key(f"lateral.shafts[].whirl.{RPM}"),
-    ("Rigid shafts that tilt", "Transverse"): key("lateral.shafts[].tilting.transverse_inertia_kgm2"),
+    ("Rigid shafts that tilt", "Transverse"): key(
+        "lateral.shafts[].tilting.transverse_inertia_kgm2"
+    ),
     ("Rigid shafts that tilt", "Polar"): key("lateral.shafts[].tilting.polar_inertia_kgm2"),
     ("Optimum damper rings", "Mode without"): key("dampers[].mode"),
     ("Optimum damper rings", "Frequency"): key("dampers[].frequency_Hz"),
@@ -466,12 +533,24 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Pendulums,", "Maximum"): key("pendulums.each[].deflection_rad"),
     ("Pendulums,", "Speed"): key("pendulums.each[].speed_rad_per_s"),
     ("Inertia and deflection of pendulums", "Order"): key("pendulums.each[].at_orders[].order"),
-    ("Inertia and deflection of pendulums", "Inertia"): key("pendulums.each[].at_orders[].inertia_kgm2"),
-    ("Inertia and deflection of pendulums", "Deflection"): key("pendulums.each[].at_orders[].deflection_rad"),
-    ("Inertia and deflection of pendulums", "Speed"): key("pendulums.each[].at_orders[].speed_rad_per_s"),
-    ("Couplings and dampers with tables: input", "k own"): key("coupling_tables.tables[].stiffness_Nm_per_rad"),
-    ("Couplings and dampers with tables: input", "Loss factor"): key("coupling_tables.tables[].loss_factor"),
-    ("Couplings and dampers with tables: input", "Viscous"): key("coupling_tables.tables[].viscous_Nms_per_rad"),
+    ("Inertia and deflection of pendulums", "Inertia"): key(
+        "pendulums.each[].at_orders[].inertia_kgm2"
+    ),
+    ("Inertia and deflection of pendulums", "Deflection"): key(
+        "pendulums.each[].at_orders[].deflection_rad"
+    ),
+    ("Inertia and deflection of pendulums", "Speed"): key(
+        "pendulums.each[].at_orders[].speed_rad_per_s"
+    ),
+    ("Couplings and dampers with tables: input", "k own"): key(
+        "coupling_tables.tables[].stiffness_Nm_per_rad"
+    ),
+    ("Couplings and dampers with tables: input", "Loss factor"): key(
+        "coupling_tables.tables[].loss_factor"
+    ),
+    ("Couplings and dampers with tables: input", "Viscous"): key(
+        "coupling_tables.tables[].viscous_Nms_per_rad"
+    ),
     ("Natural frequencies with sharp", "With sharp"): key("sharp_steps.frequency_Hz"),
     ("Natural frequencies with sharp", "Change"): key("sharp_steps.change"),
     ("Hubs on the ends", "Seat"): key("hubs[].seat_m"),
@@ -491,14 +570,28 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Shear stress in fillets and notches", "Endurance limit"): key("fillets[].endurance_Pa"),
     ("Shear stress in fillets and notches", "Utilisation"): key("fillets[].utilisation"),
     ("Couplings and dampers with tables: values", "Mode"): key("coupling_tables.at_modes[].mode"),
-    ("Couplings and dampers with tables: values", "Frequency"): key("coupling_tables.at_modes[].frequency_Hz"),
-    ("Couplings and dampers with tables: values", "k own"): key("coupling_tables.at_modes[].stiffness_Nm_per_rad"),
-    ("Couplings and dampers with tables: values", "Loss factor"): key("coupling_tables.at_modes[].loss_factor"),
-    ("Couplings and dampers with tables: values", "Share of"): key("coupling_tables.at_modes[].elastic_share"),
-    ("Couplings and dampers with tables: values", "Modal loss"): key("coupling_tables.modal_loss_factor"),
+    ("Couplings and dampers with tables: values", "Frequency"): key(
+        "coupling_tables.at_modes[].frequency_Hz"
+    ),
+    ("Couplings and dampers with tables: values", "k own"): key(
+        "coupling_tables.at_modes[].stiffness_Nm_per_rad"
+    ),
+    ("Couplings and dampers with tables: values", "Loss factor"): key(
+        "coupling_tables.at_modes[].loss_factor"
+    ),
+    ("Couplings and dampers with tables: values", "Share of"): key(
+        "coupling_tables.at_modes[].elastic_share"
+    ),
+    ("Couplings and dampers with tables: values", "Modal loss"): key(
+        "coupling_tables.modal_loss_factor"
+    ),
     ("Natural frequencies over the speed", "Speed"): key("frequencies_over_speed.speed_rad_per_s"),
-    ("Natural frequencies over the speed", "Mean torque"): key("frequencies_over_speed.couplings[].torque_Nm"),
-    ("Natural frequencies over the speed", "k of"): key("frequencies_over_speed.couplings[].stiffness_Nm_per_rad"),
+    ("Natural frequencies over the speed", "Mean torque"): key(
+        "frequencies_over_speed.couplings[].torque_Nm"
+    ),
+    ("Natural frequencies over the speed", "k of"): key(
+        "frequencies_over_speed.couplings[].stiffness_Nm_per_rad"
+    ),
     ("Natural frequencies over the speed", "Mode"): key("frequencies_over_speed.frequency_Hz"),
     ("Couplings with a table over", "Speed"): key("vibratory_torques[].speed_rad_per_s"),
     ("Couplings with a table over", "T"): key("vibratory_torques[].torque_Nm"),
@@ -508,11 +601,19 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Couplings with a table over", "Loss factor"): key("vibratory_torques[].loss_factor"),
     ("Couplings with a table over", "Residual"): key("vibratory_torques[].residual"),
     ("Couplings with a table over", "Rounds"): key("vibratory_torques[].rounds"),
-    ("Equilibrium temperatures", "Speed"): key("coupling_temperatures[].equilibria[].speed_rad_per_s"),
-    ("Equilibrium temperatures", "Temperature"): key("coupling_temperatures[].equilibria[].temperature_degC"),
+    ("Equilibrium temperatures", "Speed"): key(
+        "coupling_temperatures[].equilibria[].speed_rad_per_s"
+    ),
+    ("Equilibrium temperatures", "Temperature"): key(
+        "coupling_temperatures[].equilibria[].temperature_degC"
+    ),
     ("Equilibrium temperatures", "Power loss"): key("coupling_temperatures[].equilibria[].heat_W"),
-    ("Equilibrium temperatures", "k own"): key("coupling_temperatures[].equilibria[].stiffness_Nm_per_rad"),
-    ("Equilibrium temperatures", "Loss factor"): key("coupling_temperatures[].equilibria[].loss_factor"),
+    ("Equilibrium temperatures", "k own"): key(
+        "coupling_temperatures[].equilibria[].stiffness_Nm_per_rad"
+    ),
+    ("Equilibrium temperatures", "Loss factor"): key(
+        "coupling_temperatures[].equilibria[].loss_factor"
+    ),
     ("Torque amplitudes at the peaks", "Speed"): key("nonlinear_peaks[].speed_rad_per_s"),
     ("Torque amplitudes at the peaks", "Response"): key("nonlinear_peaks[].response_Nm"),
     ("Torque amplitudes at the peaks", "Exact"): key("nonlinear_peaks[].exact_Nm"),
@@ -529,7 +630,9 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Maximum ice torque", "Revolutions"): key("transient[].ice[].revolutions"),
     ("Maximum ice torque", "Q_{max}"): key("transient[].ice[].torque_Nm"),
     ("Orders: maximum amplitude", "Order of"): key("transient[].orders.order[]"),
-    ("Orders: maximum amplitude", "Maximum amplitude"): key("transient[].orders.each[].largest_Nm[]"),
+    ("Orders: maximum amplitude", "Maximum amplitude"): key(
+        "transient[].orders.each[].largest_Nm[]"
+    ),
     ("Maximum errors against", "Frequency"): key("check.models[].largest_frequency_error"),
     ("Maximum errors against", "1 − MAC"): key("check.models[].largest_shape_error"),
     ("Maximum errors against", "Torques"): key("check.models[].largest_torque_error"),
@@ -553,12 +656,25 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Harmonics of a firing", "Sum, tangential"): key("engines[].harmonics[].tangential_Pa"),
     ("Sums of phasors", "Order"): key("engines[].harmonics[].order"),
     ("Sums of phasors", "Rigid"): key("engines[].harmonics[].rigid"),
-    **{("Sums of phasors", word): key("engines[].harmonics[].by_mode") for word in ("First", "Second", "Third")},
-    ("Varying inertia", "Harmonic"): key("engines[].varying[].harmonic", "compressors[].varying[].harmonic"),
-    ("Varying inertia", "Variation"): key("engines[].varying[].share", "compressors[].varying[].share"),
-    ("Varying inertia", "From"): key("engines[].varying[].lower_rad_per_s", "compressors[].varying[].lower_rad_per_s"),
-    ("Varying inertia", "To"): key("engines[].varying[].upper_rad_per_s", "compressors[].varying[].upper_rad_per_s"),
-    ("Varying inertia", "Damping ratio of"): key("engines[].varying[].damping", "compressors[].varying[].damping"),
+    **{
+        ("Sums of phasors", word): key("engines[].harmonics[].by_mode")
+        for word in ("First", "Second", "Third")
+    },
+    ("Varying inertia", "Harmonic"): key(
+        "engines[].varying[].harmonic", "compressors[].varying[].harmonic"
+    ),
+    ("Varying inertia", "Variation"): key(
+        "engines[].varying[].share", "compressors[].varying[].share"
+    ),
+    ("Varying inertia", "From"): key(
+        "engines[].varying[].lower_rad_per_s", "compressors[].varying[].lower_rad_per_s"
+    ),
+    ("Varying inertia", "To"): key(
+        "engines[].varying[].upper_rad_per_s", "compressors[].varying[].upper_rad_per_s"
+    ),
+    ("Varying inertia", "Damping ratio of"): key(
+        "engines[].varying[].damping", "compressors[].varying[].damping"
+    ),
     ("Varying inertia", "Required damping"): key(
         "engines[].varying[].share", "compressors[].varying[].share", times=0.25
     ),
@@ -583,36 +699,63 @@ COLUMNS: dict[tuple[str, str], Values] = {  # (begin of the caption, title): the
     ("Misfire of one", "Speed"): key(f"engines[].misfires[].{RPM}"),
 }
 # the figures of the file, checked by their chapters
-INPUT = ("Machines", "Couplings: manufacturer", "Gears", "Propellers, pumps", "Harmonic torques", "Internal damping",
-         "Damping to ground", "Dimensions of the shafts", "Changes of the input", "Changes of the input")  # fmt: skip
+INPUT = (
+    "Machines",
+    "Couplings: manufacturer",
+    "Gears",
+    "Propellers, pumps",
+    "Harmonic torques",
+    "Internal damping",
+    "Damping to ground",
+    "Dimensions of the shafts",
+    "Changes of the input",
+    "Changes of the input",
+)
 RECOMPUTED = ("Inertias as given", "Elastic elements", "Holzer table", "Constants of the shafts")
 OF_OTHERS = {  # columns of figures that follow from declared ones by a formula of their chapter, checked there
-    "Components": ("Rated speed",), "Barred ranges": ("λ",), "Mean torque at": ("Speed of", "Power"),
+    "Components": ("Rated speed",),
+    "Barred ranges": ("λ",),
+    "Mean torque at": ("Speed of", "Power"),
     "Maximum stress amplitude": ("Maximum stress", "τ_{C}", "τ_{T}", "Maximum τ / τ_{C}"),
-    "Vibratory torque (": ("Maximum vibratory / mean",), "Torque and power loss": ("T_{", "Power loss", "P_{KW}"),
-    "Maximum torque amplitude": ("Amplitude",), "Maximum angular amplitude": ("Amplitude",),
-    "Angles of the joints": ("Driving yoke", "q ="), "Single joints": ("Order, reference", "Phase"),
+    "Vibratory torque (": ("Maximum vibratory / mean",),
+    "Torque and power loss": ("T_{", "Power loss", "P_{KW}"),
+    "Maximum torque amplitude": ("Amplitude",),
+    "Maximum angular amplitude": ("Amplitude",),
+    "Angles of the joints": ("Driving yoke", "q ="),
+    "Single joints": ("Order, reference", "Phase"),
     "Speed and acceleration": ("Maximum", "Minimum", "Speed × angle"),
-    "Secondary couples": ("Mean", "Amplitude"), "Optimum phase": ("Phase now", "Optimum", "Non-uniformity"),
+    "Secondary couples": ("Mean", "Amplitude"),
+    "Optimum phase": ("Phase now", "Optimum", "Non-uniformity"),
     "Response of the train to the order": ("Maximum torque", "Speed", "Estimated model error"),
-    "Response to the secondary": ("Order", "Maximum", "at"), "Forces of the shafts": ("At", "Order", "Maximum", "at"),
-    "Rigid shafts that tilt": ("Frequency of the tilt", "z", "Decay rate"), "Unstable ranges of speed": ("Factor",),
-    "Natural frequencies of the models": ("",), "Maximum errors against": ("Modes",), "Maximum growth": ("",),
-    "Speeds with unreliable": ("",), "First order against exact": ("",),
+    "Response to the secondary": ("Order", "Maximum", "at"),
+    "Forces of the shafts": ("At", "Order", "Maximum", "at"),
+    "Rigid shafts that tilt": ("Frequency of the tilt", "z", "Decay rate"),
+    "Unstable ranges of speed": ("Factor",),
+    "Natural frequencies of the models": ("",),
+    "Maximum errors against": ("Modes",),
+    "Maximum growth": ("",),
+    "Speeds with unreliable": ("",),
+    "First order against exact": ("",),
     "Orders: maximum amplitude": ("at", "Phase"),
     "Misfire of one": ("Ratio",),
-    "Torques over time": ("",), "Resonances passed": ("",), "Changes of regime": ("",), "Events": ("",),
-    "Maximum nominal stress": ("",), "Couplings with backlash": ("",), "The first": ("",),
-}  # fmt: skip
+    "Torques over time": ("",),
+    "Resonances passed": ("",),
+    "Changes of regime": ("",),
+    "Events": ("",),
+    "Maximum nominal stress": ("",),
+    "Couplings with backlash": ("",),
+    "The first": ("",),
+}
 COUNTS = ("No.", "Mode", "Unit")  # where no key is named: numbers of rows and modes
 
 
 def named(table: Table, column: Column) -> Values | None:
     """What may stand in a column; the longest begin of its title counts."""
     fitting = [
-        (len(title), values) for (caption, title), values in COLUMNS.items()
+        (len(title), values)
+        for (caption, title), values in COLUMNS.items()
         if table.caption.startswith(caption) and column.title.startswith(title)
-    ]  # fmt: skip
+    ]
     return max(fitting, key=lambda pair: pair[0])[1] if fitting else None
 
 
@@ -647,7 +790,9 @@ def holds(text: str, unit: str, found: Iterable[Any]) -> bool:
     factor = SI.get(unit, 1.0)
     wanted = Interval(cell.low * factor, cell.high * factor)
     if cell.low == cell.high == 0.0:
-        least = math.sqrt(ROUNDING) if unit == "deg" else ROUNDING  # a resultant angle is a root of what cancels
+        least = (
+            math.sqrt(ROUNDING) if unit == "deg" else ROUNDING
+        )  # a resultant angle is a root of what cancels
         size = np.abs(values)
         return bool(size.size) and bool(size.min() <= max(NOTHING * size.max(), least))
     if math.isfinite(cell.high):

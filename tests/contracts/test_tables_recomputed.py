@@ -22,7 +22,10 @@ from torsion.output.numbers import number
 
 MODELS = ("lumped", "fem", "exact")
 SHAFTED = ("usv", "haixun_06402", "tilting_tail")
-CASES = [*((scene, "") for scene in SCENES), *((scene, model) for scene in SHAFTED for model in MODELS)]
+CASES = [
+    *((scene, "") for scene in SCENES),
+    *((scene, model) for scene in SHAFTED for model in MODELS),
+]
 
 
 @lru_cache(maxsize=2)
@@ -30,10 +33,17 @@ def blocks(scene: str, model: str) -> tuple[Block, ...]:
     """Both chapters of a scene, in its own model or another."""
     study = torsion.read(SCENES[scene])
     kept = {name: given for name, given in study.analyses.items() if name == "modes"}
-    study = replace(study, analyses=kept, rules=(), model=model or study.model, fem=type(study.fem)())
+    study = replace(
+        study, analyses=kept, rules=(), model=model or study.model, fem=type(study.fem)()
+    )
     found = torsion.run(study, only=("modes",))
-    modes = (chapter(found) for chapter in (natural_frequencies.appendix, natural_frequencies.all_modes))
-    return (*mass_elastic.chapter(found), *(block for blocks_of_modes in modes for block in blocks_of_modes))
+    modes = (
+        chapter(found) for chapter in (natural_frequencies.appendix, natural_frequencies.all_modes)
+    )
+    return (
+        *mass_elastic.chapter(found),
+        *(block for blocks_of_modes in modes for block in blocks_of_modes),
+    )
 
 
 def tables(made: Iterable[Block], words: str) -> list[Table]:
@@ -50,7 +60,9 @@ def holzer_faults(table: Table, constants: Table | None) -> Iterator[str]:
     for at, row in enumerate(every):
         angle, home = printed(row["Angle"], HOLZER), at
         if row["Station"].endswith(", closing a loop"):
-            home = next(k for k, one in enumerate(every) if one["Station"] == row["Station"].split(",")[0])
+            home = next(
+                k for k, one in enumerate(every) if one["Station"] == row["Station"].split(",")[0]
+            )
             if every[home]["Angle"] != row["Angle"]:
                 yield f"row {at + 1}: the angle differs"
         elif row["J referred"] != "fixed":
@@ -71,9 +83,13 @@ def holzer_faults(table: Table, constants: Table | None) -> Iterator[str]:
         yield "residual"
 
 
-def link_faults(row: Row, above: Interval, angle: Interval, shafts: dict[str, Row]) -> Iterator[str]:
+def link_faults(
+    row: Row, above: Interval, angle: Interval, shafts: dict[str, Row]
+) -> Iterator[str]:
     """Angle, twist and torque at both ends of what leads to a row, in figures."""
-    enters, leaves, twist = (printed(row[title], HOLZER) for title in ("Torque in", "Torque out", "Twist"))
+    enters, leaves, twist = (
+        printed(row[title], HOLZER) for title in ("Torque in", "Torque out", "Twist")
+    )
     if not angle.meets(above - twist):
         yield "angle"
     if row["Flexibility"] == "A, H, B, D":
@@ -105,15 +121,23 @@ def test_every_row_of_a_holzer_table_follows_from_the_row_before_it(scene: str, 
 def test_no_figure_of_a_holzer_table_could_be_another(scene: str) -> None:
     """Changed by 1e-3 of itself every single one is found; by 3e-5 nearly all, those that nothing cancels."""
     made = blocks(scene, "")
-    table, shafts = tables(made, "Holzer table")[0], next(iter(tables(made, "Constants of the shafts")), None)
+    table, shafts = (
+        tables(made, "Holzer table")[0],
+        next(iter(tables(made, "Constants of the shafts")), None),
+    )
     cells = [
-        (row, column) for row in range(len(table.rows)) for column in (2, 3, 4, 7, 8, 9, 10)
-        if re.match(r"[−\d]", table.rows[row][column]) and value(table.rows[row][column])
-        and table.rows[row][{2: 3, 8: 7}.get(column, column)] != "0"  # nothing shows the inertia of what stands still
-    ]  # fmt: skip
+        (row, column)
+        for row in range(len(table.rows))
+        for column in (2, 3, 4, 7, 8, 9, 10)
+        if re.match(r"[−\d]", table.rows[row][column])
+        and value(table.rows[row][column])
+        and table.rows[row][{2: 3, 8: 7}.get(column, column)]
+        != "0"  # nothing shows the inertia of what stands still
+    ]
     for by, most in ((1e-3, 0.0), (3e-5, 0.15)):
         changed = [
-            with_cell(table, *cell, number(value(table.rows[cell[0]][cell[1]]) * (1 + by), HOLZER)) for cell in cells
+            with_cell(table, *cell, number(value(table.rows[cell[0]][cell[1]]) * (1 + by), HOLZER))
+            for cell in cells
         ]
         assert sum(not list(holzer_faults(one, shafts)) for one in changed) <= most * len(cells)
 
@@ -125,14 +149,18 @@ def test_inertias_sum_and_refer_as_printed(scene: str, model: str) -> None:
         whole, station, moving = NOTHING, NOTHING, rows(table)[:-1]
         for row, after in zip(moving, [*moving[1:], None], strict=True):
             if row["J own"] == "fixed":
-                station = NOTHING if after is None or after["Station"] != row["Station"] else station
+                station = (
+                    NOTHING if after is None or after["Station"] != row["Station"] else station
+                )
                 continue
             own, referred = printed(row["J own"], DIGITS), printed(row["J referred"], SUMMED)
             ratio = printed(row["Speed ratio i"], DIGITS)
             assert referred.meets(own * ratio * ratio), row
             if row.get("J given", "–") != "–":
                 times = printed(row["Given at i"], DIGITS)
-                assert (own * ratio * ratio).meets(printed(row["J given"], DIGITS) * times * times), row
+                assert (own * ratio * ratio).meets(
+                    printed(row["J given"], DIGITS) * times * times
+                ), row
             if row["Inertia of"] == "sum":
                 assert own.meets(station), row
             else:
@@ -156,4 +184,6 @@ def test_stiffness_is_the_inverse_of_flexibility_as_printed(scene: str, model: s
             assert referred.meets(own * ratio * ratio), row
             if row.get("k given", "–") != "–":
                 times = printed(row["Given at i"], DIGITS)
-                assert (own * ratio * ratio).meets(printed(row["k given"], DIGITS) * times * times), row
+                assert (own * ratio * ratio).meets(
+                    printed(row["k given"], DIGITS) * times * times
+                ), row

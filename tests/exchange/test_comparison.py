@@ -37,13 +37,23 @@ def test_a_thinner_propeller_shaft_shows_its_stiffness_frequencies_and_checks() 
     """Published case: 90 to 85 mm takes 110 939 to 88 265 N m/rad, by (85/90)^4, and 21.418 to 20.133 Hz."""
     case = compared(FERRY, FERRY.replace("diameter: 90 mm", "diameter: 85 mm")).cases[0]
     (change,) = case.inputs
-    assert (change.component, change.what, change.unit) == ("propeller shaft", "stiffness", "N m/rad")
+    assert (change.component, change.what, change.unit) == (
+        "propeller shaft",
+        "stiffness",
+        "N m/rad",
+    )
     assert (change.before, change.after) == pytest.approx((110_939, 88_265), abs=1)
     assert change.after / change.before == pytest.approx((85 / 90) ** 4, rel=1e-12)
     shown = [(pair.frequency_before, pair.frequency_after) for pair in case.modes[:3]]
-    assert shown == [pytest.approx(pair, rel=3e-5) for pair in ((21.418, 20.133), (35.628, 33.961), (383.40, 382.09))]
+    assert shown == [
+        pytest.approx(pair, rel=3e-5)
+        for pair in ((21.418, 20.133), (35.628, 33.961), (383.40, 382.09))
+    ]
     assert case.modes[0].criterion == pytest.approx(0.990, abs=5e-4)
-    used = {(row.component, row.clause): (row.utilisation_before, row.utilisation_after) for row in case.checks}
+    used = {
+        (row.component, row.clause): (row.utilisation_before, row.utilisation_after)
+        for row in case.checks
+    }
     assert used["propeller shaft", "minimum diameter"] == pytest.approx((1.096, 1.161), abs=5e-4)
     assert used["gearbox", "torque reversal"] == pytest.approx((0.233, 0.265), abs=5e-4)
 
@@ -55,7 +65,10 @@ def test_a_result_equals_itself() -> None:
 
 def test_modes_are_paired_by_shape_not_by_number() -> None:
     """A disc on a soft spring at one end adds a low mode; the shapes of the others stay."""
-    more = DISCS.rstrip() + "\n- coupling: {name: d soft, stiffness: 1 N*m/rad}\n- disc: {name: d, inertia: 1 g*m**2}\n"
+    more = (
+        DISCS.rstrip()
+        + "\n- coupling: {name: d soft, stiffness: 1 N*m/rad}\n- disc: {name: d, inertia: 1 g*m**2}\n"
+    )
     pairs = compared(DISCS, more).cases[0].modes
     assert [(pair.before, pair.after) for pair in pairs] == [(1, 2), (2, 3), (None, 1)]
     assert min(pair.criterion for pair in pairs[:2]) > 0.99
@@ -63,7 +76,8 @@ def test_modes_are_paired_by_shape_not_by_number() -> None:
 
 def test_finer_segments_change_no_input() -> None:
     shaft = DISCS.replace(
-        "- coupling: {name: stiff, stiffness: 9 kN*m/rad}", "- shaft: {length: 2 m, diameter: 60 mm%s}"
+        "- coupling: {name: stiff, stiffness: 9 kN*m/rad}",
+        "- shaft: {length: 2 m, diameter: 60 mm%s}",
     )
     case = compared(shaft % ", segments: 4", shaft % ", segments: 9").cases[0]
     assert not case.inputs
@@ -73,8 +87,9 @@ def test_a_case_that_only_one_has_is_a_change() -> None:
     cases = DISCS + "cases: {heavy: {set: {c.inertia: 4}}}\n"
     comparison = compared(DISCS, cases)
     assert [(case.name, case.verdict_before) for case in comparison.cases] == [
-        ("", comparison.cases[0].verdict_before), ("heavy", None)
-    ]  # fmt: skip
+        ("", comparison.cases[0].verdict_before),
+        ("heavy", None),
+    ]
     assert comparison.is_changed
 
 
@@ -84,7 +99,9 @@ def test_a_case_without_results_is_not_judged_and_ends_in_no_traceback() -> None
     unsolved = solved | {"cases": {"heavy": {"plan": solved["plan"]}}}
     for pair in ((solved, unsolved), (unsolved, solved), (unsolved, unsolved)):
         assert [case.name for case in compare_results(*pair).cases] == ["", "heavy"]
-    kept = solved | {"checks": [{"rule": "r", "clause": "c", "where": "w", "what": "x", "verdict": "pass"}]}
+    kept = solved | {
+        "checks": [{"rule": "r", "clause": "c", "where": "w", "what": "x", "verdict": "pass"}]
+    }
     assert compare_results(kept, kept).cases[0].verdict_after == "PASS"
     missing = kept | {"plan": {"unanswered": [{"what": "response"}]}}
     assert compare_results(kept, missing).cases[0].verdict_after == "NOT JUDGED"
@@ -95,7 +112,9 @@ def test_a_case_without_results_is_not_judged_and_ends_in_no_traceback() -> None
 def test_the_command_prints_writes_and_ends_with_its_status(tmp_path: Path) -> None:
     for name, text in (("a", DISCS), ("b", DISCS.replace("inertia: 3", "inertia: 3.3"))):
         (tmp_path / f"{name}.yaml").write_text(text)
-        CliRunner().invoke(app, ["solve", str(tmp_path / f"{name}.yaml"), "-o", str(tmp_path / name)])
+        CliRunner().invoke(
+            app, ["solve", str(tmp_path / f"{name}.yaml"), "-o", str(tmp_path / name)]
+        )
     a, b = str(tmp_path / "a"), str(tmp_path / "b")
     page = tmp_path / "page.html"
     changed = CliRunner().invoke(app, ["compare", a, b, "--html", str(page)])
@@ -110,7 +129,12 @@ def test_the_command_prints_writes_and_ends_with_its_status(tmp_path: Path) -> N
 
 @pytest.mark.parametrize(
     ("text", "why"),
-    [("", "not JSON"), ("[]", "does not hold"), ('{"format": 1}', "does not hold"), (None, "cannot be read")],
+    [
+        ("", "not JSON"),
+        ("[]", "does not hold"),
+        ('{"format": 1}', "does not hold"),
+        (None, "cannot be read"),
+    ],
 )
 def test_what_is_no_result_is_refused(tmp_path: Path, text: str | None, why: str) -> None:
     file = tmp_path / "results.json"

@@ -28,7 +28,9 @@ def written(folder: Path, text: str, name: str = "table.csv") -> Path:
 def test_the_frequencies_of_a_makers_table_are_those_of_its_matrices() -> None:
     """Ten masses, a damper and a gear; the mass and stiffness matrix written out by hand, the gear condensed."""
     ratio = 23 / 71
-    inertia = np.array([1.62, 0.41, 0.286, 0.286, 0.286, 0.286, 6.4, 0.32 + 0.05 * ratio**2, 5.8 * ratio**2])
+    inertia = np.array(
+        [1.62, 0.41, 0.286, 0.286, 0.286, 0.286, 6.4, 0.32 + 0.05 * ratio**2, 5.8 * ratio**2]
+    )
     stiffness = 1e6 * np.array([0.055, 2.35, 1.87, 1.87, 1.87, 2.61, 0.012, 0.31 * ratio**2])
     matrix = np.zeros((9, 9))
     for span, value in enumerate(stiffness):
@@ -43,21 +45,37 @@ def test_the_frequencies_of_a_makers_table_are_those_of_its_matrices() -> None:
 def test_decimal_points_commas_and_other_titles_give_the_same_file(tmp_path: Path) -> None:
     german = "Nr;Benennung;Theta [kgm2];Drehsteifigkeit [kNm/rad]\n1;a;1,5;20,5\n2;b;2,25;\n"
     english = "name,moment of inertia [kg m2],k [kN m/rad]\na,1.5,20.5\nb,2.25,-\n"
-    first, second = (frequencies(import_table(written(tmp_path, text)), 1) for text in (german, english))
-    assert first == second == pytest.approx(np.sqrt(20500 * (1 / 1.5 + 1 / 2.25)) / (2 * np.pi), rel=1e-12)
+    first, second = (
+        frequencies(import_table(written(tmp_path, text)), 1) for text in (german, english)
+    )
+    assert (
+        first
+        == second
+        == pytest.approx(np.sqrt(20500 * (1 / 1.5 + 1 / 2.25)) / (2 * np.pi), rel=1e-12)
+    )
 
 
 @pytest.mark.parametrize(
     ("title", "value", "inertia"),
-    [("GD2 [kgf m2]", 8, 2.0), ("GD2 [kgm2]", 8, 2.0), ("WR2 [lb ft2]", 100, 100 * 0.45359237 * 0.3048**2),
-     ("J [lb in2]", 1000, 1000 * 0.45359237 * 0.0254**2)],
-)  # fmt: skip
-def test_inertias_of_other_conventions(tmp_path: Path, title: str, value: float, inertia: float) -> None:
+    [
+        ("GD2 [kgf m2]", 8, 2.0),
+        ("GD2 [kgm2]", 8, 2.0),
+        ("WR2 [lb ft2]", 100, 100 * 0.45359237 * 0.3048**2),
+        ("J [lb in2]", 1000, 1000 * 0.45359237 * 0.0254**2),
+    ],
+)
+def test_inertias_of_other_conventions(
+    tmp_path: Path, title: str, value: float, inertia: float
+) -> None:
     text = import_table(written(tmp_path, f"no;{title};k [Nm/rad]\n1;{value};1000\n2;{value};\n"))
-    assert frequencies(text, 1) == pytest.approx(np.sqrt(1000 * 2 / inertia) / (2 * np.pi), rel=1e-12)
+    assert frequencies(text, 1) == pytest.approx(
+        np.sqrt(1000 * 2 / inertia) / (2 * np.pi), rel=1e-12
+    )
 
 
-def test_a_table_referred_to_the_first_mass_has_the_modes_of_the_chain_without_gear(tmp_path: Path) -> None:
+def test_a_table_referred_to_the_first_mass_has_the_modes_of_the_chain_without_gear(
+    tmp_path: Path,
+) -> None:
     rows = "no;J [kgm2];k [Nm/rad];ratio\n1;1;1000;1\n2;0.5;;1\n3;0.25;500;{0}\n4;2;;{0}\n"
     geared = import_table(written(tmp_path, rows.format("23/71")), referred=True)
     chain = "name: chain\ntrain:\n- disc: {inertia: 1}\n- coupling: {stiffness: 1000}\n- disc: {inertia: 0.75}\n"
@@ -66,7 +84,9 @@ def test_a_table_referred_to_the_first_mass_has_the_modes_of_the_chain_without_g
 
 
 def test_what_is_not_read_stays_as_a_comment(tmp_path: Path) -> None:
-    text = import_table(written(tmp_path, "no;J [kgm2];k [Nm/rad];crank angle\n1;1;1000;120\n2;1;;240\n"))
+    text = import_table(
+        written(tmp_path, "no;J [kgm2];k [Nm/rad];crank angle\n1;1;1000;120\n2;1;;240\n")
+    )
     assert "# not read of mass 1: crank angle: 120" in text
 
 
@@ -87,7 +107,8 @@ def test_all_faults_are_quoted_with_line_and_column(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "no;J\n", "a\tb", "[]", "{", '{"components": [{"name": 1}]}', "\x00", "1;2\n;;;;;;\n"]
+    "text",
+    ["", "no;J\n", "a\tb", "[]", "{", '{"components": [{"name": 1}]}', "\x00", "1;2\n;;;;;;\n"],
 )
 @pytest.mark.parametrize("name", ["table.csv", "table.json"])
 def test_no_table_ends_in_a_traceback(tmp_path: Path, text: str, name: str) -> None:
@@ -99,9 +120,15 @@ def test_no_table_ends_in_a_traceback(tmp_path: Path, text: str, name: str) -> N
 def test_an_editor_file_of_three_disks(tmp_path: Path) -> None:
     """Published frequencies of the editor's example."""
     disks = [3430.0, 95200.0, 9.2e6]
-    elements = [{"name": f"disk {k}", "type": "Disk", "inertia": disk, "damping": 0.0} for k, disk in enumerate(disks)]
+    elements = [
+        {"name": f"disk {k}", "type": "Disk", "inertia": disk, "damping": 0.0}
+        for k, disk in enumerate(disks)
+    ]
     for place, stiffness in ((1, 5.55e9), (3, 3.68e8)):
-        elements.insert(place, {"name": f"s{place}", "type": "ShaftDiscrete", "stiffness": stiffness, "damping": 0})
+        elements.insert(
+            place,
+            {"name": f"s{place}", "type": "ShaftDiscrete", "stiffness": stiffness, "damping": 0},
+        )
     data = {"components": [{"name": "turbine", "elements": elements}], "structure": []}
     file = written(tmp_path, json.dumps(data), "editor.json")
     found = frequencies(import_table(file), 2)

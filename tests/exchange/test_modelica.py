@@ -23,10 +23,18 @@ NUMBER = r"[-+.\de]+"
 def parts_of(text: str) -> tuple[dict, list]:
     """Kind and parameters by name, and all connections."""
     parts = {}
-    for kind, name, rest in re.findall(r"^  Modelica\.[\w.]+\.(\w+) (\w+)\(?(.*);$", text, re.MULTILINE):
+    for kind, name, rest in re.findall(
+        r"^  Modelica\.[\w.]+\.(\w+) (\w+)\(?(.*);$", text, re.MULTILINE
+    ):
         assert name not in parts
-        start = {f"{key}0": float(value) for key, value in re.findall(rf"(\w+)\(start=({NUMBER}), fixed=true\)", rest)}
-        parts[name] = kind, {key: float(v) for key, v in re.findall(rf"\b(\w+)=({NUMBER})[,)]", rest)} | start
+        start = {
+            f"{key}0": float(value)
+            for key, value in re.findall(rf"(\w+)\(start=({NUMBER}), fixed=true\)", rest)
+        }
+        parts[name] = (
+            kind,
+            {key: float(v) for key, v in re.findall(rf"\b(\w+)=({NUMBER})[,)]", rest)} | start,
+        )
     return parts, re.findall(r"connect\(([\w.]+), ([\w.]+)\);", text)
 
 
@@ -96,10 +104,17 @@ def periodic_torques(text: str) -> tuple[dict, dict]:
 
 @pytest.mark.parametrize(
     ("scene", "order"),
-    [("haixun_06402", "40/21"), ("two_stroke_ship", "1"), ("v12_generator_set", "5"), ("wind_gearbox", None),
-     ("twin_motor_ferry", None)],
-)  # fmt: skip
-def test_the_text_read_back_has_the_periodic_torques_of_the_response(scene: str, order: str | None) -> None:
+    [
+        ("haixun_06402", "40/21"),
+        ("two_stroke_ship", "1"),
+        ("v12_generator_set", "5"),
+        ("wind_gearbox", None),
+        ("twin_motor_ferry", None),
+    ],
+)
+def test_the_text_read_back_has_the_periodic_torques_of_the_response(
+    scene: str, order: str | None
+) -> None:
     study = torsion.read(SCENES / f"{scene}.yaml")
     system, speed = assembled(study), study.operation.speed
     wanted = None if order is None else Fraction(order)
@@ -108,9 +123,15 @@ def test_the_text_read_back_has_the_periodic_torques_of_the_response(scene: str,
     text = modelica(study, system, speed, wanted)
     reply = response_of_orders(study, system, [wanted], np.array([speed]))
     found, starts = periodic_torques(text)
-    expected = dict(zip((span.name for span in reply.system.spans), reply.torque[0, 0], strict=True))
+    expected = dict(
+        zip((span.name for span in reply.system.spans), reply.torque[0, 0], strict=True)
+    )
     described = dict(re.findall(r'^  \S+ (\w+)\([^"]*"(.*)";$', text, re.MULTILINE))
-    pairs = [(found[name], expected[described[name]]) for name in found if described.get(name) in expected]
+    pairs = [
+        (found[name], expected[described[name]])
+        for name in found
+        if described.get(name) in expected
+    ]
     assert len(pairs) >= 2
     scale = max(abs(torque) for _, torque in pairs)
     assert max(abs(one - other) for one, other in pairs) <= 1e-11 * scale
@@ -141,9 +162,12 @@ def test_several_orders_of_a_train_with_loss_factors_are_refused() -> None:
         ("haixun_06402", ["-o", "{}/a.npz", "--rpm", "-1"], "positive"),
     ],
 )
-def test_what_has_no_counterpart_is_refused_in_words(scene: str, options: list, words: str, tmp_path: Path) -> None:
+def test_what_has_no_counterpart_is_refused_in_words(
+    scene: str, options: list, words: str, tmp_path: Path
+) -> None:
     run = CliRunner().invoke(
-        app, ["export", str(SCENES / f"{scene}.yaml"), *(option.format(tmp_path) for option in options)]
+        app,
+        ["export", str(SCENES / f"{scene}.yaml"), *(option.format(tmp_path) for option in options)],
     )
     assert (run.exit_code, words in run.output) == (2, True), run.output
     assert not list(tmp_path.iterdir())

@@ -36,7 +36,9 @@ def test_eigenvalues_are_the_damped_modes_and_one_mean_speed() -> None:
     system, model = torsion.assemble(study.train), made()
     found = np.linalg.eigvals(model.A)
     for value in damped(system, speed=150.0, count=None).eigenvalue:
-        assert np.abs(found - value).min() <= 4e-16 * np.abs(found).max()  # of a matrix of that norm
+        assert (
+            np.abs(found - value).min() <= 4e-16 * np.abs(found).max()
+        )  # of a matrix of that norm
     assert len(model.A) == 2 * 4 - 1
 
 
@@ -45,7 +47,11 @@ def test_gains_are_those_of_the_dynamic_stiffness() -> None:
     text = GEARED.replace("1e12", "1e6").replace("stiffness: 1 N*m/rad", "stiffness: 1 kN*m/rad")
     system, model = torsion.assemble(torsion.parse(text).train), made(text)
     view = matrices(system)
-    rows = [view.stations.index(name[9:].partition(" [")[0]) for name in model.outputs if name.startswith("speed")]
+    rows = [
+        view.stations.index(name[9:].partition(" [")[0])
+        for name in model.outputs
+        if name.startswith("speed")
+    ]
     columns = [view.stations.index(name[10:].partition(" [")[0]) for name in model.inputs]
     for w in (0.3, 40.0, 160.0):
         gain = model.C @ np.linalg.solve(1j * w * np.eye(len(model.A)) - model.A, model.B) + model.D
@@ -71,7 +77,9 @@ def test_a_chain_of_two_masses_has_its_closed_form() -> None:
 
 def test_a_loss_factor_is_exact_at_its_frequency() -> None:
     text = "name: two\ntrain:\n- disc: {name: a, inertia: 2}\n- coupling: {name: s, stiffness: 800, loss_factor: 0.1}\n"
-    model = made(text + "- disc: {name: b, inertia: 5}\n", inputs=("a",), outputs=("b",), loss_at=23.0)
+    model = made(
+        text + "- disc: {name: b, inertia: 5}\n", inputs=("a",), outputs=("b",), loss_at=23.0
+    )
     gain = model.C @ np.linalg.solve(23j * np.eye(3) - model.A, model.B)
     z = 800 * (1 + 0.1j)
     assert gain[0, 0] == pytest.approx(5 * z / (z * 7 - 23.0**2 * 10), rel=1e-13)

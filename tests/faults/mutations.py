@@ -8,7 +8,18 @@ from typing import Any
 from torsion.schema.yaml_source import parse_source, yaml_text
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
-KINDS = ("delete", "null", "unit", "large", "small", "repeat", "unknown", "kind", "negative", "zero")
+KINDS = (
+    "delete",
+    "null",
+    "unit",
+    "large",
+    "small",
+    "repeat",
+    "unknown",
+    "kind",
+    "negative",
+    "zero",
+)
 UNITS = ("kg", "rpm", "N*m/rad", "mm", "Hz", "%", "furlong")
 AGAIN = "repeated-key-of-a-mutation"
 
@@ -26,8 +37,16 @@ def _text(scene: Path) -> str:
 
 def _places(value: Any) -> list[tuple[Any, Any]]:
     """Every container with the key or position of a value in it."""
-    pairs = list(value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ())
-    return [(value, step) for step, _ in pairs] + [place for _, part in pairs for place in _places(part)]
+    pairs = list(
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value)
+        if isinstance(value, list)
+        else ()
+    )
+    return [(value, step) for step, _ in pairs] + [
+        place for _, part in pairs for place in _places(part)
+    ]
 
 
 @cache

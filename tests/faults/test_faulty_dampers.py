@@ -10,12 +10,21 @@ GOOD = (HERE / "dampers.yaml").read_text(encoding="utf-8")
 
 def test_good_file_has_dampers_of_every_law_and_a_pendulum() -> None:
     tables = [spring.table for spring in parse(GOOD).train.springs]
-    assert [table.key for table in tables if table is not None] == ["silicone", "table", "silicone", ""]
+    assert [table.key for table in tables if table is not None] == [
+        "silicone",
+        "table",
+        "silicone",
+        "",
+    ]
 
 
 @pytest.mark.parametrize(("place", "good", "bad", "words"), rows("faulty_dampers.txt"))
-def test_a_faulty_damper_is_refused_at_the_fault_and_only_there(place: str, good: str, bad: str, words: str) -> None:
+def test_a_faulty_damper_is_refused_at_the_fault_and_only_there(
+    place: str, good: str, bad: str, words: str
+) -> None:
     assert GOOD.count(good) == 1
     faults, _ = faults_of(GOOD.replace(good, bad))
     assert [f"{fault.line}:{fault.column}" for fault in faults] == [place]
-    assert [word for word in words.split() if word not in f"{faults[0].message} ({faults[0].hint})"] == []
+    assert [
+        word for word in words.split() if word not in f"{faults[0].message} ({faults[0].hint})"
+    ] == []

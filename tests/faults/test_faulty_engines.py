@@ -11,13 +11,19 @@ GOOD = (HERE / "engine.yaml").read_text(encoding="utf-8")
 def test_good_file_has_throws_and_crank_spans() -> None:
     parts = parse(GOOD).train.parts
     assert [part.kind for part in parts if part.name.startswith("main engine")] == [
-        "engine", "throw", *(kind for _ in range(5) for kind in ("crank", "throw")),
-    ]  # fmt: skip
+        "engine",
+        "throw",
+        *(kind for _ in range(5) for kind in ("crank", "throw")),
+    ]
 
 
 @pytest.mark.parametrize(("place", "good", "bad", "words"), rows("faulty_engines.txt"))
-def test_a_faulty_engine_is_refused_at_the_fault_and_only_there(place: str, good: str, bad: str, words: str) -> None:
+def test_a_faulty_engine_is_refused_at_the_fault_and_only_there(
+    place: str, good: str, bad: str, words: str
+) -> None:
     assert GOOD.count(good) == 1
     faults, _ = faults_of(GOOD.replace(good, bad))
     assert [f"{fault.line}:{fault.column}" for fault in faults] == [place]
-    assert [word for word in words.split() if word not in f"{faults[0].message} ({faults[0].hint})"] == []
+    assert [
+        word for word in words.split() if word not in f"{faults[0].message} ({faults[0].hint})"
+    ] == []

@@ -40,7 +40,11 @@ MACHINES = {"turbine", "generator", "pump", "fan", "machine"}  # tests/component
 
 def test_good_file_of_the_table_is_good_and_has_every_kind():
     study = parse(GOOD)
-    assert {part.kind for part in study.train.parts} == set(KINDS) - {"engine", "compressor", "pendulum"} - MACHINES
+    assert {part.kind for part in study.train.parts} == set(KINDS) - {
+        "engine",
+        "compressor",
+        "pendulum",
+    } - MACHINES
 
 
 @pytest.mark.parametrize(("place", "good", "bad", "words"), rows())
@@ -49,21 +53,35 @@ def test_faulty_file_is_refused_at_the_fault_and_only_there(place, good, bad, wo
     text = GOOD.replace(good, bad)
     faults, message = faults_of(text)
     assert [f"{fault.line}:{fault.column}" for fault in faults] == [place]
-    assert [word for word in words.split() if word not in f"{faults[0].message} ({faults[0].hint})"] == []
+    assert [
+        word for word in words.split() if word not in f"{faults[0].message} ({faults[0].hint})"
+    ] == []
     line, column = (int(figure) for figure in place.split(":"))
     head, quoted, caret = message.splitlines()
     assert head.startswith(f"bad.yaml:{place}: ")
-    line_shown = "".join(sign if sign.isprintable() or sign == "\t" else "?" for sign in text.split("\n")[line - 1])
+    line_shown = "".join(
+        sign if sign.isprintable() or sign == "\t" else "?" for sign in text.split("\n")[line - 1]
+    )
     assert quoted[4:] in line_shown
     assert f"{quoted} "[caret.index("^")] == f"{line_shown} "[column - 1]
 
 
 def test_all_faults_of_a_file_are_told_at_once_in_the_order_of_the_file():
-    changes = [("name: A train", "nam: A train"), ("density: 7850 kg/m**3", "density: 7850 kg"), ("at: wheel", "at: 3"),
-               ("speed: 1500 rpm", "speed: 25 Hz"), ("psi: 0.8", "psi: -1"), ("joint: {angle: 5 deg}", "jiont: {}"),
-               ("inertia: 0.7", "inertia: x"), ("blades: 4", "blades: 4.5"), ("stiffness: 1e5", "stiffness: 0"),
-               ("model: lumped", "model: exat"), ("count: 6", "count: six"), ("limit: 0.35", "limt: 0.35"),
-               ("name: tube", "name: drive")]  # fmt: skip
+    changes = [
+        ("name: A train", "nam: A train"),
+        ("density: 7850 kg/m**3", "density: 7850 kg"),
+        ("at: wheel", "at: 3"),
+        ("speed: 1500 rpm", "speed: 25 Hz"),
+        ("psi: 0.8", "psi: -1"),
+        ("joint: {angle: 5 deg}", "jiont: {}"),
+        ("inertia: 0.7", "inertia: x"),
+        ("blades: 4", "blades: 4.5"),
+        ("stiffness: 1e5", "stiffness: 0"),
+        ("model: lumped", "model: exat"),
+        ("count: 6", "count: six"),
+        ("limit: 0.35", "limt: 0.35"),
+        ("name: tube", "name: drive"),
+    ]
     text = GOOD
     for good, bad in changes:
         text = text.replace(good, bad)
@@ -74,10 +92,15 @@ def test_all_faults_of_a_file_are_told_at_once_in_the_order_of_the_file():
 
 
 def test_several_faults_of_one_component_are_told_at_once():
-    text = GOOD.replace("length: 0.8 m, diameter: 60 mm, material: alloy", "lenght: 0.8 m, diameter: 60 N, material: 5")
+    text = GOOD.replace(
+        "length: 0.8 m, diameter: 60 mm, material: alloy",
+        "lenght: 0.8 m, diameter: 60 N, material: 5",
+    )
     faults, _ = faults_of(text)
     words = ["`length` is missing", "unknown key `lenght`", "'60 N' is a force", "5 is not text"]
-    assert [word for word, fault in zip(words, faults, strict=True) if word not in fault.message] == []
+    assert [
+        word for word, fault in zip(words, faults, strict=True) if word not in fault.message
+    ] == []
 
 
 @pytest.mark.parametrize(
@@ -100,11 +123,17 @@ def test_several_faults_of_one_component_are_told_at_once():
         ("name: a\ntrain: [disc: {inertia: 1}]\nanalyses: [modes]", "list mapping"),
         ("name: a\ntrain: [disc: {inertia: 1}]\nanalyses:\n  response:", "speeds frequencies"),
         ("name: a\ntrain: [disc: {inertia: 1}]\nanalyses: {model: }", "model"),
-        ("name: a\ntrain: [disc: {name: b, inertia: 1}]\nexcitations: [{at: b, order: 1, torque: 5}]", "speeds"),
+        (
+            "name: a\ntrain: [disc: {name: b, inertia: 1}]\nexcitations: [{at: b, order: 1, torque: 5}]",
+            "speeds",
+        ),
         ("name: a\ntrain: [disc: {inertia: 1}]\nexcitations: {at: disc-1}", "mapping list"),
         ("name: a\ntrain: [disc: {inertia: 1}]\nlinks: [{between: [a, b]}]", "`between` kind"),
         ("name: a\ntrain: [gear: {ratio: 2, branches: [{teeth: 4}]}]", "teeth"),
-        (f"{SPEEDS}train: [joint: {{angle: 5 deg}}]\nanalyses: {{stability: }}", "no component inertia"),
+        (
+            f"{SPEEDS}train: [joint: {{angle: 5 deg}}]\nanalyses: {{stability: }}",
+            "no component inertia",
+        ),
         ("name: a\nfrob: 1\ntrain: [disc: {inertia: 1}]", "unknown `frob` model-file keys"),
     ],
 )

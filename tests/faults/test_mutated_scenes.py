@@ -25,9 +25,20 @@ from torsion.errors import InputError, SolveError
 MUTATIONS, BATCHES = 400, 8
 LONGEST = 30  # s of a mutation
 QUICK = (
-    "three_discs", "two_discs", "free_shaft_discs", "fixed_shaft_disc", "friswell_9_7_1", "friswell_geared_t",
-    "opposed_torques", "coupling_curve", "drill_string", "liu_2023", "ma_2011", "pump_lumped", "rubber_damper",
-)  # fmt: skip
+    "three_discs",
+    "two_discs",
+    "free_shaft_discs",
+    "fixed_shaft_disc",
+    "friswell_9_7_1",
+    "friswell_geared_t",
+    "opposed_torques",
+    "coupling_curve",
+    "drill_string",
+    "liu_2023",
+    "ma_2011",
+    "pump_lumped",
+    "rubber_damper",
+)
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +98,9 @@ def check_places(refusal: InputError, words: str) -> None:
 
 
 @pytest.mark.parametrize("batch", range(BATCHES))
-def test_a_scene_with_one_value_changed_is_planned_or_refused_with_line_and_column(folder: Path, batch: int) -> None:
+def test_a_scene_with_one_value_changed_is_planned_or_refused_with_line_and_column(
+    folder: Path, batch: int
+) -> None:
     results = [is_planned(*written(folder, number)) for number in range(batch, MUTATIONS, BATCHES)]
     assert True in results
     assert False in results
@@ -100,7 +113,9 @@ def test_the_mutations_are_of_every_kind_and_of_every_scene() -> None:
     assert made == [mutation(number) for number in range(MUTATIONS)]
 
 
-def test_a_quick_scene_with_one_value_changed_is_solved_or_refused_with_its_place(folder: Path) -> None:
+def test_a_quick_scene_with_one_value_changed_is_solved_or_refused_with_its_place(
+    folder: Path,
+) -> None:
     numbers = [number for number in range(MUTATIONS) if mutation(number)[0].stem in QUICK]
     for number in numbers:
         path, words = written(folder, number)
@@ -111,12 +126,16 @@ def test_a_quick_scene_with_one_value_changed_is_solved_or_refused_with_its_plac
 
 
 @pytest.mark.parametrize("number", range(3))
-def test_the_command_ends_with_status_2_and_no_traceback_where_a_mutation_is_refused(folder: Path, number: int) -> None:
+def test_the_command_ends_with_status_2_and_no_traceback_where_a_mutation_is_refused(
+    folder: Path, number: int
+) -> None:
     refused = (written(folder, place) for place in range(MUTATIONS))
     for _ in range(number + 1):
         path = next(path for path, words in refused if not is_planned(path, words))
     command = [sys.executable, "-m", "torsion", "solve", str(path), "-o", str(folder / "out")]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=120, env=os.environ, check=False)
+    ended = subprocess.run(
+        command, capture_output=True, text=True, timeout=120, env=os.environ, check=False
+    )
     assert ended.returncode == 2
     assert ended.stderr.startswith(f"{path}:")
     assert "Traceback" not in ended.stderr

@@ -14,8 +14,10 @@ TRAIN = SHAFT + "  - disc: {inertia: 1}\n  - coupling: {stiffness: 1e4}\n  - dis
 NAMED = {  # what a scene names a file for: its text
     "table": "name: a\ntrain: {table: FILE}\n",
     "logo": TRAIN + "document: {logo: FILE}\n",
-    "mesh": SHAFT + "  - disc: {inertia: 1}\n  - shaft: {length: 1, section: {mesh: FILE}}\n  - disc: {inertia: 2}\n",
-    "torque": TRAIN + "analyses: {transient: {duration: 1 s, events: [{at: disc-1, table: {file: FILE}}]}}\n",
+    "mesh": SHAFT
+    + "  - disc: {inertia: 1}\n  - shaft: {length: 1, section: {mesh: FILE}}\n  - disc: {inertia: 2}\n",
+    "torque": TRAIN
+    + "analyses: {transient: {duration: 1 s, events: [{at: disc-1, table: {file: FILE}}]}}\n",
     "signal": TRAIN + "excitations: [{at: disc-1, order: 1, torque: 5}]\nanalyses:\n  fit: {vary: "
     "{coupling-1.stiffness: 10 %}, measured: [{at: disc-1, signal: FILE, orders: [1], within: 1 %}]}\n",
 }
@@ -46,7 +48,9 @@ def refusal(path: Path) -> str:
     return str(caught.value)
 
 
-def test_a_scene_that_is_no_file_or_too_large_is_refused_with_the_size(unreadable: tuple[Path, str]) -> None:
+def test_a_scene_that_is_no_file_or_too_large_is_refused_with_the_size(
+    unreadable: tuple[Path, str],
+) -> None:
     path, word = unreadable
     assert word in refusal(path)
     assert word != "at most" or "at most 10 MB" in refusal(path)
@@ -60,7 +64,11 @@ def test_a_file_of_a_scene_that_is_none_is_refused_where_it_is_named(
     scene = tmp_path / "scene.yaml"
     scene.write_text(NAMED[use].replace("FILE", str(path)), encoding="utf-8")
     message = refusal(scene)
-    line = next(number for number, text in enumerate(scene.read_text().splitlines(), start=1) if str(path) in text)
+    line = next(
+        number
+        for number, text in enumerate(scene.read_text().splitlines(), start=1)
+        if str(path) in text
+    )
     assert message.startswith(f"{scene}:{line}:")
     assert word in message
 
@@ -77,9 +85,15 @@ def test_a_scene_of_the_stated_size_is_read_and_one_byte_more_is_not(tmp_path: P
 @pytest.mark.parametrize(
     ("tables", "words"),
     [
-        ({"a.csv": "kind,train\nbranch,{table: a.csv}\n"}, "a.csv:2:8: the table 'a.csv' contains itself"),
         (
-            {"a.csv": "kind,train\nbranch,{table: b.csv}\n", "b.csv": "kind,train\nbranch,{table: a.csv}\n"},
+            {"a.csv": "kind,train\nbranch,{table: a.csv}\n"},
+            "a.csv:2:8: the table 'a.csv' contains itself",
+        ),
+        (
+            {
+                "a.csv": "kind,train\nbranch,{table: b.csv}\n",
+                "b.csv": "kind,train\nbranch,{table: a.csv}\n",
+            },
             "b.csv:2:8: the table 'a.csv' contains itself",
         ),
         (
@@ -112,11 +126,18 @@ def test_tables_within_tables_end(tables: dict[str, str], words: str, tmp_path: 
     [
         ("name: a\ntrain: &a [*a]\n", "2:12"),
         ("name: a\nx: &a {b: *a}\n", "2:11"),
-        ("".join(f"x{k}: &x{k} [{', '.join([f'*x{k - 1}'] * 9) if k else 1}]\n" for k in range(40)), "6:40"),
+        (
+            "".join(
+                f"x{k}: &x{k} [{', '.join([f'*x{k - 1}'] * 9) if k else 1}]\n" for k in range(40)
+            ),
+            "6:40",
+        ),
     ],
     ids=["list", "mapping", "growth"],
 )
-def test_what_holds_itself_or_grows_without_end_is_refused_where_it_does(text: str, place: str, tmp_path: Path) -> None:
+def test_what_holds_itself_or_grows_without_end_is_refused_where_it_does(
+    text: str, place: str, tmp_path: Path
+) -> None:
     scene = tmp_path / "scene.yaml"
     scene.write_text(text, encoding="utf-8")
     assert refusal(scene).startswith(f"{scene}:{place}: ")

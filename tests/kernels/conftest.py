@@ -31,8 +31,14 @@ def random_tree() -> Callable[..., Tree]:
         reach = {"chain": 1, "branched": 3, "bushy": size}[shape]
         parent = np.array([-1] + [int(rng.integers(max(0, i - reach), i)) for i in range(1, size)])
         leaves = ~np.isin(np.arange(size), parent)
-        fixed = {"none": np.zeros(size, bool), "root": np.arange(size) == 0, "leaves": leaves & (np.arange(size) > 0)}
-        return Tree(parent, 10 ** -rng.uniform(0, 12, size), 10 ** rng.uniform(-6, 4, size), fixed[held])
+        fixed = {
+            "none": np.zeros(size, bool),
+            "root": np.arange(size) == 0,
+            "leaves": leaves & (np.arange(size) > 0),
+        }
+        return Tree(
+            parent, 10 ** -rng.uniform(0, 12, size), 10 ** rng.uniform(-6, 4, size), fixed[held]
+        )
 
     return draw
 
@@ -44,7 +50,12 @@ def chain() -> Callable[..., Tree]:
     def build(inertia: list[float], stiffness: list[float], held: tuple[int, ...] = ()) -> Tree:
         size = len(inertia)
         flexibility = np.array([0.0, *(1.0 / np.asarray(stiffness, dtype=float))])
-        return Tree(np.arange(-1, size - 1), flexibility, np.array(inertia, float), np.isin(np.arange(size), held))
+        return Tree(
+            np.arange(-1, size - 1),
+            flexibility,
+            np.array(inertia, float),
+            np.isin(np.arange(size), held),
+        )
 
     return build
 
@@ -77,11 +88,16 @@ def shuffled_loops() -> Callable[..., tuple[Tree, np.ndarray, np.ndarray, np.nda
 def _exact_count(tree: Tree, w: float) -> int:
     with mp.workdps(DIGITS):
         square, count = mp.mpf(float(w)) ** 2, 0
-        seen = [mp.inf if held else -square * mp.mpf(float(j)) for held, j in zip(tree.held, tree.inertia, strict=True)]
+        seen = [
+            mp.inf if held else -square * mp.mpf(float(j))
+            for held, j in zip(tree.held, tree.inertia, strict=True)
+        ]
         for i in range(tree.size - 1, -1, -1):
             count += seen[i] < 0
             if tree.parent[i] >= 0:
-                inverse = mp.mpf(0) if mp.isinf(seen[i]) else (mp.inf if seen[i] == 0 else 1 / seen[i])
+                inverse = (
+                    mp.mpf(0) if mp.isinf(seen[i]) else (mp.inf if seen[i] == 0 else 1 / seen[i])
+                )
                 pivot = mp.mpf(float(tree.flexibility[i])) + inverse
                 count -= pivot < 0
                 passed = mp.mpf(0) if mp.isinf(pivot) else (mp.inf if pivot == 0 else 1 / pivot)
@@ -99,7 +115,9 @@ def _exact_modes(tree: Tree, first=(), second=(), flexibility=()) -> ExactModes:
                 mass[b] += mp.mpf(float(tree.inertia[i]))
         spans = [(int(p), i, tree.flexibility[i]) for i, p in enumerate(tree.parent) if p >= 0]
         loops = list(zip(map(int, first), map(int, second), flexibility, strict=True))
-        matrix = _stiffness([(body[a], body[b], h) for a, b, h in spans + loops if h > 0], list(mass))
+        matrix = _stiffness(
+            [(body[a], body[b], h) for a, b, h in spans + loops if h > 0], list(mass)
+        )
         frequency, shapes = _eigen(matrix, list(mass), mass)
         angle = [[shape.get(body[i], mp.mpf(0)) for i in range(tree.size)] for shape in shapes]
         torque = [_torques(tree, w, x) for w, x in zip(frequency, angle, strict=True)]
@@ -141,7 +159,9 @@ def _eigen(matrix, moving, mass):
         follow = -(part(light, light) ** -1) * part(light, heavy)
         reduced += part(heavy, light) * follow
     root = [mp.sqrt(mass[moving[n]]) for n in heavy]
-    scaled = mp.matrix([[reduced[r, c] / root[r] / root[c] for c in range(len(heavy))] for r in range(len(heavy))])
+    scaled = mp.matrix(
+        [[reduced[r, c] / root[r] / root[c] for c in range(len(heavy))] for r in range(len(heavy))]
+    )
     values, vectors = mp.eigsy((scaled + scaled.T) / 2)
     frequency, shapes = [], []
     for n in sorted(range(len(heavy)), key=lambda n: values[n]):

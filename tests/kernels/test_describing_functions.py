@@ -34,7 +34,8 @@ def test_mean_and_fundamental_of_a_ramp(level: float) -> None:
     offset = level * amplitude
     exact = mpmath.mpf(offset) / mpmath.mpf(amplitude)
     known = moments(
-        lambda phi: max(mpmath.mpf(offset) + mpmath.mpf(amplitude) * mpmath.cos(phi), 0), [mpmath.acos(-exact)]
+        lambda phi: max(mpmath.mpf(offset) + mpmath.mpf(amplitude) * mpmath.cos(phi), 0),
+        [mpmath.acos(-exact)],
     )
     mean, share, _ = ramp(np.array(offset), np.array(amplitude))
     assert float(mean) == pytest.approx(float(known[0]), rel=1e-14)
@@ -50,7 +51,9 @@ def test_a_ramp_that_never_ends_is_linear_to_the_last_digit() -> None:
     ("amplitude", "torque", "stiffness", "half"),
     [(1e-3, 5.0, 5e4, 0.0), (2.0, 5.0, 5e4, 0.0), (0.01, 5.0, 5e4, 0.004), (1.0, 5.0, 3e2, 0.02)],
 )
-def test_the_loop_of_a_slider_behind_a_play(amplitude: float, torque: float, stiffness: float, half: float) -> None:
+def test_the_loop_of_a_slider_behind_a_play(
+    amplitude: float, torque: float, stiffness: float, half: float
+) -> None:
     size, most, k, h = (mpmath.mpf(one) for one in (amplitude, torque, stiffness, half))
     ends = most / k, most / k + 2 * h, 2 * most / k + 2 * h
 
@@ -77,19 +80,26 @@ def test_the_loop_of_a_slider_is_continuous_where_slipping_begins() -> None:
 
 COUPLINGS = {
     "play": (
-        PiecewiseCoupling(3e4, 0.01), lambda u: 3e4 * (max(u - mpmath.mpf(0.01), 0) - max(-u - mpmath.mpf(0.01), 0)),
+        PiecewiseCoupling(3e4, 0.01),
+        lambda u: 3e4 * (max(u - mpmath.mpf(0.01), 0) - max(-u - mpmath.mpf(0.01), 0)),
     ),
     "stages": (
         PiecewiseCoupling(900.0, 0.0, ((0.02, 4e3), (0.05, 2e4))),
-        lambda u: 900 * u + sum(
-            k * (max(u - mpmath.mpf(b), 0) - max(-u - mpmath.mpf(b), 0)) for b, k in ((0.02, 4000), (0.05, 20000))
+        lambda u: (
+            900 * u
+            + sum(
+                k * (max(u - mpmath.mpf(b), 0) - max(-u - mpmath.mpf(b), 0))
+                for b, k in ((0.02, 4000), (0.05, 20000))
+            )
         ),
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", list(COUPLINGS))
-@pytest.mark.parametrize(("mean", "amplitude"), [(7.0, 1e-3), (7.0, 0.004), (50.0, 0.03), (2.0, 0.2), (0.0, 0.06)])
+@pytest.mark.parametrize(
+    ("mean", "amplitude"), [(7.0, 1e-3), (7.0, 0.004), (50.0, 0.03), (2.0, 0.2), (0.0, 0.06)]
+)
 def test_a_coupling_carries_its_mean_torque_and_answers_at_the_fundamental(
     name: str, mean: float, amplitude: float
 ) -> None:
@@ -129,7 +139,9 @@ def test_friction_does_not_carry_a_mean_torque() -> None:
 
 
 def test_every_solution_is_found_also_those_in_a_dip_between_two_samples() -> None:
-    roots = np.array([[1e-6, 0.3, 0.3004], [2e-5, 1e-3, 5.0]])  # two of the first lie between two samples
+    roots = np.array(
+        [[1e-6, 0.3, 0.3004], [2e-5, 1e-3, 5.0]]
+    )  # two of the first lie between two samples
 
     def ratio(amplitude, columns):
         x = np.log(amplitude / roots[columns].T)
@@ -143,5 +155,10 @@ def test_every_solution_is_found_also_those_in_a_dip_between_two_samples() -> No
 
 
 def test_without_a_solution_there_is_none() -> None:
-    found = amplitudes(lambda amplitude, _: amplitude * 0.0 + 2.0, np.full(1, 1e-8), np.full(1, 1e3), np.full(1, 1.0))
+    found = amplitudes(
+        lambda amplitude, _: amplitude * 0.0 + 2.0,
+        np.full(1, 1e-8),
+        np.full(1, 1e3),
+        np.full(1, 1.0),
+    )
     assert (found.number[0], found.largest[0], found.smallest[0]) == (0, 0.0, 0.0)

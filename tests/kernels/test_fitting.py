@@ -6,14 +6,37 @@ import numpy as np
 
 from torsion.kernels.fitting import fitted, identified
 
-CHAIN = np.array([  # d ln f/d ln value of a free chain of four discs: three stiffnesses, four inertias (50 digits)
-    [0.403343153160794559, 0.0206704170166392124, 0.075986429822566229,
-     -0.293803734606897595, -0.0119116068010872881, -0.0299821608160149916, -0.164302497776000125],
-    [0.0842550621870688425, 0.00246320490974162563, 0.413281732903189532,
-     -0.0125071575598935434, -0.120045703683979212, -0.185336914012647659, -0.182110224743479586],
-    [0.0124017846521365989, 0.476866378073619162, 0.0107318372742442391,
-     -0.000140720736434668295, -0.311591076611707694, -0.187906731622950252, -0.000361471028907385519],
-])  # fmt: skip
+CHAIN = np.array(
+    [  # d ln f/d ln value of a free chain of four discs: three stiffnesses, four inertias (50 digits)
+        [
+            0.403343153160794559,
+            0.0206704170166392124,
+            0.075986429822566229,
+            -0.293803734606897595,
+            -0.0119116068010872881,
+            -0.0299821608160149916,
+            -0.164302497776000125,
+        ],
+        [
+            0.0842550621870688425,
+            0.00246320490974162563,
+            0.413281732903189532,
+            -0.0125071575598935434,
+            -0.120045703683979212,
+            -0.185336914012647659,
+            -0.182110224743479586,
+        ],
+        [
+            0.0124017846521365989,
+            0.476866378073619162,
+            0.0107318372742442391,
+            -0.000140720736434668295,
+            -0.311591076611707694,
+            -0.187906731622950252,
+            -0.000361471028907385519,
+        ],
+    ]
+)
 
 
 def test_three_frequencies_identify_three_of_seven_values_and_never_their_common_scale() -> None:
@@ -44,19 +67,25 @@ def test_intervals_of_95_percent_hold_the_true_value_in_93_to_97_of_100_fits() -
         k, eta, second = np.array([2e4, 0.1, 0.8]) * np.exp(values * deviation)
         stiffness = k * (1.0 + 1j * eta)
         angle = stiffness / (w**4 * first * second - stiffness * w**2 * (first + second))
-        return np.concatenate([[0.5 * np.log(k * (first + second) / (first * second))], np.log(np.abs(angle))])
+        return np.concatenate(
+            [[0.5 * np.log(k * (first + second) / (first * second))], np.log(np.abs(angle))]
+        )
 
     def slopes(values: np.ndarray) -> np.ndarray:
         step = 1e-5 * np.eye(3)
-        return np.stack([(logarithms(values + s) - logarithms(values - s)) / 2e-5 for s in step], axis=1)
+        return np.stack(
+            [(logarithms(values + s) - logarithms(values - s)) / 2e-5 for s in step], axis=1
+        )
 
     inside, over = 0, []
     for _ in range(300):
         true = rng.normal(size=3)
         data = logarithms(true) + sigma * rng.normal(size=41)
         found = fitted(
-            lambda p, data=data: (logarithms(p) - data) / sigma, lambda p: slopes(p) / sigma[:, None], 3
-        )  # fmt: skip
+            lambda p, data=data: (logarithms(p) - data) / sigma,
+            lambda p: slopes(p) / sigma[:, None],
+            3,
+        )
         each = np.sqrt(np.diag(identified(found.jacobian).covariance))
         inside += int((np.abs(found.values - true) <= 1.959964 * each).sum())
         over.append(np.square(found.residual).sum() / (41.0 - identified(found.jacobian).used))
@@ -64,7 +93,9 @@ def test_intervals_of_95_percent_hold_the_true_value_in_93_to_97_of_100_fits() -
     assert abs(np.mean(over) - 1.0) < 0.05  # chi2 for each degree of freedom
 
 
-def test_intervals_over_all_minima_hold_the_truth_where_modes_cross_and_those_around_the_best_alone_do_not() -> None:
+def test_intervals_over_all_minima_hold_the_truth_where_modes_cross_and_those_around_the_best_alone_do_not() -> (
+    None
+):
     """A heavy disc between two light ones, stiffnesses known to 10 %: w^4 - w^2 (k1 + k2) 1.01 + k1 k2 1.02 = 0."""
     rng, sigma = np.random.default_rng(1), 0.005
 
@@ -73,7 +104,9 @@ def test_intervals_over_all_minima_hold_the_truth_where_modes_cross_and_those_ar
         half, product = 0.505 * k.sum(), 1.02 * k.prod()
         root = np.sqrt(half**2 - product)
         found = np.array([product / (half + root), half + root])
-        return found, 0.1 * (1.01 * found[:, None] * k - product) / (2.0 * found - 2.0 * half)[:, None]
+        return found, 0.1 * (1.01 * found[:, None] * k - product) / (2.0 * found - 2.0 * half)[
+            :, None
+        ]
 
     inside, alone = 0, 0
     for _ in range(100):

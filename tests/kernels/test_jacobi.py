@@ -12,7 +12,9 @@ from torsion.kernels.reduction import reduce_tree, rigidity
 
 @pytest.mark.parametrize("capsule", [True, False])
 @pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])
-def test_frequencies_to_rounding_shapes_to_rounding_in_the_norm(random_tree, monkeypatch, shape, capsule):
+def test_frequencies_to_rounding_shapes_to_rounding_in_the_norm(
+    random_tree, monkeypatch, shape, capsule
+):
     if not capsule:
         monkeypatch.setattr("torsion.kernels.lapack.routine", lambda *_: None)
     tree = random_tree(31, size=20, shape=shape)

@@ -30,8 +30,12 @@ def test_uniform_free_chain_has_the_frequencies_2_sin(values, size):
 
 @pytest.mark.parametrize("size", [2, 7, 40])
 def test_chain_tied_at_one_end_has_odd_quarter_waves(size):
-    found = bidiagonal_singular_values(*bidiagonal_factor(np.ones(size), np.ones(size - 1), 1.0))[::-1]
-    np.testing.assert_allclose(found, 2 * np.sin((2 * np.arange(size) + 1) * np.pi / (4 * size + 2)), rtol=2e-15)
+    found = bidiagonal_singular_values(*bidiagonal_factor(np.ones(size), np.ones(size - 1), 1.0))[
+        ::-1
+    ]
+    np.testing.assert_allclose(
+        found, 2 * np.sin((2 * np.arange(size) + 1) * np.pi / (4 * size + 2)), rtol=2e-15
+    )
 
 
 @pytest.mark.parametrize("values", [bidiagonal_singular_values, golub_kahan_singular_values])
@@ -44,7 +48,10 @@ def test_graded_bidiagonal_values_are_right_to_the_last_digits(values):
             matrix[i, i] = mp.mpf(diagonal[i])
             if i < 7:
                 matrix[i, i + 1] = mp.mpf(off_diagonal[i])
-        exact = sorted((float(mp.sqrt(v)) for v in mp.eigsy(matrix.T * matrix, eigvals_only=True)), reverse=True)
+        exact = sorted(
+            (float(mp.sqrt(v)) for v in mp.eigsy(matrix.T * matrix, eigvals_only=True)),
+            reverse=True,
+        )
     np.testing.assert_allclose(values(diagonal, off_diagonal), exact, rtol=2e-15)
 
 
@@ -59,7 +66,9 @@ def test_badly_scaled_columns_keep_their_small_singular_values(svd):
     np.testing.assert_allclose(values, sorted(map(float, exact), reverse=True), rtol=1e-13)
     np.testing.assert_allclose(left.T @ left, np.eye(6), atol=2e-15)
     scale = np.abs(matrix).max(axis=0)
-    np.testing.assert_allclose((left * values @ right.T) / scale, matrix / scale, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(
+        (left * values @ right.T) / scale, matrix / scale, rtol=0, atol=1e-13
+    )
     np.testing.assert_allclose(svd(matrix)[1], values, rtol=1e-14)
 
 

@@ -36,13 +36,18 @@ def test_a_layer_adds_its_children_and_gives_each_the_rest(name):
         brothers = np.flatnonzero((parent == above) & (np.arange(len(parent)) != station))
         if above >= 0 and rest[station].any():
             np.testing.assert_array_equal(rest[station], base[above] + passed[brothers].sum(axis=0))
-    assert sum(layer.stations.stop - layer.stations.start for layer in layers) == np.count_nonzero(parent >= 0)
+    assert sum(layer.stations.stop - layer.stations.start for layer in layers) == np.count_nonzero(
+        parent >= 0
+    )
 
 
 def test_stations_out_of_order_are_in_no_layers():
     assert layers_of(np.array([-1, 0, 1, 0])) is None
     with pytest.raises(ValueError, match="layer by layer"):
-        shapes_at(Tree(np.array([-1, 0, 1, 0] + [2] * 20), np.ones(24), np.ones(24), np.zeros(24, bool)), np.ones(1))
+        shapes_at(
+            Tree(np.array([-1, 0, 1, 0] + [2] * 20), np.ones(24), np.ones(24), np.zeros(24, bool)),
+            np.ones(1),
+        )
 
 
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
@@ -55,7 +60,9 @@ def test_a_tree_hung_from_its_middle_is_the_same_train(random_tree, shape, held)
     w = np.geomspace(1e-2, 1e9, 300)
     np.testing.assert_array_equal(count_below(hung.tree, w), count_below(tree, w))
     np.testing.assert_array_equal(hung.angles(hung.tree.inertia[:, None])[:, 0], tree.inertia)
-    np.testing.assert_array_equal(np.abs(hung.torques(hung.tree.flexibility[:, None])[:, 0]), tree.flexibility)
+    np.testing.assert_array_equal(
+        np.abs(hung.torques(hung.tree.flexibility[:, None])[:, 0]), tree.flexibility
+    )
 
 
 @pytest.mark.parametrize("way", [0, 99])
@@ -70,7 +77,9 @@ def test_sweeps_by_stations_and_by_layers_find_the_same_modes(random_tree, shape
     np.testing.assert_allclose(found.torque, right.torque, rtol=1e-11)
 
 
-@pytest.mark.parametrize(("shape", "held"), [("branched", "none"), ("branched", "root"), ("bushy", "leaves")])
+@pytest.mark.parametrize(
+    ("shape", "held"), [("branched", "none"), ("branched", "root"), ("bushy", "leaves")]
+)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_sweeps_by_layers_have_every_angle_and_torque_right_componentwise(
     random_tree, exact_modes, monkeypatch, shape, held, seed
@@ -99,7 +108,12 @@ SPECIAL = {  # flexibility, inertia, `held`
 @pytest.mark.parametrize("parent", [[-1, 0, 0, 1, 1, 2, 2], [-1, 0, 1, 1, 1, 2, 4]])
 def test_special_trains_have_the_same_modes_by_stations_and_by_layers(name, parent, monkeypatch):
     flexibility, inertia, held = SPECIAL[name]
-    given = (np.array(parent), np.array(flexibility, float), np.array(inertia, float), np.isin(np.arange(7), held))
+    given = (
+        np.array(parent),
+        np.array(flexibility, float),
+        np.array(inertia, float),
+        np.isin(np.arange(7), held),
+    )
     right = tree_modes(Tree(*given))
     monkeypatch.setattr("torsion.kernels.tree._STATIONS_WITHOUT_LAYERS", 0)
     found = tree_modes(Tree(*given))
@@ -120,13 +134,17 @@ def test_large_families_are_bounded_by_counts(random_tree, exact_count, shape):
 
 
 @pytest.mark.parametrize("stiff", [False, True])
-def test_a_banded_factor_has_the_frequencies_of_the_tree_to_rounding_of_the_largest(random_tree, stiff):
+def test_a_banded_factor_has_the_frequencies_of_the_tree_to_rounding_of_the_largest(
+    random_tree, stiff
+):
     tree = random_tree(34, size=300, shape="branched")
     if not stiff:
         tree = Tree(tree.parent, 1e-4 * tree.flexibility**0.1, tree.inertia**0.1, tree.held)
     known = rigidity(tree)
     values = banded_values(reduce_tree(tree, known))
-    np.testing.assert_allclose(values, tree_modes(tree).frequency, rtol=1e-13, atol=1e-14 * values[-1])
+    np.testing.assert_allclose(
+        values, tree_modes(tree).frequency, rtol=1e-13, atol=1e-14 * values[-1]
+    )
 
 
 def test_wide_or_grounded_trains_have_no_banded_factor(random_tree):

@@ -11,15 +11,21 @@ from torsion.kernels.tree import Tree
 
 def _worst(found, exact, sign):
     largest = max(abs(e) for e in exact)
-    return float(max(abs(mp.mpf(f) - sign * e) for f, e in zip(found.tolist(), exact, strict=True)) / largest)
+    return float(
+        max(abs(mp.mpf(f) - sign * e) for f, e in zip(found.tolist(), exact, strict=True)) / largest
+    )
 
 
-@pytest.mark.parametrize(("shape", "held"), [("chain", "none"), ("branched", "root"), ("bushy", "leaves")])
+@pytest.mark.parametrize(
+    ("shape", "held"), [("chain", "none"), ("branched", "root"), ("bushy", "leaves")]
+)
 @pytest.mark.parametrize(("seed", "loops"), [(1, 1), (2, 2), (3, 4)])
 def test_stiff_trains_with_loops_are_right_in_frequency_angle_and_torque(
     random_tree, shuffled_loops, exact_modes, shape, held, seed, loops
 ):
-    tree, first, second, flexibility = shuffled_loops(random_tree(seed, size=10, shape=shape, held=held), seed, loops)
+    tree, first, second, flexibility = shuffled_loops(
+        random_tree(seed, size=10, shape=shape, held=held), seed, loops
+    )
     modes = graph_modes(tree, first, second, flexibility)
     exact = exact_modes(tree, first, second, flexibility)
     assert len(modes.frequency) == len(exact.frequency)
@@ -29,7 +35,9 @@ def test_stiff_trains_with_loops_are_right_in_frequency_angle_and_torque(
         assert abs(mp.mpf(modes.frequency[mode]) / w - 1) < 2e-15
         assert mp.mpf(modes.lower[mode]) <= w <= mp.mpf(modes.upper[mode])
         weighted = [a * s for a, s in zip(exact.angle[mode], weight, strict=True)]
-        sign = mp.sign(mp.fsum(a * b for a, b in zip(weighted, modes.angle[:, mode].tolist(), strict=True)))
+        sign = mp.sign(
+            mp.fsum(a * b for a, b in zip(weighted, modes.angle[:, mode].tolist(), strict=True))
+        )
         assert _worst(modes.angle[:, mode] * weight, weighted, sign) < 1e-12
         torque = np.append(modes.torque[:, mode], modes.loop_torque[:, mode])
         assert _worst(torque, exact.torque[mode] + exact.loop_torque[mode], sign) < 1e-12
@@ -37,7 +45,12 @@ def test_stiff_trains_with_loops_are_right_in_frequency_angle_and_torque(
 
 @pytest.mark.parametrize("size", [3, 4, 9])
 def test_ring_of_equal_inertias_has_pairs_at_2_sin(size):
-    tree = Tree(np.arange(-1, size - 1), np.append(0.0, np.ones(size - 1)), np.ones(size), np.zeros(size, bool))
+    tree = Tree(
+        np.arange(-1, size - 1),
+        np.append(0.0, np.ones(size - 1)),
+        np.ones(size),
+        np.zeros(size, bool),
+    )
     modes = graph_modes(tree, np.array([0]), np.array([size - 1]), np.array([1.0]))
     expected = np.sort(2 * np.sin(np.pi * np.arange(1, size) / size))
     np.testing.assert_allclose(modes.frequency, expected, rtol=2e-15)
@@ -61,14 +74,22 @@ def test_loops_through_massless_rigid_and_fixed_stations(exact_modes):
         np.array([False] * 6 + [True]),
     )
     first, second, flexibility = np.array([2, 0]), np.array([5, 6]), np.array([1e-4, 1e-3])
-    modes, exact = graph_modes(tree, first, second, flexibility), exact_modes(tree, first, second, flexibility)
+    modes, exact = (
+        graph_modes(tree, first, second, flexibility),
+        exact_modes(tree, first, second, flexibility),
+    )
     np.testing.assert_allclose(modes.frequency, [float(w) for w in exact.frequency], rtol=2e-15)
     loop = np.array([[float(t) for t in row] for row in exact.loop_torque]).T
     np.testing.assert_allclose(np.abs(modes.loop_torque), np.abs(loop), rtol=1e-12)
 
 
 def test_loops_through_held_stations_inside_the_train():
-    tree = Tree(np.array([-1, 0, 0, 1]), np.array([0, 2.0, 7, 0]), np.array([3.0, 0.1, 0.04, 0.1]), np.arange(4) == 1)
+    tree = Tree(
+        np.array([-1, 0, 0, 1]),
+        np.array([0, 2.0, 7, 0]),
+        np.array([3.0, 0.1, 0.04, 0.1]),
+        np.arange(4) == 1,
+    )
     first, second = np.array([2, 3, 1]), np.array([3, 0, 3])
     modes = graph_modes(tree, first, second, np.ones(3))
     a, b = modes.angle[0], modes.angle[2]
@@ -92,7 +113,12 @@ def test_nearly_repeated_frequencies_of_a_graph_keep_equilibrium():
 
 
 def test_rigid_span_to_ground_carries_the_reaction_of_a_loop():
-    tree = Tree(np.array([-1, 0, 1]), np.array([0, 1.0, 0.0]), np.array([1.0, 1, 1]), np.array([False, False, True]))
+    tree = Tree(
+        np.array([-1, 0, 1]),
+        np.array([0, 1.0, 0.0]),
+        np.array([1.0, 1, 1]),
+        np.array([False, False, True]),
+    )
     modes = graph_modes(tree, np.array([0]), np.array([1]), np.array([1.0]))
     np.testing.assert_allclose(modes.frequency, [np.sqrt(2)], rtol=1e-15)
     np.testing.assert_allclose(modes.torque[2], modes.torque[1] + modes.loop_torque[0], rtol=1e-14)
@@ -101,11 +127,15 @@ def test_rigid_span_to_ground_carries_the_reaction_of_a_loop():
 def test_without_a_loop_the_modes_are_those_of_the_tree(random_tree):
     tree = random_tree(2, size=8)
     none = np.zeros(0, dtype=np.int64)
-    np.testing.assert_array_equal(graph_modes(tree, none, none, np.zeros(0)).angle, tree_modes(tree).angle)
+    np.testing.assert_array_equal(
+        graph_modes(tree, none, none, np.zeros(0)).angle, tree_modes(tree).angle
+    )
 
 
 def test_lowest_modes_of_a_ring_only():
-    tree = Tree(np.arange(-1, 5), np.append(0.0, np.ones(5)), np.arange(1.0, 7.0), np.zeros(6, bool))
+    tree = Tree(
+        np.arange(-1, 5), np.append(0.0, np.ones(5)), np.arange(1.0, 7.0), np.zeros(6, bool)
+    )
     loop = (np.array([0]), np.array([5]), np.array([2.0]))
     whole, lowest = graph_modes(tree, *loop), graph_modes(tree, *loop, 2)
     np.testing.assert_array_equal(lowest.frequency, whole.frequency[:2])

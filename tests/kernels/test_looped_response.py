@@ -15,15 +15,23 @@ def closing(begin, end, compliance, twist=None):
 
 
 def test_two_parallel_springs_act_as_one_of_their_sum():
-    pair = Tree(np.array([-1, 0]), np.array([0, 1 / 90]), np.array([2.0, 3.0]), np.zeros(2, dtype=bool))
-    answer = looped_response(pair, closing([0], [1], [1 / 30]), np.array([5.0]), np.array([1.0, -1.0]))
+    pair = Tree(
+        np.array([-1, 0]), np.array([0, 1 / 90]), np.array([2.0, 3.0]), np.zeros(2, dtype=bool)
+    )
+    answer = looped_response(
+        pair, closing([0], [1], [1 / 30]), np.array([5.0]), np.array([1.0, -1.0])
+    )
     np.testing.assert_allclose(answer.angle[:, 0], [1 / 150, -1 / 225], rtol=1e-14)
-    np.testing.assert_allclose([answer.torque[1, 0], answer.chord_torque[0, 0]], [1, 1 / 3], rtol=1e-14)
+    np.testing.assert_allclose(
+        [answer.torque[1, 0], answer.chord_torque[0, 0]], [1, 1 / 3], rtol=1e-14
+    )
     assert answer.residual[0] < 1e-14
 
 
 def test_a_twist_in_a_loop_of_parallel_springs_locks_torque_in():
-    pair = Tree(np.array([-1, 0]), np.array([0, 1 / 90]), np.array([2.0, 3.0]), np.array([True, False]))
+    pair = Tree(
+        np.array([-1, 0]), np.array([0, 1 / 90]), np.array([2.0, 3.0]), np.array([True, False])
+    )
     w, twist = np.array([2.0]), 0.1
     answer = looped_response(pair, closing([0], [1], [1 / 30], [twist]), w, np.zeros(2))
     x = 30 * twist / (120 - 4 * 3)
@@ -36,7 +44,9 @@ def test_a_loop_through_ground_equals_the_spring_to_ground_as_a_held_leaf():
     parent, held = np.array([-1, 0, 1, -1]), np.array([True, False, False, True])
     inertia, flexibility = np.array([0, 2.0, 3.0, 0]), np.array([0, 0.01, 0.02, 0])
     w, force = np.array([1.0, 4.0]), np.array([0, 1.0, 2.0, 0])
-    looped = looped_response(Tree(parent, flexibility, inertia, held), closing([2], [3], [0.05]), w, force)
+    looped = looped_response(
+        Tree(parent, flexibility, inertia, held), closing([2], [3], [0.05]), w, force
+    )
     leaf = Tree(np.array([-1, 0, 1, 2]), np.array([0, 0.01, 0.02, 0.05]), inertia, held)
     plain = tree_response(leaf, w, force)
     np.testing.assert_allclose(looped.angle, plain.angle, rtol=1e-13)
@@ -61,7 +71,8 @@ def test_torques_of_stiff_trains_with_two_loops_agree_with_many_digits(seed):
     answer = looped_response(tree, loops, w, force, twist=twist, compliance=hc)
     spans = [(int(parent[i]), i, complex(hc[i]), twist[i]) for i in range(1, n)]
     spans += [
-        (a, b, complex(h), float(q)) for a, b, h, q in zip(begin, end, loops.compliance, loops.twist, strict=True)
+        (a, b, complex(h), float(q))
+        for a, b, h, q in zip(begin, end, loops.compliance, loops.twist, strict=True)
     ]
     found = np.concatenate([answer.torque[1:], answer.chord_torque])
     for line, frequency in enumerate(w):
@@ -89,9 +100,17 @@ def dense_reference(inertia, spans, force, w):
 
 
 def test_resonance_of_the_closed_train_is_marked():
-    pair = Tree(np.array([-1, 0]), np.array([0, 1 / 64]), np.array([2.0, 2.0]), np.zeros(2, dtype=bool))
-    answer = looped_response(pair, closing([0], [1], [1 / 36]), np.array([0.0, 5, 10]), np.array([1.0, 0]))
-    assert status(answer.amplification, answer.residual).tolist() == [Status.SINGULAR, Status.OK, Status.SINGULAR]
+    pair = Tree(
+        np.array([-1, 0]), np.array([0, 1 / 64]), np.array([2.0, 2.0]), np.zeros(2, dtype=bool)
+    )
+    answer = looped_response(
+        pair, closing([0], [1], [1 / 36]), np.array([0.0, 5, 10]), np.array([1.0, 0])
+    )
+    assert status(answer.amplification, answer.residual).tolist() == [
+        Status.SINGULAR,
+        Status.OK,
+        Status.SINGULAR,
+    ]
 
 
 def test_a_span_between_separate_parts_is_refused():

@@ -14,18 +14,27 @@ HERTZ = 2 * np.pi
 
 def _tree(parent, flexibility, inertia, held=()):
     stations = np.arange(len(parent))
-    return Tree(np.array(parent), np.array(flexibility, float), np.array(inertia, float), np.isin(stations, held))
+    return Tree(
+        np.array(parent),
+        np.array(flexibility, float),
+        np.array(inertia, float),
+        np.isin(stations, held),
+    )
 
 
 def _overlap(tree, modes):
-    weighted = np.sqrt(tree.moving_inertia)[:, None] * np.column_stack([modes.rigid_angle, modes.angle])
+    weighted = np.sqrt(tree.moving_inertia)[:, None] * np.column_stack(
+        [modes.rigid_angle, modes.angle]
+    )
     return weighted.T @ weighted
 
 
 def _brackets(modes, exact):
     return [
         mp.mpf(low) <= w <= mp.mpf(high)
-        for low, w, high in zip(modes.lower.tolist(), exact.frequency, modes.upper.tolist(), strict=True)
+        for low, w, high in zip(
+            modes.lower.tolist(), exact.frequency, modes.upper.tolist(), strict=True
+        )
     ]
 
 
@@ -33,7 +42,11 @@ def _relative(found, exact):
     """Componentwise relative error; what rounds to 0 in 120 digits is 0."""
     smallest = mp.mpf(10) ** -95 * max(abs(e) for e in exact)
     assert all(f == 0.0 for f, e in zip(found.tolist(), exact, strict=True) if abs(e) < smallest)
-    errors = [abs(mp.mpf(f) / e - 1) for f, e in zip(found.tolist(), exact, strict=True) if abs(e) >= smallest]
+    errors = [
+        abs(mp.mpf(f) / e - 1)
+        for f, e in zip(found.tolist(), exact, strict=True)
+        if abs(e) >= smallest
+    ]
     return float(max(errors, default=0))
 
 
@@ -44,7 +57,11 @@ PUBLISHED = {  # inertia kg m2, stiffness N m/rad, frequencies in Hz to the digi
         [12e3, 12e3, 14e3, 10e3],
         [81.207629, 141.214071, 378.952954, 536.363283],
     ),
-    "B6 wind turbine": ([1e7, 5770, 97030], [3.67e8, 5.496e9], [58.3401619 / HERTZ, 1034.11472 / HERTZ]),
+    "B6 wind turbine": (
+        [1e7, 5770, 97030],
+        [3.67e8, 5.496e9],
+        [58.3401619 / HERTZ, 1034.11472 / HERTZ],
+    ),
     "B10 six-cylinder diesel": (
         [0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750],
         [1.106e6, 1.631e6, 1.253e6, 1.253e6, 1.678e6, 1.253e6, 1.253e6, 1.976e6],
@@ -65,7 +82,9 @@ def test_published_chains(chain, case):
     inertia, stiffness, hertz = PUBLISHED[case]
     modes = tree_modes(chain(inertia, stiffness))
     np.testing.assert_allclose(modes.frequency / HERTZ, hertz, rtol=1e-6 if "B10" in case else 1e-8)
-    values = bidiagonal_singular_values(*bidiagonal_factor(np.array(inertia), np.array(stiffness), 0.0))
+    values = bidiagonal_singular_values(
+        *bidiagonal_factor(np.array(inertia), np.array(stiffness), 0.0)
+    )
     np.testing.assert_allclose(values[-2::-1], modes.frequency, rtol=2e-15)
 
 
@@ -93,7 +112,9 @@ def test_uniform_held_chain_is_exact(chain, held):
     modes = tree_modes(chain([1.0] * 13, [1.0] * 12, held))
     quarter_waves = 2 * np.arange(12) + 1 if len(held) == 1 else 2 * np.arange(1, 12)
     length = 2 * 25 if len(held) == 1 else 2 * 24
-    np.testing.assert_allclose(modes.frequency, 2 * np.sin(quarter_waves * np.pi / length), rtol=1e-15)
+    np.testing.assert_allclose(
+        modes.frequency, 2 * np.sin(quarter_waves * np.pi / length), rtol=1e-15
+    )
     assert modes.rigid == 0
     assert np.all(modes.angle[list(held)] == 0.0)
 
@@ -101,11 +122,15 @@ def test_uniform_held_chain_is_exact(chain, held):
 @pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
 @pytest.mark.parametrize("size", [5, 11, 30])
-def test_every_frequency_is_right_to_1e_14_and_its_enclosure_holds(random_tree, exact_count, shape, held, size):
+def test_every_frequency_is_right_to_1e_14_and_its_enclosure_holds(
+    random_tree, exact_count, shape, held, size
+):
     tree = random_tree(100 + size, size=size, shape=shape, held=held)
     modes = tree_modes(tree)
     assert len(modes.frequency) == exact_count(tree, 1e40) - modes.rigid
-    for mode, (w, low, high) in enumerate(zip(modes.frequency, modes.lower, modes.upper, strict=True), modes.rigid):
+    for mode, (w, low, high) in enumerate(
+        zip(modes.frequency, modes.lower, modes.upper, strict=True), modes.rigid
+    ):
         assert exact_count(tree, low) <= mode < exact_count(tree, high)
         assert exact_count(tree, w * (1 - 1e-15)) <= mode < exact_count(tree, w * (1 + 1e-15))
         assert low < w < high < low * (1 + 3e-14)
@@ -116,7 +141,9 @@ def _special(name):
         stiffness = np.array([1e3, 2e3, 1e15, 3e3, 1e3, 5e3])
         return _tree(range(-1, 6), np.append(0, 1 / stiffness), [1, 2, 0.5, 3, 1, 4, 2])
     if name == "nearly massless stations":
-        return _tree([-1, 0, 1, 1, 3, 4], [0, 1e-3, 2e-3, 3e-4, 1e-3, 1e-2], [1, 1e-15, 2, 1e-15, 3, 1e-15])
+        return _tree(
+            [-1, 0, 1, 1, 3, 4], [0, 1e-3, 2e-3, 3e-4, 1e-3, 1e-2], [1, 1e-15, 2, 1e-15, 3, 1e-15]
+        )
     if name == "massless stations":
         return _tree([-1, 0, 1, 1, 3, 4], [0, 1e-3, 2e-3, 3e-4, 1e-3, 1e-2], [1, 0, 2, 0, 3, 0])
     if name == "massless junction of three":
@@ -124,8 +151,15 @@ def _special(name):
     if name == "rigid spans":
         return _tree([-1, 0, 1, 1, 3, 4], [0, 0, 2e-3, 0, 1e-3, 0], [1, 4, 2, 0, 3, 0.5])
     if name == "massless, rigid and fixed":
-        return _tree([-1, 0, 1, 2, 2, 4, 4], [0, 1e-3, 0, 2e-4, 1e-5, 0, 1e-2], [3, 0, 2, 1, 0, 5, 0], held=[3])
-    return _tree([-1, 0, 0, 1, 1, 2, 2], [0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], held=[3, 5, 6])
+        return _tree(
+            [-1, 0, 1, 2, 2, 4, 4],
+            [0, 1e-3, 0, 2e-4, 1e-5, 0, 1e-2],
+            [3, 0, 2, 1, 0, 5, 0],
+            held=[3],
+        )
+    return _tree(
+        [-1, 0, 0, 1, 1, 2, 2], [0, 1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6, 7], held=[3, 5, 6]
+    )
 
 
 SPECIAL = [
@@ -144,9 +178,17 @@ def _check_against(tree, exact, *, componentwise):
     assert all(_brackets(modes, exact))
     for mode, w in enumerate(exact.frequency):
         assert abs(mp.mpf(modes.frequency[mode]) / w - 1) < 1e-15
-        sign = mp.sign(mp.fsum(a * b for a, b in zip(exact.angle[mode], modes.angle[:, mode].tolist(), strict=True)))
-        assert _relative(modes.angle[:, mode], [sign * a for a in exact.angle[mode]]) < componentwise
-        assert _relative(modes.torque[:, mode], [sign * t for t in exact.torque[mode]]) < componentwise
+        sign = mp.sign(
+            mp.fsum(
+                a * b for a, b in zip(exact.angle[mode], modes.angle[:, mode].tolist(), strict=True)
+            )
+        )
+        assert (
+            _relative(modes.angle[:, mode], [sign * a for a in exact.angle[mode]]) < componentwise
+        )
+        assert (
+            _relative(modes.torque[:, mode], [sign * t for t in exact.torque[mode]]) < componentwise
+        )
 
 
 @pytest.mark.parametrize("name", SPECIAL)
@@ -154,9 +196,13 @@ def test_special_trains_have_every_angle_and_torque_right_componentwise(exact_mo
     _check_against(_special(name), exact_modes(_special(name)), componentwise=1e-13)
 
 
-@pytest.mark.parametrize(("shape", "held"), [("chain", "none"), ("branched", "root"), ("bushy", "leaves")])
+@pytest.mark.parametrize(
+    ("shape", "held"), [("chain", "none"), ("branched", "root"), ("bushy", "leaves")]
+)
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_stiff_trains_have_every_angle_and_torque_right_componentwise(random_tree, exact_modes, shape, held, seed):
+def test_stiff_trains_have_every_angle_and_torque_right_componentwise(
+    random_tree, exact_modes, shape, held, seed
+):
     tree = random_tree(seed, size=10, shape=shape, held=held)
     _check_against(tree, exact_modes(tree), componentwise=1e-11)
 
@@ -197,7 +243,9 @@ def test_two_identical_trains_are_told_apart():
 
 @pytest.mark.parametrize("difference", [1e-6, 1e-9, 1e-11, 1e-12, 1e-13, 1e-15])
 def test_nearly_equal_branches_give_orthogonal_shapes(difference):
-    tree = _tree([-1, 0, 0, 0], [0, 1e-3, 1e-3 * (1 + difference), 1e-3 * (1 + 3 * difference)], [2, 1, 1, 1])
+    tree = _tree(
+        [-1, 0, 0, 0], [0, 1e-3, 1e-3 * (1 + difference), 1e-3 * (1 + 3 * difference)], [2, 1, 1, 1]
+    )
     modes = tree_modes(tree)
     np.testing.assert_allclose(_overlap(tree, modes), np.eye(4), atol=1e-13)
 
@@ -223,7 +271,10 @@ def test_lowest_modes_are_those_of_the_whole(random_tree):
 def test_renumbering_from_the_other_end_gives_the_same_modes(random_tree, chain):
     tree = random_tree(12, size=12, shape="chain")
     turned = Tree(
-        np.arange(-1, 11), np.append(0.0, tree.flexibility[:0:-1]), tree.inertia[::-1].copy(), tree.held[::-1].copy()
+        np.arange(-1, 11),
+        np.append(0.0, tree.flexibility[:0:-1]),
+        tree.inertia[::-1].copy(),
+        tree.held[::-1].copy(),
     )
     one, other = tree_modes(tree), tree_modes(turned)
     np.testing.assert_allclose(one.frequency, other.frequency, rtol=1e-15)
@@ -252,7 +303,9 @@ def test_a_start_that_misses_a_mode_is_found_out_and_mended(random_tree, monkeyp
     right = tree_modes(tree)
     start = right.frequency.copy()
     start[missed] = start[missed - 1]
-    monkeypatch.setattr("torsion.kernels.natural_modes.start_frequencies", lambda *_: np.sort(start))
+    monkeypatch.setattr(
+        "torsion.kernels.natural_modes.start_frequencies", lambda *_: np.sort(start)
+    )
     mended = tree_modes(tree)
     np.testing.assert_allclose(mended.frequency, right.frequency, rtol=1e-15)
     np.testing.assert_allclose(mended.angle, right.angle, rtol=1e-11)

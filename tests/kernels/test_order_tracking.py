@@ -16,7 +16,9 @@ def turned(time: np.ndarray, orders: dict[float, complex]) -> np.ndarray:
 
 def speed(time: np.ndarray, orders: dict[float, complex]) -> np.ndarray:
     mean = BEGIN * time + ACCELERATION * time**2 / 2.0
-    rate = sum((1j * order * size * np.exp(1j * order * mean)).real for order, size in orders.items())
+    rate = sum(
+        (1j * order * size * np.exp(1j * order * mean)).real for order, size in orders.items()
+    )
     return (BEGIN + ACCELERATION * time) * (1.0 + rate)
 
 
@@ -43,11 +45,16 @@ def test_pulses_of_a_run_up_give_every_amplitude_to_ten_digits() -> None:
 
 def test_samples_of_the_speed_give_them_to_twelve_digits() -> None:
     time = np.arange(0.0, 12.0, 5e-4)
-    assert error(of_speeds(time, speed(time, ORDERS), np.array(list(ORDERS)), 16).angle, ORDERS) < 1e-11
+    assert (
+        error(of_speeds(time, speed(time, ORDERS), np.array(list(ORDERS)), 16).angle, ORDERS)
+        < 1e-11
+    )
 
 
 def test_the_phase_of_pulses_counts_from_the_first_mark() -> None:
-    start = turned(np.zeros(1), ORDERS)[0]  # angle at the first mark, from which the mean angle of the fit counts
+    start = turned(np.zeros(1), ORDERS)[
+        0
+    ]  # angle at the first mark, from which the mean angle of the fit counts
     found = of_pulses(pulses(ORDERS), MARKS, np.array(list(ORDERS)), 16).angle[0]
     shifted = [size * np.exp(1j * order * start) for order, size in ORDERS.items()]
     assert np.abs(found - shifted).max() < 1e-10
@@ -107,14 +114,18 @@ def test_amplitude_and_phase_of_pulses_in_noise_are_right_within_their_stated_er
     assert np.abs(share).max() < 6.0
     for part in (share.real, share.imag):
         assert 0.8 < np.sqrt(np.square(part).mean()) < 1.25
-    assert np.array(stated).mean() == pytest.approx(noise * np.sqrt(2.0 * 35.0 / 18.0 / (16 * MARKS)), rel=0.2)
+    assert np.array(stated).mean() == pytest.approx(
+        noise * np.sqrt(2.0 * 35.0 / 18.0 / (16 * MARKS)), rel=0.2
+    )
 
 
 def test_the_stated_error_of_speeds_is_that_of_their_noise() -> None:
     rng, time, orders = np.random.default_rng(5), np.arange(0.0, 12.0, 1e-3), np.array(list(ORDERS))
     share = []
     for _ in range(12):
-        found = of_speeds(time, speed(time, ORDERS) + 0.1 * rng.standard_normal(time.size), orders, 16)
+        found = of_speeds(
+            time, speed(time, ORDERS) + 0.1 * rng.standard_normal(time.size), orders, 16
+        )
         share.append((np.abs(found.angle) - np.abs(list(ORDERS.values()))) / found.error)
     assert 0.8 < np.sqrt(np.square(share).mean()) < 1.25
     assert of_speeds(time, speed(time, ORDERS), orders, 16).error.max() < 1e-9
@@ -125,8 +136,12 @@ def test_every_lost_pulse_is_located_at_the_ends_too(run) -> None:
     """Of 8 marks a revolution; not the first and the last, behind which nothing is known."""
     angle = np.arange(120) * 2.0 * np.pi / 8.0 + 0.1
     rest = np.sqrt(2.0 * angle / 60.0)
-    time = {"steady": angle / 50.0, "from rest": rest, "to rest": rest[-1] - rest[::-1],
-            "up and down": np.concatenate([rest, 2.0 * rest[-1] + 0.01 - rest[::-1]])}[run]  # fmt: skip
+    time = {
+        "steady": angle / 50.0,
+        "from rest": rest,
+        "to rest": rest[-1] - rest[::-1],
+        "up and down": np.concatenate([rest, 2.0 * rest[-1] + 0.01 - rest[::-1]]),
+    }[run]
     assert uneven(time) is None
     for lost in range(1, time.size - 1):
         found = uneven(np.delete(time, lost))

@@ -4,13 +4,22 @@ import numpy as np
 import pytest
 
 from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import Status, complex_compliance, pose, residual_of, status, tree_response
+from torsion.kernels.tree_response import (
+    Status,
+    complex_compliance,
+    pose,
+    residual_of,
+    status,
+    tree_response,
+)
 
 
 def tree(parent, flexibility, inertia, held=()):
     fixed = np.zeros(len(parent), dtype=bool)
     fixed[list(held)] = True
-    return Tree(np.array(parent), np.array(flexibility, dtype=float), np.array(inertia, dtype=float), fixed)
+    return Tree(
+        np.array(parent), np.array(flexibility, dtype=float), np.array(inertia, dtype=float), fixed
+    )
 
 
 def random_damped_tree(seed, size=12):
@@ -18,12 +27,16 @@ def random_damped_tree(seed, size=12):
     parent = [-1, *(int(rng.integers(max(0, station - 3), station)) for station in range(1, size))]
     train = tree(parent, 10 ** rng.uniform(-6, -3, size), 10 ** rng.uniform(-1, 1, size))
     w = rng.uniform(1, 300, 7)
-    hc = complex_compliance(train.flexibility, rng.uniform(0, 5, size), rng.uniform(0, 0.1, size), w)
+    hc = complex_compliance(
+        train.flexibility, rng.uniform(0, 5, size), rng.uniform(0, 0.1, size), w
+    )
     return train, w, hc, rng.uniform(0, 2, size)
 
 
 def test_two_discs_under_opposite_torques_move_and_wind_as_in_closed_form():
-    answer = tree_response(tree([-1, 0], [0, 1 / 120], [2, 3]), np.array([5.0]), np.array([1.0, -1.0]))
+    answer = tree_response(
+        tree([-1, 0], [0, 1 / 120], [2, 3]), np.array([5.0]), np.array([1.0, -1.0])
+    )
     np.testing.assert_allclose(answer.angle[:, 0], [1 / 150, -1 / 225], rtol=1e-15)
     np.testing.assert_allclose(answer.torque[1, 0], 4 / 3, rtol=1e-15)
     assert answer.residual[0] < 1e-15
@@ -33,12 +46,18 @@ def test_two_discs_under_opposite_torques_move_and_wind_as_in_closed_form():
 @pytest.mark.parametrize("held_is_root", [True, False])
 def test_a_viscous_link_carries_the_share_of_its_damper(held_is_root):
     k, c, w, J = 100.0, 20.0, 10.0, 3.0
-    train = tree([-1, 0], [0, 1 / k], [0, J] if held_is_root else [J, 0], held=[0] if held_is_root else [1])
+    train = tree(
+        [-1, 0], [0, 1 / k], [0, J] if held_is_root else [J, 0], held=[0] if held_is_root else [1]
+    )
     hc = complex_compliance(train.flexibility, np.array([0, c]), np.zeros(2), np.array([w]))
-    answer = tree_response(train, np.array([w]), np.array([0, 5.0] if held_is_root else [5.0, 0]), compliance=hc)
+    answer = tree_response(
+        train, np.array([w]), np.array([0, 5.0] if held_is_root else [5.0, 0]), compliance=hc
+    )
     x = 5 / (k + 1j * w * c - w * w * J)
     np.testing.assert_allclose(answer.angle[1 if held_is_root else 0, 0], x, rtol=1e-15)
-    np.testing.assert_allclose(answer.torque[1, 0], (-x if held_is_root else x) * (k + 1j * w * c), rtol=1e-15)
+    np.testing.assert_allclose(
+        answer.torque[1, 0], (-x if held_is_root else x) * (k + 1j * w * c), rtol=1e-15
+    )
 
 
 def test_lanchester_damper_at_its_optimum_peaks_at_the_published_height():
@@ -57,7 +76,12 @@ def test_cardan_joint_between_a_driven_shaft_at_constant_speed_and_one_inertia()
     train = tree([-1, 0, 1], [0, 0, 1e-5], [0, 0, 2.5], held=[0])
     w = 2 * np.array([50.0, 95, 100, 150])
     answer = tree_response(
-        train, w, np.zeros(3), twist=np.array([0, q, 0]), ground_damping=np.array([0, 0, 5.0]), check=True
+        train,
+        w,
+        np.zeros(3),
+        twist=np.array([0, q, 0]),
+        ground_damping=np.array([0, 0, 5.0]),
+        check=True,
     )
     published = [0.0102054615, 0.0781352725, 0.7654266246, 0.0061229722]
     np.testing.assert_allclose(np.abs(answer.angle[2]), published, rtol=0, atol=6e-11)
@@ -72,7 +96,8 @@ def test_cardan_joint_between_a_driven_shaft_at_constant_speed_and_one_inertia()
 def test_response_is_reciprocal(seed):
     train, w, hc, ground = random_damped_tree(seed)
     receptance = [
-        tree_response(train, w, row, compliance=hc, ground_damping=ground).angle for row in np.eye(train.size)
+        tree_response(train, w, row, compliance=hc, ground_damping=ground).angle
+        for row in np.eye(train.size)
     ]
     np.testing.assert_allclose(receptance, np.swapaxes(receptance, 0, 1), rtol=1e-12)
 
@@ -81,11 +106,16 @@ def test_response_is_reciprocal(seed):
 def test_response_adds_over_torques_and_twists_that_vary_along_the_frequencies(seed):
     train, w, hc, ground = random_damped_tree(seed)
     rng = np.random.default_rng(seed + 100)
-    force, twist = rng.normal(size=(2, train.size, w.size)) + 1j * rng.normal(size=(2, train.size, w.size))
+    force, twist = rng.normal(size=(2, train.size, w.size)) + 1j * rng.normal(
+        size=(2, train.size, w.size)
+    )
     twist[0] = 0
     given = {"compliance": hc, "ground_damping": ground}
     both = tree_response(train, w, force, twist=twist, **given)
-    one, other = tree_response(train, w, force, **given), tree_response(train, w, 0 * force, twist=twist, **given)
+    one, other = (
+        tree_response(train, w, force, **given),
+        tree_response(train, w, 0 * force, twist=twist, **given),
+    )
     np.testing.assert_allclose(both.torque, one.torque + other.torque, rtol=1e-11)
     np.testing.assert_allclose(both.angle, one.angle + other.angle, rtol=1e-11)
     assert both.residual.max() < 1e-13
@@ -94,7 +124,9 @@ def test_response_adds_over_torques_and_twists_that_vary_along_the_frequencies(s
 def test_a_rigid_span_carries_torque_and_prescribed_motion_passes_through_rigid_spans():
     train = tree([-1, 0, 1, 2, 2], [0, 0, 0, 0.01, 0], [0, 2, 3, 4, 5], held=[0])
     w, turn = np.array([3.0]), 0.5
-    answer = tree_response(train, w, np.array([0, 0, 0, 0, 7.0]), twist=np.array([0, turn, 0, 0, 0]))
+    answer = tree_response(
+        train, w, np.array([0, 0, 0, 0, 7.0]), twist=np.array([0, turn, 0, 0, 0])
+    )
     leaf = -9 * 4 * turn / (1 - 0.01 * 9 * 4)
     np.testing.assert_allclose(answer.angle[[1, 2, 4], 0], turn, rtol=1e-15)
     np.testing.assert_allclose(answer.torque[4, 0], -9 * 5 * turn - 7, rtol=1e-15)
@@ -105,7 +137,9 @@ def test_a_rigid_span_carries_torque_and_prescribed_motion_passes_through_rigid_
 
 def test_a_held_leaf_is_a_spring_to_ground_and_takes_its_twist():
     train = tree([-1, 0, 0], [0, 1 / 50, 1 / 30], [2, 0, 0], held=[1, 2])
-    answer = tree_response(train, np.array([3.0]), np.array([4.0, 0, 0]), twist=np.array([0, 0, 0.1]))
+    answer = tree_response(
+        train, np.array([3.0]), np.array([4.0, 0, 0]), twist=np.array([0, 0, 0.1])
+    )
     x = (4 - 30 * 0.1) / (50 + 30 - 18)
     np.testing.assert_allclose(answer.angle[:, 0], [x, 0, 0], rtol=1e-14)
     np.testing.assert_allclose(answer.torque[1:, 0], [50 * x, 30 * (x + 0.1)], rtol=1e-14)
@@ -147,13 +181,17 @@ def test_many_frequencies_in_pieces_equal_each_by_itself():
     w = np.linspace(1, 500, 5000)
     whole = tree_response(train, w, np.ones(train.size), ground_damping=ground)
     for line in (0, 2047, 2048, 4999):
-        single = tree_response(train, w[line : line + 1], np.ones(train.size), ground_damping=ground)
+        single = tree_response(
+            train, w[line : line + 1], np.ones(train.size), ground_damping=ground
+        )
         np.testing.assert_allclose(whole.torque[:, line], single.torque[:, 0], rtol=1e-13)
 
 
 def test_compliance_of_a_lossy_viscous_span_is_the_reciprocal_of_its_stiffness():
     w = np.array([2.0, 3.0])
-    hc = complex_compliance(np.array([0, 0.01, np.inf]), np.array([5.0, 6, 7]), np.array([0.1, 0.2, 0.0]), w)
+    hc = complex_compliance(
+        np.array([0, 0.01, np.inf]), np.array([5.0, 6, 7]), np.array([0.1, 0.2, 0.0]), w
+    )
     np.testing.assert_array_equal(hc[0], 0)
     np.testing.assert_allclose(hc[1], 1 / (100 * (1 + 0.2j) + 6j * w), rtol=1e-15)
     np.testing.assert_allclose(hc[2], 1 / (7j * w), rtol=1e-15)
@@ -167,7 +205,11 @@ def test_compliance_of_a_lossy_viscous_span_is_the_reciprocal_of_its_stiffness()
         (tree([-1, 0], [0, 1], [1, 1]), {"twist": np.ones((2, 5))}, "twist has shape"),
         (tree([-1, 0], [0, 0], [1, 1], held=[1]), {}, "rigid span leads to a fixed leaf"),
         (tree([-1, 0, 1], [0, 1, 1], [1, 1, 1], held=[1]), {}, "spans on both sides"),
-        (tree([-1, 0], [0, 1], [1, 1]), {"compliance": np.array([[0, 0], [0, 1.0]])}, "at some frequencies only"),
+        (
+            tree([-1, 0], [0, 1], [1, 1]),
+            {"compliance": np.array([[0, 0], [0, 1.0]])},
+            "at some frequencies only",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused_in_words(train, arrays, fault):
@@ -194,7 +236,9 @@ def test_status_draws_its_lines_at_the_named_loss_and_at_no_digit_left():
 
 @pytest.mark.parametrize("distance", [1e-5, 1e-8])
 def test_amplification_sees_the_resonance_of_a_branch_in_which_nothing_acts(distance):
-    train = tree([-1, 0, 1], [0, 1e9, 1 / 120], [50, 2, 3])  # the branch alone is resonant at 10 rad/s
+    train = tree(
+        [-1, 0, 1], [0, 1e9, 1 / 120], [50, 2, 3]
+    )  # the branch alone is resonant at 10 rad/s
     answer = tree_response(train, np.array([10.0 * (1 + distance)]), np.array([1.0, 0, 0]))
     assert 0.1 < answer.amplification[0] * distance < 10
 
@@ -218,7 +262,9 @@ def test_residual_sees_an_error_of_any_angle_and_of_any_torque(seed):
     train, w, hc, ground = random_damped_tree(seed, size=40)
     w = np.tile(w, 200)  # several blocks of stations
     given = {"compliance": np.tile(hc, 200), "ground_damping": ground}
-    problem, answer = (solve(train, w, np.ones(train.size), **given) for solve in (pose, tree_response))
+    problem, answer = (
+        solve(train, w, np.ones(train.size), **given) for solve in (pose, tree_response)
+    )
     assert residual_of(problem, answer).max() < 1e-13
     for part, first in ((answer.angle, 0), (answer.torque, 1)):
         for station in range(first, train.size):

@@ -36,7 +36,8 @@ def reference(tree, w, force, twist, viscous, loss_factor, ground):
         h = number(float(tree.flexibility[i]))
         if p >= 0 and h > 0:
             hc[i] = 1 / (
-                (1 + imaginary * number(float(loss_factor[i]))) / h + imaginary * w * number(float(viscous[i]))
+                (1 + imaginary * number(float(loss_factor[i]))) / h
+                + imaginary * w * number(float(viscous[i]))
             )
         if tree.held[i]:
             if p >= 0:
@@ -63,12 +64,16 @@ def reference(tree, w, force, twist, viscous, loss_factor, ground):
 def lines(tree, rng, count):
     """Frequencies spread, on a logarithmic scale, over those at which single springs and discs resonate."""
     springs, discs = np.log10(tree.flexibility[1:]), np.log10(tree.inertia[~tree.held])
-    return 10 ** rng.uniform(-(springs.max() + discs.max()) / 2, -(springs.min() + discs.min()) / 2, count)
+    return 10 ** rng.uniform(
+        -(springs.max() + discs.max()) / 2, -(springs.min() + discs.min()) / 2, count
+    )
 
 
 @pytest.mark.parametrize("loss_factor", [1e-2, 1e-8])
 @pytest.mark.parametrize("seed", range(6))
-def test_torques_of_three_sources_on_unequal_springs_are_exact_to_1e_12_of_the_largest(seed, loss_factor):
+def test_torques_of_three_sources_on_unequal_springs_are_exact_to_1e_12_of_the_largest(
+    seed, loss_factor
+):
     rng = np.random.default_rng(seed)
     size = int(rng.integers(5, 41))
     tree = random_tree(rng, size, branched=bool(seed % 2), held_leaf=seed % 3 == 0)
@@ -97,7 +102,9 @@ def test_torques_of_one_source_are_exact_to_1e_12_each_by_itself(seed, loss_fact
     w = lines(tree, rng, 8)
     force, none, loss = np.zeros(size), np.zeros(size), np.full(size, loss_factor)
     force[rng.integers(size)] = 1
-    answer = tree_response(tree, w, force, compliance=complex_compliance(tree.flexibility, none, loss, w))
+    answer = tree_response(
+        tree, w, force, compliance=complex_compliance(tree.flexibility, none, loss, w)
+    )
     for line in range(8):
         _, torque = reference(tree, w[line], force, none, none, loss, none)
         seen = np.abs(torque) > 1e-280
@@ -107,10 +114,16 @@ def test_torques_of_one_source_are_exact_to_1e_12_each_by_itself(seed, loss_fact
 @pytest.mark.parametrize("distance", [1e-4, 1e-7, 1e-10])
 def test_amplification_bounds_the_error_near_an_undamped_resonance(distance):
     tree = Tree(
-        np.array([-1, 0, 1]), np.array([0, 1 / 3e5, 1 / 7e3]), np.array([0.3, 0.7, 1.1]), np.zeros(3, dtype=bool)
+        np.array([-1, 0, 1]),
+        np.array([0, 1 / 3e5, 1 / 7e3]),
+        np.array([0.3, 0.7, 1.1]),
+        np.zeros(3, dtype=bool),
     )
     mp.mp.dps = DIGITS
-    a, b = mp.mpf(1) / mp.mpf(0.3) + mp.mpf(1) / mp.mpf(0.7), mp.mpf(1) / mp.mpf(0.7) + mp.mpf(1) / mp.mpf(1.1)
+    a, b = (
+        mp.mpf(1) / mp.mpf(0.3) + mp.mpf(1) / mp.mpf(0.7),
+        mp.mpf(1) / mp.mpf(0.7) + mp.mpf(1) / mp.mpf(1.1),
+    )
     k1, k2 = (1 / mp.mpf(float(h)) for h in tree.flexibility[1:])
     middle, product = k1 * a + k2 * b, k1 * k2 * (a * b - 1 / mp.mpf(0.7) ** 2)
     w = np.array([float(mp.sqrt((middle - mp.sqrt(middle**2 - 4 * product)) / 2)) * (1 + distance)])

@@ -25,7 +25,12 @@ BY_STIFFNESS = [  # 50 digits, a dense symmetric eigenproblem; modes by spans
 BY_INERTIA = [
     [-0.293803734606897595, -0.0119116068010872881, -0.0299821608160149916, -0.164302497776000125],
     [-0.0125071575598935434, -0.120045703683979212, -0.185336914012647659, -0.182110224743479586],
-    [-0.000140720736434668295, -0.311591076611707694, -0.187906731622950252, -0.000361471028907385519],
+    [
+        -0.000140720736434668295,
+        -0.311591076611707694,
+        -0.187906731622950252,
+        -0.000361471028907385519,
+    ],
 ]
 
 
@@ -44,7 +49,10 @@ def test_shares_of_stiff_trains_are_right_to_their_last_digits_however_small(
     random_tree, exact_modes, seed, shape, held
 ) -> None:
     tree = random_tree(seed, size=7, shape=shape, held=held)
-    found, (by_stiffness, by_inertia) = frequency_sensitivity(tree, tree_modes(tree)), _shares(tree, exact_modes(tree))
+    found, (by_stiffness, by_inertia) = (
+        frequency_sensitivity(tree, tree_modes(tree)),
+        _shares(tree, exact_modes(tree)),
+    )
     assert by_stiffness[tree.parent >= 0].min() < 1e-20
     assert found.stiffness == pytest.approx(by_stiffness, rel=1e-13, abs=1e-200)
     assert found.inertia == pytest.approx(by_inertia, rel=1e-13, abs=1e-200)
@@ -54,18 +62,29 @@ def _shares(tree, exact):
     """Half of each share of energy (stations, modes), the kinetic ones negative, from angles of 120 digits."""
     square = [[w**2] * tree.size for w in exact.frequency]
     elastic = [
-        [float(mp.mpf(float(h)) * t**2 / s / 2) for h, t, s in zip(tree.flexibility, *row, strict=True)]
+        [
+            float(mp.mpf(float(h)) * t**2 / s / 2)
+            for h, t, s in zip(tree.flexibility, *row, strict=True)
+        ]
         for row in zip(exact.torque, square, strict=True)
     ]
     kinetic = [
-        [-float(mp.mpf(float(j)) * x**2) / 2 for j, x in zip(tree.inertia, row, strict=True)] for row in exact.angle
+        [-float(mp.mpf(float(j)) * x**2) / 2 for j, x in zip(tree.inertia, row, strict=True)]
+        for row in exact.angle
     ]
-    return np.array(elastic).T * (tree.parent >= 0)[:, None], np.array(kinetic).T * ~tree.held[:, None]
+    return np.array(elastic).T * (tree.parent >= 0)[:, None], np.array(kinetic).T * ~tree.held[
+        :, None
+    ]
 
 
 def test_frequencies_of_a_closed_loop_move_by_the_sensitivities() -> None:
     """Against differences of the roots of the determinant in 60 digits, and the sums 1/2 and -1/2."""
-    tree = Tree(np.array([-1, 0, 1, 1]), np.array([0.0, 5e-5, 3e-6, 2e-5]), np.array([1.2, 0.35, 0.6, 0.95]), HELD)
+    tree = Tree(
+        np.array([-1, 0, 1, 1]),
+        np.array([0.0, 5e-5, 3e-6, 2e-5]),
+        np.array([1.2, 0.35, 0.6, 0.95]),
+        HELD,
+    )
     first, second, chord = np.array([3]), np.array([2]), np.array([4e-4])
     modes = graph_modes(tree, first, second, chord)
     found = frequency_sensitivity(tree, modes, chord)
@@ -104,26 +123,46 @@ def _moved(spans, h, inertia, w, figure, other=None):
             return mp.det(matrix)
 
         start = mp.mpf(float(w)) ** 2
-        return mp.log(mp.findroot(determinant, (start, start * (1 + mp.mpf(10) ** -12)), tol=1e-90, verify=False)) / 2
+        return (
+            mp.log(
+                mp.findroot(
+                    determinant, (start, start * (1 + mp.mpf(10) ** -12)), tol=1e-90, verify=False
+                )
+            )
+            / 2
+        )
 
     if other is None:
         return float((log_frequency(STEP) - log_frequency(-STEP)) / (2 * STEP))
     step = mp.mpf(10) ** -14
-    corners = [one * two * log_frequency(one * step, two * step) for one in (1, -1) for two in (1, -1)]
+    corners = [
+        one * two * log_frequency(one * step, two * step) for one in (1, -1) for two in (1, -1)
+    ]
     return float(sum(corners) / (4 * step**2))
 
 
 def test_second_derivatives_of_a_frequency_are_right_to_rounding_of_the_largest() -> None:
     """Against second differences of the roots of the determinant in 60 digits."""
     parent, rng = np.array([-1, 0, 1, 1]), np.random.default_rng(7)
-    tree = Tree(parent, np.append(0.0, 10 ** -rng.uniform(3, 6, 3)), 10 ** rng.uniform(-1, 1, 4), HELD)
-    modes, pairs = tree_modes(tree), [(0, 0), (0, 1), (0, 4), (1, 5), (2, 2), (3, 3), (4, 6), (6, 2), (5, 5)]
+    tree = Tree(
+        parent, np.append(0.0, 10 ** -rng.uniform(3, 6, 3)), 10 ** rng.uniform(-1, 1, 4), HELD
+    )
+    modes, pairs = (
+        tree_modes(tree),
+        [(0, 0), (0, 1), (0, 4), (1, 5), (2, 2), (3, 3), (4, 6), (6, 2), (5, 5)],
+    )
     for mode, w in enumerate(modes.frequency):
         found = frequency_curvature(tree, modes, mode)[1:, 1:]
         with mp.workdps(60):
-            h, j = ([mp.mpf(float(v)) for v in values] for values in (tree.flexibility[1:], tree.inertia))
+            h, j = (
+                [mp.mpf(float(v)) for v in values]
+                for values in (tree.flexibility[1:], tree.inertia)
+            )
             exact = [_moved([(0, 1), (1, 2), (1, 3)], h, j, w, *pair) for pair in pairs]
-        assert np.abs([found[pair] for pair in pairs] - np.array(exact)).max() < 2e-14 * np.abs(found).max()
+        assert (
+            np.abs([found[pair] for pair in pairs] - np.array(exact)).max()
+            < 2e-14 * np.abs(found).max()
+        )
 
 
 def test_second_derivatives_add_up_as_a_frequency_is_homogeneous(random_tree) -> None:
@@ -134,7 +173,9 @@ def test_second_derivatives_add_up_as_a_frequency_is_homogeneous(random_tree) ->
         for mode in range(len(modes.frequency)):
             found = frequency_curvature(tree, modes, mode)
             for part in (slice(0, 6), slice(6, 12)):
-                assert np.abs(found[:, part].sum(axis=1)).max() < 1e-13 * max(1.0, np.abs(found).max())
+                assert np.abs(found[:, part].sum(axis=1)).max() < 1e-13 * max(
+                    1.0, np.abs(found).max()
+                )
 
 
 def test_second_derivatives_are_refused_without_all_modes_or_with_massless_stations(chain) -> None:
@@ -146,34 +187,60 @@ def test_second_derivatives_are_refused_without_all_modes_or_with_massless_stati
         frequency_curvature(light, tree_modes(light), 0)
 
 
-@pytest.mark.parametrize("target", [{"span": 1}, {"span": 4}, {"station": 3}, {"span": 3, "is_looped": True}])
+@pytest.mark.parametrize(
+    "target", [{"span": 1}, {"span": 4}, {"station": 3}, {"span": 3, "is_looped": True}]
+)
 def test_the_adjoint_gives_the_derivatives_of_a_response_by_every_figure(target) -> None:
     """Against central differences of a dense mixed system in 60 digits, value by value."""
     is_looped, rng = target.pop("is_looped", False), np.random.default_rng(5)
     spans = [(0, 1), (1, 2), (1, 3), (3, 4), (3, 5)] + [(5, 2)] * is_looped
     tree = Tree(
-        np.array([-1, 0, 1, 1, 3, 3]), np.append(0.0, 10 ** -rng.uniform(3, 6, 5)), 10 ** rng.uniform(-1, 1, 6),
+        np.array([-1, 0, 1, 1, 3, 3]),
+        np.append(0.0, 10 ** -rng.uniform(3, 6, 5)),
+        10 ** rng.uniform(-1, 1, 6),
         np.zeros(6, dtype=bool),
-    )  # fmt: skip
-    w, force, ground = np.array([37.0, 137.0]), rng.normal(size=6), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 3.0])
+    )
+    w, force, ground = (
+        np.array([37.0, 137.0]),
+        rng.normal(size=6),
+        np.array([0.0, 0.0, 0.0, 0.0, 0.0, 3.0]),
+    )
     hc = tree.flexibility / (1 + 0.1j)
     given = {"compliance": hc, "ground_damping": ground}
-    chords = Chords(np.array([5]), np.array([2]), np.array([1e-3 / (1 + 0.05j)]), np.zeros(1)) if is_looped else None
-    if chords is None:
+    chords = (
+        Chords(np.array([5]), np.array([2]), np.array([1e-3 / (1 + 0.05j)]), np.zeros(1))
+        if is_looped
+        else None
+    )
+    if chords is None:  # noqa: SIM108
         response = tree_response(tree, w, force, **given)
     else:
         response = looped_response(tree, chords, w, force, **given)
     found = response_sensitivity(tree, w, response, chords=chords, **target, **given)
-    figures = np.concatenate([hc[1:], [] if chords is None else chords.compliance, tree.inertia, ground])
+    figures = np.concatenate(
+        [hc[1:], [] if chords is None else chords.compliance, tree.inertia, ground]
+    )
     figures = np.concatenate([figures, force, np.zeros(len(spans))])
-    derivative = np.vstack([
-        found.compliance[1:], found.chord, found.inertia, found.ground_damping, found.force, found.twist[1:],
-        found.chord_twist,
-    ])  # fmt: skip
+    derivative = np.vstack(
+        [
+            found.compliance[1:],
+            found.chord,
+            found.inertia,
+            found.ground_damping,
+            found.force,
+            found.twist[1:],
+            found.chord_twist,
+        ]
+    )
     row = target["station"] if "station" in target else 5 + target["span"]
     for at, one in enumerate(w):
         with mp.workdps(60):
-            exact = np.array([_slope(spans, figures, len(force), float(one), row, k) for k in range(len(figures))])
+            exact = np.array(
+                [
+                    _slope(spans, figures, len(force), float(one), row, k)
+                    for k in range(len(figures))
+                ]
+            )
         assert np.abs(derivative[:, at] / exact - 1.0).max() < 1e-13
 
 
@@ -196,11 +263,19 @@ def _slope(spans, figures, n, w, row, figure):
 
 
 def test_a_compliance_follows_stiffness_loss_and_damper_by_its_slopes() -> None:
-    k, c, eta, w = np.array([2e4, 3e5]), np.array([3.0, 0.0]), np.array([0.1, 0.2]), np.array([10.0, 400.0])
+    k, c, eta, w = (
+        np.array([2e4, 3e5]),
+        np.array([3.0, 0.0]),
+        np.array([0.1, 0.2]),
+        np.array([10.0, 400.0]),
+    )
     slopes = compliance_slopes(k, c, eta, 1j * w)
     step = 1e-6
     for number, (ks, cs, es) in enumerate([(step, 0, 0), (0, 0, step), (0, step, 0)]):
-        ends = [complex_compliance(1 / (k * np.exp(s * ks)), c + s * cs, eta + s * es, w) for s in (1.0, -1.0)]
+        ends = [
+            complex_compliance(1 / (k * np.exp(s * ks)), c + s * cs, eta + s * es, w)
+            for s in (1.0, -1.0)
+        ]
         assert slopes[number] == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-8)
 
 
@@ -219,4 +294,6 @@ def test_the_amplitude_at_a_peak_follows_a_stiffness_by_its_partial_derivative()
     response = tree_response(one, w, np.array([0.0, 1.0]), compliance=hc)
     by_compliance = response_sensitivity(one, w, response, span=1, compliance=hc).compliance[1]
     slope = compliance_slopes(np.array([1e4]), np.zeros(1), np.array([0.1]), 1j * w)[0][0]
-    assert of_amplitude(response.torque[1], by_compliance * slope) == pytest.approx([0.0], abs=1e-13)
+    assert of_amplitude(response.torque[1], by_compliance * slope) == pytest.approx(
+        [0.0], abs=1e-13
+    )

@@ -12,7 +12,12 @@ from torsion.kernels.tree import Tree
 
 def _tree(parent, flexibility, inertia, held=()):
     stations = np.arange(len(parent))
-    return Tree(np.array(parent), np.array(flexibility, float), np.array(inertia, float), np.isin(stations, held))
+    return Tree(
+        np.array(parent),
+        np.array(flexibility, float),
+        np.array(inertia, float),
+        np.isin(stations, held),
+    )
 
 
 @pytest.mark.parametrize("size", [1, 2, 5, 30])
@@ -21,13 +26,17 @@ def test_count_of_a_uniform_free_chain_steps_at_2_sin(chain, size):
     tree = chain([1.0] * size, [1.0] * (size - 1))
     between = np.append(frequency[1:] * (1 - 1e-12), 100.0)
     np.testing.assert_array_equal(count_below(tree, between), np.arange(1, size + 1))
-    np.testing.assert_array_equal(count_below(tree, frequency[1:] * (1 + 1e-12)), np.arange(2, size + 1))
+    np.testing.assert_array_equal(
+        count_below(tree, frequency[1:] * (1 + 1e-12)), np.arange(2, size + 1)
+    )
 
 
 @pytest.mark.parametrize("shape", ["chain", "branched", "bushy"])
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
 @pytest.mark.parametrize("size", [6, 40])
-def test_bounds_enclose_the_exact_count_even_beside_a_frequency(random_tree, exact_count, shape, held, size):
+def test_bounds_enclose_the_exact_count_even_beside_a_frequency(
+    random_tree, exact_count, shape, held, size
+):
     tree = random_tree(11, size=size, shape=shape, held=held)
     rng = np.random.default_rng(1)
     w = 10 ** rng.uniform(-4, 9, 12)
@@ -45,10 +54,14 @@ def test_bounds_enclose_the_exact_count_even_beside_a_frequency(random_tree, exa
 
 
 @pytest.mark.parametrize("bound", [-1, 0, 1])
-def test_a_bound_differs_from_the_count_only_within_rounding_of_a_frequency(random_tree, exact_count, bound):
+def test_a_bound_differs_from_the_count_only_within_rounding_of_a_frequency(
+    random_tree, exact_count, bound
+):
     tree = random_tree(5, size=12)
     w = 10 ** np.random.default_rng(2).uniform(-4, 9, 40)
-    np.testing.assert_array_equal(count_below(tree, w, bound=bound), [exact_count(tree, x) for x in w])
+    np.testing.assert_array_equal(
+        count_below(tree, w, bound=bound), [exact_count(tree, x) for x in w]
+    )
 
 
 def test_bounds_may_differ_from_one_frequency_to_the_next(random_tree):
@@ -60,12 +73,16 @@ def test_bounds_may_differ_from_one_frequency_to_the_next(random_tree):
 
 
 def test_wide_and_long_trees_are_counted_alike(random_tree, exact_count):
-    bushy = random_tree(8, size=60, shape="bushy")  # swept by levels; many frequencies at once by stations
+    bushy = random_tree(
+        8, size=60, shape="bushy"
+    )  # swept by levels; many frequencies at once by stations
     w = 10 ** np.random.default_rng(3).uniform(-3, 8, 400)
     at_once = count_below(bushy, w)
     np.testing.assert_array_equal(at_once[:100], count_below(bushy, w[:100]))
     np.testing.assert_array_equal(at_once[:20], [exact_count(bushy, x) for x in w[:20]])
-    np.testing.assert_array_equal(count_below(bushy, w[:100], bound=1), count_below(bushy, w, bound=1)[:100])
+    np.testing.assert_array_equal(
+        count_below(bushy, w[:100], bound=1), count_below(bushy, w, bound=1)[:100]
+    )
 
 
 @pytest.mark.parametrize(
@@ -91,7 +108,9 @@ def test_rigid_massless_and_held_parts_count_as_the_graph_says(tree, rigid, mode
 
 def test_a_span_to_a_held_leaf_is_a_spring_to_ground():
     tree = _tree([-1, 0], [0, 0.25], [1.0, 9.0], held=[1])
-    np.testing.assert_array_equal(count_below(tree, [2.0 * (1 - 1e-14), 2.0, 2.0 * (1 + 1e-14)]), [0, 0, 1])
+    np.testing.assert_array_equal(
+        count_below(tree, [2.0 * (1 - 1e-14), 2.0, 2.0 * (1 + 1e-14)]), [0, 0, 1]
+    )
 
 
 def test_numbering_from_another_root_does_not_change_a_count(chain):
@@ -104,7 +123,9 @@ def test_numbering_from_another_root_does_not_change_a_count(chain):
 def test_a_held_station_inside_a_train_cuts_it(chain):
     whole = replace(chain([1.0, 2.0, 3.0], [5.0, 7.0]), held=np.array([False, True, False]))
     both = [(5.0 / 1.0) ** 0.5, (7.0 / 3.0) ** 0.5]
-    np.testing.assert_array_equal(count_below(whole, [1.0, 2.0, 3.0]), [sum(f < w for f in both) for w in (1, 2, 3)])
+    np.testing.assert_array_equal(
+        count_below(whole, [1.0, 2.0, 3.0]), [sum(f < w for f in both) for w in (1, 2, 3)]
+    )
 
 
 def _chain_rerooted(stations: int, root: int) -> Tree:
@@ -115,14 +136,18 @@ def _chain_rerooted(stations: int, root: int) -> Tree:
     return Tree(np.array(parent), np.ones(stations), np.ones(stations), np.zeros(stations, bool))
 
 
-@pytest.mark.parametrize(("stations", "root"), [(256, 0), (256, 128), (16, 8)], ids=["chain", "layers", "stations"])
+@pytest.mark.parametrize(
+    ("stations", "root"), [(256, 0), (256, 128), (16, 8)], ids=["chain", "layers", "stations"]
+)
 def test_a_bound_never_errs_next_to_a_frequency(stations: int, root: int) -> None:
     """The exact ones are 2 sin(j pi/2n); a low mode of many stations feels the stiffness passed on the most."""
     tree = _chain_rerooted(stations, root)
     with mp.workdps(40):
         exact = [2 * mp.sin(j * mp.pi / (2 * stations)) for j in range(1, 6)]
         near = np.array([[float(w) * (1.0 + k * 2.0**-52) for k in range(-6, 7)] for w in exact])
-        below = np.array([[1 + sum(w < mp.mpf(x) for w in exact) for x in row] for row in near.tolist()])
+        below = np.array(
+            [[1 + sum(w < mp.mpf(x) for w in exact) for x in row] for row in near.tolist()]
+        )
     at_most, at_least = count_bounds(tree, near.ravel(), near.ravel())
     assert np.all(at_most.reshape(below.shape) >= below)
     assert np.all(at_least.reshape(below.shape) <= below)

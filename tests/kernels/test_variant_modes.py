@@ -20,9 +20,13 @@ def layout(parent: list[int], held: tuple[int, ...] = ()) -> Tree:
     return Tree(np.array(parent), np.zeros(size), np.zeros(size), fixed)
 
 
-def one_by_one(tree: Tree, h: np.ndarray, j: np.ndarray, count: int, what: str = "frequency") -> np.ndarray:
+def one_by_one(
+    tree: Tree, h: np.ndarray, j: np.ndarray, count: int, what: str = "frequency"
+) -> np.ndarray:
     each = zip(h.T, j.T, strict=True)
-    return np.array([getattr(tree_modes(replace(tree, flexibility=a, inertia=b), count), what) for a, b in each]).T
+    return np.array(
+        [getattr(tree_modes(replace(tree, flexibility=a, inertia=b), count), what) for a, b in each]
+    ).T
 
 
 def test_two_discs_of_any_figures_are_their_closed_form() -> None:
@@ -36,7 +40,9 @@ def test_two_discs_of_any_figures_are_their_closed_form() -> None:
 
 
 @settings(max_examples=30, deadline=None)
-@given(st.integers(2, 24), st.booleans(), st.booleans(), st.floats(0.0, 1.0), st.integers(0, 2**32 - 1))
+@given(
+    st.integers(2, 24), st.booleans(), st.booleans(), st.floats(0.0, 1.0), st.integers(0, 2**32 - 1)
+)
 def test_random_trees_side_by_side_are_those_by_themselves(
     size: int, is_stiff: bool, is_held: bool, spread: float, seed: int
 ) -> None:
@@ -58,7 +64,9 @@ def test_modes_that_change_places_are_counted_in_each_train() -> None:
     stiff = np.geomspace(0.2, 5.0, 401)
     h = np.stack([0 * stiff, np.ones(401), 1e3 * np.ones(401), 1 / stiff])
     found = variant_modes(layout([-1, 0, 1, 2]), h, np.ones((4, 401)), 3)
-    assert found.frequency == pytest.approx(one_by_one(layout([-1, 0, 1, 2]), h, np.ones((4, 401)), 3), rel=1e-13)
+    assert found.frequency == pytest.approx(
+        one_by_one(layout([-1, 0, 1, 2]), h, np.ones((4, 401)), 3), rel=1e-13
+    )
     gap = (found.frequency[2] - found.frequency[1]) / found.frequency[1]
     assert gap.min() < 1e-3 < gap.max()
 
@@ -69,7 +77,10 @@ def test_rigid_spans_massless_stations_and_fixed_ones() -> None:
     h, j = np.stack([none, 1 / k, none, ones, ones]), np.stack([ones, 2 * ones, k, none, ones])
     found = variant_modes(tree, h, j, 2)
     assert found.frequency == pytest.approx(one_by_one(tree, h, j, 2), rel=1e-13)
-    lean = [count_below(replace(tree, flexibility=h, inertia=j), found.lower[1], bound=1), (found.lower[1] > 0) * 1]
+    lean = [
+        count_below(replace(tree, flexibility=h, inertia=j), found.lower[1], bound=1),
+        (found.lower[1] > 0) * 1,
+    ]
     assert (lean[0] == lean[1]).all()
 
 

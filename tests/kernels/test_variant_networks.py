@@ -21,13 +21,21 @@ from torsion.kernels.variant_networks import counted_modes, network_modes
 
 @settings(max_examples=30, deadline=None)
 @given(
-    st.integers(3, 18), st.integers(1, 2), st.booleans(), st.booleans(), st.floats(0.0, 0.6), st.integers(0, 2**32 - 1)
+    st.integers(3, 18),
+    st.integers(1, 2),
+    st.booleans(),
+    st.booleans(),
+    st.floats(0.0, 0.6),
+    st.integers(0, 2**32 - 1),
 )
 def test_random_trains_with_loops_are_those_by_themselves(
     size: int, loops: int, is_stiff: bool, is_held: bool, spread: float, seed: int
 ) -> None:
     rng = np.random.default_rng(seed)
-    parent, held = np.array([-1, *(int(rng.integers(0, k)) for k in range(1, size))]), np.zeros(size, dtype=bool)
+    parent, held = (
+        np.array([-1, *(int(rng.integers(0, k)) for k in range(1, size))]),
+        np.zeros(size, dtype=bool),
+    )
     held[0], wide = is_held, 5.0 if is_stiff else 0.5
     h, j, c = (10.0 ** rng.uniform(-wide, wide, (rows, 1)) for rows in (size, size, loops))
     h, j, c = (middle * np.exp(spread * rng.normal(size=(len(middle), 5))) for middle in (h, j, c))
@@ -51,7 +59,9 @@ def test_counts_say_which_mode_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     right = network_modes(tree, h, j, 3, ends, c)
     assert right.alone == 0
     true = variant_networks._polished
-    monkeypatch.setattr(variant_networks, "_polished", lambda trains, start, way: true(trains, 1.9 * start, way))
+    monkeypatch.setattr(
+        variant_networks, "_polished", lambda trains, start, way: true(trains, 1.9 * start, way)
+    )
     again = network_modes(tree, h, j, 3, ends, c)
     assert again.alone > 0
     assert again.frequency == pytest.approx(right.frequency, rel=1e-14)
@@ -81,9 +91,15 @@ def test_pieces_of_shafts_are_those_by_themselves() -> None:
     size, node = pieces + 2, np.arange(1, pieces + 1)
     base = uniform_shafts(np.full(pieces, 0.5), np.full(pieces, 80.0), np.full(pieces, 0.02))
     held = np.zeros(size, dtype=bool)
-    tree = Tree(np.arange(-1, size - 1), np.zeros(size), np.zeros(size), held, Shafts(node, (base,)))
+    tree = Tree(
+        np.arange(-1, size - 1), np.zeros(size), np.zeros(size), held, Shafts(node, (base,))
+    )
     h, j = np.zeros((size, trains)), np.zeros((size, trains))
-    h[-1], j[0], j[-1] = rng.uniform(0.005, 0.02, trains), rng.uniform(0.5, 1.5, trains), rng.uniform(0.1, 0.3, trains)
+    h[-1], j[0], j[-1] = (
+        rng.uniform(0.005, 0.02, trains),
+        rng.uniform(0.5, 1.5, trains),
+        rng.uniform(0.1, 0.3, trains),
+    )
     length, across = rng.uniform(0.8, 1.2, (2, trains))
     factors = np.repeat([length / across, length * across, length**2], pieces, axis=0)
     found = network_modes(tree, h, j, 4, factors=factors)
@@ -102,8 +118,12 @@ def test_loops_through_fixed_rigid_and_massless_stations() -> None:
     tree = Tree(parent, np.zeros(4), np.zeros(4), np.array([True, False, False, False]))
     k = np.linspace(0.5, 2.0, 20)
     h, j = np.stack([0 * k, 1 / k, 0 * k, ones]), np.stack([ones, ones, k, 0 * k])
-    found = network_modes(tree, h, j, 1, (np.array([0, 1]), np.array([2, 3])), np.stack([ones, 1 / k]))
-    assert found.frequency[0] == pytest.approx(np.sqrt((k + 1.0) / (1.0 + k)), rel=4e-15)  # one body on both springs
+    found = network_modes(
+        tree, h, j, 1, (np.array([0, 1]), np.array([2, 3])), np.stack([ones, 1 / k])
+    )
+    assert found.frequency[0] == pytest.approx(
+        np.sqrt((k + 1.0) / (1.0 + k)), rel=4e-15
+    )  # one body on both springs
     with pytest.raises(ValueError, match="positive flexibility"):
         network_modes(tree, h, j, 1, (np.array([0]), np.array([2])), 0.0 * ones[None])
     with pytest.raises(ValueError, match="1 elastic modes, not 2"):
@@ -114,7 +134,9 @@ def test_rings_have_their_pairs_of_equal_frequencies() -> None:
     stiff, size = np.array([0.25, 1.0, 3.0]), 6
     tree = Tree(np.arange(-1, size - 1), np.zeros(size), np.zeros(size), np.zeros(size, dtype=bool))
     h = np.repeat(1 / stiff[None], size, axis=0)
-    found = network_modes(tree, h, np.ones((size, 3)), size - 1, (np.array([0]), np.array([size - 1])), h[:1])
+    found = network_modes(
+        tree, h, np.ones((size, 3)), size - 1, (np.array([0]), np.array([size - 1])), h[:1]
+    )
     exact = np.sort(2 * np.sin(np.pi * np.arange(1, size) / size))[:, None] * np.sqrt(stiff)
     assert found.frequency == pytest.approx(exact, rel=4e-15)
 
@@ -123,7 +145,9 @@ def _below(tree: Tree, ends: tuple[np.ndarray, ...], chord: np.ndarray, w: float
     """Frequencies below `w` in exact rational numbers: negative pivots of K - w^2 J."""
     free, square = np.flatnonzero(~tree.held).tolist(), Fraction(float(w)) ** 2
     matrix = [[Fraction(0)] * tree.size for _ in range(tree.size)]
-    spans = [(tree.parent[i], i, tree.flexibility[i]) for i in range(tree.size) if tree.parent[i] >= 0]
+    spans = [
+        (tree.parent[i], i, tree.flexibility[i]) for i in range(tree.size) if tree.parent[i] >= 0
+    ]
     for a, b, h in [*spans, *zip(*ends, chord, strict=True)]:
         for one, other, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
             matrix[one][other] += sign / Fraction(float(h))
@@ -140,8 +164,15 @@ def _below(tree: Tree, ends: tuple[np.ndarray, ...], chord: np.ndarray, w: float
 
 
 def _nasty(kind: str, rng: np.random.Generator) -> tuple[Tree, tuple[np.ndarray, ...], np.ndarray]:
-    size, loops, wide = int(rng.integers(3, 7)), int(rng.integers(1, 4)), 6.0 if kind == "stiff" else 0.3
-    parent, held = np.array([-1, *(int(rng.integers(0, k)) for k in range(1, size))]), np.zeros(size, dtype=bool)
+    size, loops, wide = (
+        int(rng.integers(3, 7)),
+        int(rng.integers(1, 4)),
+        6.0 if kind == "stiff" else 0.3,
+    )
+    parent, held = (
+        np.array([-1, *(int(rng.integers(0, k)) for k in range(1, size))]),
+        np.zeros(size, dtype=bool),
+    )
     held[0] = kind != "arms" and rng.random() < 0.3
     h, j, c = (10.0 ** rng.uniform(-wide, wide, rows) for rows in (size, size, loops))
     ends = tuple(np.array([rng.choice(size, 2, replace=False) for _ in range(loops)]).T)
@@ -149,8 +180,14 @@ def _nasty(kind: str, rng: np.random.Generator) -> tuple[Tree, tuple[np.ndarray,
         c *= 10.0 ** rng.uniform(3, 12, loops)
     if kind == "massless":
         j[rng.integers(1, size)] = 0.0
-    if kind == "arms":  # two alike, with a chord from end to end: modes with and without its torque, close together
-        parent, ends, c = np.array([-1, 0, 1, 0, 3]), (np.array([2]), np.array([4])), 10.0 ** rng.uniform(0, 6, 1)
+    if (
+        kind == "arms"
+    ):  # two alike, with a chord from end to end: modes with and without its torque, close together
+        parent, ends, c = (
+            np.array([-1, 0, 1, 0, 3]),
+            (np.array([2]), np.array([4])),
+            10.0 ** rng.uniform(0, 6, 1),
+        )
         held, h, j = np.zeros(5, dtype=bool), h[[0, 1, 2, 1, 2]], j[[0, 1, 2, 1, 2]]
         h = h * (1.0 + rng.choice([0.0, 1e-12, 1e-6]) * rng.normal(size=5))
     return Tree(parent, h, j, held), ends, c
@@ -163,7 +200,9 @@ def test_certified_bounds_hold_one_more_mode_in_exact_counts(kind: str) -> None:
         tree, ends, c = _nasty(kind, rng)
         found = counted_modes(tree, *ends, c)
         certified += found.certified
-        for mode, (low, high) in enumerate(zip(found.lower, found.upper, strict=True) if found.certified else ()):
+        for mode, (low, high) in enumerate(
+            zip(found.lower, found.upper, strict=True) if found.certified else ()
+        ):
             assert _below(tree, ends, c, low) <= mode + found.rigid < _below(tree, ends, c, high)
     assert certified >= 15
 
@@ -176,15 +215,21 @@ def test_counts_of_either_way_err_only_on_their_side(kind: str) -> None:
         tree, ends, c = _nasty(kind, rng)
         modes = graph_modes(tree, *ends, c)
         count = len(modes.frequency)
-        h, j, chord = (np.repeat(one[:, None], count, axis=1) for one in (tree.flexibility, tree.inertia, c))
+        h, j, chord = (
+            np.repeat(one[:, None], count, axis=1) for one in (tree.flexibility, tree.inertia, c)
+        )
         many = Network(replace(tree, flexibility=h, inertia=j), pairs(tree.size, *ends), chord)
         torn, _ = variant_networks._torn(many, tree, ends)
         if not len(torn.chord) or not count:
             continue
         square = float(modes.frequency.max()) ** 2
-        static = variant_networks._way(torn, int(rng.choice(np.flatnonzero(~torn.tree.held))), square)
+        static = variant_networks._way(
+            torn, int(rng.choice(np.flatnonzero(~torn.tree.held))), square
+        )
         modal, _ = modal_way(torn, modes.frequency**2, static)
-        w = modes.frequency * (1.0 + rng.choice([-1, 1], count) * 2.0 ** rng.uniform(-52, -38, count))
+        w = modes.frequency * (
+            1.0 + rng.choice([-1, 1], count) * 2.0 ** rng.uniform(-52, -38, count)
+        )
         exact = np.array([_below(tree, ends, c, one) for one in w])
         for way in (static, modal):
             assert (network_count(torn, w, 1.0, way) >= exact).all()
@@ -192,7 +237,9 @@ def test_counts_of_either_way_err_only_on_their_side(kind: str) -> None:
 
 
 @pytest.mark.parametrize(("size", "loops", "count"), [(6, 1, 4), (10, 2, 6), (20, 1, 6)])
-def test_no_train_beside_a_resonance_of_its_torn_tree_is_solved_by_itself(size: int, loops: int, count: int) -> None:
+def test_no_train_beside_a_resonance_of_its_torn_tree_is_solved_by_itself(
+    size: int, loops: int, count: int
+) -> None:
     tree, h, j, ends, c = _chains(size, loops, 400)
     found = network_modes(tree, h, j, count, ends, c)
     assert found.alone <= 0.01 * found.frequency.size
@@ -204,7 +251,9 @@ def test_counts_beside_a_resonance_of_the_torn_tree_err_only_on_their_side() -> 
     tree, h, j, ends, c = _chains(10, 1, 2000)
     frequency, below = network_modes(tree, h, j, 1, ends, c).frequency[0], 0
     many = Network(replace(tree, flexibility=h, inertia=j), pairs(10, *ends), c)
-    torn, _ = variant_networks._torn(many, replace(tree, flexibility=h[:, 0], inertia=j[:, 0]), ends)
+    torn, _ = variant_networks._torn(
+        many, replace(tree, flexibility=h[:, 0], inertia=j[:, 0]), ends
+    )
     static = variant_networks._way(torn, 9, float(frequency.mean()) ** 2)
     with np.errstate(all="ignore"):
         grown = np.abs(Elimination(torn, frequency**2, static).load[0]).max(axis=0)
@@ -220,12 +269,16 @@ def test_counts_beside_a_resonance_of_the_torn_tree_err_only_on_their_side() -> 
         for way in (static, modal):
             assert (network_count(torn, w, 1.0, way) >= exact).all()
             assert (network_count(torn, w, -1.0, way) <= exact).all()
-            below += int((network_count(torn, w, 1.0, way) == network_count(torn, w, -1.0, way)).sum())
+            below += int(
+                (network_count(torn, w, 1.0, way) == network_count(torn, w, -1.0, way)).sum()
+            )
     assert below >= 10  # some are sure
 
 
 @pytest.mark.parametrize(("loops", "most"), [(20, 20), (45, 20), (46, 0), (100, 0)])
-def test_counts_of_a_train_with_many_loops_are_few(loops: int, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_counts_of_a_train_with_many_loops_are_few(
+    loops: int, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Each takes the square of the loops a station; beyond 45 their rounding hides what they should prove."""
     counts = []
 
@@ -235,7 +288,12 @@ def test_counts_of_a_train_with_many_loops_are_few(loops: int, most: int, monkey
 
     monkeypatch.setattr(variant_networks, "network_count", counted)
     size = loops + 1
-    tree = Tree(np.arange(size) - 1, 1e-5 / (1.0 + 0.03 * np.arange(size)), np.ones(size), np.zeros(size, dtype=bool))
+    tree = Tree(
+        np.arange(size) - 1,
+        1e-5 / (1.0 + 0.03 * np.arange(size)),
+        np.ones(size),
+        np.zeros(size, dtype=bool),
+    )
     ends = np.arange(loops), np.arange(1, size)
     found = counted_modes(tree, *ends, np.full(loops, 2e-5), 6)
     assert len(counts) <= most

@@ -21,7 +21,9 @@ def layout(parent: list[int], held: tuple[int, ...] = ()) -> Tree:
     return Tree(np.array(parent), np.zeros(size), np.zeros(size), fixed)
 
 
-def chain(size: int, count: int, *, eta: float = 0.05, seed: int = 1, spread: float = 0.15) -> Trains:
+def chain(
+    size: int, count: int, *, eta: float = 0.05, seed: int = 1, spread: float = 0.15
+) -> Trains:
     """Random chains, one of whose spans is soft and lossy."""
     rng = np.random.default_rng(seed)
     middle = rng.uniform(0.5, 2.0, (2, size, 1)) * np.array([1e-4, 1.0])[:, None, None]
@@ -50,14 +52,22 @@ def test_columns_of_inertias_are_each_train_by_itself(
     both = replace(tree, inertia=j, flexibility=h)
     found = tree_response(both, w, force, twist=twist, ground_damping=ground, compliance=hc)
     for k in range(7):
-        mine = complex_compliance(h[:, k], viscous[:, k], loss[:, k], w[k : k + 1]).reshape(size, -1)[:, 0]
+        mine = complex_compliance(h[:, k], viscous[:, k], loss[:, k], w[k : k + 1]).reshape(
+            size, -1
+        )[:, 0]
         alone = tree_response(
-            replace(tree, inertia=j[:, k], flexibility=h[:, k]), w[k : k + 1], force[:, k],
-            twist=twist[:, k], ground_damping=ground[:, k], compliance=mine,
-        )  # fmt: skip
+            replace(tree, inertia=j[:, k], flexibility=h[:, k]),
+            w[k : k + 1],
+            force[:, k],
+            twist=twist[:, k],
+            ground_damping=ground[:, k],
+            compliance=mine,
+        )
         for name in ("angle", "torque", "amplification"):
             one, other = getattr(found, name)[..., k], getattr(alone, name)[..., 0]
-            assert np.abs(one - other).max() <= 1e-13 * np.abs(other).max() * alone.amplification[0], name
+            assert (
+                np.abs(one - other).max() <= 1e-13 * np.abs(other).max() * alone.amplification[0]
+            ), name
         # Near an undamped resonance the residual grows with the answer.
         assert max(found.residual[k], alone.residual[0]) < 1e-13 * max(1.0, alone.amplification[0])
 
@@ -78,7 +88,12 @@ def test_columns_are_the_response_in_forty_digits() -> None:
             whole = mp.diag([-(mp.mpf(w[k]) ** 2) * mp.mpf(one) for one in j[:, k]])
             stiffness = [0, *((1 + 1j * mp.mpf(loss[i])) / mp.mpf(h[i, k]) for i in (1, 2, 3))]
             for i in (1, 2, 3):
-                for a, b, sign in ((i, i, 1), (parent[i], parent[i], 1), (i, parent[i], -1), (parent[i], i, -1)):
+                for a, b, sign in (
+                    (i, i, 1),
+                    (parent[i], parent[i], 1),
+                    (i, parent[i], -1),
+                    (parent[i], i, -1),
+                ):
                     whole[a, b] += sign * stiffness[i]
             angle = mp.lu_solve(whole, mp.matrix([mp.mpc(complex(one)) for one in force]))
             torque = [complex(stiffness[i] * (angle[parent[i]] - angle[i])) for i in (1, 2, 3)]
@@ -107,8 +122,10 @@ def test_peaks_are_those_of_a_search_and_the_told_error_covers_them() -> None:
             top = np.clip(sampled[span].argmax(), 1, 3999)
             sharp = minimize_scalar(
                 lambda w, span=span: -torque(np.array([w]))[span, 0],
-                bounds=even[[top - 1, top + 1]], method="bounded", options={"xatol": 1e-9},
-            )  # fmt: skip
+                bounds=even[[top - 1, top + 1]],
+                method="bounded",
+                options={"xatol": 1e-9},
+            )
             true = max(-sharp.fun, sampled[span].max())
             assert abs(found.torque[span, k] / true - 1.0) <= found.error[span, k] + 1e-9
             assert found.torque[span, k] == pytest.approx(true, rel=1e-6)
@@ -124,7 +141,9 @@ def test_a_mode_that_only_some_trains_have_within_the_band_is_found_there() -> N
     within = trains.resonances(1e3)[0][1] < 0.999 * band[1]
     even = np.broadcast_to(np.linspace(*band, 20001), (64, 20001))
     for k in np.flatnonzero(within).tolist():
-        dense = np.abs(trains.part(slice(k, k + 1)).response(even[:1], np.array([0.0, 0.0, 1.0])).torque).max(axis=1)
+        dense = np.abs(
+            trains.part(slice(k, k + 1)).response(even[:1], np.array([0.0, 0.0, 1.0])).torque
+        ).max(axis=1)
         assert (found.torque[1:, k] >= (1.0 - 1e-6) * dense[1:]).all()
     assert 0 < within.sum() < 64
 
@@ -139,12 +158,20 @@ def test_a_resonance_without_damping_is_no_number() -> None:
 def test_more_trains_than_are_solved_at_once_are_the_same_as_some_of_them() -> None:
     trains, force = chain(5, 400), np.array([1.0, 0.0, 0.0, 0.0, 0.0])
     found = variant_peaks(trains, force, (1.0, 120.0))
-    some = replace(trains.part(slice(150, 400)), loss_factor=np.tile(trains.loss_factor[:, None], 250))
-    assert found.torque[1:, 150:] == pytest.approx(variant_peaks(some, force, (1.0, 120.0)).torque[1:], rel=1e-6)
+    some = replace(
+        trains.part(slice(150, 400)), loss_factor=np.tile(trains.loss_factor[:, None], 250)
+    )
+    assert found.torque[1:, 150:] == pytest.approx(
+        variant_peaks(some, force, (1.0, 120.0)).torque[1:], rel=1e-6
+    )
 
 
 def test_a_grid_holds_every_resonance_and_its_half_power_points() -> None:
-    grid = resonance_grid(np.array([[10.0, 11.0], [500.0, 600.0]]), np.array([0.01, 0.01]), np.linspace(1.0, 100.0, 17))
+    grid = resonance_grid(
+        np.array([[10.0, 11.0], [500.0, 600.0]]),
+        np.array([0.01, 0.01]),
+        np.linspace(1.0, 100.0, 17),
+    )
     assert grid.shape == (2, 2 * (17 + 11) - 1)
     for row, centre in zip(grid, (10.0, 11.0), strict=True):
         for share in (0.99, 1.0, 1.01):
@@ -155,7 +182,12 @@ def test_a_grid_holds_every_resonance_and_its_half_power_points() -> None:
 
 def test_no_peak_of_a_heavily_damped_train_is_missed_unless_the_error_says_so() -> None:
     """Random chains with a viscous damper that may couple its stations; the truth by 6000 even points."""
-    rng, force, band, moved = np.random.default_rng(3), np.array([0.0, 0.0, 0.0, 1.0]), (0.2, 4.0), 0
+    rng, force, band, moved = (
+        np.random.default_rng(3),
+        np.array([0.0, 0.0, 0.0, 1.0]),
+        (0.2, 4.0),
+        0,
+    )
     w = np.linspace(*band, 6000)
     for _ in range(60):
         h, j = np.exp(rng.uniform(-1.5, 1.5, (2, 4, 1))) * rng.uniform(0.85, 1.15, (2, 4, 3))
@@ -163,7 +195,11 @@ def test_no_peak_of_a_heavily_damped_train_is_missed_unless_the_error_says_so() 
         viscous[rng.integers(1, 4)] = np.exp(rng.uniform(-4.0, 4.0)) / h.mean()
         trains = Trains(layout([-1, 0, 1, 2]), h, j, viscous, loss, np.zeros(4))
         found = variant_peaks(trains, force, band)
-        true = np.abs(trains.response(np.tile(w, (3, 1)), force).torque).reshape(4, 3, -1).max(axis=2)[1:]
+        true = (
+            np.abs(trains.response(np.tile(w, (3, 1)), force).torque)
+            .reshape(4, 3, -1)
+            .max(axis=2)[1:]
+        )
         moved += bool(np.isinf(found.error[1:]).any())
         missed = true / found.torque[1:] - 1.0
         assert (missed <= 5e-3 + 2.0 * found.error[1:]).all()

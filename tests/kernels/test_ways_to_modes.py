@@ -16,7 +16,12 @@ def test_eigenvalues_of_the_square_are_only_a_start(shape, monkeypatch):
     rng = np.random.default_rng(26)
     reach = {"branched": 3, "bushy": 25}[shape]
     parent = [-1] + [int(rng.integers(max(0, i - reach), i)) for i in range(1, 25)]
-    tree = Tree(np.array(parent), 10 ** -rng.uniform(3, 6, 25), 10 ** rng.uniform(-1, 1, 25), np.zeros(25, bool))
+    tree = Tree(
+        np.array(parent),
+        10 ** -rng.uniform(3, 6, 25),
+        10 ** rng.uniform(-1, 1, 25),
+        np.zeros(25, bool),
+    )
     right = tree_modes(tree)
     monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_SQUARE", 0)
     found = tree_modes(tree)
@@ -41,12 +46,17 @@ def test_a_chain_has_the_modes_of_the_same_train_hung_from_its_middle(random_tre
     tree = random_tree(28, size=11, shape="chain", held=held)
     order = [5, 4, 6, 3, 7, 2, 8, 1, 9, 0, 10]
     parent = [-1, 0, 0, *range(1, 9)]
-    soft = [0.0, *(tree.flexibility[max(i, order[p])] for i, p in zip(order[1:], parent[1:], strict=True))]
+    soft = [
+        0.0,
+        *(tree.flexibility[max(i, order[p])] for i, p in zip(order[1:], parent[1:], strict=True)),
+    ]
     hung = Tree(np.array(parent), np.array(soft), tree.inertia[order], tree.held[order])
     chain, other = tree_modes(tree), tree_modes(hung)
     np.testing.assert_allclose(chain.frequency, other.frequency, rtol=1e-15)
     np.testing.assert_allclose(np.abs(chain.angle[order]), np.abs(other.angle), rtol=1e-11)
-    np.testing.assert_allclose(np.abs(chain.torque[6:]), np.abs(other.torque[[2, 4, 6, 8, 10]]), rtol=1e-11)
+    np.testing.assert_allclose(
+        np.abs(chain.torque[6:]), np.abs(other.torque[[2, 4, 6, 8, 10]]), rtol=1e-11
+    )
 
 
 @pytest.mark.parametrize("shape", ["chain", "branched"])
@@ -62,11 +72,18 @@ def test_most_frequencies_are_enclosed_by_the_first_width_tried(random_tree, sha
 
 @pytest.mark.parametrize(("for_square", "for_jacobi"), [(0, 0), (99, 99), (99, 0)])
 @pytest.mark.parametrize("parent", [range(-1, 11), [-1, 0, 0, 1, 1, 2, 3, 3, 5, 5, 8, 8]])
-def test_the_start_is_near_every_frequency_so_that_no_proof_has_to_mend_it(parent, for_square, for_jacobi, monkeypatch):
+def test_the_start_is_near_every_frequency_so_that_no_proof_has_to_mend_it(
+    parent, for_square, for_jacobi, monkeypatch
+):
     monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_SQUARE", for_square)
     monkeypatch.setattr("torsion.kernels.factors._BODIES_FOR_JACOBI", for_jacobi)
     rng = np.random.default_rng(30)
-    tree = Tree(np.array(parent), 10 ** -rng.uniform(3, 6, 12), 10 ** rng.uniform(-1, 1, 12), np.zeros(12, bool))
+    tree = Tree(
+        np.array(parent),
+        10 ** -rng.uniform(3, 6, 12),
+        10 ** rng.uniform(-1, 1, 12),
+        np.zeros(12, bool),
+    )
     known = rigidity(tree)
     start = start_frequencies(reduce_tree(tree, known), known.elastic)
     np.testing.assert_allclose(start, tree_modes(tree).frequency, rtol=1e-11)

@@ -32,7 +32,9 @@ def harmonics(angle, count, convention):
 def torque_ratio_harmonics(angle, convention):
     """Mean (1 + c^2)/(2 c) and coefficient -+s^2/(2 c) of cos 2x; there is no other."""
     second = cross.fluctuation(angle) / 2.0
-    return (1.0 + np.cos(angle) ** 2) / (2.0 * np.cos(angle)), -second if convention == "P" else second
+    return (1.0 + np.cos(angle) ** 2) / (
+        2.0 * np.cos(angle)
+    ), -second if convention == "P" else second
 
 
 @pytest.mark.parametrize("degrees", DEGREES)
@@ -45,7 +47,10 @@ def test_one_joint_agrees_with_the_reference_values(degrees: int) -> None:
     close(cross.rapidity(angle), expected["rapidity"])
     close(cross.fluctuation(angle), expected["fluct_index"])
     close(harmonics(angle, 3, "N")[0], [expected["e2"], expected["e4"], expected["e6"]])
-    close(torque_ratio_harmonics(angle, "N"), [expected["torque_ratio_mean_T2_T1"], expected["torque_ratio_2x"]])
+    close(
+        torque_ratio_harmonics(angle, "N"),
+        [expected["torque_ratio_mean_T2_T1"], expected["torque_ratio_2x"]],
+    )
     ratio = cross.transfer(np.array([0.0, np.pi / 2.0]), angle, "N").ratio
     close(ratio, [expected["i_min"], expected["i_max"]])
     close(cross.transfer(leading, angle, "N").error, expected["max_e_rad"])
@@ -86,7 +91,9 @@ def test_ratio_is_that_of_the_velocities_of_the_rigid_cross() -> None:
         second = np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
         pin = np.cos(driving) * normal + np.sin(driving) * np.cross(first, normal)
         across = np.cross(second, pin)
-        speed, *_ = np.linalg.solve(np.stack((second, pin, across / np.linalg.norm(across)), axis=1), first)
+        speed, *_ = np.linalg.solve(
+            np.stack((second, pin, across / np.linalg.norm(across)), axis=1), first
+        )
         close(cross.transfer(driving, angle, "N").ratio, speed, 3e-14)
 
 
@@ -94,7 +101,10 @@ def test_ratio_is_that_of_the_velocities_of_the_rigid_cross() -> None:
 @pytest.mark.parametrize("angle", [0.05, 0.3, 0.8])
 def test_harmonics_sum_to_the_curves(angle: float, convention: cross.Convention) -> None:
     x = np.linspace(-5.0, 5.0, 41)
-    (error, ratio, curvature), rank = harmonics(angle, 80, convention), 2.0 * np.arange(1, 81)[:, None]
+    (error, ratio, curvature), rank = (
+        harmonics(angle, 80, convention),
+        2.0 * np.arange(1, 81)[:, None],
+    )
     curve = cross.transfer(x, angle, convention)
     np.testing.assert_allclose(error @ np.sin(rank * x), curve.error, rtol=0.0, atol=1e-15)
     np.testing.assert_allclose(1.0 + ratio @ np.cos(rank * x), curve.ratio, rtol=0.0, atol=1e-14)
@@ -112,10 +122,16 @@ def test_complex_amplitude_is_the_sine_coefficient_turned_with_the_yoke() -> Non
 
 
 @pytest.mark.parametrize("degrees", [1e-6, 1.0, 35.0, 80.0, 89.99])
-def test_no_acceleration_exceeds_the_greatest_which_stands_at_the_root_of_its_derivative(degrees: float) -> None:
+def test_no_acceleration_exceeds_the_greatest_which_stands_at_the_root_of_its_derivative(
+    degrees: float,
+) -> None:
     angle = np.radians(degrees)
     most, square = cross.greatest_curvature(angle), np.sin(angle) ** 2
-    cosine = -4.0 * square / (1.0 + np.cos(angle) ** 2 + np.sqrt(4.0 * np.cos(angle) ** 2 + 9.0 * square**2))
+    cosine = (
+        -4.0
+        * square
+        / (1.0 + np.cos(angle) ** 2 + np.sqrt(4.0 * np.cos(angle) ** 2 + 9.0 * square**2))
+    )
     at = np.pi - np.arccos(-cosine) / 2.0  # cos 2x of convention P
     x = np.concatenate([np.linspace(0.0, np.pi, 2001), at + np.linspace(-1e-3, 1e-3, 2001)])
     curve = cross.transfer(x, angle).curvature
@@ -129,7 +145,9 @@ def test_no_branch_is_jumped_at_almost_ninety_degrees_over_many_turns() -> None:
     assert np.all(np.diff(driven) >= 0.0)
     assert np.abs(driven - x).max() < np.pi / 2.0
     np.testing.assert_allclose(
-        np.cos(driven) * np.sin(x), np.cos(np.radians(89.99)) * np.sin(driven) * np.cos(x), atol=1e-13
+        np.cos(driven) * np.sin(x),
+        np.cos(np.radians(89.99)) * np.sin(driven) * np.cos(x),
+        atol=1e-13,
     )
 
 
@@ -139,7 +157,9 @@ def test_derivatives_are_those_of_the_angle() -> None:
     shifted = x + 1j * step
     squared = np.sin(shifted) ** 2 + np.cos(angle) ** 2 * np.cos(shifted) ** 2
     curve = cross.transfer(x, angle)
-    np.testing.assert_allclose(curve.curvature, (np.cos(angle) / squared).imag / step, rtol=0.0, atol=3e-15)
+    np.testing.assert_allclose(
+        curve.curvature, (np.cos(angle) / squared).imag / step, rtol=0.0, atol=3e-15
+    )
     start = cross.Transfer(np.zeros_like(x), np.full_like(x, 3.0), np.full_like(x, 0.5))
     close(cross.behind(start, curve).curvature, 9.0 * curve.curvature + 0.5 * curve.ratio, 1e-14)
 
@@ -147,7 +167,9 @@ def test_derivatives_are_those_of_the_angle() -> None:
 @pytest.mark.parametrize(
     ("degrees", "acceleration"), [(3.0, 9.87413904680), (5.0, 27.4509010319), (8.0, 70.4209476186)]
 )
-def test_liu_2023_accelerations_at_sixty_radians_a_second(degrees: float, acceleration: float) -> None:
+def test_liu_2023_accelerations_at_sixty_radians_a_second(
+    degrees: float, acceleration: float
+) -> None:
     close(3600.0 * cross.greatest_curvature(np.radians(degrees)), acceleration, 1e-11)
 
 

@@ -21,7 +21,9 @@ def close(found: object, expected: object, relative: float = 1e-13) -> None:
 def random_line(rng: np.random.Generator, joints: int, steepest: float = 0.9) -> line.Line:
     plane = rng.uniform(-np.pi, np.pi, joints)
     plane[0] = 0.0
-    return line.line_of(rng.uniform(0.02, steepest, joints), plane, rng.uniform(-np.pi, np.pi, joints))
+    return line.line_of(
+        rng.uniform(0.02, steepest, joints), plane, rng.uniform(-np.pi, np.pi, joints)
+    )
 
 
 def two_joint_rapidity(first: float, second: float, misphase: float) -> np.ndarray:
@@ -34,11 +36,15 @@ def two_joint_rapidity(first: float, second: float, misphase: float) -> np.ndarr
 def turned(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
     """Rodrigues' rotation of a vector square to the axis or along it."""
     return (
-        np.cos(angle) * vector + np.sin(angle) * np.cross(axis, vector) + (1 - np.cos(angle)) * (axis @ vector) * axis
+        np.cos(angle) * vector
+        + np.sin(angle) * np.cross(axis, vector)
+        + (1 - np.cos(angle)) * (axis @ vector) * axis
     )
 
 
-def driven_pins(case: line.Line, driving: float, frame: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+def driven_pins(
+    case: line.Line, driving: float, frame: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """(shaft, zero, pin) behind each joint by rotations and cross products only; the zero is shaft x plane normal."""
     normal, shaft = frame[0], frame[1]
     pin = turned(np.cross(shaft, normal), shaft, driving + case.phase[0])
@@ -58,9 +64,15 @@ def driven_pins(case: line.Line, driving: float, frame: np.ndarray) -> list[tupl
 def test_yokes_stand_where_rotations_in_space_put_them(joints: int) -> None:
     rng = np.random.default_rng(joints)
     for _ in range(60):
-        case, frame, driving = random_line(rng, joints), np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.uniform(-4, 4)
+        case, frame, driving = (
+            random_line(rng, joints),
+            np.linalg.qr(rng.normal(size=(3, 3)))[0],
+            rng.uniform(-4, 4),
+        )
         driven = driving + line.motion(driving, case).error + np.cumsum(case.offset)
-        for angle, (shaft, zero, pin) in zip(driven, driven_pins(case, driving, frame), strict=True):
+        for angle, (shaft, zero, pin) in zip(
+            driven, driven_pins(case, driving, frame), strict=True
+        ):
             assert abs(turned(zero, shaft, angle) @ np.cross(shaft, pin)) < 1e-14
 
 
@@ -76,7 +88,9 @@ def test_the_equivalent_single_joint_turns_as_the_chain_does(joints: int) -> Non
         np.testing.assert_allclose(lead, lead[0], rtol=0.0, atol=1e-13)
         close(single.ratio, chain.ratio[-1])
         size = np.abs(chain.curvature).max(axis=1).max()
-        np.testing.assert_allclose(single.curvature, chain.curvature[-1], rtol=0.0, atol=1e-13 * size)
+        np.testing.assert_allclose(
+            single.curvature, chain.curvature[-1], rtol=0.0, atol=1e-13 * size
+        )
 
 
 def test_extremes_of_the_resultant_are_those_of_the_chain_and_stand_where_it_says() -> None:
@@ -91,7 +105,9 @@ def test_extremes_of_the_resultant_are_those_of_the_chain_and_stand_where_it_say
 def test_lines_stand_side_by_side_in_leading_axes() -> None:
     rng = np.random.default_rng(5)
     cases = [random_line(rng, 3) for _ in range(4)]
-    many = line.Line(*(np.stack([getattr(each, name) for each in cases]) for name in ("angle", "plane", "phase")))
+    many = line.Line(
+        *(np.stack([getattr(each, name) for each in cases]) for name in ("angle", "plane", "phase"))
+    )
     close(line.resultant(many).rapidity, [line.resultant(each).rapidity for each in cases], 1e-15)
     close(line.classical_angle(many), [line.classical_angle(each) for each in cases], 1e-15)
 
@@ -131,14 +147,18 @@ def test_two_joints_follow_the_hyperbolic_law_of_cosines(plane: float) -> None:
         both = two_joint_rapidity(first, second, phase - plane)
         close(line.resultant(case).rapidity, both, 3e-13)
         before, behind = cross.rapidity([first, second])
-        plain = np.cosh(before) * np.cosh(behind) - np.sinh(before) * np.sinh(behind) * np.cos(2 * (phase - plane))
+        plain = np.cosh(before) * np.cosh(behind) - np.sinh(before) * np.sinh(behind) * np.cos(
+            2 * (phase - plane)
+        )
         close(np.cosh(both), plain)
 
 
 def test_equal_angles_with_yokes_in_line_cancel() -> None:
     case = line.line_of(np.radians([30.0, 30.0]), [0.0, 0.7], [0.2, 0.7])
     assert line.resultant(case).rapidity < 1e-15
-    np.testing.assert_allclose(line.motion(np.linspace(0, 6, 50), case).error[-1], 0.0, rtol=0.0, atol=3e-16)
+    np.testing.assert_allclose(
+        line.motion(np.linspace(0, 6, 50), case).error[-1], 0.0, rtol=0.0, atol=3e-16
+    )
 
 
 def test_cancelling_joints_of_almost_ninety_degrees() -> None:

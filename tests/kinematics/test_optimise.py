@@ -20,7 +20,10 @@ def test_ma_2011_best_phase_is_ten_degrees() -> None:
     close(np.degrees(found.line.phase[1]), 10.0)
     close(found.after.index, 0.0550754069904797)
     close(found.before.index, 0.142564571917204)
-    close(1.0 - float(found.after.index / found.before.index), 1.0 - 0.0550754069904797 / 0.142564571917204)
+    close(
+        1.0 - float(found.after.index / found.before.index),
+        1.0 - 0.0550754069904797 / 0.142564571917204,
+    )
     cosine = np.cos(MA.angle)
     close(found.after.index, abs(cosine[0] / cosine[1] - cosine[1] / cosine[0]))
 
@@ -62,7 +65,9 @@ def test_best_angle_of_joints_in_line_is_the_other_s() -> None:
 
 @pytest.mark.parametrize("joints", [3, 4, 5])
 @pytest.mark.parametrize("variable", ["phase", "plane"])
-def test_phases_or_planes_of_many_joints_close_the_polygon_of_rapidities(variable: str, joints: int) -> None:
+def test_phases_or_planes_of_many_joints_close_the_polygon_of_rapidities(
+    variable: str, joints: int
+) -> None:
     rng = np.random.default_rng(joints)
     for _ in range(3):
         case = line.line_of(rng.uniform(0.2, 0.3, joints), 0.0, rng.uniform(-2.0, 2.0, joints))
@@ -83,7 +88,9 @@ def test_a_polygon_that_cannot_close_leaves_the_greatest_less_the_others(joints:
 def test_one_phase_of_three_joints_beats_a_fine_grid() -> None:
     case = line.line_of([0.3, 0.5, 0.4], [0.0, 0.4, 1.1], [0.0, 0.2, 0.9])
     found = optimise(case, "phase", [2])
-    assert found.after.index <= index_over(case, "phase", 2, np.linspace(0.0, np.pi, 3601)).min() * (1.0 + 1e-12)
+    assert found.after.index <= index_over(
+        case, "phase", 2, np.linspace(0.0, np.pi, 3601)
+    ).min() * (1.0 + 1e-12)
 
 
 def test_best_angle_of_a_third_joint_beats_a_fine_grid() -> None:
@@ -96,12 +103,18 @@ def test_best_angle_of_a_third_joint_beats_a_fine_grid() -> None:
 def test_a_degree_of_assembly_error_costs_what_the_law_of_cosines_says() -> None:
     case, degree = line.line_of([0.3, 0.3], [0.0, 0.2], [0.0, 1.0]), np.pi / 180.0
     (cost,) = optimise(case).sensitivity
-    close(cost, 2.0 * np.sinh(2.0 * np.arcsinh(np.sin(0.3) ** 2 * np.sin(degree) / (2.0 * np.cos(0.3)))), 1e-12)
+    close(
+        cost,
+        2.0 * np.sinh(2.0 * np.arcsinh(np.sin(0.3) ** 2 * np.sin(degree) / (2.0 * np.cos(0.3)))),
+        1e-12,
+    )
     (angle,) = optimise(line.line_of([0.3, 0.4]), "angle", [1]).sensitivity
     close(angle, 2.0 * np.sinh(cross.rapidity(0.3 + degree) - cross.rapidity(0.3)), 1e-12)
 
 
 @pytest.mark.parametrize(("case", "joints"), [(MA, [0]), (line.line_of([0.3]), None), (MA, [])])
-def test_a_line_with_nothing_to_choose_is_refused(case: line.Line, joints: list[int] | None) -> None:
+def test_a_line_with_nothing_to_choose_is_refused(
+    case: line.Line, joints: list[int] | None
+) -> None:
     with pytest.raises(ValueError, match="to choose"):
         optimise(case, "phase", joints)

@@ -41,7 +41,9 @@ def test_a_port_is_free_again_as_soon_as_the_command_has_ended(tmp_path: Path) -
         with socket.create_connection(("127.0.0.1", port)) as made:
             made.sendall(b"GET / HTTP/1.0\r\n\r\n")
             server.handle_request()
-            assert made.makefile().read().startswith("HTTP/1.1 403")  # and the server has ended the connection first
+            assert (
+                made.makefile().read().startswith("HTTP/1.1 403")
+            )  # and the server has ended the connection first
         server.server_close()
 
 
@@ -49,8 +51,12 @@ def test_ctrl_c_ends_it_without_a_word(tmp_path: Path) -> None:
     file = tmp_path / "pair.yaml"
     file.write_text(SCENE, encoding="utf-8")
     command = [sys.executable, "-m", "torsion", "live", str(file), "--no-browser"]
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background ignores Ctrl-C
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    before = signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # a shell's job in the background ignores Ctrl-C
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
         signal.signal(signal.SIGINT, before)
         assert process.stdout is not None
         first, second = process.stdout.readline(), process.stdout.readline()
@@ -79,5 +85,7 @@ while os.read(status, 8):
 
 
 def test_a_process_whose_command_ends_while_it_begins_says_nothing() -> None:
-    done = subprocess.run([sys.executable, "-c", BEGUN], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", BEGUN], capture_output=True, text=True, timeout=60, check=True
+    )
     assert done.stderr == ""

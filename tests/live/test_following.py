@@ -51,7 +51,9 @@ class Follower:
         self.session.start()
 
     def save(self, inertia: float = 2.0, text: str | None = None) -> None:
-        self.file.write_text(SCENE.format(inertia=inertia) if text is None else text, encoding="utf-8")
+        self.file.write_text(
+            SCENE.format(inertia=inertia) if text is None else text, encoding="utf-8"
+        )
 
     def until(self, *words: str, key: str = "modes") -> str:
         """What is shown there as soon as it has these words."""
@@ -120,10 +122,15 @@ def test_a_table_that_was_saved_while_it_was_read_is_read_again(page: Follower) 
     assert page.session._turn == turn + 1
 
 
-@pytest.mark.parametrize(("name", "is_followed"), [
-    (f"{sys.prefix}/lib/x.csv", False), (f"{sys.prefix}_scenes/x.csv", True), ("/proc/x.csv", False),
-    ("/process/x.csv", True),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "is_followed"),
+    [
+        (f"{sys.prefix}/lib/x.csv", False),
+        (f"{sys.prefix}_scenes/x.csv", True),
+        ("/proc/x.csv", False),
+        ("/process/x.csv", True),
+    ],
+)
 def test_a_table_beside_the_installation_is_followed(
     monkeypatch: pytest.MonkeyPatch, name: str, is_followed: bool
 ) -> None:
@@ -142,7 +149,12 @@ def test_a_file_that_another_takes_the_place_of_is_shown(page: Follower) -> None
 
 def test_a_moved_slider_is_the_file_with_another_figure(page: Follower) -> None:
     (one,) = page.known["sliders"]["each"]
-    assert (one["name"], one["low"], one["high"], one["nominal"]) == ("link.stiffness", 0.9, 1.1, 1.0)
+    assert (one["name"], one["low"], one["high"], one["nominal"]) == (
+        "link.stiffness",
+        0.9,
+        1.1,
+        1.0,
+    )
     turn = page.move(link_stiffness=1.07)
     page.until(shown(1.07 * 12e3, 2, 3))
     report = page.until(f"'turn': {turn}", "with another link.stiffness", key="report")
@@ -153,10 +165,16 @@ def test_a_moved_slider_is_the_file_with_another_figure(page: Follower) -> None:
     page.until("'moved': False", key="sliders")
 
 
-@pytest.mark.parametrize(("name", "at", "words"), [
-    ("link.stiffness", 1.2, "goes from 0.9 to 1.1"), ("shaft.stiffness", 1.0, "has no figure 'shaft.stiffness'"),
-])  # fmt: skip
-def test_a_slider_that_is_not_there_is_a_fault(page: Follower, name: str, at: float, words: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "at", "words"),
+    [
+        ("link.stiffness", 1.2, "goes from 0.9 to 1.1"),
+        ("shaft.stiffness", 1.0, "has no figure 'shaft.stiffness'"),
+    ],
+)
+def test_a_slider_that_is_not_there_is_a_fault(
+    page: Follower, name: str, at: float, words: str
+) -> None:
     page.session.move({name: at})
     page.until(words, key="faults")
 
@@ -164,7 +182,9 @@ def test_a_slider_that_is_not_there_is_a_fault(page: Follower, name: str, at: fl
 def test_a_fault_has_its_place_and_the_last_picture_stays(page: Follower) -> None:
     before = page.known["modes"]
     page.save(text=SCENE.format(inertia=2).replace("stiffness", "stifness"))
-    page.until(f"{page.file}:6:28: unknown key `stifness` (did you mean `stiffness`?)", key="faults")
+    page.until(
+        f"{page.file}:6:28: unknown key `stifness` (did you mean `stiffness`?)", key="faults"
+    )
     assert page.known["modes"] == before
     page.save()
     page.until("'text': ''", key="faults")

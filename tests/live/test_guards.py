@@ -33,14 +33,25 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 def send(server: Server) -> Send:
     """Send a request and return the status and all of the answer; None leaves a header out."""
 
-    def sent(method: str, path: str, body: str = '{"seen": 0}', **changed: str | None) -> tuple[int, str]:
+    def sent(
+        method: str, path: str, body: str = '{"seen": 0}', **changed: str | None
+    ) -> tuple[int, str]:
         headers = {
-            "Host": f"127.0.0.1:{server.server_port}", "Content-Type": "application/json",
-            "X-Torsion-Token": server.token, "Content-Length": str(len(body)),
-        } | {key.replace("_", "-"): value for key, value in changed.items()}  # fmt: skip
-        lines = [f"{method} {path} HTTP/1.1", *(f"{key}: {one}" for key, one in headers.items() if one is not None)]
+            "Host": f"127.0.0.1:{server.server_port}",
+            "Content-Type": "application/json",
+            "X-Torsion-Token": server.token,
+            "Content-Length": str(len(body)),
+        } | {key.replace("_", "-"): value for key, value in changed.items()}
+        lines = [
+            f"{method} {path} HTTP/1.1",
+            *(f"{key}: {one}" for key, one in headers.items() if one is not None),
+        ]
         with socket.create_connection(("127.0.0.1", server.server_port), timeout=10) as made:
-            made.sendall("\r\n".join([*lines, "Connection: close", "", body if method == "POST" else ""]).encode())
+            made.sendall(
+                "\r\n".join(
+                    [*lines, "Connection: close", "", body if method == "POST" else ""]
+                ).encode()
+            )
             answer = b"".join(iter(lambda: made.recv(65536), b"")).decode()
         return int(answer.split()[1]), answer
 
@@ -52,7 +63,10 @@ def test_the_page_and_its_requests_are_answered(send: Send, server: Server) -> N
     assert status == OK
     assert server.token not in answer
     status, answer = send(
-        "POST", "/next", Origin=f"http://127.0.0.1:{server.server_port}", Sec_Fetch_Site="same-origin"
+        "POST",
+        "/next",
+        Origin=f"http://127.0.0.1:{server.server_port}",
+        Sec_Fetch_Site="same-origin",
     )
     assert status == OK
     assert json.loads(answer.partition("\r\n\r\n")[2])["name"].endswith("pair.yaml")
@@ -69,12 +83,20 @@ def test_a_token_has_256_bits_and_stands_in_the_fragment_alone(server: Server) -
 @pytest.mark.parametrize(
     "changed",
     [
-        {"Host": "evil.example"}, {"Host": None}, {"Host": "127.0.0.1"}, {"Host": "127.0.0.1:1"}, {"Host": "localhost"},
-        {"Host": "127.0.0.1.evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "null"},
-        {"Origin": "http://127.0.0.1"}, {"Sec_Fetch_Site": "cross-site"}, {"Sec_Fetch_Site": "same-site"},
+        {"Host": "evil.example"},
+        {"Host": None},
+        {"Host": "127.0.0.1"},
+        {"Host": "127.0.0.1:1"},
+        {"Host": "localhost"},
+        {"Host": "127.0.0.1.evil.example"},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Origin": "http://127.0.0.1"},
+        {"Sec_Fetch_Site": "cross-site"},
+        {"Sec_Fetch_Site": "same-site"},
     ],
     ids=str,
-)  # fmt: skip
+)
 def test_a_foreign_page_is_refused(send: Send, method: str, changed: dict[str, str | None]) -> None:
     assert send(method, "/" if method == "GET" else "/next", **changed)[0] == FORBIDDEN
 
@@ -118,29 +140,41 @@ def test_no_other_method_is_known(send: Send, method: str) -> None:
 @pytest.mark.parametrize(
     ("changed", "status"),
     [
-        ({"Content_Type": "text/plain"}, WRONG_TYPE), ({"Content_Type": None}, WRONG_TYPE),
+        ({"Content_Type": "text/plain"}, WRONG_TYPE),
+        ({"Content_Type": None}, WRONG_TYPE),
         ({"Content_Type": "application/x-www-form-urlencoded"}, WRONG_TYPE),
-        ({"Content_Length": None}, NO_LENGTH), ({"Content_Length": "-1"}, NO_LENGTH),
+        ({"Content_Length": None}, NO_LENGTH),
+        ({"Content_Length": "-1"}, NO_LENGTH),
         ({"Content_Length": "²"}, NO_LENGTH),
         ({"Transfer_Encoding": "chunked"}, NO_LENGTH),
-        ({"Content_Length": str(MOST + 1)}, TOO_LARGE), ({"Content_Length": "9" * 5000}, TOO_LARGE),
+        ({"Content_Length": str(MOST + 1)}, TOO_LARGE),
+        ({"Content_Length": "9" * 5000}, TOO_LARGE),
     ],
     ids=str,
-)  # fmt: skip
-def test_what_is_no_short_json_is_refused_unread(send: Send, changed: dict[str, str | None], status: int) -> None:
+)
+def test_what_is_no_short_json_is_refused_unread(
+    send: Send, changed: dict[str, str | None], status: int
+) -> None:
     assert send("POST", "/next", **changed)[0] == status
 
 
 @pytest.mark.parametrize(
     ("path", "body"),
     [
-        ("/next", "{"), ("/next", "[]"), ("/next", "{}"), ("/next", '{"seen": "0"}'), ("/next", '{"seen": 0, "a": 1}'),
-        ("/next", "[" * 100_000), ("/set", '{"values": [1]}'), ("/set", '{"values": {"a": "1"}}'),
-        ("/set", '{"values": {"a": NaN}}'), ("/set", '{"values": {"a": 1e999}}'),
+        ("/next", "{"),
+        ("/next", "[]"),
+        ("/next", "{}"),
+        ("/next", '{"seen": "0"}'),
+        ("/next", '{"seen": 0, "a": 1}'),
+        ("/next", "[" * 100_000),
+        ("/set", '{"values": [1]}'),
+        ("/set", '{"values": {"a": "1"}}'),
+        ("/set", '{"values": {"a": NaN}}'),
+        ("/set", '{"values": {"a": 1e999}}'),
         ("/set", f'{{"values": {{"a": 1{"0" * 400}}}}}'),
-         ("/set", '{"file": "/etc/passwd"}'),
+        ("/set", '{"file": "/etc/passwd"}'),
     ],
-)  # fmt: skip
+)
 def test_json_of_another_kind_is_refused(send: Send, path: str, body: str) -> None:
     assert send("POST", path, body)[0] == BAD
 
@@ -160,7 +194,9 @@ def test_the_policy_lets_nothing_run_but_what_bears_the_nonce(send: Send) -> Non
         assert "frame-ancestors 'none'" in head
         assert "X-Frame-Options: DENY" in head
         assert "unsafe-eval" not in head
-        assert page.count("<script") == page.count(f'<script nonce="{nonce}"') == 1  # those of frames are in a text
+        assert (
+            page.count("<script") == page.count(f'<script nonce="{nonce}"') == 1
+        )  # those of frames are in a text
         assert page.count("<iframe") == page.count('sandbox="allow-scripts"') == 2
 
 

@@ -20,21 +20,30 @@ train:
 
 
 def opened(vary: str = "", tolerance: str = "10 %") -> tuple[Study, Variation]:
-    text = SCENE.replace("TOLERANCE", tolerance) + (f"analyses: {{sweep: {{vary: {{{vary}}}}}}}\n" if vary else "")
+    text = SCENE.replace("TOLERANCE", tolerance) + (
+        f"analyses: {{sweep: {{vary: {{{vary}}}}}}}\n" if vary else ""
+    )
     study = parse(text.replace("\n", "\r\n"))
     return study, movable(study, *reread(study))
 
 
 def test_a_scene_without_tolerances_has_no_sliders() -> None:
-    study = parse("name: pair\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n")
+    study = parse(
+        "name: pair\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
+    )
     variation = movable(study, *reread(study))
     assert shown(variation, {}) == []
     assert moved_study(study, variation, {}) is study
 
 
-@pytest.mark.parametrize(("tolerance", "ends"), [
-    ("70 %", (0.3, 1.7)), ("100 %", (0.0, 2.0)), ("1e-13", (1 - 1e-13, 1 + 1e-13)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("tolerance", "ends"),
+    [
+        ("70 %", (0.3, 1.7)),
+        ("100 %", (0.0, 2.0)),
+        ("1e-13", (1 - 1e-13, 1 + 1e-13)),
+    ],
+)
 def test_a_tolerance_of_any_width_has_a_slider(tolerance: str, ends: tuple[float, float]) -> None:
     _, variation = opened(tolerance=tolerance)
     inertia, link = shown(variation, {})
@@ -50,11 +59,17 @@ def test_a_position_beyond_an_end_is_refused_however_small_its_figures_are() -> 
             moved_study(study, variation, {"back.flexibility": position})
 
 
-@pytest.mark.parametrize(("vary", "position", "words"), [
-    ("g.teeth.1: {from: 20, to: 30, step: 1}", 5.0, "25"), ("g.teeth.1: {from: 20, to: 30}", 25.0, "25"),
-    ("g.teeth: {values: [[20, 41], [21, 40]]}", 1.0, "[21, 40]"),
-])  # fmt: skip
-def test_whole_numbers_and_lists_are_those_of_the_file(vary: str, position: float, words: str) -> None:
+@pytest.mark.parametrize(
+    ("vary", "position", "words"),
+    [
+        ("g.teeth.1: {from: 20, to: 30, step: 1}", 5.0, "25"),
+        ("g.teeth.1: {from: 20, to: 30}", 25.0, "25"),
+        ("g.teeth: {values: [[20, 41], [21, 40]]}", 1.0, "[21, 40]"),
+    ],
+)
+def test_whole_numbers_and_lists_are_those_of_the_file(
+    vary: str, position: float, words: str
+) -> None:
     study, variation = opened(vary)
     name = vary.partition(":")[0]
     first = next(one for one in shown(variation, {}) if one["name"] == name)

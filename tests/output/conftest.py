@@ -32,7 +32,9 @@ train:
       excitation: [{blade_order: 1, torque: 6 %}]
 rules: [iacs-m68, coupling-maker, gear-hammer]
 """
-BARE = "name: two discs\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
+BARE = (
+    "name: two discs\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
+)
 UNDAMPED = """
 name: undamped
 operation: {speeds: {from: 5 rad/s, to: 15 rad/s, steps: 11}}

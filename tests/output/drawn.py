@@ -23,7 +23,12 @@ def bands(figure: Figure, kind: str) -> list[tuple[float, float]]:
 
 def marks(figure: Figure, name: str) -> list[tuple[float, float]]:
     """Points of that name."""
-    return [place for one in plot(figure).marks if one.name == name for place in zip(one.x, one.y, strict=True)]
+    return [
+        place
+        for one in plot(figure).marks
+        if one.name == name
+        for place in zip(one.x, one.y, strict=True)
+    ]
 
 
 def named(panel: Panel) -> dict[str, Line]:

@@ -8,7 +8,16 @@ import pytest
 
 from torsion import output
 from torsion.output import chapters, figures
-from torsion.output.blocks import Column, Figure, Heading, Paragraph, Points, Table, head, on_terminal
+from torsion.output.blocks import (
+    Column,
+    Figure,
+    Heading,
+    Paragraph,
+    Points,
+    Table,
+    head,
+    on_terminal,
+)
 from torsion.output.document import numbered
 
 
@@ -40,9 +49,12 @@ def test_a_paragraph_has_no_number() -> None:
 
 def test_titles_hold_unit_side_and_the_title_of_the_terminal() -> None:
     assert head("< Shaft -> | Critical speed [rpm] -> rpm | Bore [mm] | < Its Note | Order ->") == (
-        Column("Shaft", "", "left", "shaft"), Column("Critical speed", "rpm", "right", "rpm"),
-        Column("Bore", "mm", "right", ""), Column("Its Note", "", "left", ""), Column("Order", "", "right", "order"),
-    )  # fmt: skip
+        Column("Shaft", "", "left", "shaft"),
+        Column("Critical speed", "rpm", "right", "rpm"),
+        Column("Bore", "mm", "right", ""),
+        Column("Its Note", "", "left", ""),
+        Column("Order", "", "right", "order"),
+    )
 
 
 def test_sentences_stand_on_the_terminal_only_where_it_is_said() -> None:
@@ -50,14 +62,25 @@ def test_sentences_stand_on_the_terminal_only_where_it_is_said() -> None:
     blocks = [Paragraph("x", "note"), Points(("y",)), table, Heading("z")]
     assert not any(one.brief for one in blocks[:2])
     assert not blocks[3].at_end
-    assert on_terminal(blocks) == [Paragraph("x", "note", brief=True), Points(("y",), brief=True), *blocks[2:]]
+    assert on_terminal(blocks) == [
+        Paragraph("x", "note", brief=True),
+        Points(("y",), brief=True),
+        *blocks[2:],
+    ]
 
 
 def test_what_a_report_is_made_of_cannot_be_changed() -> None:
     """A block that one renderer changed would differ in the next."""
     folders = {f"{folder.__name__}.": folder.__path__ for folder in (output, chapters, figures)}
-    names = [one.name for prefix, path in folders.items() for one in pkgutil.iter_modules(path, prefix)]
-    kinds = {kind for name in names for kind in vars(importlib.import_module(name)).values() if isinstance(kind, type)}
+    names = [
+        one.name for prefix, path in folders.items() for one in pkgutil.iter_modules(path, prefix)
+    ]
+    kinds = {
+        kind
+        for name in names
+        for kind in vars(importlib.import_module(name)).values()
+        if isinstance(kind, type)
+    }
     own = {kind for kind in kinds if kind.__module__ in names and dataclasses.is_dataclass(kind)}
     assert {Column, Figure, Heading, Paragraph, Table} < own
     assert [kind.__name__ for kind in own if not kind.__dataclass_params__.frozen] == []

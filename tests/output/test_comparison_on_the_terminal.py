@@ -27,7 +27,11 @@ analyses: {{modes: {{count: {COUNT}}}, check: {{models: [lumped]}}}}
 def test_frequencies_errors_and_times_of_the_models() -> None:
     """Half waves k c/(2 L); n lumped segments lower them by sin(x)/x, x = k pi/(2 n)."""
     found, stream = torsion.run(torsion.parse(SCENE)), io.StringIO()
-    show(document(found, report=REPORTS["check"]), None, Console(file=stream, width=120, color_system=None))
+    show(
+        document(found, report=REPORTS["check"]),
+        None,
+        Console(file=stream, width=120, color_system=None),
+    )
     text = stream.getvalue()
     half_wave = math.sqrt(79.3e9 / 7850.0) / 2.0
     rows = re.findall(r"^ *(\d+) +(\d+\.\d+) +(−\d+\.\d+) *$", text, re.MULTILINE)
@@ -35,7 +39,9 @@ def test_frequencies_errors_and_times_of_the_models() -> None:
     for k, (_, hertz, error) in enumerate(rows, start=1):
         x = k * math.pi / (2.0 * SEGMENTS)
         assert float(hertz) == pytest.approx(k * half_wave, rel=1e-8)
-        assert float(error.replace("−", "-")) == pytest.approx(100.0 * (math.sin(x) / x - 1.0), rel=5e-3)
+        assert float(error.replace("−", "-")) == pytest.approx(
+            100.0 * (math.sin(x) / x - 1.0), rel=5e-3
+        )
     (model,) = found.need(Compared).models
     ((first, second),) = re.findall(r"^ *lumped .*? (\S+) \+ (\S+) +FAIL *$", text, re.MULTILINE)
     assert float(first) == pytest.approx(1e3 * model.modes_seconds, rel=5e-2)

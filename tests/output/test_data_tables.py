@@ -37,19 +37,36 @@ def by_name(findings: Findings) -> dict[str, DataTable]:
 
 
 def test_tables_have_stable_names(usv: Findings) -> None:
-    assert {"stations", "spans", "modes", "damped_modes", "critical_speeds", "checks"} <= by_name(usv).keys()
+    assert {"stations", "spans", "modes", "damped_modes", "critical_speeds", "checks"} <= by_name(
+        usv
+    ).keys()
 
 
 def test_every_cell_of_the_checks_and_modes_is_the_value_of_results_json(usv: Findings) -> None:
     stated, tables = results(usv), by_name(usv)
-    checks = [dict(zip(tables["checks"].columns, row, strict=True)) for row in tables["checks"].rows]
+    checks = [
+        dict(zip(tables["checks"].columns, row, strict=True)) for row in tables["checks"].rows
+    ]
     assert len(checks) == len(stated["checks"])
     for row, check in zip(checks, stated["checks"], strict=True):
-        for key in ("rule", "clause", "where", "what", "value", "limit", "unit", "verdict", "order", "note"):
+        for key in (
+            "rule",
+            "clause",
+            "where",
+            "what",
+            "value",
+            "limit",
+            "unit",
+            "verdict",
+            "order",
+            "note",
+        ):
             assert row[key] == check[key]
         assert row["basis.kind"] == check["basis"]["kind"]
         speed = check["speed_rad_per_s"]
-        assert row["speed_rpm"] == (None if speed is None else pytest.approx(speed * 30 / 3.141592653589793, rel=1e-15))
+        assert row["speed_rpm"] == (
+            None if speed is None else pytest.approx(speed * 30 / 3.141592653589793, rel=1e-15)
+        )
     modes = tables["modes"]
     place = modes.columns.index("frequency_Hz")
     assert [row[place] for row in modes.rows] == stated["modes"]["frequency_Hz"]
@@ -59,7 +76,10 @@ def test_every_cell_of_the_checks_and_modes_is_the_value_of_results_json(usv: Fi
 def test_csv_has_all_digits_one_number_a_cell_and_runs_no_formula() -> None:
     tables = by_name(torsion.run(torsion.parse(TRAIN)))
     rows = list(csv.DictReader(io.StringIO(csv_of(tables["modes"]))))
-    assert float(rows[0]["frequency_Hz"]) == by_name(torsion.run(torsion.parse(TRAIN)))["modes"].rows[0][1]
+    assert (
+        float(rows[0]["frequency_Hz"])
+        == by_name(torsion.run(torsion.parse(TRAIN)))["modes"].rows[0][1]
+    )
     names = [row["name"] for row in csv.DictReader(io.StringIO(csv_of(tables["stations"])))]
     assert names[0] == "'=HYPERLINK(1)"
 
@@ -83,6 +103,8 @@ def test_cases_have_folders() -> None:
     from torsion.output.data_tables import archive
     from torsion.output.document import document
 
-    findings = torsion.run(torsion.parse(TRAIN + "cases: {heavy: {set: {propeller-1.inertia: 4}}}\n"))
+    findings = torsion.run(
+        torsion.parse(TRAIN + "cases: {heavy: {set: {propeller-1.inertia: 4}}}\n")
+    )
     with zipfile.ZipFile(io.BytesIO(archive(document(findings), findings))) as made:
         assert {"checks.csv", "heavy/checks.csv"} <= set(made.namelist())

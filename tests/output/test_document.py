@@ -19,24 +19,29 @@ def test_the_cover_states_what_was_computed_and_how_it_runs(train: Findings) -> 
         "Input file": "scene.yaml",
         "Input SHA-256": hashlib.sha256(train.study.text.encode()).hexdigest(),
         "Operation": "300 to 1800 rpm, rated 1500 rpm with 100 kW (speed of motor-1)",
-        "Rules": "iacs-m68, coupling-maker, gear-hammer", "Computed by": f"torsion {torsion.__version__}",
+        "Rules": "iacs-m68, coupling-maker, gear-hammer",
+        "Computed by": f"torsion {torsion.__version__}",
         "Date": "2024-02-03",
-    }  # fmt: skip
+    }
 
 
 def test_the_cover_leaves_out_what_there_is_not(bare: Findings) -> None:
     assert dict(document(bare).cover.facts) == {
         "Input file": "scene.yaml",
-        "Input SHA-256": hashlib.sha256(BARE.encode()).hexdigest(), "Rules": "none requested",
+        "Input SHA-256": hashlib.sha256(BARE.encode()).hexdigest(),
+        "Rules": "none requested",
         "Computed by": f"torsion {torsion.__version__}",
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize(
     ("operation", "words"),
     [
         ("rated: {speed: 12 rad/s}", "rated 114.592 rpm (speed of disc-1)"),
-        ("rated: {speed: 900 rpm, power: 123.456 kW}, at: far", "rated 900 rpm with 123.46 kW (speed of far)"),
+        (
+            "rated: {speed: 900 rpm, power: 123.456 kW}, at: far",
+            "rated 900 rpm with 123.46 kW (speed of far)",
+        ),
         ("speeds: {from: 300 rpm, to: 900 rpm}", "300 to 900 rpm (speed of disc-1)"),
     ],
 )

@@ -38,12 +38,20 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     folder = tmp_path_factory.mktemp("formulas")
     (folder / "=scene.yaml").write_text(SCENE, encoding="utf-8")
     for command in (["sweep", "--csv"], ["solve", "--csv"], ["joint"], ["study", "--quick"]):
-        done = CliRunner().invoke(app, [*command[:1], str(folder / "=scene.yaml"), "-o", str(folder), *command[1:]])
+        done = CliRunner().invoke(
+            app, [*command[:1], str(folder / "=scene.yaml"), "-o", str(folder), *command[1:]]
+        )
         assert done.exit_code in (0, 1), done.output
     texts = {path.name: path.read_text(encoding="utf-8") for path in folder.rglob("*.csv")}
     with zipfile.ZipFile(folder / "tables.zip") as archive:
         texts |= {name: archive.read(name).decode() for name in archive.namelist()}
-    assert {"variants.csv", "motion.csv", "joints.csv", "study.csv", "table-2.1.csv"} <= texts.keys()
+    assert {
+        "variants.csv",
+        "motion.csv",
+        "joints.csv",
+        "study.csv",
+        "table-2.1.csv",
+    } <= texts.keys()
     return texts
 
 
@@ -53,7 +61,10 @@ def test_no_cell_begins_as_a_formula(separator: str, texts: dict[str, str]) -> N
         for row in csv.reader(io.StringIO(text), delimiter=separator):
             for cell in row:
                 is_number = re.fullmatch(r"[+-]?(\d[\d.]*(e[+-]?\d+)?|inf)(,.*)?", cell.strip())
-                assert is_number or not cell.lstrip(' \t\r"').startswith(("=", "+", "-", "@")), (name, cell)
+                assert is_number or not cell.lstrip(' \t\r"').startswith(("=", "+", "-", "@")), (
+                    name,
+                    cell,
+                )
 
 
 def test_numbers_below_zero_stay_numbers(texts: dict[str, str]) -> None:
@@ -69,7 +80,8 @@ def test_a_number_is_left_as_it_is(number: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["=1+1", "+A1", "-1+cmd|' /C calc'!A0", "@SUM(A1)", "\t=1", "a;=1", "a, =1", "-A1", "+-5 %"]
+    "text",
+    ["=1+1", "+A1", "-1+cmd|' /C calc'!A0", "@SUM(A1)", "\t=1", "a;=1", "a, =1", "-A1", "+-5 %"],
 )
 def test_a_text_that_a_spreadsheet_would_run_gets_an_apostrophe(text: str) -> None:
     assert inert(text).count("'") == text.count("'") + 1

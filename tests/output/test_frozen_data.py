@@ -10,11 +10,19 @@ import torsion.output
 import torsion.rules
 
 PACKAGES = torsion.output, torsion.rules
-NAMES = [one.name for pack in PACKAGES for one in pkgutil.walk_packages(pack.__path__, f"{pack.__name__}.")]
+NAMES = [
+    one.name
+    for pack in PACKAGES
+    for one in pkgutil.walk_packages(pack.__path__, f"{pack.__name__}.")
+]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_data_are_frozen(name: str) -> None:
     module = importlib.import_module(name)
-    own = [one for one in vars(module).values() if dataclasses.is_dataclass(one) and one.__module__ == name]
+    own = [
+        one
+        for one in vars(module).values()
+        if dataclasses.is_dataclass(one) and one.__module__ == name
+    ]
     assert [one.__name__ for one in own if not one.__dataclass_params__.frozen] == []

@@ -71,7 +71,10 @@ def test_the_page_needs_nothing_from_elsewhere_and_runs_its_own_script_alone(pag
     assert re.sub(r"\s+", " ", script).strip() == re.sub(r"\s+", " ", whole).strip()
     assert sorted(SCRIPTS) == sorted(path.name for path in templates.glob("*.js"))
     allowed = b64encode(sha256(script.encode()).digest()).decode()
-    assert f"default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{allowed}'" in page
+    assert (
+        f"default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{allowed}'"
+        in page
+    )
     assert "url(http" not in page
     assert "@import" not in page
 
@@ -93,16 +96,23 @@ def test_letters_of_a_style_sheet_stay_and_signs_are_code_points() -> None:
     assert css_text('Größe 1.5 (a-b), x: {"}') == "Größe 1.5 (a-b), x: \\7b \\22 \\7d "
 
 
-@pytest.mark.parametrize(("text", "is_long"), [("x" * 20, False), ("x" * 21, True), (f"a {'x' * 21} b", True)])
+@pytest.mark.parametrize(
+    ("text", "is_long"), [("x" * 20, False), ("x" * 21, True), (f"a {'x' * 21} b", True)]
+)
 def test_a_word_of_more_than_twenty_letters_may_be_broken(text: str, is_long: bool) -> None:
     assert has_long_word(text) is is_long
 
 
 def test_an_anchor_is_the_number_in_small_letters() -> None:
-    assert [anchor(Numbered(Paragraph("x"), one)) for one in ("4.2", "Table 4.1")] == ["s4-2", "stable-4-1"]
+    assert [anchor(Numbered(Paragraph("x"), one)) for one in ("4.2", "Table 4.1")] == [
+        "s4-2",
+        "stable-4-1",
+    ]
 
 
-def test_the_contents_list_the_chapters_alone_and_the_page_has_no_blank_lines(bare: Findings) -> None:
+def test_the_contents_list_the_chapters_alone_and_the_page_has_no_blank_lines(
+    bare: Findings,
+) -> None:
     blocks = [Heading("One"), Paragraph("p"), Heading("Within", 2), Heading("Two")]
     page = html(Document(Cover("t", "s", ()), tuple(numbered(blocks))))
     assert page.count(">1.1&ensp;Within<") == page.count("Within<") == 1
@@ -118,19 +128,34 @@ def test_no_chapter_is_empty_and_numbers_have_no_gap(train: Findings) -> None:
     for item, after in zip(body, [*body[1:], None], strict=True):
         if isinstance(item.block, Heading):
             assert after is not None
-            assert not (isinstance(after.block, Heading) and after.block.level <= item.block.level), item.block.text
+            assert not (
+                isinstance(after.block, Heading) and after.block.level <= item.block.level
+            ), item.block.text
 
 
 def test_what_a_scene_does_not_have_is_not_printed(bare: Findings) -> None:
-    titles = [i.block.text for i in document(bare).body if isinstance(i.block, Heading) and i.block.level == 1]
+    titles = [
+        i.block.text
+        for i in document(bare).body
+        if isinstance(i.block, Heading) and i.block.level == 1
+    ]
     assert titles == [
-        "Verdict", "The plant", "Natural frequencies and mode shapes", "Appendix: Holzer tables",
-        "Appendix: mass-elastic system", "Appendix: what was computed", "Appendix: the input as read",
-    ]  # fmt: skip
+        "Verdict",
+        "The plant",
+        "Natural frequencies and mode shapes",
+        "Appendix: Holzer tables",
+        "Appendix: mass-elastic system",
+        "Appendix: what was computed",
+        "Appendix: the input as read",
+    ]
 
 
 def _table(findings: Findings, caption: str) -> Table:
-    found = [i.block for i in document(findings).body if isinstance(i.block, Table) and caption in i.block.caption]
+    found = [
+        i.block
+        for i in document(findings).body
+        if isinstance(i.block, Table) and caption in i.block.caption
+    ]
     assert found, caption
     return found[0]
 
@@ -146,11 +171,17 @@ def test_the_verdicts_in_the_table_are_the_checks(train: Findings) -> None:
     lines = train.need(Checks).lines
     assert len(rows) > 5
     wanted = [
-        (check.what, check.where, check_words.value(check), check_words.limit(check), WORDS[check.verdict],
-         f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})")
+        (
+            check.what,
+            check.where,
+            check_words.value(check),
+            check_words.limit(check),
+            WORDS[check.verdict],
+            f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
+        )
         for check in lines
         if check.utilisation is None or check.utilisation >= 0.1
-    ]  # fmt: skip
+    ]
     assert sorted((*row[:4], row[9][2:], row[8]) for row in rows) == sorted(wanted)
 
 
@@ -170,7 +201,9 @@ def test_every_number_of_the_input_stands_in_the_appendix(train: Findings, page:
 
 def test_a_resonance_without_an_answer_is_said_and_not_plotted(undamped: Findings) -> None:
     body = document(undamped).body
-    figures = [i.block for i in body if isinstance(i.block, Figure) and i.block.name.startswith("torque")]
+    figures = [
+        i.block for i in body if isinstance(i.block, Figure) and i.block.name.startswith("torque")
+    ]
     assert figures
     for figure in figures:
         assert bands(figure, "no answer")

@@ -43,7 +43,9 @@ def gear(*train: str) -> str:
     return f"gear: {{teeth: [20, 40], inertia: [1, 1], branches: [{{teeth: [20, 30], train: {listed(train)}}}]}}"
 
 
-def places(*train: str, materials: str = "", model: str = "lumped") -> dict[str, tuple[float, float]]:
+def places(
+    *train: str, materials: str = "", model: str = "lumped"
+) -> dict[str, tuple[float, float]]:
     """Place and row of every station, by name."""
     read = torsion.parse(f"name: x\n{materials}\ntrain: {listed(train)}\n").train
     system = torsion.assemble(read, model, frequency=3000.0)
@@ -62,30 +64,60 @@ def rows(found: dict[str, tuple[float, float]], names: str) -> list[float]:
 
 def test_links_are_as_long_as_their_kind_and_points_in_a_row_a_half_apart() -> None:
     found = places(
-        disc("a"), SPRING, disc("b"), ROD, disc("c"), disc("d"), "gear: {teeth: [20, 40], inertia: [1, 1]}", disc("e"),
-        "joint: {angle: 5 deg}", disc("f"),
-    )  # fmt: skip
+        disc("a"),
+        SPRING,
+        disc("b"),
+        ROD,
+        disc("c"),
+        disc("d"),
+        "gear: {teeth: [20, 40], inertia: [1, 1]}",
+        disc("e"),
+        "joint: {angle: 5 deg}",
+        disc("f"),
+    )
     stand = np.cumsum([0.0, COUPLING, SHAFT, RIGID, GEAR, JOINT])
-    assert {name: found[name] for name in "abcdef"} == {name: at(x) for name, x in zip("abcdef", stand, strict=True)}
+    assert {name: found[name] for name in "abcdef"} == {
+        name: at(x) for name, x in zip("abcdef", stand, strict=True)
+    }
 
 
-def test_inner_stations_of_a_shaft_stand_evenly_between_its_ends_on_the_row_of_the_driven_one() -> None:
+def test_inner_stations_of_a_shaft_stand_evenly_between_its_ends_on_the_row_of_the_driven_one() -> (
+    None
+):
     found = places(disc("a"), disc("b"), ROD, disc("c"))
-    assert [found[f"rod {k}/4"] for k in (1, 2, 3)] == [at(RIGID + SHAFT * k / 4.0) for k in (1, 2, 3)]
+    assert [found[f"rod {k}/4"] for k in (1, 2, 3)] == [
+        at(RIGID + SHAFT * k / 4.0) for k in (1, 2, 3)
+    ]
     found = places(disc("a"), disc("b"), branch(ROD, disc("c")), *line("d"))
-    assert [found[f"rod {k}/4"] for k in (1, 2, 3)] == [at(RIGID + SHAFT * k / 4.0, 1.0) for k in (1, 2, 3)]
+    assert [found[f"rod {k}/4"] for k in (1, 2, 3)] == [
+        at(RIGID + SHAFT * k / 4.0, 1.0) for k in (1, 2, 3)
+    ]
     assert found["c"] == at(RIGID + SHAFT, 1.0)
 
 
 @pytest.mark.parametrize("model", ["fem", "exact"])
 def test_the_end_of_a_shaft_with_inertia_stands_at_its_driven_station(model: str) -> None:
     """In the models of distributed inertia; a shaft without inertia is a spring with nothing between its ends."""
-    shafts = [f"shaft: {{name: {name}, length: 1 m, diameter: 100 mm, material: {name}}}" for name in ("none", "light")]
-    found = places(disc("a"), shafts[0], disc("b"), branch(shafts[1], disc("c")), materials=MATERIALS, model=model)
+    shafts = [
+        f"shaft: {{name: {name}, length: 1 m, diameter: 100 mm, material: {name}}}"
+        for name in ("none", "light")
+    ]
+    found = places(
+        disc("a"),
+        shafts[0],
+        disc("b"),
+        branch(shafts[1], disc("c")),
+        materials=MATERIALS,
+        model=model,
+    )
     assert [name for name in found if name.startswith("none")] == []
     assert found["c"] == found["light end"] == at(2.0 * SHAFT, 1.0)
-    inner = sorted(found[name] for name in found if name.startswith("light") and name != "light end")
-    assert inner == [at(SHAFT + SHAFT * k / (len(inner) + 1), 1.0) for k in range(1, len(inner) + 1)]
+    inner = sorted(
+        found[name] for name in found if name.startswith("light") and name != "light end"
+    )
+    assert inner == [
+        at(SHAFT + SHAFT * k / (len(inner) + 1), 1.0) for k in range(1, len(inner) + 1)
+    ]
     assert inner
 
 
@@ -96,8 +128,12 @@ def test_a_branch_stands_below_what_carries_it_the_next_above_and_further_ones_b
     assert {found[one][0] for one in "bcdef"} == {start + COUPLING}
 
 
-@pytest.mark.parametrize(("between", "row"), [((*line("x"), *line("y")), 1), ((*line("x"), disc("y")), -1)])
-def test_a_branch_takes_a_row_again_where_it_begins_more_than_a_half_behind_its_end(between, row) -> None:
+@pytest.mark.parametrize(
+    ("between", "row"), [((*line("x"), *line("y")), 1), ((*line("x"), disc("y")), -1)]
+)
+def test_a_branch_takes_a_row_again_where_it_begins_more_than_a_half_behind_its_end(
+    between, row
+) -> None:
     """The first branch ends at 1, the second begins at 2 or at 1.5."""
     found = places(disc("a"), branch(*line("b")), *between, branch(*line("c")), *line("d"))
     assert rows(found, "abcd") == [0, 1, row, 0]
@@ -105,8 +141,15 @@ def test_a_branch_takes_a_row_again_where_it_begins_more_than_a_half_behind_its_
 
 def test_the_longest_component_of_a_row_says_how_far_it_is_filled() -> None:
     """At d the row below is filled to 4 by the branch b, and the one above ends at 1 in the branch e."""
-    found = places(disc("a"), branch(*line("b", "b2", "b3", "b4")), branch(*line("e")), *line("d"), *line("f"),
-                   branch(*line("c")), *line("g"))  # fmt: skip
+    found = places(
+        disc("a"),
+        branch(*line("b", "b2", "b3", "b4")),
+        branch(*line("e")),
+        *line("d"),
+        *line("f"),
+        branch(*line("c")),
+        *line("g"),
+    )
     assert rows(found, "abedfcg") == [0, 1, -1, 0, 0, -1, 0]
 
 
@@ -132,16 +175,24 @@ def test_a_wheel_on_a_branch_stands_beside_the_branch_and_not_across_the_main_li
 
 def test_a_branch_of_a_branch_never_stands_on_a_line_that_goes_on() -> None:
     """Both carried at b: the main line, above, has not come so far in the file, but goes on."""
-    found = places(disc("a"), branch(*line("b"), branch(*line("c")), branch(*line("d")), *line("e")), *line("f", "g"))
+    found = places(
+        disc("a"),
+        branch(*line("b"), branch(*line("c")), branch(*line("d")), *line("e")),
+        *line("f", "g"),
+    )
     assert rows(found, "abcdefg") == [0, 1, 2, 3, 1, 0, 0]
     assert len(set(found.values())) == len(found)
 
 
 def test_what_one_station_alone_carries_hangs_half_a_row_beside_it() -> None:
     found = places(
-        disc("a"), "damper: {name: d, housing: 1, ring: 2, damping: 3}", *line("b"),
-        disc("c", ", stiffness: 5"), branch(*line("e"), gear()), *line("f"),
-    )  # fmt: skip
+        disc("a"),
+        "damper: {name: d, housing: 1, ring: 2, damping: 3}",
+        *line("b"),
+        disc("c", ", stiffness: 5"),
+        branch(*line("e"), gear()),
+        *line("f"),
+    )
     x = RIGID + COUPLING + RIGID
     assert found["d"] == at(RIGID)
     assert found["d ring"] == at(RIGID, ASIDE)
@@ -152,7 +203,9 @@ def test_what_one_station_alone_carries_hangs_half_a_row_beside_it() -> None:
 
 @pytest.mark.parametrize(("number", "name"), [(14, "3 c"), (15, "3")])
 def test_a_picture_of_up_to_fourteen_components_bears_their_names(number: int, name: str) -> None:
-    train = torsion.parse(f"name: x\ntrain: {listed([disc(one) for one in 'abcdefghijklmno'[:number]])}\n").train
+    train = torsion.parse(
+        f"name: x\ntrain: {listed([disc(one) for one in 'abcdefghijklmno'[:number]])}\n"
+    ).train
     assert label(train.parts, 2) == name
 
 

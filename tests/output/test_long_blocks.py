@@ -39,7 +39,9 @@ def long() -> Findings:
 
 
 @pytest.mark.parametrize("number", [MOST_ROWS, MOST_ROWS + 1, 3_000])
-def test_a_long_table_has_its_first_last_and_largest_rows_and_says_how_many_more(number: int) -> None:
+def test_a_long_table_has_its_first_last_and_largest_rows_and_says_how_many_more(
+    number: int,
+) -> None:
     size = np.random.default_rng(number).permutation(number) + 1.0
     rows = [(k, f"c{k}", -one, 1) for k, one in enumerate(size.tolist(), 1)]
     whole = table(COLUMNS, rows, "Torques")
@@ -103,7 +105,9 @@ def test_a_long_input_stands_beside_the_report(text: str) -> None:
     assert shortened(short, "", "report") == (short, {})
 
 
-def test_the_page_of_a_long_train_is_small_and_its_files_hold_every_row(long: Findings, tmp_path: Path) -> None:
+def test_the_page_of_a_long_train_is_small_and_its_files_hold_every_row(
+    long: Findings, tmp_path: Path
+) -> None:
     write(long, tmp_path)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert len(page) < 400_000
@@ -114,8 +118,12 @@ def test_the_page_of_a_long_train_is_small_and_its_files_hold_every_row(long: Fi
     for name in names[:-2]:
         assert name in page
     assert (tmp_path / "report-input.yaml").read_text(encoding="utf-8") == chain(1_100)
-    components = next(name for name in tables if "Components" in (tmp_path / name).read_text(encoding="utf-8"))
-    assert len((tmp_path / components).read_text(encoding="utf-8").splitlines()) == 2 + 2 * 1_100 - 1
+    components = next(
+        name for name in tables if "Components" in (tmp_path / name).read_text(encoding="utf-8")
+    )
+    assert (
+        len((tmp_path / components).read_text(encoding="utf-8").splitlines()) == 2 + 2 * 1_100 - 1
+    )
     write(torsion.run(torsion.parse(chain(3))), tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "results.json"]
 
@@ -128,9 +136,13 @@ def test_the_archive_of_tables_is_whole(long: Findings) -> None:
     assert "long" not in html(made)[:10]
 
 
-def test_of_a_long_train_the_first_modes_have_a_holzer_table_and_the_report_says_so(long: Findings) -> None:
+def test_of_a_long_train_the_first_modes_have_a_holzer_table_and_the_report_says_so(
+    long: Findings,
+) -> None:
     def count(chapter: Callable[[Findings], Iterable[Block]], found: Findings) -> int:
-        return sum(isinstance(one, Table) and one.caption.startswith("Holzer") for one in chapter(found))
+        return sum(
+            isinstance(one, Table) and one.caption.startswith("Holzer") for one in chapter(found)
+        )
 
     assert (count(appendix, long), count(all_modes, long)) == (1, 2)
     assert "The first 3 modes have a Holzer table." in sentences(list(all_modes(long)))
@@ -186,8 +198,10 @@ def test_of_a_train_with_very_many_branches_the_main_line_is_drawn() -> None:
     (run,) = sketch.links
     assert run.label == "88 discs and 89 couplings"
     assert "of 359 components only the main line" in words
-    some = torsion.run(torsion.parse("name: x\ntrain:\n" + "  - coupling: {stiffness: 1}\n".join([point] * 40)),
-                       only=("assembly",))  # fmt: skip
+    some = torsion.run(
+        torsion.parse("name: x\ntrain:\n" + "  - coupling: {stiffness: 1}\n".join([point] * 40)),
+        only=("assembly",),
+    )
     drawn, _ = plant.sketch(some)
     assert MOST_LINKS < len(drawn.links) <= MOST_DRAWN
     assert joined(drawn)[0].links == drawn.links

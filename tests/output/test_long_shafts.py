@@ -70,7 +70,9 @@ def test_stretches_follow_one_another_from_the_driving_to_the_driven_station(lon
     row = [span for span in results["spans"] if span["component"] == "long"]
     names = [station["name"] for station in results["stations"]]
     assert (row[0]["name"], row[-1]["name"]) == ("long [1..3]", "long [5003]")
-    assert [span["driving_station"] for span in row[1:]] == [span["driven_station"] for span in row[:-1]]
+    assert [span["driving_station"] for span in row[1:]] == [
+        span["driven_station"] for span in row[:-1]
+    ]
     assert names[row[0]["driven_station"]] == "long 3/5003"
     ends = long.system.train.part("long").stations
     assert (row[0]["driving_station"], row[-1]["driven_station"]) == (ends[0], ends[-1])
@@ -83,7 +85,9 @@ def test_a_train_without_long_shafts_is_told_whole(long):
     every = segment_groups(long.system, 6000)
     assert every.is_whole
     np.testing.assert_array_equal(every.stations, np.arange(len(long.system.stations)))
-    np.testing.assert_array_equal(every.ends, np.column_stack([long.system.driving, long.system.driven]))
+    np.testing.assert_array_equal(
+        every.ends, np.column_stack([long.system.driving, long.system.driven])
+    )
     assert every.names() == [span.name for span in long.system.spans]
 
 
@@ -103,7 +107,9 @@ def _value(cell: str) -> float:
 
 
 def test_the_holzer_table_has_a_long_shaft_as_one_row(long):
-    printed = next(b for b in appendix(long) if isinstance(b, Table) and b.caption.startswith("Holzer"))
+    printed = next(
+        b for b in appendix(long) if isinstance(b, Table) and b.caption.startswith("Holzer")
+    )
     assert [row[1] for row in printed.rows] == ["a", "b", "c"]
     inertia = np.array([_value(row[2]) for row in printed.rows])
     assert inertia == pytest.approx(long.system.lumped_inertia[:3], rel=1e-6)
@@ -116,7 +122,9 @@ def test_the_holzer_table_has_a_long_shaft_as_one_row(long):
 
 @pytest.mark.parametrize("inertia", ["inertia: 1, damping: 2", "inertia: 1", "held: true"])
 def test_a_train_of_one_station_and_no_span_has_a_report(inertia):
-    excited = "" if "held" in inertia else ", ripple: [{order: 1, torque: 3}, {order: 2, torque: 1}]"
+    excited = (
+        "" if "held" in inertia else ", ripple: [{order: 1, torque: 3}, {order: 2, torque: 1}]"
+    )
     speeds = "operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 3}}\n"
     found = torsion.run(torsion.parse(f"name: x\n{speeds}train: [motor: {{{inertia}{excited}}}]\n"))
     every = segment_groups(found.system, MOST_SEGMENTS)
@@ -147,27 +155,52 @@ def test_modes_alone_are_reported_at_the_groups_of_the_whole_train() -> None:
     assert len(results["stations"]) == len(groups.stations) < 2100
     np.testing.assert_array_equal(results["modes"]["torque_Nm"], modes.torque[groups.spans].T)
     np.testing.assert_array_equal(results["modes"]["shape_rad"], modes.shape[groups.stations].T)
-    assert np.array(results["modes"]["elastic_share"]).sum(axis=1) == pytest.approx(np.ones(3), rel=1e-13)
-    assert np.array(results["modes"]["kinetic_share"]).sum(axis=1) == pytest.approx(np.ones(3), rel=1e-13)
+    assert np.array(results["modes"]["elastic_share"]).sum(axis=1) == pytest.approx(
+        np.ones(3), rel=1e-13
+    )
+    assert np.array(results["modes"]["kinetic_share"]).sum(axis=1) == pytest.approx(
+        np.ones(3), rel=1e-13
+    )
 
 
 @pytest.mark.parametrize("only", [None, ("modes",)], ids=["condensed", "whole"])
 def test_totals_of_a_group_are_those_of_its_own_segments(only) -> None:
     """Inertia and flexibility, and of a mode J angle^2 and torque^2 / k, from the station after the group before."""
-    findings = torsion.run(torsion.parse(SCENE)) if only is None else torsion.run(torsion.parse(SCENE), only=only)
+    findings = (
+        torsion.run(torsion.parse(SCENE))
+        if only is None
+        else torsion.run(torsion.parse(SCENE), only=only)
+    )
     system = findings.system if findings.system.groups is None else findings.system.whole
     results, modes = json.loads(text(findings)), torsion.modes(system, 3)
-    kinetic, elastic = system.inertia[:, None] * modes.shape**2, system.flexibility[:, None] * modes.torque**2
+    kinetic, elastic = (
+        system.inertia[:, None] * modes.shape**2,
+        system.flexibility[:, None] * modes.torque**2,
+    )
     groups = segment_groups(system, MOST_GROUPS)
     stations = {station.name: place for place, station in enumerate(system.stations)}
     outer = [stations[row["name"]] for row in results["stations"]]
     inner = [0, *(place + 1 for place in outer[:-1])]
     starts = groups.spans.tolist()
     for rows, limits, unit, energy in (
-        ("stations", zip(inner, [place + 1 for place in outer], strict=True), "inertia_kg_m2", kinetic),
-        ("spans", zip(starts, [*starts[1:], len(system.spans)], strict=True), "flexibility_rad_per_Nm", elastic),
+        (
+            "stations",
+            zip(inner, [place + 1 for place in outer], strict=True),
+            "inertia_kg_m2",
+            kinetic,
+        ),
+        (
+            "spans",
+            zip(starts, [*starts[1:], len(system.spans)], strict=True),
+            "flexibility_rad_per_Nm",
+            elastic,
+        ),
     ):
-        key, whole = ("kinetic_share", system.inertia) if rows == "stations" else ("elastic_share", system.flexibility)
+        key, whole = (
+            ("kinetic_share", system.inertia)
+            if rows == "stations"
+            else ("elastic_share", system.flexibility)
+        )
         share = np.array(results["modes"][key])
         for place, (begin, end) in enumerate(limits):
             assert results[rows][place][unit] == pytest.approx(whole[begin:end].sum(), rel=1e-12)

@@ -47,12 +47,16 @@ def test_angles_and_torques_are_those_of_the_results(tmp_path: Path) -> None:
         angle, torque = modes.shape[ends, mode], modes.torque[:, mode]
         np.testing.assert_array_equal(mesh.point_data[f"{name}_angle"], angle)
         np.testing.assert_allclose(
-            mesh.point_data[f"{name}_angle_relative"], angle / np.abs(modes.shape[:, mode]).max(), rtol=1e-14
+            mesh.point_data[f"{name}_angle_relative"],
+            angle / np.abs(modes.shape[:, mode]).max(),
+            rtol=1e-14,
         )
         np.testing.assert_array_equal(mesh.cell_data[f"{name}_torque"][0], torque)
         diameter = 2.0 * mesh.point_data["radius"].reshape(-1, 2).min(axis=1)
         modulus = math.pi / 16.0 * (diameter**4 - 0.02**4) / diameter
-        np.testing.assert_allclose(mesh.cell_data[f"{name}_stress"][0], torque / modulus, rtol=1e-12)
+        np.testing.assert_allclose(
+            mesh.cell_data[f"{name}_stress"][0], torque / modulus, rtol=1e-12
+        )
 
 
 def test_a_train_without_shafts_has_no_stress(bare: Findings, tmp_path: Path) -> None:
@@ -64,7 +68,10 @@ def test_a_train_without_shafts_has_no_stress(bare: Findings, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("rest", "what"),
     [
-        ("disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\nanalyses: {joints: }", "modes"),
+        (
+            "disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\nanalyses: {joints: }",
+            "modes",
+        ),
         ("disc: {inertia: 2}]", "no elastic mode"),
     ],
 )
@@ -72,7 +79,9 @@ def test_a_train_without_modes_is_a_located_fault(rest: str, what: str, tmp_path
     file = tmp_path / "scene.yaml"
     file.write_text(f"name: x\ntrain: [{rest}\n")
     environment = {"COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
-    done = CliRunner().invoke(app, ["solve", str(file), "--vtu", "-o", str(tmp_path / "out")], env=environment)
+    done = CliRunner().invoke(
+        app, ["solve", str(file), "--vtu", "-o", str(tmp_path / "out")], env=environment
+    )
     assert done.exit_code == 2, done.output
     assert "scene.yaml:" in done.output
     assert what in done.output

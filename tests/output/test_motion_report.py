@@ -63,8 +63,12 @@ def unstable() -> Findings:
 def several() -> Findings:
     """The yokes crossed: near resonance there is more than one motion."""
     text = TRAIN[: TRAIN.index("  stability:")].replace("25 deg", "20 deg")
-    text = text.replace("20 deg, inertia", "20 deg, phase: 90 deg, inertia").replace("phase: 90 deg, ", "", 1)
-    return torsion.run(torsion.parse(text.replace("96 rad/s, to: 116", "53 rad/s, to: 54"), "crossed.yaml"))
+    text = text.replace("20 deg, inertia", "20 deg, phase: 90 deg, inertia").replace(
+        "phase: 90 deg, ", "", 1
+    )
+    return torsion.run(
+        torsion.parse(text.replace("96 rad/s, to: 116", "53 rad/s, to: 54"), "crossed.yaml")
+    )
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +86,7 @@ def broken(unstable: Findings) -> Findings:
         periodic=replace(found, status=status, torque=torque, why=why, growth=growth),
         stability=replace(stable, growth=rates, unsolved=stable.speed[:1]),
         stability_map=replace(unstable.need(StabilityMap), growth=grown),
-    )  # fmt: skip
+    )
 
 
 def table(blocks: list[Block], words: str) -> Table:
@@ -108,15 +112,26 @@ def test_what_two_joints_cancel_to_rounding_is_told_as_nothing_and_without_perce
     found = torsion.run(torsion.parse(CANCELLED, "w.yaml"))
     together = {row.element.name: row for row in compared(found) if row.order is None}
     assert together.pop("a").exact[0] > 10.0
-    assert {name: row.first[0] for name, row in together.items()} == {"first": 0.0, "b": 0.0, "last": 0.0}
+    assert {name: row.first[0] for name, row in together.items()} == {
+        "first": 0.0,
+        "b": 0.0,
+        "last": 0.0,
+    }
     assert all(row.exact[0] == 0.0 and np.isnan(row.excess) for row in together.values())
     assert {row.element.name for row in compared(found) if row.order is not None} == {"a"}
     stream = io.StringIO()
     show(document(found), None, Console(file=stream, width=200, color_system=None))
     text = stream.getvalue()
-    assert "·10⁻¹" not in text[text.index("Maximum vibratory torque") : text.index("Joints of a shaft line")]
+    assert (
+        "·10⁻¹"
+        not in text[text.index("Maximum vibratory torque") : text.index("Joints of a shaft line")]
+    )
     table = next(block for block in response.chapter(found) if isinstance(block, Table))
-    assert {row[0]: row[1] for row in table.rows if row[0] != "a"} == {"first": "0", "b": "0", "last": "0"}
+    assert {row[0]: row[1] for row in table.rows if row[0] != "a"} == {
+        "first": "0",
+        "b": "0",
+        "last": "0",
+    }
 
 
 def test_both_methods_stand_side_by_side_for_every_element_and_order(unstable: Findings) -> None:
@@ -136,17 +151,25 @@ def test_half_range_of_all_orders_is_that_of_the_motion_in_time(unstable: Findin
     np.testing.assert_allclose(exact_half_range(unstable, (0,)), half, rtol=1e-6)
 
 
-def test_rules_on_the_first_order_are_told_with_the_difference_at_the_worst_point(unstable: Findings) -> None:
-    worst = max((row for row in compared(unstable) if row.order is None), key=lambda row: row.excess)
+def test_rules_on_the_first_order_are_told_with_the_difference_at_the_worst_point(
+    unstable: Findings,
+) -> None:
+    worst = max(
+        (row for row in compared(unstable) if row.order is None), key=lambda row: row.excess
+    )
     text = first_order_judged(unstable)
     assert worst.element.name in text
     assert "first-order" in text
-    stated = [b for b in closing.conclusion(unstable) if isinstance(b, Paragraph) and b.text == text]
+    stated = [
+        b for b in closing.conclusion(unstable) if isinstance(b, Paragraph) and b.text == text
+    ]
     assert [one.kind for one in stated] == ["note"]
     assert first_order_judged(unstable.having(periodic=None)) == ""
 
 
-def test_every_unstable_speed_is_flagged_in_the_tables_and_marked_in_the_figures(unstable: Findings) -> None:
+def test_every_unstable_speed_is_flagged_in_the_tables_and_marked_in_the_figures(
+    unstable: Findings,
+) -> None:
     blocks = [*periodic.chapter(unstable), *stability.chapter(unstable)]
     flagged = table(blocks, "with unreliable amplitudes")
     assert len(flagged.rows) == unstable.need(PeriodicResponse).is_unstable.sum() > 0
@@ -155,7 +178,12 @@ def test_every_unstable_speed_is_flagged_in_the_tables_and_marked_in_the_figures
     assert [(row[2], row[6]) for row in ranges.rows] == [("principal of mode 1 (2 w1)", "UNSTABLE")]
     drawn = {b.name: svg(b) for b in blocks if isinstance(b, Figure)}
     assert all("unstable" in text for name, text in drawn.items() if name != "stability-map")
-    assert next(b for b in blocks if getattr(b, "name", "") == "stability-map").panels[0].cells.values.max() > 0
+    assert (
+        next(b for b in blocks if getattr(b, "name", "") == "stability-map")
+        .panels[0]
+        .cells.values.max()
+        > 0
+    )
     assert "principal of mode 1" in drawn["stability-growth"]
 
 
@@ -193,7 +221,9 @@ def test_several_motions_at_one_speed_are_told_with_their_growth(several: Findin
     assert abs(stated - another) > 0.01 * stated
 
 
-def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Findings, several: Findings) -> None:
+def test_every_key_of_the_exact_motion_is_documented_and_there(
+    unstable: Findings, several: Findings
+) -> None:
     made = {**results(unstable), "periodic": results(several)["periodic"]}
     json.dumps(made, allow_nan=False)
 
@@ -209,7 +239,9 @@ def test_every_key_of_the_exact_motion_is_documented_and_there(unstable: Finding
     names = ("periodic", "stability", "stability_map")
     found = set().union(*(leaves(made[name], name) for name in names))
     keys = {key for key in KEYS if key.split(".")[0] in names}
-    assert found == {key for key in keys if not key.startswith("stability.drifts[]")}  # its mean speed does not drift
+    assert found == {
+        key for key in keys if not key.startswith("stability.drifts[]")
+    }  # its mean speed does not drift
 
 
 def rpm_range(first: float, last: float, **ends: tuple) -> UnstableRange:
@@ -217,7 +249,13 @@ def rpm_range(first: float, last: float, **ends: tuple) -> UnstableRange:
     unknown = tuple(None if one is None else one / RPM for one in ends.get("unknown", (None, None)))
     zone = "principal", (1,), 1
     return UnstableRange(
-        *zone, first / RPM, last / RPM, ends.get("is_open", (False, False)), 2.0, (first + last) / 2.0 / RPM, unknown
+        *zone,
+        first / RPM,
+        last / RPM,
+        ends.get("is_open", (False, False)),
+        2.0,
+        (first + last) / 2.0 / RPM,
+        unknown,
     )
 
 
@@ -229,24 +267,39 @@ NAME = ", principal of mode 1 (2 w1)"
     [
         (rpm_range(772.38, 780.11), f"772.3 to 780.2 rpm{NAME}"),
         (rpm_range(772.38, 899.98), f"772.3 to 900.0 rpm{NAME}"),
-        (rpm_range(300.01, 310.0), f"300.0 to 310.0 rpm{NAME}"), (rpm_range(300.0, 900.0), f"300.0 to 900.0 rpm{NAME}"),
-        (rpm_range(772.38, 780.0, unknown=(None, 900)),
-         f"772.3 to at least 780 rpm{NAME}; 780 to 900 rpm not known"),
-        (rpm_range(420.0, 620.43, unknown=(300, None)),
-         f"at most 420 to 620.5 rpm{NAME}; 300 to 420 rpm not known"),
-        (rpm_range(500.0, 900.0, is_open=(False, True)),
-         f"500.0 to 900 rpm{NAME}; continues above 900 rpm (not requested)"),
-        (rpm_range(300.0, 300.0, is_open=(True, False), unknown=(None, 420)),
-         (f"at 300 rpm{NAME}; continues below 300 rpm (not requested); "
-          "300 to 420 rpm not known")),
+        (rpm_range(300.01, 310.0), f"300.0 to 310.0 rpm{NAME}"),
+        (rpm_range(300.0, 900.0), f"300.0 to 900.0 rpm{NAME}"),
+        (
+            rpm_range(772.38, 780.0, unknown=(None, 900)),
+            f"772.3 to at least 780 rpm{NAME}; 780 to 900 rpm not known",
+        ),
+        (
+            rpm_range(420.0, 620.43, unknown=(300, None)),
+            f"at most 420 to 620.5 rpm{NAME}; 300 to 420 rpm not known",
+        ),
+        (
+            rpm_range(500.0, 900.0, is_open=(False, True)),
+            f"500.0 to 900 rpm{NAME}; continues above 900 rpm (not requested)",
+        ),
+        (
+            rpm_range(300.0, 300.0, is_open=(True, False), unknown=(None, 420)),
+            (
+                f"at 300 rpm{NAME}; continues below 300 rpm (not requested); "
+                "300 to 420 rpm not known"
+            ),
+        ),
     ],
-)  # fmt: skip
-def test_ends_of_a_range_are_told_as_boundaries_only_where_they_are(one: UnstableRange, text: str) -> None:
+)
+def test_ends_of_a_range_are_told_as_boundaries_only_where_they_are(
+    one: UnstableRange, text: str
+) -> None:
     assert words(one, (300.0 / RPM, 900.0 / RPM)) == text
 
 
 def test_boundary_is_not_rounded_beyond_the_speeds_asked_for() -> None:
-    assert words(rpm_range(333.34, 400.0), (333.33 / RPM, 399.99 / RPM)).startswith("333.33 to 399.99 rpm")
+    assert words(rpm_range(333.34, 400.0), (333.33 / RPM, 399.99 / RPM)).startswith(
+        "333.33 to 399.99 rpm"
+    )
 
 
 def known(findings: Findings, *ranges: UnstableRange) -> Findings:
@@ -267,7 +320,9 @@ def test_open_and_unknown_ends_are_marked_in_report_terminal_and_json(unstable: 
     assert (first[0], first[1]) == ("950.000000+", "960.000000?")
     assert first[-1].endswith("960 to 990 rpm not known")
     assert second[-1] == ""
-    assert "+ continues beyond the requested speeds; ? not computed beyond" in " ".join(shown(marked).split())
+    assert "+ continues beyond the requested speeds; ? not computed beyond" in " ".join(
+        shown(marked).split()
+    )
     assert "960.000000?" in shown(marked)
     assert "960 to 990 rpm not known" in " ".join(shown(marked).split())
     stated = results(marked)["stability"]["ranges"][0]
@@ -280,37 +335,63 @@ def test_stretch_without_a_motion_is_told_once_in_the_conclusion(unstable: Findi
     speed, growth = np.array([900.0, 930.0, 960.0, 1000.0, 1040.0, 1080.0]) / RPM, np.full(6, -1.0)
     growth[[2, 4]] = np.nan
     bare = replace(
-        unstable.need(Stability), speed=speed, growth=growth, unsolved=speed[[2, 4]], requested=np.ones(6, dtype=bool)
+        unstable.need(Stability),
+        speed=speed,
+        growth=growth,
+        unsolved=speed[[2, 4]],
+        requested=np.ones(6, dtype=bool),
     )
     one = rpm_range(910.0, 930.0, unknown=(None, 1000))
     stated = " ".join(shown(known(unstable.having(stability=bare), one)).split())
     assert stated.count("rpm not known. Not for operation.") == 1
-    assert "No periodic motion was found from 1000 to 1080 rpm; stability is not known there." in stated
+    assert (
+        "No periodic motion was found from 1000 to 1080 rpm; stability is not known there."
+        in stated
+    )
     assert "found from 930" not in stated
 
 
 def test_map_that_misses_the_unstable_ranges_is_not_told_as_stable(unstable: Findings) -> None:
     mapped = unstable.need(StabilityMap)
     quiet = unstable.having(stability_map=replace(mapped, growth=np.full_like(mapped.growth, -1.0)))
-    missed = known(quiet, rpm_range(*(mapped.speed[:2] * RPM + [1.0, -1.0])), rpm_range(*(mapped.speed[1:3] * RPM)))
+    missed = known(
+        quiet,
+        rpm_range(*(mapped.speed[:2] * RPM + [1.0, -1.0])),
+        rpm_range(*(mapped.speed[1:3] * RPM)),
+    )
     blocks = list(stability.chapter(missed))
     stated = {row[-1] for row in table(blocks, "by value").rows}
     assert stated == {f"stable at the {mapped.speed.size} speeds of the map"}
     said = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
     assert "It does not show 1 of the 2 unstable ranges above" in said
-    said = " ".join(block.text for block in stability.chapter(unstable) if isinstance(block, Paragraph))
+    said = " ".join(
+        block.text for block in stability.chapter(unstable) if isinstance(block, Paragraph)
+    )
     assert "between them" not in said
 
 
-def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(unstable: Findings) -> None:
+def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(
+    unstable: Findings,
+) -> None:
     found, stable = unstable.need(PeriodicResponse), unstable.need(Stability)
     number = len(found.speed)
     none = replace(
-        found, status=np.full(number, Found.NONE, dtype=np.uint8), harmonics=np.zeros(number, dtype=int),
-        truncation=np.full(number, np.nan), torque=np.full_like(found.torque, np.nan), growth=None,
-        drive=np.full(number, np.nan), why=("none",) * number,
-    )  # fmt: skip
-    bare = replace(stable, growth=np.full_like(stable.growth, np.nan), ranges=(), unsolved=stable.speed, check=np.nan)
+        found,
+        status=np.full(number, Found.NONE, dtype=np.uint8),
+        harmonics=np.zeros(number, dtype=int),
+        truncation=np.full(number, np.nan),
+        torque=np.full_like(found.torque, np.nan),
+        growth=None,
+        drive=np.full(number, np.nan),
+        why=("none",) * number,
+    )
+    bare = replace(
+        stable,
+        growth=np.full_like(stable.growth, np.nan),
+        ranges=(),
+        unsolved=stable.speed,
+        check=np.nan,
+    )
     check = stability_check(bare, unstable.study.operation)
     others = tuple(one for one in unstable.need(Checks).lines if one.clause != "stability")
     nothing = unstable.having(periodic=none, stability=bare, checks=Checks((*others, check)))
@@ -320,7 +401,9 @@ def test_train_without_any_periodic_motion_is_told_as_one_without_an_answer(unst
     assert "no growth rate is known" in said
     assert "no periodic motion at any of them" in said
     assert "harmonics of the common period" not in said
-    (row,) = (row for row in table(verdict.chapter(nothing), "Checks, each").rows if "stability" in row[8])
+    (row,) = (
+        row for row in table(verdict.chapter(nothing), "Checks, each").rows if "stability" in row[8]
+    )
     assert row[2:5] == ("no solution", "0", "1/s")
     printed = " ".join(shown(nothing).split())
     assert "no solution" in printed
@@ -338,7 +421,9 @@ def test_speeds_that_read_alike_are_told_with_more_digits(unstable: Findings) ->
 def test_one_of_a_thing_is_told_in_the_singular(unstable: Findings, undamped: Findings) -> None:
     assert "has 1 of 1 critical speed." in list(critical.chapter(undamped))[1].text
     line = replace(unstable.need(Response), lines=unstable.need(Response).lines[:1])
-    said = " ".join(b.text for b in response.chapter(unstable.having(response=line)) if isinstance(b, Paragraph))
+    said = " ".join(
+        b.text for b in response.chapter(unstable.having(response=line)) if isinstance(b, Paragraph)
+    )
     assert said.startswith("1 harmonic component at ")
 
 

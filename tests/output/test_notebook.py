@@ -18,14 +18,23 @@ KINDS = ("findings", "modes", "response")
 
 
 def shown(findings: Findings, kind: str) -> str:
-    results = {"findings": findings, "modes": findings.need(Modes), "response": findings.need(Response)}
+    results = {
+        "findings": findings,
+        "modes": findings.need(Modes),
+        "response": findings.need(Response),
+    }
     return str(results[kind]._repr_html_())
 
 
 def rows(page: str) -> list[list[str]]:
     """The cells of all rows of all tables, as a reader sees them."""
-    found = (re.findall(r"<td.*?>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", page, re.DOTALL))
-    return [[html.unescape(re.sub("<.*?>", "", cell)) for cell in cells] for cells in found if cells]
+    found = (
+        re.findall(r"<td.*?>(.*?)</td>", row)
+        for row in re.findall(r"<tr>(.*?)</tr>", page, re.DOTALL)
+    )
+    return [
+        [html.unescape(re.sub("<.*?>", "", cell)) for cell in cells] for cells in found if cells
+    ]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -91,7 +100,9 @@ def test_a_response_shows_the_largest_component_of_every_element(train: Findings
 
 
 def test_what_has_nothing_to_show_says_so(bare: Findings) -> None:
-    study = torsion.parse("name: one\noperation: {speeds: {from: 1 rpm, to: 9 rpm}}\ntrain: [disc: {inertia: 2}]\n")
+    study = torsion.parse(
+        "name: one\noperation: {speeds: {from: 1 rpm, to: 9 rpm}}\ntrain: [disc: {inertia: 2}]\n"
+    )
     system = torsion.assemble(study.train)
     assert "no elastic modes" in torsion.modes(system)._repr_html_()
     assert "nothing excites" in torsion.response(study, system)._repr_html_()

@@ -16,12 +16,22 @@ from torsion.output.reported_values import band_words
 @pytest.mark.parametrize(
     ("value", "text"),
     [
-        (0.0, "0"), (1.0, "1.0000"), (123456.7, "123460"), (0.00012345678, "0.00012346"),
+        (0.0, "0"),
+        (1.0, "1.0000"),
+        (123456.7, "123460"),
+        (0.00012345678, "0.00012346"),
         (0.000012345678, "1.2346·10⁻⁵"),
-        (12345678.0, "1.2346·10⁷"), (-2.5, "−2.5000"), (99999.6, "100000"), (math.inf, "∞"), (math.nan, "–"),
-        (None, "–"), (-math.inf, "−∞"), (0.5, "0.50000"), (-0.00012345678, "−0.00012346"),
+        (12345678.0, "1.2346·10⁷"),
+        (-2.5, "−2.5000"),
+        (99999.6, "100000"),
+        (math.inf, "∞"),
+        (math.nan, "–"),
+        (None, "–"),
+        (-math.inf, "−∞"),
+        (0.5, "0.50000"),
+        (-0.00012345678, "−0.00012346"),
     ],
-)  # fmt: skip
+)
 def test_five_significant_digits(value: float | None, text: str) -> None:
     assert numbers.number(value) == text
 
@@ -29,18 +39,33 @@ def test_five_significant_digits(value: float | None, text: str) -> None:
 @pytest.mark.parametrize(
     ("value", "digits", "text"),
     [
-        (123456.7, 2, "120000"), (999999.0, 6, "999999"), (1234567.0, 2, "1.2·10⁶"), (123456789.0, 8, "123456790"),
-        (1234567890.0, 8, "1.2345679·10⁹"), (0.00012345, 2, "0.00012"), (0.000012345, 2, "1.2·10⁻⁵"), (7.0, 1, "7"),
+        (123456.7, 2, "120000"),
+        (999999.0, 6, "999999"),
+        (1234567.0, 2, "1.2·10⁶"),
+        (123456789.0, 8, "123456790"),
+        (1234567890.0, 8, "1.2345679·10⁹"),
+        (0.00012345, 2, "0.00012"),
+        (0.000012345, 2, "1.2·10⁻⁵"),
+        (7.0, 1, "7"),
     ],
-)  # fmt: skip
-def test_a_number_is_written_out_up_to_six_digits_or_one_more_than_are_significant(value, digits, text) -> None:
+)
+def test_a_number_is_written_out_up_to_six_digits_or_one_more_than_are_significant(
+    value, digits, text
+) -> None:
     assert numbers.number(value, digits) == text
 
 
 def test_a_speed_in_rad_per_second_reads_in_revolutions_per_minute() -> None:
     speed = 1234.56789 * math.pi / 30.0
-    assert (numbers.rpm(speed), numbers.rpm(speed, 7), numbers.rpm(None)) == ("1234.6", "1234.568", "–")
-    assert [numbers.given_rpm(one * math.pi / 30.0) for one in (1234.56789, 1500.0)] == ["1234.57", "1500"]
+    assert (numbers.rpm(speed), numbers.rpm(speed, 7), numbers.rpm(None)) == (
+        "1234.6",
+        "1234.568",
+        "–",
+    )
+    assert [numbers.given_rpm(one * math.pi / 30.0) for one in (1234.56789, 1500.0)] == [
+        "1234.57",
+        "1500",
+    ]
 
 
 def test_an_angle_in_radians_reads_in_degrees() -> None:
@@ -49,14 +74,22 @@ def test_an_angle_in_radians_reads_in_degrees() -> None:
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(300.0, "300"), (2.5, "2.5"), (1e-9, "1·10⁻⁹"), (1.25e-9, "1.25·10⁻⁹"), (0.0, "0"), (100.0, "100")],
+    [
+        (300.0, "300"),
+        (2.5, "2.5"),
+        (1e-9, "1·10⁻⁹"),
+        (1.25e-9, "1.25·10⁻⁹"),
+        (0.0, "0"),
+        (100.0, "100"),
+    ],
 )
 def test_a_given_figure_has_no_zeros_that_nobody_wrote(value: float, text: str) -> None:
     assert numbers.given(value) == text
 
 
 @pytest.mark.parametrize(
-    ("order", "text"), [(Fraction(2), "2"), (Fraction(1, 2), "0.5"), (Fraction(40, 21), "40/21 ≈ 1.9048")]
+    ("order", "text"),
+    [(Fraction(2), "2"), (Fraction(1, 2), "0.5"), (Fraction(40, 21), "40/21 ≈ 1.9048")],
 )
 def test_an_order_is_exact_and_readable(order: Fraction, text: str) -> None:
     assert numbers.order(order) == text
@@ -64,14 +97,21 @@ def test_an_order_is_exact_and_readable(order: Fraction, text: str) -> None:
 
 @pytest.mark.parametrize(
     ("values", "unit"),
-    [([12.0], "N m"), ([999.0, 1000.0], "kN m"), ([3e6, math.inf], "MN m"), ([], "N m"), ([2.0, -1e6], "MN m")],
+    [
+        ([12.0], "N m"),
+        ([999.0, 1000.0], "kN m"),
+        ([3e6, math.inf], "MN m"),
+        ([], "N m"),
+        ([2.0, -1e6], "MN m"),
+    ],
 )
 def test_one_prefix_suits_the_largest_value(values: list[float], unit: str) -> None:
     assert numbers.scale("N m", values).unit == unit
 
 
 @pytest.mark.parametrize(
-    ("angle", "digits"), [(89.0, 5), (89.999, 5), (89.9999, 6), (89.99999, 7), (89.9999999999, 12), (90.0, 5)]
+    ("angle", "digits"),
+    [(89.0, 5), (89.999, 5), (89.9999, 6), (89.99999, 7), (89.9999999999, 12), (90.0, 5)],
 )
 def test_an_angle_below_a_right_one_does_not_read_as_a_right_one(angle: float, digits: int) -> None:
     assert numbers.below_right(math.radians(angle)) == digits
@@ -80,7 +120,11 @@ def test_an_angle_below_a_right_one_does_not_read_as_a_right_one(angle: float, d
 
 def test_a_prefix_does_not_change_the_value() -> None:
     scale = numbers.scale("N m", [25e3])
-    assert (scale.text(12345.0), scale.text(None), scale.text(12345.0, 3)) == ("12.345", "–", "12.3")
+    assert (scale.text(12345.0), scale.text(None), scale.text(12345.0, 3)) == (
+        "12.345",
+        "–",
+        "12.3",
+    )
     assert numbers.scale("N m", [2e6]).text(1.5e6) == "1.5000"
     assert numbers.scale("N m", [3.0]).text(2.5) == numbers.SI.text(2.5) == "2.5000"
 
@@ -118,18 +162,29 @@ def test_a_count_has_its_noun_in_the_right_number() -> None:
 @pytest.mark.parametrize(
     ("value", "text"),
     [
-        ("screw", "screw"), (2, "2"), (np.int64(3), "3"), (2.5, "2.5000"), (np.float64(2.5), "2.5000"),
-        (math.nan, "–"), (None, "–"), (Fraction(1, 2), "1/2"), (True, "yes"), (np.bool_(False), "no"),
-        (3.0 * cmath.exp(1j * math.radians(40.0)), "3.0000 ∠ 40°"), (1 - 2j, "2.2361 ∠ −63.43°"),
+        ("screw", "screw"),
+        (2, "2"),
+        (np.int64(3), "3"),
+        (2.5, "2.5000"),
+        (np.float64(2.5), "2.5000"),
+        (math.nan, "–"),
+        (None, "–"),
+        (Fraction(1, 2), "1/2"),
+        (True, "yes"),
+        (np.bool_(False), "no"),
+        (3.0 * cmath.exp(1j * math.radians(40.0)), "3.0000 ∠ 40°"),
+        (1 - 2j, "2.2361 ∠ −63.43°"),
         (Status.NEAR_SINGULAR, "near singular"),
     ],
-)  # fmt: skip
+)
 def test_a_cell_shows_a_value_by_its_type(value: object, text: str) -> None:
     assert numbers.cell(value) == text
 
 
 def test_a_table_shows_values_and_refuses_a_row_of_another_length() -> None:
-    made = table("< Mode -> | Frequency [Hz]", [("first", 12.5), ("second", None)], marks=["pass", ""])
+    made = table(
+        "< Mode -> | Frequency [Hz]", [("first", 12.5), ("second", None)], marks=["pass", ""]
+    )
     assert made.rows == (("first", "12.500"), ("second", "–"))
     assert (made.columns[1].unit, made.marks) == ("Hz", ("pass", ""))
     with pytest.raises(ValueError, match="2 cells"):

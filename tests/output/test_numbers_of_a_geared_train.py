@@ -32,7 +32,9 @@ INERTIA = np.array([2.0, 0.5, 1.5, 14.0])
 STIFFNESS = np.array([300.0, 4000.0, 800.0])  # at the speed of the driving side
 ETA = np.array([0.5 / (2.0 * math.pi), 0.0, 0.05])
 SPAN_RATIO = np.array([1.0, 1.0, 0.4])
-B = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 1.0, -1.0, 0.0], [0.0, 0.0, 1.0, -1.0]])  # twists, referred
+B = np.array(
+    [[1.0, -1.0, 0.0, 0.0], [0.0, 1.0, -1.0, 0.0], [0.0, 0.0, 1.0, -1.0]]
+)  # twists, referred
 SPEED = np.linspace(5.0, 40.0, 3_501)  # rad/s
 SPANS, STATIONS = ("soft", "stage", "stiff"), ("flywheel", "soft end", "stage end", "screw")
 
@@ -44,7 +46,11 @@ def found() -> Findings:
 
 def rows_of(findings: Findings, caption: str) -> dict[str, dict[str, str]]:
     """The rows of the table with that caption, by title, under what their first column of words says."""
-    table = next(block for block in chapters(findings) if isinstance(block, Table) and caption in block.caption)
+    table = next(
+        block
+        for block in chapters(findings)
+        if isinstance(block, Table) and caption in block.caption
+    )
     titles = [column.title for column in table.columns]
     name = 1 if titles[0] == "No." else 0
     return {row[name]: dict(reversed(list(zip(titles, row, strict=True)))) for row in table.rows}
@@ -53,12 +59,18 @@ def rows_of(findings: Findings, caption: str) -> dict[str, dict[str, str]]:
 def value(text: str) -> float:
     """A cell as a number; 0 where it is blank."""
     mantissa, _, power = (text or "0").replace("−", "-").removesuffix(" *").partition("·10")
-    return float(mantissa) * 10.0 ** int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0)
+    return float(mantissa) * 10.0 ** int(
+        power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0
+    )
 
 
 def unit_of(findings: Findings, caption: str, title: str) -> float:
     """What a cell of the column is multiplied with."""
-    table = next(block for block in chapters(findings) if isinstance(block, Table) and caption in block.caption)
+    table = next(
+        block
+        for block in chapters(findings)
+        if isinstance(block, Table) and caption in block.caption
+    )
     unit = next(column.unit for column in table.columns if column.title == title)
     return 1e3 if unit.startswith("kN") else 1.0
 
@@ -83,11 +95,16 @@ def torques() -> np.ndarray:
     ground = np.diag([0.0, 0.0, 0.0, 3.0 * 0.4**2])
     mean = 100.0 * (SPEED / 30.0) ** 2  # 1.2 kW at 12 rad/s of the screw, law of a propeller
     each = []
-    for order, at, force in ((0.5, 0, 3.0 * np.exp(1j * math.pi / 6.0)), (1.6, 3, 0.05 * mean * 0.4)):
+    for order, at, force in (
+        (0.5, 0, 3.0 * np.exp(1j * math.pi / 6.0)),
+        (1.6, 3, 0.05 * mean * 0.4),
+    ):
         w = (order * SPEED)[:, None, None]
         load = np.zeros((len(SPEED), 4, 1), dtype=complex)
         load[:, at, 0] = force
-        q = np.linalg.solve(complex_stiffness - w**2 * np.diag(inertia) + 1j * w * ground, load)[:, :, 0]
+        q = np.linalg.solve(complex_stiffness - w**2 * np.diag(inertia) + 1j * w * ground, load)[
+            :, :, 0
+        ]
         each.append((q @ B.T) * SPAN_RATIO * STIFFNESS * (1.0 + 1j * ETA))
     return np.array(each)
 
@@ -106,7 +123,10 @@ def half_range() -> np.ndarray:
 def test_inertias_and_stiffnesses_own_and_referred(found: Findings) -> None:
     inertia, stiffness = referred()
     discs, springs = rows_of(found, "Inertias as given"), rows_of(found, "Elastic elements")
-    kilo = unit_of(found, "Elastic elements", "k own"), unit_of(found, "Elastic elements", "k referred")
+    kilo = (
+        unit_of(found, "Elastic elements", "k own"),
+        unit_of(found, "Elastic elements", "k referred"),
+    )
     for k, name in enumerate(STATIONS):
         assert value(discs[name]["J own"]) == pytest.approx(INERTIA[k], rel=1e-5)
         assert value(discs[name]["J referred"]) == pytest.approx(inertia[k], rel=1e-5)
@@ -142,20 +162,29 @@ def test_frequencies_shares_and_holzer_tables(found: Findings) -> None:
             row = table[name]
             assert value(row["J referred"]) == pytest.approx(inertia[k], rel=1e-4)
             assert value(row["Angle"]) == pytest.approx(angle[k], rel=1e-5)
-            assert value(row["ω² J × angle"]) == pytest.approx(w[mode] ** 2 * inertia[k] * angle[k], rel=1e-4)
+            assert value(row["ω² J × angle"]) == pytest.approx(
+                w[mode] ** 2 * inertia[k] * angle[k], rel=1e-4
+            )
             if k:
                 assert row["Through"] == SPANS[k - 1]
                 assert row["Torque in"] == row["Torque out"]
-                assert value(row["Torque in"]) == pytest.approx(stiffness[k - 1] * twist[k - 1], rel=2e-4)
+                assert value(row["Torque in"]) == pytest.approx(
+                    stiffness[k - 1] * twist[k - 1], rel=2e-4
+                )
                 assert value(row["Flexibility"]) == pytest.approx(1.0 / stiffness[k - 1], rel=1e-4)
                 assert value(row["Twist"]) == pytest.approx(twist[k - 1], rel=2e-4)
 
 
 def test_critical_speeds_by_order_and_mode(found: Findings) -> None:
     w, _ = modes()
-    table = {row["Excited by"]: row for row in rows_of(found, "Critical speeds, order by mode").values()}
+    table = {
+        row["Excited by"]: row for row in rows_of(found, "Critical speeds, order by mode").values()
+    }
     inside = rows_of(found, "Critical speeds in the speed range")
-    for text, order, source in (("0.5", 0.5, "0.5 × flywheel"), ("1.6", 1.6, "4 × screw (1.6 of flywheel)")):
+    for text, order, source in (
+        ("0.5", 0.5, "0.5 × flywheel"),
+        ("1.6", 1.6, "4 × screw (1.6 of flywheel)"),
+    ):
         name = table[source]
         assert name["Order"] == text
         for mode in range(3):
@@ -164,28 +193,49 @@ def test_critical_speeds_by_order_and_mode(found: Findings) -> None:
             assert cell.endswith("*") == (5.0 <= speed <= 40.0)
             if cell.endswith("*"):
                 row = inside[cell.removesuffix(" *")]
-                assert (row["Order"], row["Mode"], row["Excited by"]) == (text, str(mode + 1), source)
-                assert value(row["Distance from rated"]) == pytest.approx(100.0 * (speed / 30.0 - 1.0), abs=0.06)
+                assert (row["Order"], row["Mode"], row["Excited by"]) == (
+                    text,
+                    str(mode + 1),
+                    source,
+                )
+                assert value(row["Distance from rated"]) == pytest.approx(
+                    100.0 * (speed / 30.0 - 1.0), abs=0.06
+                )
 
 
 def test_what_excites_and_what_damps(found: Findings) -> None:
     torque = rows_of(found, "Harmonic torques")
-    assert (torque["screw"]["Order, own shaft"], torque["screw"]["Order, reference"]) == ("4", "1.6")
+    assert (torque["screw"]["Order, own shaft"], torque["screw"]["Order, reference"]) == (
+        "4",
+        "1.6",
+    )
     assert (torque["flywheel"]["Order, reference"], torque["flywheel"]["Phase"]) == ("0.5", "30")
     amplitude = [torque[name]["Amplitude as given"] for name in ("screw", "flywheel")]
     assert amplitude == ["5 % of the mean torque", "3 N m"]
     damping = rows_of(found, "Internal damping")
     for k, name in ((0, "soft"), (2, "stiff")):
-        wanted = {"Loss factor η": ETA[k], "Relative damping ψ": 2.0 * math.pi * ETA[k], "Magnifier M": 1.0 / ETA[k]}
-        assert {title: value(damping[name][title]) for title in wanted} == pytest.approx(wanted, rel=1e-4)
+        wanted = {
+            "Loss factor η": ETA[k],
+            "Relative damping ψ": 2.0 * math.pi * ETA[k],
+            "Magnifier M": 1.0 / ETA[k],
+        }
+        assert {title: value(damping[name][title]) for title in wanted} == pytest.approx(
+            wanted, rel=1e-4
+        )
 
 
 def test_mean_torques_at_rated_speed_and_their_largest(found: Findings) -> None:
     table = rows_of(found, "Mean torque at")
     for name, ratio in zip(SPANS, SPAN_RATIO, strict=True):
-        wanted = {"Speed of the component": 30.0 * ratio * RPM, "Mean torque": 40.0 / ratio, "Power": 1.2,
-                  "Maximum over the speed range": 40.0 / ratio * (40.0 / 30.0) ** 2}  # fmt: skip
-        assert {title: value(table[name][title]) for title in wanted} == pytest.approx(wanted, rel=1e-4)
+        wanted = {
+            "Speed of the component": 30.0 * ratio * RPM,
+            "Mean torque": 40.0 / ratio,
+            "Power": 1.2,
+            "Maximum over the speed range": 40.0 / ratio * (40.0 / 30.0) ** 2,
+        }
+        assert {title: value(table[name][title]) for title in wanted} == pytest.approx(
+            wanted, rel=1e-4
+        )
 
 
 def test_vibratory_torques_of_elements_meshes_and_couplings(found: Findings) -> None:
@@ -197,8 +247,13 @@ def test_vibratory_torques_of_elements_meshes_and_couplings(found: Findings) -> 
         row = worst[name]
         assert value(row["Total vibratory torque"]) == pytest.approx(half[at, k], rel=2e-4)
         size = parts[:, at, k]
-        wanted = {"Speed": SPEED[at] * RPM, "Torque of this order": size[0], "Sum of magnitudes": size.sum(),
-                  "RMS": math.hypot(*size) / math.sqrt(2.0), "Mean": mean}  # fmt: skip
+        wanted = {
+            "Speed": SPEED[at] * RPM,
+            "Torque of this order": size[0],
+            "Sum of magnitudes": size.sum(),
+            "RMS": math.hypot(*size) / math.sqrt(2.0),
+            "Mean": mean,
+        }
         assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=3e-3)
         assert row["Largest order"] == "0.5 × flywheel"
     mesh = rows_of(found, "mean torque in the meshes")["stage"]
@@ -212,7 +267,11 @@ def test_vibratory_torques_of_elements_meshes_and_couplings(found: Findings) -> 
     heat = rows_of(found, "Torque and power loss of the couplings")
     for k, name in ((0, "soft"), (2, "stiff")):
         w = np.array([0.5, 1.6])[:, None] * SPEED
-        lost = (w * ETA[k] * parts[:, :, k] ** 2 / (STIFFNESS[k] * (1.0 + ETA[k] ** 2)) / 2.0).sum(axis=0)
+        lost = (w * ETA[k] * parts[:, :, k] ** 2 / (STIFFNESS[k] * (1.0 + ETA[k] ** 2)) / 2.0).sum(
+            axis=0
+        )
         assert value(heat[name]["Power loss"]) == pytest.approx(lost.max(), rel=3e-4)
         assert value(heat[name]["Vibratory torque"]) == pytest.approx(half[:, k].max(), rel=2e-4)
-        assert value(heat[name]["Mean torque"]) == pytest.approx(40.0 / SPAN_RATIO[k] * (4.0 / 3.0) ** 2, rel=1e-4)
+        assert value(heat[name]["Mean torque"]) == pytest.approx(
+            40.0 / SPAN_RATIO[k] * (4.0 / 3.0) ** 2, rel=1e-4
+        )

@@ -48,7 +48,9 @@ def found() -> Findings:
 def rows_of(findings: Findings, caption: str) -> list[dict[str, str]]:
     """The rows of the table with that caption, by title; a title that comes again is `title (2)`."""
     table = next(
-        block for block in chapters(findings, is_full=True) if isinstance(block, Table) and caption in block.caption
+        block
+        for block in chapters(findings, is_full=True)
+        if isinstance(block, Table) and caption in block.caption
     )
     titles: list[str] = []
     for column in table.columns:
@@ -60,7 +62,9 @@ def rows_of(findings: Findings, caption: str) -> list[dict[str, str]]:
 def value(text: str) -> float:
     """A cell as a number."""
     mantissa, _, power = text.replace("−", "-").partition("·10")
-    return float(mantissa) * 10.0 ** int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0)
+    return float(mantissa) * 10.0 ** int(
+        power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0
+    )
 
 
 def answer(w: np.ndarray, at_drive: complex, at_screw: complex) -> tuple[np.ndarray, np.ndarray]:
@@ -74,7 +78,11 @@ def answer(w: np.ndarray, at_drive: complex, at_screw: complex) -> tuple[np.ndar
 def lines() -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Of order 1, order 2 and the fixed frequency: rad/s, angles and torque."""
     fixed = np.full_like(SPEED, 2.0 * math.pi * FIXED)
-    each = [(SPEED, 0.0, 2.0), (2.0 * SPEED, 0.0, np.exp(1j * math.radians(40.0))), (fixed, 0.5, 0.0)]
+    each = [
+        (SPEED, 0.0, 2.0),
+        (2.0 * SPEED, 0.0, np.exp(1j * math.radians(40.0))),
+        (fixed, 0.5, 0.0),
+    ]
     return [(w, *answer(w, a, b)) for w, a, b in each]
 
 
@@ -124,7 +132,9 @@ def test_damped_mode_in_json_and_in_its_table(found: Findings) -> None:
     assert stated["damping_ratio"] == pytest.approx([ratio], rel=1e-12)
     assert stated["frequency_Hz"] == pytest.approx([damped], rel=1e-12)
     assert stated["speed_rad_per_s"] == 12.0
-    assert stated["eigenvalue_per_s"][0] == pytest.approx([-10.0 * ratio, 2.0 * math.pi * damped], rel=1e-12)
+    assert stated["eigenvalue_per_s"][0] == pytest.approx(
+        [-10.0 * ratio, 2.0 * math.pi * damped], rel=1e-12
+    )
     (row,) = rows_of(found, "Damped natural frequencies")
     assert value(row["Damping ratio"]) == pytest.approx(100.0 * ratio, rel=1e-3)
     assert value(row["Magnifier 1/(2ζ)"]) == pytest.approx(1.0 / (2.0 * ratio), rel=1e-3)
@@ -133,13 +143,17 @@ def test_damped_mode_in_json_and_in_its_table(found: Findings) -> None:
 
 def test_critical_speeds_in_json_and_in_their_table(found: Findings) -> None:
     stated = {line["order"]: line for line in results(found)["critical_speeds"]}
-    assert {order: line["speed_rad_per_s"] for order, line in stated.items()} == pytest.approx({"1": 10.0, "2": 5.0})
+    assert {order: line["speed_rad_per_s"] for order, line in stated.items()} == pytest.approx(
+        {"1": 10.0, "2": 5.0}
+    )
     assert [line["is_in_range"] for line in stated.values()] == [True, True]
     assert stated["2"]["margin"] == pytest.approx(5.0 / 12.0 - 1.0)
     rows = {row["Order"]: row for row in rows_of(found, "Critical speeds in the speed range")}
     for order, speed in (("1", 10.0), ("2", 5.0)):
         assert value(rows[order]["Critical speed"]) == pytest.approx(speed * RPM, rel=1e-4)
-        assert value(rows[order]["Distance from rated"]) == pytest.approx(100.0 * (speed / 12.0 - 1.0), abs=0.06)
+        assert value(rows[order]["Distance from rated"]) == pytest.approx(
+            100.0 * (speed / 12.0 - 1.0), abs=0.06
+        )
         assert value(rows[order]["Frequency"]) == pytest.approx(10.0 / (2.0 * math.pi), rel=1e-4)
         assert rows[order]["Mode"] == "1"
 
@@ -172,15 +186,20 @@ def at_speeds(speed: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def test_synthesis_in_json(found: Findings) -> None:
-    stated, speed = results(found)["synthesis"], np.array(results(found)["response"]["speed_rad_per_s"])
+    stated, speed = (
+        results(found)["synthesis"],
+        np.array(results(found)["response"]["speed_rad_per_s"]),
+    )
     high, low = together()
     size = [np.abs(torque) for _, _, torque in lines()]
     assert stated["element"] == ["ring"]
     assert stated["common_cycle_turns"] == "1"
     wanted = {
-        "half_range_Nm": (high - low) / 2.0, "peak_Nm": np.maximum(np.abs(mean() + high), np.abs(mean() + low)),
-        "rms_Nm": np.sqrt(sum(one**2 for one in size) / 2.0), "bound_Nm": sum(size),
-    }  # fmt: skip
+        "half_range_Nm": (high - low) / 2.0,
+        "peak_Nm": np.maximum(np.abs(mean() + high), np.abs(mean() + low)),
+        "rms_Nm": np.sqrt(sum(one**2 for one in size) / 2.0),
+        "bound_Nm": sum(size),
+    }
     for key, values in wanted.items():
         np.testing.assert_allclose(stated[key][0], at_speeds(speed, values), rtol=2e-5, err_msg=key)
 
@@ -191,10 +210,13 @@ def test_largest_vibratory_torque_by_title(found: Findings) -> None:
     half, size = (high - low) / 2.0, [np.abs(torque) for _, _, torque in lines()]
     at = int(np.argmax(half))
     wanted = {
-        "Total vibratory torque": half[at], "Speed": SPEED[at] * RPM, "Torque of this order": size[0][at],
-        "RMS": math.sqrt(sum(one[at] ** 2 for one in size) / 2.0), "Sum of magnitudes": sum(one[at] for one in size),
+        "Total vibratory torque": half[at],
+        "Speed": SPEED[at] * RPM,
+        "Torque of this order": size[0][at],
+        "RMS": math.sqrt(sum(one[at] ** 2 for one in size) / 2.0),
+        "Sum of magnitudes": sum(one[at] for one in size),
         "Mean": mean()[at],
-    }  # fmt: skip
+    }
     assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=2e-3)
     assert value(row["Total vibratory torque"]) == pytest.approx(half[at], rel=5e-5)
     assert (row["Component"], row["Largest order"]) == ("ring", "1 × screw")
@@ -220,9 +242,13 @@ def test_angles_by_title(found: Findings) -> None:
         hertz = lines()[line][0][at] / (2.0 * math.pi)
         row = rows[name]
         assert value(row["Amplitude"]) == pytest.approx(size[line, at], rel=3e-4)
-        assert value(row["Maximum amplitude"]) == pytest.approx(math.degrees(size[line, at]), rel=3e-4)
+        assert value(row["Maximum amplitude"]) == pytest.approx(
+            math.degrees(size[line, at]), rel=3e-4
+        )
         assert value(row["Speed"]) == pytest.approx(SPEED[at] * RPM, rel=1e-3)
-        assert value(row["Speed amplitude"]) == pytest.approx(60.0 * hertz * size[line, at], rel=1e-3)
+        assert value(row["Speed amplitude"]) == pytest.approx(
+            60.0 * hertz * size[line, at], rel=1e-3
+        )
         assert row["Order"] == "1 × screw"
 
 
@@ -230,11 +256,19 @@ def test_couplings_by_title(found: Findings) -> None:
     (row,) = rows_of(found, "Torque and power loss of the couplings")
     high, low = together()
     half, peak = (high - low) / 2.0, np.maximum(np.abs(mean() + high), np.abs(mean() + low))
-    heat = sum(VISCOUS * np.abs(w * (angle[:, 0] - angle[:, 1])) ** 2 / 2.0 for w, angle, _ in lines())
+    heat = sum(
+        VISCOUS * np.abs(w * (angle[:, 0] - angle[:, 1])) ** 2 / 2.0 for w, angle, _ in lines()
+    )
     wanted = {
-        "Vibratory torque": half.max(), "T_{KW}": 40.0, "Mean torque": mean().max(), "T_{KN}": 30.0,
-        "Peak torque": peak.max(), "T_{Kmax}": 90.0, "Power loss": heat.max(), "P_{KW}": 50.0,
-    }  # fmt: skip
+        "Vibratory torque": half.max(),
+        "T_{KW}": 40.0,
+        "Mean torque": mean().max(),
+        "T_{KN}": 30.0,
+        "Peak torque": peak.max(),
+        "T_{Kmax}": 90.0,
+        "Power loss": heat.max(),
+        "P_{KW}": 50.0,
+    }
     assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=1e-4)
     assert value(row["Speed"]) == pytest.approx(SPEED[half.argmax()] * RPM, rel=1e-3)
     assert value(row["Speed (2)"]) == pytest.approx(SPEED[heat.argmax()] * RPM, rel=1e-3)
@@ -250,7 +284,9 @@ def test_mean_torque_by_title_and_in_json(found: Findings) -> None:
     }
     assert {title: value(row[title]) for title in wanted} == pytest.approx(wanted, rel=1e-4)
     stated = results(found)["mean"]
-    assert np.array(stated["torque_Nm"])[0] == pytest.approx(10.0 * (np.array(stated["speed_rad_per_s"]) / 12.0) ** 2)
+    assert np.array(stated["torque_Nm"])[0] == pytest.approx(
+        10.0 * (np.array(stated["speed_rad_per_s"]) / 12.0) ** 2
+    )
     np.testing.assert_allclose(np.array(stated["applied_Nm"]).sum(axis=0), 0.0, atol=1e-12)
 
 
@@ -258,17 +294,26 @@ def test_checks_of_the_coupling_in_json(found: Findings) -> None:
     stated = {check["clause"]: check for check in results(found)["checks"]}
     high, low = together()
     peak = np.maximum(np.abs(mean() + high), np.abs(mean() + low))
-    heat = sum(VISCOUS * np.abs(w * (angle[:, 0] - angle[:, 1])) ** 2 / 2.0 for w, angle, _ in lines())
+    heat = sum(
+        VISCOUS * np.abs(w * (angle[:, 0] - angle[:, 1])) ** 2 / 2.0 for w, angle, _ in lines()
+    )
     wanted = {
-        "T_KN": (mean(), 30.0, "N m"), "T_KW": ((high - low) / 2.0, 40.0, "N m"), "P_KW": (heat, 50.0, "W"),
+        "T_KN": (mean(), 30.0, "N m"),
+        "T_KW": ((high - low) / 2.0, 40.0, "N m"),
+        "P_KW": (heat, 50.0, "W"),
         "T_Kmax": (peak, 90.0, "N m"),
-    }  # fmt: skip
+    }
     assert set(stated) == set(wanted)
     for clause, (values, limit, unit) in wanted.items():
         line = stated[clause]
         assert line["value"] == pytest.approx(values.max(), rel=1e-4)
         assert line["speed_rad_per_s"] == pytest.approx(SPEED[values.argmax()], rel=1e-3)
-        assert (line["limit"], line["unit"], line["verdict"], line["where"]) == (limit, unit, "pass", "ring")
+        assert (line["limit"], line["unit"], line["verdict"], line["where"]) == (
+            limit,
+            unit,
+            "pass",
+            "ring",
+        )
 
 
 def test_the_terminal_shows_the_same_numbers(found: Findings) -> None:
@@ -281,15 +326,20 @@ def test_the_terminal_shows_the_same_numbers(found: Findings) -> None:
     damped = re.search(r"Damped.*?^\D*1 +(\S+) +(\S+)\s*$", text, re.MULTILINE | re.DOTALL).groups()
     ratio = VISCOUS / 24.0
     lower = 10.0 * math.sqrt(1 - ratio**2)
-    assert [float(cell) for cell in free] == pytest.approx([10.0 / (2.0 * math.pi), 10.0 * RPM, 1], rel=1e-6)
-    assert [float(cell) for cell in damped] == pytest.approx([lower / (2.0 * math.pi), 100 * ratio], rel=2e-3)
+    assert [float(cell) for cell in free] == pytest.approx(
+        [10.0 / (2.0 * math.pi), 10.0 * RPM, 1], rel=1e-6
+    )
+    assert [float(cell) for cell in damped] == pytest.approx(
+        [lower / (2.0 * math.pi), 100 * ratio], rel=2e-3
+    )
     torque = re.search(r"^\s*ring +(\S+) +(\S+)\s*$", text, re.MULTILINE)
     assert float(torque[1]) == pytest.approx(half.max(), rel=5e-5)
     assert float(torque[2]) == pytest.approx(SPEED[half.argmax()] * RPM, rel=1e-3)
     critical = re.findall(r"^\s*(\d+\.\d+) +([12]) +1 +\2 × screw\s*$", text, re.MULTILINE)
     assert [(float(n), order) for n, order in critical] == [
-        (pytest.approx(5.0 * RPM, rel=1e-4), "2"), (pytest.approx(10.0 * RPM, rel=1e-4), "1"),
-    ]  # fmt: skip
+        (pytest.approx(5.0 * RPM, rel=1e-4), "2"),
+        (pytest.approx(10.0 * RPM, rel=1e-4), "1"),
+    ]
 
 
 def test_a_peak_names_the_mode_it_belongs_to() -> None:
@@ -306,8 +356,15 @@ train:
 excitations: [{at: a, order: 1, torque: 1}]
 """
     rows = rows_of(torsion.run(torsion.parse(text)), "Resonance peaks")
-    found = {(row["Component"], round(value(row["Speed"]) / RPM / 10.0, 1)): row["Mode"] for row in rows}
-    assert found == {("first", 1.0): "1", ("first", 1.7): "2", ("second", 1.0): "1", ("second", 1.7): "2"}
+    found = {
+        (row["Component"], round(value(row["Speed"]) / RPM / 10.0, 1)): row["Mode"] for row in rows
+    }
+    assert found == {
+        ("first", 1.0): "1",
+        ("first", 1.7): "2",
+        ("second", 1.0): "1",
+        ("second", 1.7): "2",
+    }
 
 
 def test_schwanecke_damps_with_the_speed() -> None:
@@ -323,4 +380,6 @@ train:
 """
     damping = 0.0231 * 1025.0 * 1.5**5 * 0.9**2 * 0.6 * 12.0 / math.pi
     found = results(torsion.run(torsion.parse(text)))["damped_modes"]
-    assert found["damping_ratio"] == pytest.approx([damping / (2.0 * math.sqrt(4000.0 * 40.0))], rel=1e-12)
+    assert found["damping_ratio"] == pytest.approx(
+        [damping / (2.0 * math.sqrt(4000.0 * 40.0))], rel=1e-12
+    )

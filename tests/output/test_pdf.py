@@ -7,7 +7,17 @@ import pytest
 import typst
 
 import torsion
-from torsion.output.blocks import Block, Column, Figure, Heading, KeyValues, Paragraph, Points, Table, Verbatim
+from torsion.output.blocks import (
+    Block,
+    Column,
+    Figure,
+    Heading,
+    KeyValues,
+    Paragraph,
+    Points,
+    Table,
+    Verbatim,
+)
 from torsion.output.document import Cover, Document, numbered
 from torsion.output.pdf import pdf, text, words
 
@@ -39,7 +49,13 @@ def source(monkeypatch: pytest.MonkeyPatch):
 
 def test_names_that_look_like_markup_do_not_stop_the_pdf(nasty: str) -> None:
     table = Table((Column(nasty, "N m"), Column("b")), ((nasty, "1"),), nasty, ("fail",))
-    blocks = [Heading(nasty), Paragraph(nasty, "note"), Points((nasty,)), table, Verbatim(nasty + "\n#let x = 1")]
+    blocks = [
+        Heading(nasty),
+        Paragraph(nasty, "note"),
+        Points((nasty,)),
+        table,
+        Verbatim(nasty + "\n#let x = 1"),
+    ]
     cover = Cover(nasty, nasty, ((nasty, nasty),))
     assert pdf(Document(cover, tuple(numbered(blocks)))).startswith(b"%PDF-")
 
@@ -57,15 +73,23 @@ def test_letters_of_other_languages_stay_as_they_are() -> None:
 def test_every_kind_of_block_is_set_by_its_number(source) -> None:
     plot = Figure("one", "c_{d}", ())
     lines, _ = source(
-        Heading("A"), Heading("B", 2), Paragraph("p", "note"), Points(("x", "y")), KeyValues((("k", "v"),)),
+        Heading("A"),
+        Heading("B", 2),
+        Paragraph("p", "note"),
+        Points(("x", "y")),
+        KeyValues((("k", "v"),)),
         Verbatim("v"),
-    )  # fmt: skip
+    )
     assert plot.name == "one"
     assert lines == [
-        '#cover("Title", "scene", "", basis((("Date", "today"), ), (), "as it is", ()))', '#title(1, "1", text("A"))',
-        '#title(2, "1.1", text("B"))', '#sentences("note", text("p"))', '#points((text("x"), text("y"), ))',
-        '#facts((("k", "v"), ))', '#verbatim("v")',
-    ]  # fmt: skip
+        '#cover("Title", "scene", "", basis((("Date", "today"), ), (), "as it is", ()))',
+        '#title(1, "1", text("A"))',
+        '#title(2, "1.1", text("B"))',
+        '#sentences("note", text("p"))',
+        '#points((text("x"), text("y"), ))',
+        '#facts((("k", "v"), ))',
+        '#verbatim("v")',
+    ]
 
 
 @pytest.mark.parametrize(("number", "size"), [(7, "7.5pt"), (8, "7pt"), (9, "7pt")])
@@ -92,12 +116,17 @@ def test_every_figure_is_drawn_in_a_file_of_its_own(source, bare) -> None:
     figure = next(block for block in chapters(bare) if isinstance(block, Figure))
     lines, drawn = source(figure, figure)
     assert drawn == ["figure-0.svg", "figure-1.svg"]
-    assert [line.split(",")[0] for line in lines[1:]] == ['#drawing("figure-0.svg"', '#drawing("figure-1.svg"']
+    assert [line.split(",")[0] for line in lines[1:]] == [
+        '#drawing("figure-0.svg"',
+        '#drawing("figure-1.svg"',
+    ]
 
 
 def test_no_number_of_a_wide_table_is_wider_than_its_column(tmp_path: Path) -> None:
     columns = (Column("Station", align="left"), *(Column(f"torque {k}", "N m") for k in range(10)))
-    style = (Path(torsion.__file__).parent / "output" / "templates" / "report.typ").read_text(encoding="utf-8")
+    style = (Path(torsion.__file__).parent / "output" / "templates" / "report.typ").read_text(
+        encoding="utf-8"
+    )
     helper = style[style.index("#let widest(") : style.index("#let drawing(")]
     source = tmp_path / "wide.typ"
     source.write_text(

@@ -28,7 +28,9 @@ train:
 - coupling: {name: stiff, stiffness: 0.4, viscous: 3}
 - disc: {name: tail, inertia: 1}
 """
-EXCITED = TRAIN + "excitations: [{at: tail, order: 1, torque: 1}, {at: drive, order: 3, torque: 2}]\n"
+EXCITED = (
+    TRAIN + "excitations: [{at: tail, order: 1, torque: 1}, {at: drive, order: 3, torque: 2}]\n"
+)
 PER_RPM = math.pi / 30.0
 OK, NEAR, SINGULAR = Status.OK, Status.NEAR_SINGULAR, Status.SINGULAR
 STATUS = np.array([[OK, OK], [OK, NEAR], [SINGULAR, SINGULAR], [OK, OK]])  # (speeds, lines)
@@ -66,7 +68,9 @@ def with_response(findings: Findings, **values: Any) -> Findings:
 
 
 def barred_by(findings: Findings, *bands: tuple[float, float]) -> Findings:
-    ranges = tuple(BarredRange(lower * PER_RPM, upper * PER_RPM, 0.0, "tail") for lower, upper in bands)
+    ranges = tuple(
+        BarredRange(lower * PER_RPM, upper * PER_RPM, 0.0, "tail") for lower, upper in bands
+    )
     line = Check("r", "c", "tail", "x", 1.0, 1.0, "", "pass", "setting", barred=ranges)
     return findings.having(checks=Checks((line,)))
 
@@ -84,15 +88,21 @@ def test_a_train_without_operation_has_no_rated_speed(bare: Findings) -> None:
     assert reported.rated_rpm(bare) is None
 
 
-def test_barred_ranges_stand_in_the_order_of_their_lower_and_then_their_upper_end(silent: Findings) -> None:
+def test_barred_ranges_stand_in_the_order_of_their_lower_and_then_their_upper_end(
+    silent: Findings,
+) -> None:
     found = barred_by(silent, (20.0, 30.0), (10.0, 40.0), (10.0, 15.0), (20.0, 30.0))
     ends = [(one.lower / PER_RPM, one.upper / PER_RPM) for one in reported.barred(found)]
     assert ends == [pytest.approx(band) for band in ((10.0, 15.0), (10.0, 40.0), (20.0, 30.0))]
 
 
 def test_barred_ranges_that_overlap_or_touch_are_one(silent: Findings) -> None:
-    found = barred_by(silent, (4.0, 5.0), (1.0, 4.0), (2.0, 3.0), (6.0, 7.0), (9.0, 11.0), (8.0, 10.0))
-    assert [pytest.approx(band) for band in ((1.0, 5.0), (6.0, 7.0), (8.0, 11.0))] == list(reported.barred_rpm(found))
+    found = barred_by(
+        silent, (4.0, 5.0), (1.0, 4.0), (2.0, 3.0), (6.0, 7.0), (9.0, 11.0), (8.0, 10.0)
+    )
+    assert [pytest.approx(band) for band in ((1.0, 5.0), (6.0, 7.0), (8.0, 11.0))] == list(
+        reported.barred_rpm(found)
+    )
 
 
 def test_a_range_is_widened_to_tenths_but_not_beyond_the_speeds_requested() -> None:
@@ -104,26 +114,38 @@ def test_a_range_is_widened_to_tenths_but_not_beyond_the_speeds_requested() -> N
     assert reported.widened(band, (300.0, 360.0)) == ("300", "360")
 
 
-def test_a_speed_is_unreliable_where_one_harmonic_component_is(found: Findings, bare: Findings) -> None:
+def test_a_speed_is_unreliable_where_one_harmonic_component_is(
+    found: Findings, bare: Findings
+) -> None:
     assert reported.unreliable(found).tolist() == [False, True, True, False]
     assert reported.unreliable(bare).shape == (0,)
 
 
-def test_the_amplitude_is_the_largest_of_the_spans_where_it_is_known(found: Findings, bare: Findings) -> None:
+def test_the_amplitude_is_the_largest_of_the_spans_where_it_is_known(
+    found: Findings, bare: Findings
+) -> None:
     nan = math.nan
-    np.testing.assert_allclose(reported.amplitude(found, [0, 2]), [[0.1, 0.3], [0.3, nan], [nan, nan], [0.1, 0.05]])
-    np.testing.assert_allclose(reported.amplitude(found, [1]), [[0.3, 0.01], [0.04, nan], [nan, nan], [0.2, 0.4]])
+    np.testing.assert_allclose(
+        reported.amplitude(found, [0, 2]), [[0.1, 0.3], [0.3, nan], [nan, nan], [0.1, 0.05]]
+    )
+    np.testing.assert_allclose(
+        reported.amplitude(found, [1]), [[0.3, 0.01], [0.04, nan], [nan, nan], [0.2, 0.4]]
+    )
     assert reported.amplitude(bare, [0]).shape == (0, 0)
 
 
-def test_all_lines_together_are_the_largest_half_range_where_every_line_is_known(found: Findings, bare: Findings):
+def test_all_lines_together_are_the_largest_half_range_where_every_line_is_known(
+    found: Findings, bare: Findings
+):
     half = np.array([[1.0, 9.0, 4.0], [2.0, 9.0, 1.0], [7.0, 7.0, 7.0], [3.0, 9.0, 6.0]])
     together = found.having(synthesis=replace(found.need(Synthesis), half_range=half))
     np.testing.assert_allclose(reported.synthesis(together, [0, 2]), [4.0, math.nan, math.nan, 6.0])
     assert reported.synthesis(bare, [0]).shape == (0,)
 
 
-def test_figures_are_of_the_largest_torques_at_one_speed_and_rigid_elements_only_of_gears(silent: Findings) -> None:
+def test_figures_are_of_the_largest_torques_at_one_speed_and_rigid_elements_only_of_gears(
+    silent: Findings,
+) -> None:
     soft, wheels, stiff = elements(silent.system)
     assert (soft.ratio, wheels.ratio, stiff.ratio) == (1.0, 1.0, 2.0)
 
@@ -136,28 +158,42 @@ def test_figures_are_of_the_largest_torques_at_one_speed_and_rigid_elements_only
     assert worth((3.0, 1.0, 2.0), 2) == ["soft", "stiff"]
     assert worth((3.0, 5.0, 2.0), 1) == ["wheels"]
     rigid = silent.having(system=replace(silent.system, flexibility=np.array([0.0, 0.4, 0.0])))
-    assert [one.name for one in reported.worth_a_figure(rigid, dict.fromkeys((soft, wheels, stiff), 1.0), 9)] == [
-        "wheels", "stiff",
-    ]  # fmt: skip
+    assert [
+        one.name
+        for one in reported.worth_a_figure(rigid, dict.fromkeys((soft, wheels, stiff), 1.0), 9)
+    ] == [
+        "wheels",
+        "stiff",
+    ]
 
 
-def test_something_responds_where_a_line_excites_over_speed(solved: Findings, silent: Findings, bare: Findings) -> None:
+def test_something_responds_where_a_line_excites_over_speed(
+    solved: Findings, silent: Findings, bare: Findings
+) -> None:
     assert [reported.responds(one) for one in (solved, silent, bare)] == [True, False, False]
 
 
-def test_the_orders_of_the_synthesis_are_all_or_those_requested(solved: Findings, bare: Findings) -> None:
+def test_the_orders_of_the_synthesis_are_all_or_those_requested(
+    solved: Findings, bare: Findings
+) -> None:
     left = with_response(solved, left_out=solved.need(Response).lines[1:])
     assert [reported.orders_together(one) for one in (solved, left, bare)] == [
-        "all orders", "the orders requested", "all orders",
-    ]  # fmt: skip
+        "all orders",
+        "the orders requested",
+        "all orders",
+    ]
 
 
-def test_rounding_is_a_share_of_the_largest_torque_at_one_speed(found: Findings, silent: Findings, bare: Findings):
+def test_rounding_is_a_share_of_the_largest_torque_at_one_speed(
+    found: Findings, silent: Findings, bare: Findings
+):
     """The largest of the reliable ones are 0.3, 0.4 and 0.3 N m; at the reference 0.3, 0.8 and 0.3 N m."""
     np.testing.assert_allclose(reported.rounding(found), 1e-10 * 0.8 / RATIO, rtol=1e-12)
     mean = np.zeros((4, 3))
     mean[1], mean[3, 0] = [0.7, 0.1, -0.9], math.nan
-    np.testing.assert_allclose(reported.rounding(with_response(found, mean=mean)), 1e-10 * 0.9 / RATIO, rtol=1e-12)
+    np.testing.assert_allclose(
+        reported.rounding(with_response(found, mean=mean)), 1e-10 * 0.9 / RATIO, rtol=1e-12
+    )
     smaller = with_response(found, mean=mean / 2.0)
     np.testing.assert_allclose(reported.rounding(smaller), 1e-10 * 0.8 / RATIO, rtol=1e-12)
     unknown = with_response(found, status=np.full_like(STATUS, SINGULAR))
@@ -168,7 +204,9 @@ def test_rounding_is_a_share_of_the_largest_torque_at_one_speed(found: Findings,
 
 def test_what_is_less_than_rounding_in_every_span_is_nothing() -> None:
     values = np.array([3.0, 1.0, math.nan, 0.5, 2.0])
-    np.testing.assert_array_equal(reported.without(values, np.array([4.0, 1.0])), [3.0, 1.0, math.nan, 0.0, 2.0])
+    np.testing.assert_array_equal(
+        reported.without(values, np.array([4.0, 1.0])), [3.0, 1.0, math.nan, 0.0, 2.0]
+    )
 
 
 def test_unstable_ranges_in_rpm(silent: Findings) -> None:
@@ -180,8 +218,9 @@ def test_unstable_ranges_in_rpm(silent: Findings) -> None:
     none = np.empty(0)
     stable = Stability(none, none, none, none, none, ranges, none, "hill", 0.0, none, True)
     assert list(reported.unstable_rpm(silent.having(stability=stable))) == [
-        pytest.approx((100.0, 110.0)), pytest.approx((300.0, 305.0)),
-    ]  # fmt: skip
+        pytest.approx((100.0, 110.0)),
+        pytest.approx((300.0, 305.0)),
+    ]
 
 
 def test_the_checks_that_failed(silent: Findings) -> None:
@@ -189,17 +228,24 @@ def test_the_checks_that_failed(silent: Findings) -> None:
         Check("r", one, "x", "x", 1.0, 1.0, "", one, "setting")
         for one in ("pass", "fail", "not kept", "restricted", "not judged")
     ]
-    assert [one.clause for one in reported.failed(silent.having(checks=Checks(tuple(lines))))] == ["fail", "not kept"]
+    assert [one.clause for one in reported.failed(silent.having(checks=Checks(tuple(lines))))] == [
+        "fail",
+        "not kept",
+    ]
 
 
 @pytest.mark.parametrize(
     ("error", "words"),
     [
-        (0.0, None), (0.03449, "relative error as at most 3.4 %."), (1.0, "relative error as at most 100 %."),
+        (0.0, None),
+        (0.03449, "relative error as at most 3.4 %."),
+        (1.0, "relative error as at most 100 %."),
         (1.5, "error of the first-order joint model exceeds 100 %"),
     ],
-)  # fmt: skip
-def test_the_joint_model_states_its_largest_error(solved: Findings, error: float, words: str | None) -> None:
+)
+def test_the_joint_model_states_its_largest_error(
+    solved: Findings, error: float, words: str | None
+) -> None:
     size = np.zeros((3, 2))
     size[1], size[2, 0] = (error, error / 2.0), math.nan
     stated = reported.joint_model(with_response(solved, joint_error=size))

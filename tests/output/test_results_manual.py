@@ -17,7 +17,9 @@ def test_the_module_writes_the_pages(tmp_path: Path, monkeypatch: pytest.MonkeyP
     runpy.run_path(results_manual.__file__)
     assert not list(tmp_path.iterdir())
     runpy.run_path(results_manual.__file__, run_name="__main__")
-    assert {path.name: path.read_text("utf-8") for path in tmp_path.iterdir()} == results_manual.pages()
+    assert {
+        path.name: path.read_text("utf-8") for path in tmp_path.iterdir()
+    } == results_manual.pages()
 
 
 def test_every_key_stands_once_on_the_page_of_its_result() -> None:

@@ -24,21 +24,33 @@ from torsion.output.drawing.pens import stroke
 
 def row(curve: str, size: int, error: float, start: float, step: float) -> TimedRow:
     runs = range(5)
-    assembly, solve = tuple(start + i * step for i in runs), tuple(2.0 * start + 3.0 * i * step for i in runs)
+    assembly, solve = (
+        tuple(start + i * step for i in runs),
+        tuple(2.0 * start + 3.0 * i * step for i in runs),
+    )
     return TimedRow(curve, f"{size} pieces", size, (error / 4.0, error), assembly, solve)
 
 
 LUMPED = row("lumped, elimination", 8, 0.02, 1e-3, 1e-4)  # 3.0, 3.4, 3.8, 4.2, 4.6 ms
 FINER = row("lumped, elimination", 16, 5e-4, 2e-3, 2e-4)  # 6.0, 6.8, 7.6, 8.4, 9.2 ms
 FEM = row("fem, degree 3, dense", 4, 2e-5, 2.2e-3, 3e-4)  # 6.6, 7.8, 9.0, 10.2, 11.4 ms
-MODES = row("modal superposition, static correction", 5, 6e-4, 2.1e-3, 4e-4)  # 6.3, 7.9, 9.5, 11.1, 12.7 ms
+MODES = row(
+    "modal superposition, static correction", 5, 6e-4, 2.1e-3, 4e-4
+)  # 6.3, 7.9, 9.5, 11.1, 12.7 ms
 FEW = row("modal superposition", 2, math.inf, 1e-5, 1e-6)
 EXACT = row("exact", 1, 1e-9, 3e-3, 5e-4)  # 9, 11, 13, 15, 17 ms
 ROWS = (LUMPED, FINER, FEM, MODES, FEW, EXACT)
 QUANTITY = TimedQuantity(
-    "frequencies", "Natural frequencies", "Error of each.", "The exact model.", 2e-6, 120.0, ("mode 1", "mode 2"), ROWS,
+    "frequencies",
+    "Natural frequencies",
+    "Error of each.",
+    "The exact model.",
+    2e-6,
+    120.0,
+    ("mode 1", "mode 2"),
+    ROWS,
     ("not run: x",),
-)  # fmt: skip
+)
 TIMINGS = Timings(1e-3, (QUANTITY,), ("nothing to divide",), 7, (("CPU", "four cores"),))
 
 
@@ -56,25 +68,62 @@ def test_the_methods_that_no_other_beats_with_error_and_medians() -> None:
     )
     assert made.marks == ("", "pass", "", "")
     assert [(one.title, one.unit, one.short) for one in made.columns[3:]] == [
-        ("Median", "ms", "ms"), ("Assembly", "ms", "assembly"), ("Solve", "ms", "solve"), ("", "", ""),
-    ]  # fmt: skip
+        ("Median", "ms", "ms"),
+        ("Assembly", "ms", "assembly"),
+        ("Solve", "ms", "solve"),
+        ("", "", ""),
+    ]
     assert made.short == "Natural frequencies: no other method is both faster and more accurate"
 
 
 def test_errors_that_the_reference_does_not_resolve_make_no_method_better() -> None:
     made = tables(replace(TIMINGS, quantities=(replace(QUANTITY, bound=3e-5),)))[study.PARETO]
     assert [line[1] for line in made.rows] == ["8 pieces", "16 pieces", "4 pieces"]
-    assert [line[1] for line in study.best(replace(QUANTITY, bound=6e-4), 1e-3).rows] == ["8 pieces", "16 pieces"]
+    assert [line[1] for line in study.best(replace(QUANTITY, bound=6e-4), 1e-3).rows] == [
+        "8 pieces",
+        "16 pieces",
+    ]
 
 
 def test_the_table_of_all_runs_has_their_quartiles() -> None:
     made = tables(TIMINGS)["Natural frequencies: every method, every run"]
     assert [one.title for one in made.columns] == [
-        "Method", "Discretisation", "Error", "Least", "Quarter", "Median", "Three quarters", "Assembly", "Solve", "Runs"
-    ]  # fmt: skip
+        "Method",
+        "Discretisation",
+        "Error",
+        "Least",
+        "Quarter",
+        "Median",
+        "Three quarters",
+        "Assembly",
+        "Solve",
+        "Runs",
+    ]
     assert made.rows[:2] == (
-        ("lumped, elimination", "8 pieces", "2 %", "3.00", "3.40", "3.80", "4.20", "1.20", "2.60", "5"),
-        ("lumped, elimination", "16 pieces", "0.05 %", "6.00", "6.80", "7.60", "8.40", "2.40", "5.20", "5"),
+        (
+            "lumped, elimination",
+            "8 pieces",
+            "2 %",
+            "3.00",
+            "3.40",
+            "3.80",
+            "4.20",
+            "1.20",
+            "2.60",
+            "5",
+        ),
+        (
+            "lumped, elimination",
+            "16 pieces",
+            "0.05 %",
+            "6.00",
+            "6.80",
+            "7.60",
+            "8.40",
+            "2.40",
+            "5.20",
+            "5",
+        ),
     )
     assert made.rows[4][2] == "no value"
 
@@ -82,17 +131,26 @@ def test_the_table_of_all_runs_has_their_quartiles() -> None:
 def test_headings_and_sentences_of_a_quantity() -> None:
     made = study.blocks(TIMINGS)
     assert [one.text for one in made if isinstance(one, Heading)] == [
-        "What to take", "Natural frequencies", "How the times were taken", "All runs",
-    ]  # fmt: skip
+        "What to take",
+        "Natural frequencies",
+        "How the times were taken",
+        "All runs",
+    ]
     assert made[0] == Heading("What to take", at_end=True)
     words = "Natural frequencies. For 0.1 % up to 120 Hz: lumped, elimination, 16 pieces, 7.60 ms (error 0.05 %)."
-    assert made[1:3] == [Paragraph(words, "pass", brief=True), Points(("nothing to divide",), brief=True)]
+    assert made[1:3] == [
+        Paragraph(words, "pass", brief=True),
+        Points(("nothing to divide",), brief=True),
+    ]
     assert Paragraph("The exact model. Here it is 2.0·10⁻⁶.") in made
     assert Paragraph(study.MODAL) in made
     assert Points(("not run: x",)) in made
     assert made[-3] == KeyValues((("CPU", "four cores"),))
     how = next(one for one in made if isinstance(one, Points) and "warms up" in one.items[0])
-    assert "in 7 rounds, a fast one several times a round, one slower than 0.3 s in 3 of them" in how.items[0]
+    assert (
+        "in 7 rounds, a fast one several times a round, one slower than 0.3 s in 3 of them"
+        in how.items[0]
+    )
 
 
 def test_a_study_of_nothing_has_no_table() -> None:
@@ -102,7 +160,11 @@ def test_a_study_of_nothing_has_no_table() -> None:
 
 
 def test_without_a_superposition_and_remarks_nothing_is_said_of_them() -> None:
-    made = study.blocks(replace(TIMINGS, quantities=(replace(QUANTITY, rows=(LUMPED, EXACT), remarks=()),), remarks=()))
+    made = study.blocks(
+        replace(
+            TIMINGS, quantities=(replace(QUANTITY, rows=(LUMPED, EXACT), remarks=()),), remarks=()
+        )
+    )
     assert Paragraph(study.MODAL) not in made
     assert sum(isinstance(one, Points) for one in made) == 1
 
@@ -111,7 +173,9 @@ def test_where_no_method_keeps_the_tolerance_the_nearest_is_named() -> None:
     strict = replace(TIMINGS, tolerance=1e-10)
     words = "For 1.0·10⁻¹⁰ up to 120 Hz: no method that was run is as accurate; the nearest is exact, 1 pieces, 13.0 ms"
     assert study.recommendation(QUANTITY, 1e-10) == f"{words} (error 1.0·10⁻⁹)."
-    assert study.blocks(strict)[1] == Paragraph(f"Natural frequencies. {words} (error 1.0·10⁻⁹).", "fail", brief=True)
+    assert study.blocks(strict)[1] == Paragraph(
+        f"Natural frequencies. {words} (error 1.0·10⁻⁹).", "fail", brief=True
+    )
     made = tables(strict)[study.PARETO]
     assert [line[-1] for line in made.rows] == [""] * 4
     assert set(made.marks) == {""}
@@ -139,7 +203,9 @@ def test_at_most_three_are_named_as_fast(others: int, end: str) -> None:
 
 def test_a_reference_that_is_not_ten_times_as_good_as_the_tolerance_is_doubted() -> None:
     assert study.doubt(replace(QUANTITY, bound=0.0125), 0.125) == ""
-    words = "The bound of the reference, 1.26 %, is not a tenth of the tolerance: take more than that."
+    words = (
+        "The bound of the reference, 1.26 %, is not a tenth of the tolerance: take more than that."
+    )
     assert study.doubt(replace(QUANTITY, bound=0.0126), 0.125) == words
     doubted = replace(TIMINGS, quantities=(replace(QUANTITY, bound=0.0126),), tolerance=0.125)
     assert Paragraph(words, "note") in study.blocks(doubted)
@@ -148,10 +214,15 @@ def test_a_reference_that_is_not_ten_times_as_good_as_the_tolerance_is_doubted()
 @pytest.mark.parametrize(
     ("error", "text"),
     [
-        (1e-3, "0.1 %"), (0.25, "25 %"), (0.12345, "12.3 %"), (2.34e-9, "2.3·10⁻⁹"), (0.0, "0"), (1e-4, "0.01 %"),
+        (1e-3, "0.1 %"),
+        (0.25, "25 %"),
+        (0.12345, "12.3 %"),
+        (2.34e-9, "2.3·10⁻⁹"),
+        (0.0, "0"),
+        (1e-4, "0.01 %"),
         (math.inf, "no value"),
     ],
-)  # fmt: skip
+)
 def test_an_error_is_stated_as_people_read_it(error: float, text: str) -> None:
     assert study.share(error) == text
 
@@ -171,17 +242,23 @@ def test_the_figure_draws_every_method_with_its_quartiles() -> None:
     }
     lines = plot(figure).lines
     assert [line.name for line in lines] == [name for word in wanted for name in (word, "")]
-    for (median, low, high, error), drawn, spread in zip(wanted.values(), lines[::2], lines[1::2], strict=True):
+    for (median, low, high, error), drawn, spread in zip(
+        wanted.values(), lines[::2], lines[1::2], strict=True
+    ):
         np.testing.assert_allclose(drawn.x, median, rtol=1e-12)
         np.testing.assert_allclose(drawn.y, error, rtol=1e-12)
-        np.testing.assert_allclose(spread.x.reshape(-1, 3)[:, :2], np.column_stack([low, high]), rtol=1e-12)
+        np.testing.assert_allclose(
+            spread.x.reshape(-1, 3)[:, :2], np.column_stack([low, high]), rtol=1e-12
+        )
         np.testing.assert_allclose(spread.y, np.repeat(error, 3), rtol=1e-12)
 
 
 def test_the_csv_has_seconds_to_the_last_digit() -> None:
     (head, *lines) = csv.reader(study.csv_text(TIMINGS).splitlines())
     assert head == list(study.TITLES)
-    assert [line[:4] for line in lines] == [[*("frequencies", one.curve, one.division), str(one.size)] for one in ROWS]
+    assert [line[:4] for line in lines] == [
+        [*("frequencies", one.curve, one.division), str(one.size)] for one in ROWS
+    ]
     assert float(lines[4][4]) == math.inf
     assert [float(cell) for cell in lines[1][4:]] == pytest.approx(
         [5e-4, 6.0e-3, 6.8e-3, 7.6e-3, 8.4e-3, 2.4e-3, 5.2e-3, 5], rel=1e-12
@@ -195,30 +272,57 @@ def test_the_json_states_every_run_and_which_rows_are_best(bare: Findings) -> No
     stated = json.loads(text)
     assert stated["scene"]["name"] == "two discs"
     assert [stated[key] for key in ("tolerance", "rounds", "machine", "remarks")] == [
-        1e-3, 7, {"CPU": "four cores"}, ["nothing to divide"],
-    ]  # fmt: skip
+        1e-3,
+        7,
+        {"CPU": "four cores"},
+        ["nothing to divide"],
+    ]
     (one,) = stated["quantities"]
-    assert [one[key] for key in ("key", "title", "meaning", "reference", "highest_Hz", "errors_are_of", "remarks")] == [
-        "frequencies", "Natural frequencies", "Error of each.", {"what": "The exact model.", "bound": 2e-6}, 120.0,
-        ["mode 1", "mode 2"], ["not run: x"],
-    ]  # fmt: skip
+    assert [
+        one[key]
+        for key in (
+            "key",
+            "title",
+            "meaning",
+            "reference",
+            "highest_Hz",
+            "errors_are_of",
+            "remarks",
+        )
+    ] == [
+        "frequencies",
+        "Natural frequencies",
+        "Error of each.",
+        {"what": "The exact model.", "bound": 2e-6},
+        120.0,
+        ["mode 1", "mode 2"],
+        ["not run: x"],
+    ]
     assert one["recommendation"] == study.recommendation(QUANTITY, 1e-3)
     assert (one["recommended_row"], one["unbeaten_rows"]) == (1, [0, 1, 2, 5])
     assert (one["rows"][4]["error"], one["rows"][4]["errors"]) == (None, [None, None])
     second = one["rows"][1]
     assert [second[key] for key in ("method", "division", "size", "error", "errors")] == [
-        "lumped, elimination", "16 pieces", 16, 5e-4, [1.25e-4, 5e-4],
-    ]  # fmt: skip
+        "lumped, elimination",
+        "16 pieces",
+        16,
+        5e-4,
+        [1.25e-4, 5e-4],
+    ]
     keys = ("least_s", "quarter_s", "median_s", "three_quarters_s", "runs")
     for key, numbers in (
         ("total", [6, 6.8, 7.6, 8.4]),
         ("assembly", [2, 2.2, 2.4, 2.6]),
         ("solve", [4, 4.6, 5.2, 5.8]),
     ):
-        assert second[key] == pytest.approx(dict(zip(keys, (*(1e-3 * n for n in numbers), 5), strict=True)))
+        assert second[key] == pytest.approx(
+            dict(zip(keys, (*(1e-3 * n for n in numbers), 5), strict=True))
+        )
     assert second["assembly_s"] == list(FINER.assembly)
     assert second["solve_s"] == list(FINER.solve)
-    unmatched = json.loads(study.json_text(bare, replace(TIMINGS, tolerance=1e-10)))["quantities"][0]
+    unmatched = json.loads(study.json_text(bare, replace(TIMINGS, tolerance=1e-10)))["quantities"][
+        0
+    ]
     assert unmatched["recommended_row"] is None
 
 
@@ -231,7 +335,11 @@ def test_the_json_is_finite_and_keeps_its_letters(bare: Findings) -> None:
 def test_three_files_are_written_with_the_date(bare: Findings, tmp_path: Path) -> None:
     made = study.write_study(bare, TIMINGS, tmp_path, today=date(2024, 2, 3))
     assert made.body[0].block == Heading("What to take", at_end=True)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["study.csv", "study.html", "study.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "study.csv",
+        "study.html",
+        "study.json",
+    ]
     assert "2024-02-03" in (tmp_path / "study.html").read_text(encoding="utf-8")
     assert (tmp_path / "study.csv").read_text(encoding="utf-8") == study.csv_text(TIMINGS)
     assert (tmp_path / "study.json").read_text(encoding="utf-8") == study.json_text(bare, TIMINGS)
@@ -243,7 +351,9 @@ def test_without_a_date_that_of_today_stands_on_the_cover(bare: Findings, tmp_pa
     assert before.isoformat() <= dict(made.cover.facts)["Date"] <= date.today().isoformat()
 
 
-def test_methods_of_integration_differ_in_symbol_or_dashes_from_each_other_and_from_the_recommended_point() -> None:
+def test_methods_of_integration_differ_in_symbol_or_dashes_from_each_other_and_from_the_recommended_point() -> (
+    None
+):
     rows = tuple(row(name, 8, 0.02, 1e-3, 1e-4) for name in study.INTEGRATIONS)
     (figure,) = [
         one

@@ -15,7 +15,10 @@ from torsion.output.document import Document, document
 from torsion.output.html import html
 from torsion.output.pdf import pdf
 
-CHROMIUM, READER = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("pdftotext")
+CHROMIUM, READER = (
+    shutil.which("chromium") or shutil.which("google-chrome"),
+    shutil.which("pdftotext"),
+)
 FRONT = """document:
   {vessel: "Example <Star>", yard: "Yard #1", imo_number: 9074729, society: 'A "B" \\ C', revision: B,
    document_number: "TVC_{1} 100 %", prepared: "A. & B.", logo: logo.png}
@@ -48,10 +51,13 @@ def every_page_is_marked(found: list[str], made: Document, identity: str) -> Non
 
 @needs_reader
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on the path")
-def test_a_browser_prints_number_revision_origin_and_page_on_every_page(submission: Document, tmp_path: Path) -> None:
+def test_a_browser_prints_number_revision_origin_and_page_on_every_page(
+    submission: Document, tmp_path: Path
+) -> None:
     for name, made, identity in (
-        ("with", submission, "TVC_{1} 100 % · revision B"), ("without", document(solved(BARE)), "two discs"),
-    ):  # fmt: skip
+        ("with", submission, "TVC_{1} 100 % · revision B"),
+        ("without", document(solved(BARE)), "two discs"),
+    ):
         (tmp_path / f"{name}.html").write_text(html(made), encoding="utf-8")
         target = tmp_path / f"{name}.pdf"
         command = [
@@ -67,19 +73,44 @@ def test_a_browser_prints_number_revision_origin_and_page_on_every_page(submissi
 
 
 @needs_reader
-def test_the_pdf_has_number_revision_origin_and_page_on_every_page(submission: Document, tmp_path: Path) -> None:
-    for made, identity in ((submission, "TVC_{1} 100 % · revision B"), (document(solved(BARE)), "two discs")):
+def test_the_pdf_has_number_revision_origin_and_page_on_every_page(
+    submission: Document, tmp_path: Path
+) -> None:
+    for made, identity in (
+        (submission, "TVC_{1} 100 % · revision B"),
+        (document(solved(BARE)), "two discs"),
+    ):
         (tmp_path / "a.pdf").write_bytes(pdf(made))
         every_page_is_marked(pages(tmp_path / "a.pdf"), made, identity)
 
 
 @needs_reader
-def test_the_cover_has_all_of_the_front_matter_and_lines_to_sign(submission: Document, tmp_path: Path) -> None:
+def test_the_cover_has_all_of_the_front_matter_and_lines_to_sign(
+    submission: Document, tmp_path: Path
+) -> None:
     (tmp_path / "a.pdf").write_bytes(pdf(submission))
-    first, page = " ".join(pages(tmp_path / "a.pdf")[:2]), html(submission)  # the facts stand behind the first page
-    for text in ("Example <Star>", "Yard #1", "9074729", 'A "B" \\ C', "Prepared", "A. & B.", "Checked", "Approved"):
+    first, page = (
+        " ".join(pages(tmp_path / "a.pdf")[:2]),
+        html(submission),
+    )  # the facts stand behind the first page
+    for text in (
+        "Example <Star>",
+        "Yard #1",
+        "9074729",
+        'A "B" \\ C',
+        "Prepared",
+        "A. & B.",
+        "Checked",
+        "Approved",
+    ):
         assert text in first
-        assert text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&#34;") in page
+        assert (
+            text.replace("&", "&amp;")
+            .replace("<", "&lt;")
+            .replace(">", "&gt;")
+            .replace('"', "&#34;")
+            in page
+        )
     assert first.count("date, signature") == page.count("date, signature") == 3
     assert '<img class="logo" alt="" src="data:image/png;base64,' in page
     assert "date, signature" not in html(document(solved(BARE)))
@@ -93,7 +124,9 @@ def test_the_origin_is_the_beginning_of_the_checksum_of_the_input(submission: Do
 @pytest.mark.parametrize("content", [SVG, PNG], ids=["svg", "png"])
 def test_a_logo_is_set_in_the_pdf(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "logo").write_bytes(content)
-    (tmp_path / "scene.yaml").write_text(BARE.replace("train:", "document: {logo: logo}\ntrain:"), encoding="utf-8")
+    (tmp_path / "scene.yaml").write_text(
+        BARE.replace("train:", "document: {logo: logo}\ntrain:"), encoding="utf-8"
+    )
     made = document(torsion.run(torsion.read(tmp_path / "scene.yaml")))
     assert pdf(made).startswith(b"%PDF-")
     assert not made.cover.numbered
@@ -105,6 +138,7 @@ def test_a_logo_that_a_pdf_cannot_show_is_said_at_its_place(tmp_path: Path) -> N
     file = tmp_path / "scene.yaml"
     file.write_text(BARE.replace("train:", "document: {logo: logo}\ntrain:"), encoding="utf-8")
     with pytest.raises(
-        torsion.InputError, match=r"scene.yaml:2:18: the pdf cannot be made: this picture cannot be set in a PDF"
+        torsion.InputError,
+        match=r"scene.yaml:2:18: the pdf cannot be made: this picture cannot be set in a PDF",
     ):
         torsion.solve(file, tmp_path / "out", pdf=True)

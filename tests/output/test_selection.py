@@ -12,7 +12,17 @@ from torsion.output.blocks import Heading, Table
 from torsion.output.chapters.declared_results import chapter
 from torsion.output.numbers import Scale
 from torsion.output.reported_values import barred
-from torsion.output.selection import NO_VALUE, Selection, damps, elements, highest, largest, strongest, torques, worst
+from torsion.output.selection import (
+    NO_VALUE,
+    Selection,
+    damps,
+    elements,
+    highest,
+    largest,
+    strongest,
+    torques,
+    worst,
+)
 from torsion.results import Quantity, reported, result
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
@@ -68,8 +78,10 @@ def test_the_strongest_curves_stand_in_their_own_order() -> None:
 def test_a_lossy_or_a_viscous_coupling_damps() -> None:
     system = torsion.assemble(torsion.parse(TRAIN).train)
     assert [(one.name, damps(system, one)) for one in elements(system)] == [
-        ("lossy", True), ("viscous", True), ("elastic", False),
-    ]  # fmt: skip
+        ("lossy", True),
+        ("viscous", True),
+        ("elastic", False),
+    ]
 
 
 def test_the_largest_of_an_element_is_that_of_all_its_segments() -> None:
@@ -79,7 +91,10 @@ def test_the_largest_of_an_element_is_that_of_all_its_segments() -> None:
     (element,) = elements(system)
     assert len(element.spans) == 3
     assert element.largest(np.array([[1.0, 7.0, 2.0], [5.0, 4.0, 3.0]])).tolist() == [7.0, 5.0]
-    assert element.largest(np.arange(24.0).reshape(2, 4, 3)[:, :, ::-1]).tolist() == [[2, 5, 8, 11], [14, 17, 20, 23]]
+    assert element.largest(np.arange(24.0).reshape(2, 4, 3)[:, :, ::-1]).tolist() == [
+        [2, 5, 8, 11],
+        [14, 17, 20, 23],
+    ]
 
 
 SEGMENTS = """
@@ -95,10 +110,15 @@ train:
 
 def test_what_is_listed_of_a_shaft_in_segments_are_its_ends_and_its_name() -> None:
     chosen = Selection(torsion.assemble(torsion.parse(SEGMENTS).train))
-    assert [(one.name, list(one.spans)) for one in chosen.elements] == [("tube", [1, 2, 3]), ("soft", [0])]
+    assert [(one.name, list(one.spans)) for one in chosen.elements] == [
+        ("tube", [1, 2, 3]),
+        ("soft", [0]),
+    ]
     assert [chosen.positions(axis) for axis in ("element", "named station", "end span")] == [
-        ["tube", "soft"], [0, 1, 2], [0, 1, 3],
-    ]  # fmt: skip
+        ["tube", "soft"],
+        [0, 1, 2],
+        [0, 1, 3],
+    ]
 
 
 @pytest.mark.parametrize(
@@ -119,13 +139,18 @@ def test_values_over_spans_are_reduced_to_elements_or_their_ends(axes, printed, 
 def test_values_over_stations_are_reduced_to_those_that_are_named() -> None:
     chosen = Selection(torsion.assemble(torsion.parse(SEGMENTS).train))
     values = np.array([[1.0, 2.0, 3.0, 4.0, 5.0]])
-    for printed, wanted in (("named station", [1.0, 2.0, 3.0]), ("station", [1.0, 2.0, 3.0, 4.0, 5.0])):
+    for printed, wanted in (
+        ("named station", [1.0, 2.0, 3.0]),
+        ("station", [1.0, 2.0, 3.0, 4.0, 5.0]),
+    ):
         quantity = Quantity("", ("speed", "station"), "", printed=("speed", printed))
         assert chosen.reduced(values, quantity, quantity.axes).tolist() == [wanted]
         assert chosen.reduced(values[0], quantity, ("station",)).tolist() == wanted
 
 
-def test_points_that_are_rigidly_joined_have_no_element_between_them_but_a_rigid_mesh_is_one() -> None:
+def test_points_that_are_rigidly_joined_have_no_element_between_them_but_a_rigid_mesh_is_one() -> (
+    None
+):
     text = """
 name: x
 train:
@@ -138,10 +163,14 @@ train:
     system = torsion.assemble(torsion.parse(text).train)
     made = elements(system)
     assert [(one.name, one.kind, one.part, one.ratio) for one in made] == [
-        ("mesh", "gear", 0, 1.0), ("stiff", "coupling", 3, 0.5),
-    ]  # fmt: skip
+        ("mesh", "gear", 0, 1.0),
+        ("stiff", "coupling", 3, 0.5),
+    ]
     assert [list(one.spans) for one in made] == [
-        [index] for name in ("mesh", "stiff") for index, span in enumerate(system.spans) if span.name == name
+        [index]
+        for name in ("mesh", "stiff")
+        for index, span in enumerate(system.spans)
+        if span.name == name
     ]
 
 
@@ -152,20 +181,32 @@ def test_places_of_an_axis_without_names_count_from_one() -> None:
     single, by_mode = (block for block in blocks if isinstance(block, Table))
     assert single.rows == (("count", "2", "", "how many"),)
     assert by_mode.rows == (("1", "3.0000"), ("2", "4.0000"))
-    assert [(column.title, column.unit) for column in by_mode.columns] == [("Mode", ""), ("of every mode", "m")]
+    assert [(column.title, column.unit) for column in by_mode.columns] == [
+        ("Mode", ""),
+        ("of every mode", "m"),
+    ]
 
 
 @pytest.mark.parametrize("number", [1, 2])
 def test_the_number_of_a_mode_heads_its_share(number: int) -> None:
     from torsion.output.chapters import chapters
 
-    tables = [block for block in chapters(torsion.run(torsion.parse(TRAIN))) if isinstance(block, Table)]
+    tables = [
+        block for block in chapters(torsion.run(torsion.parse(TRAIN))) if isinstance(block, Table)
+    ]
     shares = next(one for one in tables if "Shares of the kinetic" in one.caption)
     assert shares.columns[number].title == f"Mode {number}"
 
 
 def test_barred_ranges_stand_once_in_rising_order() -> None:
-    ranges = [BarredRange(lower, upper, 0.0, "tail") for lower, upper in ((20.0, 30.0), (10.0, 25.0), (10.0, 15.0))]
+    ranges = [
+        BarredRange(lower, upper, 0.0, "tail")
+        for lower, upper in ((20.0, 30.0), (10.0, 25.0), (10.0, 15.0))
+    ]
     line = Check("r", "c", "tail", "x", 1.0, 1.0, "", "pass", "setting", barred=tuple(ranges))
     found = torsion.run(torsion.parse(TRAIN)).having(checks=Checks((line, line)))
-    assert [(one.lower, one.upper) for one in barred(found)] == [(10.0, 15.0), (10.0, 25.0), (20.0, 30.0)]
+    assert [(one.lower, one.upper) for one in barred(found)] == [
+        (10.0, 15.0),
+        (10.0, 25.0),
+        (20.0, 30.0),
+    ]

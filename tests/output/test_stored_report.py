@@ -44,18 +44,24 @@ class Outer:
 
 def there_and_back(value: Any) -> Any:
     arrays = Arrays()
-    data = json.loads(json.dumps([plain(value, arrays, {Inner, Other}), arrays.kept], allow_nan=False))
+    data = json.loads(
+        json.dumps([plain(value, arrays, {Inner, Other}), arrays.kept], allow_nan=False)
+    )
     return restored(type(value), data[0], Arrays(data[1]))
 
 
 @pytest.mark.parametrize(
     "value",
     [
-        Outer(Inner(1.5)), Outer(Other(1.5)), Outer(Inner(-0.0, "ψ\u2028\"'"), "limit"),
+        Outer(Inner(1.5)),
+        Outer(Other(1.5)),
+        Outer(Inner(-0.0, "ψ\u2028\"'"), "limit"),
         Outer(Other(3.0), 7, flag=True),
-        Outer(Other(0.1), pairs=((1e-320, "a"), (2.0, ""))), Outer(Other(math.inf)), Outer(Other(-math.inf)),
+        Outer(Other(0.1), pairs=((1e-320, "a"), (2.0, ""))),
+        Outer(Other(math.inf)),
+        Outer(Other(-math.inf)),
     ],
-)  # fmt: skip
+)
 def test_a_value_of_every_type_comes_back(value: Outer) -> None:
     back = there_and_back(value)
     assert back == value
@@ -69,11 +75,18 @@ def test_what_is_no_number_comes_back_as_such() -> None:
 @pytest.mark.parametrize(
     "array",
     [
-        np.array([0.1, -0.0, np.nan, np.inf, 5e-324]), np.zeros(0), np.zeros((0, 3)), np.arange(12.0).reshape(3, 4).T,
-        np.arange(5), np.array([True, False]), np.arange(6.0)[::-2], np.array(2.5), np.arange(3, dtype=np.int32),
+        np.array([0.1, -0.0, np.nan, np.inf, 5e-324]),
+        np.zeros(0),
+        np.zeros((0, 3)),
+        np.arange(12.0).reshape(3, 4).T,
+        np.arange(5),
+        np.array([True, False]),
+        np.arange(6.0)[::-2],
+        np.array(2.5),
+        np.arange(3, dtype=np.int32),
     ],
     ids=lambda array: f"{array.dtype}{array.shape}",
-)  # fmt: skip
+)
 def test_every_bit_of_an_array_comes_back(array: np.ndarray) -> None:
     found = there_and_back(Outer(Other(1.0), values=array)).values
     assert found.shape == array.shape
@@ -83,7 +96,9 @@ def test_every_bit_of_an_array_comes_back(array: np.ndarray) -> None:
 
 def test_an_array_is_kept_once_and_comes_back_as_one() -> None:
     arrays, x = Arrays(), np.linspace(0.0, 1.0, 50)
-    data = [plain(Outer(Other(size), values=x.copy()), arrays, {Inner, Other}) for size in (1.0, 2.0)]
+    data = [
+        plain(Outer(Other(size), values=x.copy()), arrays, {Inner, Other}) for size in (1.0, 2.0)
+    ]
     assert len(arrays.kept) == 1
     kept = Arrays(arrays.kept)
     first, second = (restored(Outer, values, kept) for values in data)
@@ -93,14 +108,23 @@ def test_an_array_is_kept_once_and_comes_back_as_one() -> None:
 @pytest.mark.parametrize(
     "data",
     [
-        {}, [], None, {"either": {"Other": {"size": 1}}, "more": 1}, {"either": {"size": 1}}, {"either": {"Third": {}}},
-        {"either": {"Other": {"size": "x"}}}, {"either": {"Other": {"size": []}}},
-        {"either": {"Other": {"size": 1}}, "pen": 1.5}, {"either": {"Other": {"size": 1}}, "pen": "other"},
-        {"either": {"Other": {"size": 1}, "Inner": {"size": 1}}}, {"either": {"Other": {"size": 1}}, "pairs": [[1]]},
-        {"either": {"Other": {"size": 1}}, "values": 0}, {"either": {"Other": {"size": 1}}, "values": -1},
+        {},
+        [],
+        None,
+        {"either": {"Other": {"size": 1}}, "more": 1},
+        {"either": {"size": 1}},
+        {"either": {"Third": {}}},
+        {"either": {"Other": {"size": "x"}}},
+        {"either": {"Other": {"size": []}}},
+        {"either": {"Other": {"size": 1}}, "pen": 1.5},
+        {"either": {"Other": {"size": 1}}, "pen": "other"},
+        {"either": {"Other": {"size": 1}, "Inner": {"size": 1}}},
+        {"either": {"Other": {"size": 1}}, "pairs": [[1]]},
+        {"either": {"Other": {"size": 1}}, "values": 0},
+        {"either": {"Other": {"size": 1}}, "values": -1},
         {"either": {"Other": {"size": 1}}, "flag": 2},
     ],
-)  # fmt: skip
+)
 def test_what_the_types_do_not_allow_is_refused(data: Any) -> None:
     with pytest.raises(ValueError, match=r"\w"):
         restored(Outer, data, Arrays())
@@ -109,10 +133,18 @@ def test_what_the_types_do_not_allow_is_refused(data: Any) -> None:
 @pytest.mark.parametrize(
     ("key", "value"),
     [
-        ("type", "O"), ("type", "<f4"), ("shape", [4]), ("shape", [-5]), ("shape", [10**12]), ("shape", [5.0]),
-        ("bytes", "????"), ("bytes", "AAAA"), ("shape", [6]), ("bytes", 5),
+        ("type", "O"),
+        ("type", "<f4"),
+        ("shape", [4]),
+        ("shape", [-5]),
+        ("shape", [10**12]),
+        ("shape", [5.0]),
+        ("bytes", "????"),
+        ("bytes", "AAAA"),
+        ("shape", [6]),
+        ("bytes", 5),
     ],
-)  # fmt: skip
+)
 def test_a_damaged_array_is_refused(key: str, value: Any) -> None:
     arrays = Arrays()
     arrays.place(np.arange(5.0))
@@ -128,7 +160,9 @@ def kept_in(folder: Path, made: Document) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("report", ["solve", "joint"])
-def test_a_report_with_every_sort_of_figure_is_drawn_the_same(report: str, train: Findings, tmp_path: Path) -> None:
+def test_a_report_with_every_sort_of_figure_is_drawn_the_same(
+    report: str, train: Findings, tmp_path: Path
+) -> None:
     made = document(train, report=REPORTS[report])
     kept_in(tmp_path, made)
     assert html(opened(tmp_path)) == html(made)
@@ -145,19 +179,31 @@ def test_the_figures_of_an_engine_and_what_misfires_are_drawn_the_same(tmp_path:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("name: a scene\n", r"is not JSON \(line 1, column 1\)"), ('{"report": NaN}', "is not JSON"),
+        ("name: a scene\n", r"is not JSON \(line 1, column 1\)"),
+        ('{"report": NaN}', "is not JSON"),
         ("[" * 10**6, "is not JSON"),
-        ("{}", "holds no report"), ("[1]", "holds no report"), ('{"report": 5}', "holds no report"),
-        ('{"report": {"format": 2, "program": "9.0"}}', r"format 2 of torsion 9.0; this is torsion .* reads format 1"),
+        ("{}", "holds no report"),
+        ("[1]", "holds no report"),
+        ('{"report": 5}', "holds no report"),
+        (
+            '{"report": {"format": 2, "program": "9.0"}}',
+            r"format 2 of torsion 9.0; this is torsion .* reads format 1",
+        ),
         ('{"report": {"format": 1, "content": {}, "sha256": ""}}', "damaged or was changed"),
         ('{"report": {"format": 0, "content": {}, "sha256": ""}}', "damaged or was changed"),
-        ("1" * 5000, "is not JSON"), ('{"report": {"format": 1, "content": {"a": 1e999}}}', "is none to torsion"),
+        ("1" * 5000, "is not JSON"),
+        ('{"report": {"format": 1, "content": {"a": 1e999}}}', "is none to torsion"),
         ('{"a": 1,\n"report": {"format": 1, "content": {"a": 1e999}}\n}\n', "is none to torsion"),
-        ('{"a": 1,\n"report": {"format": 1, "content": {"a": "\\ud800"}}\n}\n', "damaged or was changed"),
+        (
+            '{"a": 1,\n"report": {"format": 1, "content": {"a": "\\ud800"}}\n}\n',
+            "damaged or was changed",
+        ),
     ],
     ids=range(13),
-)  # fmt: skip
-def test_a_foreign_or_damaged_file_is_refused_in_words(text: str, words: str, tmp_path: Path) -> None:
+)
+def test_a_foreign_or_damaged_file_is_refused_in_words(
+    text: str, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "results.json").write_text(text, encoding="utf-8")
     with pytest.raises(torsion.InputError, match=words):
         opened(tmp_path)
@@ -184,13 +230,16 @@ def test_a_figure_that_was_changed_by_hand_is_noticed(bare: Findings, tmp_path: 
 def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     """Every place in nested lists and mappings."""
     yield path
-    for step in data if isinstance(data, dict) else range(len(data)) if isinstance(data, list) else ():
+    for step in (
+        data if isinstance(data, dict) else range(len(data)) if isinstance(data, list) else ()
+    ):
         yield from places(data[step], (*path, step))
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize(
-    ("begin", "instead"), list(enumerate([None, 7, -1, "x", [], {}, [[]], True, "inf", "nan", "\ud800", "\x1b[31m"]))
+    ("begin", "instead"),
+    list(enumerate([None, 7, -1, "x", [], {}, [[]], True, "inf", "nan", "\ud800", "\x1b[31m"])),
 )
 def test_whatever_stands_in_its_place_there_is_a_report_or_a_refusal(
     begin: int, instead: Any, bare: Findings, tmp_path: Path
@@ -223,7 +272,9 @@ def test_whatever_stands_in_its_place_there_is_a_report_or_a_refusal(
 
 
 def test_nothing_of_a_foreign_report_is_anything_but_text(nasty: str, tmp_path: Path) -> None:
-    made = Document(Cover(nasty, nasty, ((nasty, nasty),), nasty, nasty, nasty, ((nasty, nasty),)), ())
+    made = Document(
+        Cover(nasty, nasty, ((nasty, nasty),), nasty, nasty, nasty, ((nasty, nasty),)), ()
+    )
     kept_in(tmp_path, made)
     page = html(opened(tmp_path))
     assert "<b>#1" not in page

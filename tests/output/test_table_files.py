@@ -26,11 +26,19 @@ train: [disc: {name: "a, b", inertia: 1.5e-9}, coupling: {stiffness: 6e5, source
 def test_every_table_with_a_number_is_a_file_with_its_rows(tmp_path: Path) -> None:
     found = torsion.run(torsion.parse(TEXT))
     made = document(found)
-    stated = {item.number: item.block for item in made.body if isinstance(item.block, Table) and item.number}
+    stated = {
+        item.number: item.block
+        for item in made.body
+        if isinstance(item.block, Table) and item.number
+    }
     with zipfile.ZipFile(io.BytesIO(archive(made))) as files:
-        assert sorted(files.namelist()) == sorted(f"{name.lower().replace(' ', '-')}.csv" for name in stated)
+        assert sorted(files.namelist()) == sorted(
+            f"{name.lower().replace(' ', '-')}.csv" for name in stated
+        )
         for name, table in stated.items():
-            caption, *lines = files.read(f"{name.lower().replace(' ', '-')}.csv").decode().splitlines()
+            caption, *lines = (
+                files.read(f"{name.lower().replace(' ', '-')}.csv").decode().splitlines()
+            )
             assert caption == f"# {name}: {table.caption}"
             head, *rows = csv.reader(lines)
             assert len(head) == len(table.columns)
@@ -44,7 +52,9 @@ def test_every_table_with_a_number_is_a_file_with_its_rows(tmp_path: Path) -> No
     assert zipfile.is_zipfile(tmp_path / "tables.zip")
 
 
-@pytest.mark.parametrize("scene", ["haixun_06402", "usv", "cardan_bearings", "twin_motor_ferry", "dredge_pump_line"])
+@pytest.mark.parametrize(
+    "scene", ["haixun_06402", "usv", "cardan_bearings", "twin_motor_ferry", "dredge_pump_line"]
+)
 def test_the_archive_of_a_report_holds_all_of_its_tables_and_all_of_their_cells(scene: str) -> None:
     found = torsion.run(torsion.read(SCENES[scene]))
     tables = [block for block in chapters(found) if isinstance(block, Table)]
@@ -53,4 +63,6 @@ def test_the_archive_of_a_report_holds_all_of_its_tables_and_all_of_their_cells(
     assert len(tables) == len(written) > 15
     for table, (caption, _, *lines) in zip(tables, written, strict=True):
         assert caption.endswith(f": {one_line(table.caption)}")
-        assert list(csv.reader(lines)) == [[plain_figure(cell) for cell in row] for row in table.rows]
+        assert list(csv.reader(lines)) == [
+            [plain_figure(cell) for cell in row] for row in table.rows
+        ]

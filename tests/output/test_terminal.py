@@ -17,7 +17,11 @@ from torsion.output.numbers import number
 from torsion.output.terminal import progress, screen, show
 from torsion.rules.verdict_line import Checks
 
-COLUMNS = (Column("Shaft", short="shaft", align="left"), Column("Left out"), Column("Torque", "N m", short="N m"))
+COLUMNS = (
+    Column("Shaft", short="shaft", align="left"),
+    Column("Left out"),
+    Column("Torque", "N m", short="N m"),
+)
 
 
 def printed(blocks: Sequence[Block], findings: Findings, width: int = 60) -> list[str]:
@@ -31,11 +35,18 @@ def printed(blocks: Sequence[Block], findings: Findings, width: int = 60) -> lis
 
 
 def table(rows: int) -> Table:
-    return Table(COLUMNS, tuple((f"s{k}", "no", f"{k}.5") for k in range(rows)), "caption", short="All of tau_{C}")
+    return Table(
+        COLUMNS,
+        tuple((f"s{k}", "no", f"{k}.5") for k in range(rows)),
+        "caption",
+        short="All of tau_{C}",
+    )
 
 
 @pytest.mark.parametrize(("rows", "more"), [(12, None), (13, 1), (15, 3)])
-def test_twelve_rows_of_a_table_are_shown_and_the_others_counted(bare: Findings, rows: int, more: int | None) -> None:
+def test_twelve_rows_of_a_table_are_shown_and_the_others_counted(
+    bare: Findings, rows: int, more: int | None
+) -> None:
     lines = printed([table(rows)], bare)
     assert lines[:2] == ["scene", "All of tau_C"]
     assert lines[2].split() == ["shaft", "N", "m"]
@@ -45,26 +56,47 @@ def test_twelve_rows_of_a_table_are_shown_and_the_others_counted(bare: Findings,
     assert behind == ("" if more is None else f"and {more} more rows in the report")
 
 
-def test_a_table_begins_at_the_edge_with_words_to_the_left_and_numbers_to_the_right(bare: Findings) -> None:
+def test_a_table_begins_at_the_edge_with_words_to_the_left_and_numbers_to_the_right(
+    bare: Findings,
+) -> None:
     _, _, head, _, first, *_, last = printed([table(11)], bare)
-    assert [line.index(word) for line, word in ((head, "shaft"), (first, "s0"), (last, "s10"))] == [1, 1, 1]
+    assert [line.index(word) for line, word in ((head, "shaft"), (first, "s0"), (last, "s10"))] == [
+        1,
+        1,
+        1,
+    ]
     assert len(head) == len(first) == len(last)
 
 
-def test_only_what_is_brief_stands_there_and_what_belongs_at_the_end_comes_last(bare: Findings) -> None:
+def test_only_what_is_brief_stands_there_and_what_belongs_at_the_end_comes_last(
+    bare: Findings,
+) -> None:
     blocks = [
-        Heading("Verdict", at_end=True), Paragraph("passed", "pass", brief=True), Heading("A section", 2),
-        Paragraph("with care", brief=True), Heading("Loads"), Paragraph("not here"), Points(("nor here",)),
-        Points(("one", "tau_{C} two"), brief=True), Table(COLUMNS, (), short="Empty"),
+        Heading("Verdict", at_end=True),
+        Paragraph("passed", "pass", brief=True),
+        Heading("A section", 2),
+        Paragraph("with care", brief=True),
+        Heading("Loads"),
+        Paragraph("not here"),
+        Points(("nor here",)),
+        Points(("one", "tau_{C} two"), brief=True),
+        Table(COLUMNS, (), short="Empty"),
         Table(COLUMNS, (("x", "y", "1"),)),
-    ]  # fmt: skip
+    ]
     assert printed(blocks, bare) == ["scene", "- one", "- tau_C two", "passed", "with care"]
 
 
 @pytest.mark.parametrize(
-    ("word", "kept"), [("abcdefghijklmnopqrst", "abcdefghijk…"), ("abcdefghijkl", "abcdefghijkl"), ("abcdef", "abcdef")]
+    ("word", "kept"),
+    [
+        ("abcdefghijklmnopqrst", "abcdefghijk…"),
+        ("abcdefghijkl", "abcdefghijkl"),
+        ("abcdef", "abcdef"),
+    ],
 )
-def test_a_narrow_terminal_cuts_words_to_twelve_letters_and_no_number(bare: Findings, word: str, kept: str) -> None:
+def test_a_narrow_terminal_cuts_words_to_twelve_letters_and_no_number(
+    bare: Findings, word: str, kept: str
+) -> None:
     columns = (Column("A", short="A", align="left"), Column("C", short="C"))
     rows = ((word, "≥ 12345678.90123"), ("x", "2 ∠ 40°"))
     lines = printed([Table(columns, rows, short="t")], bare, width=len(kept) + 21)
@@ -72,7 +104,9 @@ def test_a_narrow_terminal_cuts_words_to_twelve_letters_and_no_number(bare: Find
     assert lines[-1].split() == ["x", "2", "∠", "40°"]
 
 
-def test_the_longest_word_of_a_column_stays_whole_beside_another_of_many_short_ones(bare: Findings) -> None:
+def test_the_longest_word_of_a_column_stays_whole_beside_another_of_many_short_ones(
+    bare: Findings,
+) -> None:
     columns = (Column("A", short="A", align="left"), Column("B", short="B", align="left"))
     rows = (("abcdefghijkl", "aa bb cc dd ee ff"), ("x", "y"))
     text = "\n".join(printed([Table(columns, rows, short="t")], bare, width=20))
@@ -86,14 +120,23 @@ def test_a_column_of_empty_words_is_printed(bare: Findings) -> None:
 
 def test_marks_colour_the_last_cell_of_their_row(bare: Findings) -> None:
     stream = io.StringIO()
-    marked = Table(COLUMNS, (("a", "", "1"), ("b", "", "2"), ("c", "", "3")), short="t", marks=("", "fail", "pass"))
+    marked = Table(
+        COLUMNS,
+        (("a", "", "1"), ("b", "", "2"), ("c", "", "3")),
+        short="t",
+        marks=("", "fail", "pass"),
+    )
     made = Document(Cover("title", "scene", ()), tuple(numbered([marked])))
-    Console(file=stream, width=60, force_terminal=True, color_system="standard").print(*screen(made)[1:])
+    Console(file=stream, width=60, force_terminal=True, color_system="standard").print(
+        *screen(made)[1:]
+    )
     text = stream.getvalue()
     assert re.findall(r"\x1b\[([\d;]+)m +(\d)\x1b", text) == [("1;31", "2"), ("32", "3")]
 
 
-def test_the_place_of_the_page_and_the_time_stand_last(bare: Findings, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_place_of_the_page_and_the_time_stand_last(
+    bare: Findings, capsys: pytest.CaptureFixture[str]
+) -> None:
     stream = io.StringIO()
     show(document(bare), Path("out"), Console(file=stream, width=100, color_system=None))
     *_, steps, place = stream.getvalue().splitlines()
@@ -105,36 +148,53 @@ def test_the_place_of_the_page_and_the_time_stand_last(bare: Findings, capsys: p
     assert "Report:" not in stream.getvalue().splitlines()[-2]
 
 
-def test_progress_leaves_nothing_behind(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_progress_leaves_nothing_behind(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("COLUMNS", "100")
     with progress() as report:
         report("modes", 0.5)
     error = capsys.readouterr().err
     assert "modes" in error
-    assert error.rpartition("\x1b[2K")[2].strip() == ""  # the line is erased, and nothing comes behind it
+    assert (
+        error.rpartition("\x1b[2K")[2].strip() == ""
+    )  # the line is erased, and nothing comes behind it
     assert "modes" in error.rpartition("\x1b[2K")[0]
 
 
 def test_no_word_of_a_verdict_is_cut_at_80_columns(bare: Findings) -> None:
     heads = ("Rule", "Component", "What", "Clause")
     columns = (
-        *(Column(head, short=head, align="left") for head in heads), Column("Value", "N/mm2", short="N/mm2"),
-        Column("Limit", "N/mm2", short="limit"), Column("Verdict", short="verdict", align="left"),
-    )  # fmt: skip
+        *(Column(head, short=head, align="left") for head in heads),
+        Column("Value", "N/mm2", short="N/mm2"),
+        Column("Limit", "N/mm2", short="limit"),
+        Column("Verdict", short="verdict", align="left"),
+    )
     long = "abcdefghijklmnop"
     row = (long, long, f"{long} {long} {long}", long, "1234.5678", "2345.6789")
     rows = ((*row, "PASS with restrictions"), (*row, "NOT JUDGED"))
-    lines = printed([Table(columns, rows, short="t", marks=("restricted", "not judged"))], bare, width=80)
+    lines = printed(
+        [Table(columns, rows, short="t", marks=("restricted", "not judged"))], bare, width=80
+    )
     for word in ("PASS with", "restrictions", "NOT JUDGED"):
         assert any(line.endswith(word) for line in lines), lines
 
 
-@pytest.mark.parametrize("scene", ["usv", "haixun_06402", "v12_generator_set", "toleranced_drive", "fan_start", "rao"])
+@pytest.mark.parametrize(
+    "scene", ["usv", "haixun_06402", "v12_generator_set", "toleranced_drive", "fan_start", "rao"]
+)
 def test_the_summary_has_at_most_25_lines_of_80_columns_with_the_verdict_first(scene: str) -> None:
-    findings = torsion.run(torsion.read(Path(__file__).parents[2] / "shafting_specs" / f"{scene}.yaml"))
+    findings = torsion.run(
+        torsion.read(Path(__file__).parents[2] / "shafting_specs" / f"{scene}.yaml")
+    )
     stream = io.StringIO()
-    show(document(findings), Path("out"), Console(file=stream, width=80, color_system=None), is_verbose=False)
+    show(
+        document(findings),
+        Path("out"),
+        Console(file=stream, width=80, color_system=None),
+        is_verbose=False,
+    )
     lines = stream.getvalue().splitlines()
     assert len(lines) <= 25
     assert max(map(len, lines)) <= 80

@@ -24,7 +24,9 @@ def printed(findings: Findings) -> str:
     return stream.getvalue()
 
 
-def test_the_terminal_shows_verdicts_frequencies_and_the_place_of_the_report(train: Findings, nasty: str) -> None:
+def test_the_terminal_shows_verdicts_frequencies_and_the_place_of_the_report(
+    train: Findings, nasty: str
+) -> None:
     text = printed(train)
     for check in train.need(Checks).lines:
         assert WORDS[check.verdict] in text
@@ -42,8 +44,9 @@ def test_no_amplitude_is_told_at_a_speed_without_a_reliable_one(undamped: Findin
     assert np.any(unreliable(undamped))
     assert not np.all(unreliable(undamped))
     assert "coupling-1 no reliable value –" in " ".join(printed(undamped).split())
-    assert "The report states no amplitude at these speeds and no maximum over the range." in " ".join(
-        printed(undamped).split()
+    assert (
+        "The report states no amplitude at these speeds and no maximum over the range."
+        in " ".join(printed(undamped).split())
     )
 
 
@@ -51,7 +54,10 @@ def test_the_largest_torque_is_that_of_the_synthesis_at_its_speed(train: Finding
     stated = printed(train).split("Maximum vibratory torque")[1].split("rubber")[1].split()[:2]
     (span,) = [k for k, span in enumerate(train.system.spans) if span.name == "rubber"]
     half = train.need(Synthesis).half_range[:, span]
-    assert stated == [number(float(half.max())), rpm(float(train.need(Response).speed[half.argmax()]))]
+    assert stated == [
+        number(float(half.max())),
+        rpm(float(train.need(Response).speed[half.argmax()])),
+    ]
 
 
 def test_progress_fills_its_bar_on_the_error_stream(capsys, monkeypatch) -> None:

@@ -63,16 +63,26 @@ def test_no_table_states_a_largest_amplitude(geared: Findings) -> None:
 def test_the_text_says_so_over_speed_and_over_frequency(geared: Findings) -> None:
     stated = [one.block.text for one in document(geared).body if isinstance(one.block, Paragraph)]
     (over_speed,) = [text for text in stated if "singular" in text]
-    (over_frequency,) = [text for text in stated if "Hz the response has no reliable finite value" in text]
+    (over_frequency,) = [
+        text for text in stated if "Hz the response has no reliable finite value" in text
+    ]
     assert "no maximum over the range" in over_speed
     assert "no maximum over the range" in over_frequency
 
 
 def test_every_rule_that_needs_the_amplitude_fails_without_a_value(geared: Findings) -> None:
     """Limits of 1 GN m that no finite torque here exceeds."""
-    judged = {(c.rule, c.clause): c for c in geared.need(Checks).lines if c.where in ("rubber", "gear-1", "mid")}
+    judged = {
+        (c.rule, c.clause): c
+        for c in geared.need(Checks).lines
+        if c.where in ("rubber", "gear-1", "mid")
+    }
     needs = [("coupling-maker", clause) for clause in ("T_KW", "T_Kmax", "P_KW")]
-    needs += [("gear-hammer", "(K_A - 1) T_rated"), ("gear-hammer", "torque reversal"), ("iacs-m68", "tau_T")]
+    needs += [
+        ("gear-hammer", "(K_A - 1) T_rated"),
+        ("gear-hammer", "torque reversal"),
+        ("iacs-m68", "tau_T"),
+    ]
     for key in needs:
         assert (judged[key].verdict, judged[key].value) == ("fail", np.inf)
     assert geared.failed
@@ -97,10 +107,14 @@ def test_results_hold_null_where_a_line_is_not_ok(geared: Findings) -> None:
     found = results(flagged)
     assert found["response"]["lines"][1]["status"][0] == "near-singular"
     for line in found["response"]["lines"]:
-        for word, torque, angle in zip(line["status"], line["torque_Nm"], line["angle_rad"], strict=True):
+        for word, torque, angle in zip(
+            line["status"], line["torque_Nm"], line["angle_rad"], strict=True
+        ):
             unknown = {part is None for pair in (*torque, *angle) for part in pair}
             assert unknown == {word != "ok"}
-    for values in (row for key, rows in found["synthesis"].items() if key.endswith("_Nm") for row in rows):
+    for values in (
+        row for key, rows in found["synthesis"].items() if key.endswith("_Nm") for row in rows
+    ):
         assert [value is None for value in values] == unreliable(flagged).tolist()
 
 

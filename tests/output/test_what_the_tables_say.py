@@ -79,7 +79,10 @@ def test_holzer_table_names_the_elements_as_the_table_of_elements_does(geared) -
 @pytest.mark.parametrize(
     ("entrained", "words"),
     [
-        ("entrained: 200,", "screw: J 900 dry + 200 entrained water = 1100 kg m² (22.22 % of dry)."),
+        (
+            "entrained: 200,",
+            "screw: J 900 dry + 200 entrained water = 1100 kg m² (22.22 % of dry).",
+        ),
         ("entrained: 25 %,", "screw: J 900 dry + 225 entrained water = 1125 kg m² (25 % of dry)."),
         ("", "screw: J dry, no entrained water in the input."),
     ],
@@ -107,14 +110,18 @@ rules: [coupling-maker]
     assert not re.search(r"\b0 W", str(list(component_loads.couplings(found))))
 
 
-def test_a_loop_whose_softest_span_is_a_segment_of_its_shaft_has_that_shaft_as_a_row_of_its_own() -> None:
+def test_a_loop_whose_softest_span_is_a_segment_of_its_shaft_has_that_shaft_as_a_row_of_its_own() -> (
+    None
+):
     text = """
 name: loop
 train: [disc: {name: a, inertia: 1e-5}, coupling: {stiffness: 1e4}, disc: {name: b, inertia: 2e-5}]
 links: [{between: [a, b], shaft: {length: 2 m, diameter: 10 mm, segments: 6}}]
 """
     found = torsion.run(torsion.parse(text))
-    table = next(block for block in chapters(found) if isinstance(block, Table) and "Holzer" in block.caption)
+    table = next(
+        block for block in chapters(found) if isinstance(block, Table) and "Holzer" in block.caption
+    )
     assert [row[1] for row in table.rows] == ["a", "b", "b, closing a loop"]
     assert [row[6] for row in table.rows] == ["–", "coupling-1", "shaft-1"]
     inertias = [float(row[2].replace("·10⁻⁵", "e-5")) for row in table.rows[:2]]

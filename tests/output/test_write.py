@@ -39,7 +39,11 @@ def test_a_failed_run_leaves_the_earlier_report_whole(
 
 def test_a_pdf_is_written_when_asked(undamped: Findings, tmp_path: Path) -> None:
     write(undamped, tmp_path, also=("pdf",))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "report.pdf", "results.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "report.html",
+        "report.pdf",
+        "results.json",
+    ]
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF-")
 
 
@@ -50,7 +54,9 @@ def test_where_a_pdf_cannot_be_made_all_else_is_written_and_its_fault_told(
         raise InputError([Fault(("document", "logo"), "odd", "other")])
 
     monkeypatch.setattr(pdf, "pdf", fail)
-    with pytest.raises(InputError, match="the pdf cannot be made: odd; all other files are written"):
+    with pytest.raises(
+        InputError, match="the pdf cannot be made: odd; all other files are written"
+    ):
         write(undamped, tmp_path, also=("pdf", "figures"))
     names = {path.name for path in tmp_path.iterdir()}
     assert {"report.html", "results.json", "figure-campbell.csv"} <= names
@@ -60,10 +66,14 @@ def test_where_a_pdf_cannot_be_made_all_else_is_written_and_its_fault_told(
 def earlier_names(folder: Path, *names: str) -> None:
     """Name these files in the results of a folder, with their checksum, as a report that has them does."""
     file = folder / "results.json"
-    file.write_text(naming(file.read_text(encoding="utf-8"), ["results.json", *names]), encoding="utf-8")
+    file.write_text(
+        naming(file.read_text(encoding="utf-8"), ["results.json", *names]), encoding="utf-8"
+    )
 
 
-@pytest.mark.parametrize("name", ["notes.txt", "thesis.yaml", "data.csv", "results.json.bak", "cases/notes.txt"])
+@pytest.mark.parametrize(
+    "name", ["notes.txt", "thesis.yaml", "data.csv", "results.json.bak", "cases/notes.txt"]
+)
 def test_no_file_that_a_report_cannot_have_is_removed_though_the_results_name_it(
     name: str, bare: Findings, tmp_path: Path
 ) -> None:
@@ -75,7 +85,9 @@ def test_no_file_that_a_report_cannot_have_is_removed_though_the_results_name_it
     assert (tmp_path / name).read_text(encoding="utf-8") == "a user's"
 
 
-def test_nothing_is_removed_if_the_results_were_changed_by_hand(bare: Findings, tmp_path: Path) -> None:
+def test_nothing_is_removed_if_the_results_were_changed_by_hand(
+    bare: Findings, tmp_path: Path
+) -> None:
     write(bare, tmp_path)
     file = tmp_path / "results.json"
     text = file.read_text(encoding="utf-8").replace('"files": [', '"files": ["report.pdf", ')
@@ -98,7 +110,9 @@ def test_nothing_is_removed_through_a_symbolic_link(bare: Findings, tmp_path: Pa
     assert (out / "modes.vtu").is_symlink()
 
 
-def test_results_behind_a_symbolic_link_name_no_file_to_remove(bare: Findings, tmp_path: Path) -> None:
+def test_results_behind_a_symbolic_link_name_no_file_to_remove(
+    bare: Findings, tmp_path: Path
+) -> None:
     own, out = tmp_path / "own", tmp_path / "out"
     write(bare, own)
     earlier_names(own, "report.pdf")
@@ -109,7 +123,9 @@ def test_results_behind_a_symbolic_link_name_no_file_to_remove(bare: Findings, t
     assert (out / "report.pdf").read_bytes() == b"a user's"
 
 
-def test_the_series_of_an_earlier_report_do_not_stay_beside_a_later_one(bare: Findings, tmp_path: Path) -> None:
+def test_the_series_of_an_earlier_report_do_not_stay_beside_a_later_one(
+    bare: Findings, tmp_path: Path
+) -> None:
     write(bare, tmp_path)
     earlier_names(tmp_path, "series.npz")
     (tmp_path / "series.npz").write_bytes(b"earlier")
@@ -135,7 +151,11 @@ def test_series_that_belong_to_a_report_are_kept_with_it(tmp_path: Path) -> None
         return [path, beside]
 
     write_texts({"results.json": both, "page.html": "x"}, tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["page.html", "results.json", "series.npz"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "page.html",
+        "results.json",
+        "series.npz",
+    ]
 
 
 def test_the_cause_of_a_failure_is_what_is_raised(tmp_path: Path) -> None:

@@ -16,9 +16,16 @@ def paper() -> dict[str, ModuleType]:
     files = (ROOT / "benchmarks" / "papers").glob("[a-z]*.py")
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT))
-        for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        for variable in (
+            "OPENBLAS_NUM_THREADS",
+            "OMP_NUM_THREADS",
+            "MKL_NUM_THREADS",
+            "NUMBA_NUM_THREADS",
+        ):
             patch.setenv(variable, "1")
-        return {file.stem: importlib.import_module(f"benchmarks.papers.{file.stem}") for file in files}
+        return {
+            file.stem: importlib.import_module(f"benchmarks.papers.{file.stem}") for file in files
+        }
 
 
 @pytest.fixture(scope="session")

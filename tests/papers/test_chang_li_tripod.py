@@ -44,7 +44,9 @@ def test_scene_has_the_couples_of_the_exact_mechanism(paper) -> None:
 
 
 def test_scene_with_twin_bearings_has_a_couple_that_stands_still(paper) -> None:
-    found = paper["scenes"].joints("chang_li_tripod", ("bearing: single", "bearing: twin")).joints[0]
+    found = (
+        paper["scenes"].joints("chang_li_tripod", ("bearing: single", "bearing: twin")).joints[0]
+    )
     for side in found.couples:
         np.testing.assert_allclose(np.hypot(side.normal, side.inplane), RANGES[40][2], rtol=1e-11)
     np.testing.assert_allclose(found.speed_ratio, 1.0, rtol=0.0, atol=1e-15)
@@ -55,7 +57,10 @@ def test_exact_mechanism_agrees_with_three_lines_in_space(degrees: int, paper) -
     g = np.radians(degrees)
     ours = tripod.exact_statics(HALF_TURN, g, RADIUS, ARM, 1.0)
     moved = tripod.exact_motion(HALF_TURN, g, RADIUS, ARM)
-    truth = {name: in_space(paper, name, g) for name in ("error", "driven_torque", "inplane", "normal", "force")}
+    truth = {
+        name: in_space(paper, name, g)
+        for name in ("error", "driven_torque", "inplane", "normal", "force")
+    }
     np.testing.assert_allclose(moved.error, truth["error"], rtol=0.0, atol=1e-14)
     for found, name in (
         (ours.torque, "driven_torque"),
@@ -66,17 +71,23 @@ def test_exact_mechanism_agrees_with_three_lines_in_space(degrees: int, paper) -
     np.testing.assert_allclose(np.hypot(*ours.force) * ARM, truth["force"], rtol=0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize(("right", "wrong", "name", "sign"), [
-    ("driven_torque_right", "driven_torque_printed", "driven_torque", -1.0),
-    ("couple_right", "couple_printed", "inplane", 1.0),
-])  # fmt: skip
-def test_sign_of_the_denominators_of_9_and_10(right: str, wrong: str, name: str, sign: float, paper) -> None:
+@pytest.mark.parametrize(
+    ("right", "wrong", "name", "sign"),
+    [
+        ("driven_torque_right", "driven_torque_printed", "driven_torque", -1.0),
+        ("couple_right", "couple_printed", "inplane", 1.0),
+    ],
+)
+def test_sign_of_the_denominators_of_9_and_10(
+    right: str, wrong: str, name: str, sign: float, paper
+) -> None:
     """As radius/arm goes to zero the right form's distance falls with its square, the printed form's with itself."""
     own, distances = paper["tripod_equations"], {}
     for share in (2e-3, 1e-3):
         truth = sign * in_space(paper, name, FORTY, share)
         distances[share] = [
-            np.abs(getattr(own, form)(FORTY, HALF_TURN, share) - truth).max() for form in (right, wrong)
+            np.abs(getattr(own, form)(FORTY, HALF_TURN, share) - truth).max()
+            for form in (right, wrong)
         ]
     falls = np.array(distances[2e-3]) / np.array(distances[1e-3])
     np.testing.assert_allclose(falls, [4.0, 2.0], rtol=0.02)
@@ -89,8 +100,12 @@ def test_corrected_10_is_the_power_balance(paper) -> None:
     """V1 = Ti (1/i - cos g)/sin g, i = dTo/dTi of the motion to the same order."""
     ratio = paper["tripod_first_order"].first_order_motion(HALF_TURN, FORTY, SHARE, 1.0).ratio
     expected = (1.0 / ratio - np.cos(FORTY)) / np.sin(FORTY)
-    np.testing.assert_allclose(paper["tripod_equations"].couple_right(FORTY, HALF_TURN, SHARE), expected, rtol=1e-13)
-    np.testing.assert_allclose(paper["tripod_equations"].couple_right(FORTY, HALF_TURN, 0.0), np.tan(FORTY / 2.0))
+    np.testing.assert_allclose(
+        paper["tripod_equations"].couple_right(FORTY, HALF_TURN, SHARE), expected, rtol=1e-13
+    )
+    np.testing.assert_allclose(
+        paper["tripod_equations"].couple_right(FORTY, HALF_TURN, 0.0), np.tan(FORTY / 2.0)
+    )
 
 
 def test_couples_of_14_are_both_half_the_angle(paper) -> None:

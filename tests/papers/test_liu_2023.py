@@ -17,11 +17,15 @@ def apart(found: object, truth: np.ndarray) -> float:
 def test_speeds_at_eight_degrees(paper) -> None:
     """The paper reads 60 +- 0.6 rad/s."""
     speeds = SPEED * paper["liu_2023"].at(8).joints[0].speed_ratio
-    np.testing.assert_allclose([speeds.min(), speeds.max()], [59.4160841245, 60.5896543511], rtol=1e-12)
+    np.testing.assert_allclose(
+        [speeds.min(), speeds.max()], [59.4160841245, 60.5896543511], rtol=1e-12
+    )
     np.testing.assert_allclose([60.0 - speeds.min(), speeds.max() - 60.0], 0.6, rtol=0.0, atol=0.05)
 
 
-@pytest.mark.parametrize(("degrees", "expected"), [(3, 9.87413904680), (5, 27.4509010319), (8, 70.4209476186)])
+@pytest.mark.parametrize(
+    ("degrees", "expected"), [(3, 9.87413904680), (5, 27.4509010319), (8, 70.4209476186)]
+)
 def test_greatest_accelerations(degrees: int, expected: float, paper) -> None:
     joint = paper["liu_2023"].at(degrees).joints[0]
     assert SPEED**2 * joint.steepest == pytest.approx(expected, rel=1e-11)
@@ -38,12 +42,19 @@ def test_couples_at_thirty_degrees_are_the_reference_values(paper, oracles) -> N
     expected = {key: float(value) for key, value in oracles["liu2023_r8_alpha30_T800"].items()}
     own, x = paper["liu_equations"], np.pi / 6.0
     found = [own.driving_couple(EIGHT, x, TORQUE), own.driven_couple_right(EIGHT, x, TORQUE)]
-    found += [own.driven_torque_right(EIGHT, x, TORQUE), own.driven_torque_printed(EIGHT, x, TORQUE)]
-    np.testing.assert_allclose(found, [expected[key] for key in ("M1", "M2", "T2", "T2_printed_wrong")], rtol=1e-13)
+    found += [
+        own.driven_torque_right(EIGHT, x, TORQUE),
+        own.driven_torque_printed(EIGHT, x, TORQUE),
+    ]
+    np.testing.assert_allclose(
+        found, [expected[key] for key in ("M1", "M2", "T2", "T2_printed_wrong")], rtol=1e-13
+    )
     driving, driven = paper["liu_2023"].at(8).joints[0].couples
     torque = TORQUE * paper["liu_2023"].at(8).joints[0].torque_ratio
     found = [np.abs(driving.yoke).max(), np.abs(driven.yoke).max(), torque.max(), torque.min()]
-    np.testing.assert_allclose(found, [expected[key] for key in ("M1_max", "M2_max", "T2_max", "T2_min")], rtol=1e-13)
+    np.testing.assert_allclose(
+        found, [expected[key] for key in ("M1_max", "M2_max", "T2_max", "T2_min")], rtol=1e-13
+    )
 
 
 @pytest.mark.parametrize("r", [0.05, 0.6, 1.2])
@@ -63,19 +74,26 @@ def test_equations_5_and_6_are_those_of_the_other_zero(r: float, paper) -> None:
     assert apart(own.acceleration_printed(r, TURN, SPEED, 5.0), gain) > 1.0, "its sign is turned"
     moved = paper["space"].cross(TURN + np.pi / 2.0, r)
     assert apart(own.ratio_printed(r, TURN), moved.ratio) < RIGHT
-    assert apart(own.acceleration_printed(r, TURN, SPEED, 0.0), moved.curvature * SPEED**2) < 10 * RIGHT
+    assert (
+        apart(own.acceleration_printed(r, TURN, SPEED, 0.0), moved.curvature * SPEED**2)
+        < 10 * RIGHT
+    )
 
 
 @pytest.mark.parametrize("phase", [0, 60, 120])
 def test_phase_of_one_joint_does_not_change_the_size_of_the_fluctuation(phase: int, paper) -> None:
     x = np.linspace(0.0, np.pi, 181)
     ratio = paper["liu_equations"].ratio_printed(EIGHT, x + np.radians(phase))
-    np.testing.assert_allclose([ratio.min(), ratio.max()], [np.cos(EIGHT), 1.0 / np.cos(EIGHT)], rtol=1e-14)
+    np.testing.assert_allclose(
+        [ratio.min(), ratio.max()], [np.cos(EIGHT), 1.0 / np.cos(EIGHT)], rtol=1e-14
+    )
 
 
 def test_equation_10_holds_for_a_fork_counted_from_its_own_zero_only(paper) -> None:
     r, first, second = 0.6, np.radians(30.0), np.radians(120.0)
-    truth = paper["space"].line_ratio(TURN, (r, r), (0.0, 0.0), (first, second - first - np.pi / 2.0))
+    truth = paper["space"].line_ratio(
+        TURN, (r, r), (0.0, 0.0), (first, second - first - np.pi / 2.0)
+    )
     np.testing.assert_allclose(truth, 1.0, rtol=0.0, atol=1e-14)
     own = paper["liu_equations"].two_joints(r, TURN, first, second, counted_from_zero=False)
     away = paper["liu_equations"].two_joints(r, TURN, first, second, counted_from_zero=True)
@@ -107,7 +125,10 @@ def test_couples_of_13_against_statics_in_space(r: float, paper) -> None:
 
 
 def test_program_agrees_with_the_joint_in_space(paper) -> None:
-    body, bent = paper["space"].cross(TURN, EIGHT), couples.couples(TURN, EIGHT, TORQUE, convention="N")
+    body, bent = (
+        paper["space"].cross(TURN, EIGHT),
+        couples.couples(TURN, EIGHT, TORQUE, convention="N"),
+    )
     assert apart(cross.transfer(TURN, EIGHT, "N").ratio, body.ratio) < RIGHT
     assert apart(bent.driven.yoke, TORQUE * body.driven_couple) < RIGHT
     assert apart(bent.driven_torque, TORQUE * body.driven_torque) < RIGHT

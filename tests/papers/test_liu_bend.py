@@ -14,7 +14,9 @@ PAGES = Path(__file__).parents[2] / "reports" / "papers"
 def states(count: int) -> np.ndarray:
     rng = np.random.default_rng(7)
     still = np.zeros((count, 8))
-    return np.hstack([rng.uniform(0.0, 6.0, (count, 4)), rng.uniform(20.0, 80.0, (count, 4)), still])
+    return np.hstack(
+        [rng.uniform(0.0, 6.0, (count, 4)), rng.uniform(20.0, 80.0, (count, 4)), still]
+    )
 
 
 @pytest.mark.parametrize("angle", [8.0, 35.0])
@@ -23,8 +25,12 @@ def test_accelerations_and_joint_torques_are_those_of_pins_in_space(angle: float
     for state in states(20):
         moving = paper["liu_bend_model"].turning(boat, state)
         found, driving, driven = paper["liu_bend_space"].balance(boat, moving)
-        np.testing.assert_allclose(moving.acceleration, found, rtol=0.0, atol=1e-12 * np.abs(found).max())
-        np.testing.assert_allclose(moving.joint, driving, rtol=0.0, atol=1e-12 * np.abs(driving).max())
+        np.testing.assert_allclose(
+            moving.acceleration, found, rtol=0.0, atol=1e-12 * np.abs(found).max()
+        )
+        np.testing.assert_allclose(
+            moving.joint, driving, rtol=0.0, atol=1e-12 * np.abs(driving).max()
+        )
         power = driving * np.array(moving.speed)[[1, 3]] - driven * np.array(moving.speed)[[2, 4]]
         np.testing.assert_allclose(power, 0.0, rtol=0.0, atol=1e-9 * np.abs(driving).max())
 
@@ -45,7 +51,9 @@ def test_two_integrators_agree(paper) -> None:
     times = np.linspace(0.0, 0.02, 3)
     one = model.motion(model.Boat(), times, tolerance=1e-10)
     other = model.motion(model.Boat(), times, tolerance=1e-8, method="Radau")
-    np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-5 * np.abs(one).max(axis=1, keepdims=True).max())
+    np.testing.assert_allclose(
+        other, one, rtol=0.0, atol=1e-5 * np.abs(one).max(axis=1, keepdims=True).max()
+    )
     for row in range(16):
         assert np.abs(other[row] - one[row]).max() < 1e-4 * np.abs(one[row]).max() + 1e-12
 
@@ -60,7 +68,9 @@ def test_bearings_are_pushed_by_the_couples_of_the_joints(paper) -> None:
         bent = paper["liu_bend_space"].couples(boat, moving, np.array(moving.joint)) / boat.span
         expected = [bent[1], -bent[0], -bent[3], bent[2]]
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(bent).max())
-        front = couples.couples(moving.angle[1], boat.angle, moving.joint[0], convention="N").driving
+        front = couples.couples(
+            moving.angle[1], boat.angle, moving.joint[0], convention="N"
+        ).driving
         rear = couples.couples(moving.angle[3], boat.angle, moving.joint[1], convention="P").driven
         ends = (front, -boat.span), (rear, boat.span)  # distance times force + couple = 0
         own = np.array([value / span for end, span in ends for value in (-end.inplane, end.normal)])
@@ -80,7 +90,9 @@ def test_natural_frequencies_are_the_programs_and_fall_with_the_root_of_stiffnes
     model, page = paper["liu_bend_model"], paper["liu_bend"]
     found = paper["pump_lumped"].modes_of(paper["scenes"].solved(page.NAME)).frequency
     np.testing.assert_allclose(model.frequencies(model.Boat()), found, rtol=1e-12)
-    np.testing.assert_allclose(model.frequencies(model.Boat().softer(0.5)), found * np.sqrt(0.5), rtol=1e-12)
+    np.testing.assert_allclose(
+        model.frequencies(model.Boat().softer(0.5)), found * np.sqrt(0.5), rtol=1e-12
+    )
 
 
 @pytest.mark.parametrize("name", ["stiff shafts", "softer shafts"])
@@ -100,7 +112,9 @@ def test_spectra_have_the_natural_frequencies_and_twice_the_speed(name: str, pap
 
 
 def test_softer_shafts_twist_more(paper) -> None:
-    stiff, soft = (np.abs(paper["liu_bend"].twist(name)).max() for name in ("stiff shafts", "softer shafts"))
+    stiff, soft = (
+        np.abs(paper["liu_bend"].twist(name)).max() for name in ("stiff shafts", "softer shafts")
+    )
     assert soft == pytest.approx(2.0 * stiff, rel=0.1)
 
 

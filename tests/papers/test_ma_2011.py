@@ -16,7 +16,9 @@ EXPECTED = {  # greatest and least speed, where the greatest stands (degrees), i
 PRINTED = {10: (61.68, 58.37), 100: (66.10, 64.64)}
 
 
-def in_space(paper, x: object, degrees: float, plane: float = PLANE, second: float = SECOND) -> np.ndarray:
+def in_space(
+    paper, x: object, degrees: float, plane: float = PLANE, second: float = SECOND
+) -> np.ndarray:
     return paper["space"].line_ratio(x, (FIRST, second), (0.0, plane), (0.0, np.radians(degrees)))
 
 
@@ -24,7 +26,9 @@ def in_space(paper, x: object, degrees: float, plane: float = PLANE, second: flo
 def test_extremes_and_index_of_the_scene(degrees: int, paper) -> None:
     found, expected = paper["ma_2011"].output(degrees), EXPECTED[degrees]
     np.testing.assert_allclose(
-        [SPEED * found.greatest.speed_ratio, SPEED * found.least.speed_ratio], expected[:2], rtol=1e-14
+        [SPEED * found.greatest.speed_ratio, SPEED * found.least.speed_ratio],
+        expected[:2],
+        rtol=1e-14,
     )
     assert found.index == pytest.approx(expected[3], rel=1e-13)
     turned = np.degrees(found.greatest.at) - expected[2]
@@ -42,7 +46,9 @@ def test_best_phase_is_the_angle_between_the_planes(paper) -> None:
     optimum = paper["ma_2011"].output(55).optimum
     assert np.degrees(optimum.best[0]) == pytest.approx(10.0, rel=1e-14)
     assert optimum.index_best == pytest.approx(0.0550754069904797, rel=1e-13)
-    searched = paper["ma_equations"].closed_index(FIRST, SECOND, np.radians(np.arange(-90.0, 91.0)) - PLANE)
+    searched = paper["ma_equations"].closed_index(
+        FIRST, SECOND, np.radians(np.arange(-90.0, 91.0)) - PLANE
+    )
     assert searched.min() == pytest.approx(optimum.index_best, rel=1e-11)
     assert np.arange(-90, 91)[searched.argmin()] == 10
 
@@ -51,7 +57,9 @@ def test_printed_speeds_are_ours_but_for_64_64(paper) -> None:
     for degrees, printed in PRINTED.items():
         found = paper["ma_2011"].output(degrees)
         for speed, value in zip(
-            (SPEED * found.greatest.speed_ratio, SPEED * found.least.speed_ratio), printed, strict=True
+            (SPEED * found.greatest.speed_ratio, SPEED * found.least.speed_ratio),
+            printed,
+            strict=True,
         ):
             assert (abs(speed - value) < 0.005 + 1e-9) == (value != 64.64)
 
@@ -71,9 +79,14 @@ def test_restored_equations_agree_with_forty_geometries_in_space(paper) -> None:
         phase, plane = rng.uniform(-3.0, 3.0, 2)
         truth = paper["space"].line_ratio(TURN, (first, second), (0.0, plane), (0.0, phase))
         np.testing.assert_allclose(
-            paper["ma_equations"].output(first, second, phase, plane, TURN), truth, rtol=1e-12, atol=0.0
+            paper["ma_equations"].output(first, second, phase, plane, TURN),
+            truth,
+            rtol=1e-12,
+            atol=0.0,
         )
-        ours = line.motion(TURN, line.line_of([first, second], [0.0, plane], [0.0, phase])).ratio[-1]
+        ours = line.motion(TURN, line.line_of([first, second], [0.0, plane], [0.0, phase])).ratio[
+            -1
+        ]
         np.testing.assert_allclose(ours, truth, rtol=1e-12, atol=0.0)
 
 
@@ -93,7 +106,10 @@ def test_closed_form_of_the_index_is_that_of_the_speeds(paper) -> None:
 def test_shafts_in_one_plane_would_need_another_phase(paper) -> None:
     """3.2 speaks of shafts that are not in one plane: with gamma = 0 the phase of 10 degrees is not the best."""
     x = np.linspace(0.0, np.pi, 181)
-    index = [paper["ma_equations"].index(in_space(paper, x, degrees, plane=0.0)) for degrees in (0.0, 10.0)]
+    index = [
+        paper["ma_equations"].index(in_space(paper, x, degrees, plane=0.0))
+        for degrees in (0.0, 10.0)
+    ]
     assert index[0] == pytest.approx(0.0550754069904797, rel=1e-12)
     assert index[1] > 1.1 * index[0]
 

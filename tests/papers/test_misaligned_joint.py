@@ -12,7 +12,9 @@ STEP = 1e-30
 
 
 @pytest.mark.parametrize("tilt", TILTS)
-def test_moment_is_square_to_both_pins_and_has_the_driving_torque_about_the_driving_shaft(tilt: float, paper) -> None:
+def test_moment_is_square_to_both_pins_and_has_the_driving_torque_about_the_driving_shaft(
+    tilt: float, paper
+) -> None:
     theory = paper["zhu_wang_theory"]
     first, second = 0.2, -0.3
     axes = np.array(theory.frame(first, second))
@@ -56,14 +58,20 @@ def test_forcing_is_the_moment_at_rest(tilt: float, paper) -> None:
     at_rest = theory.moment(TURN, tilt, 0.0, 0.0)
     np.testing.assert_allclose(theory.forcing(TURN, tilt), at_rest[:, :2], rtol=0.0, atol=2e-16)
     ratio = np.cos(tilt) / (1.0 - (np.sin(tilt) * np.sin(TURN)) ** 2)
-    np.testing.assert_allclose(at_rest[:, 2] * ratio, 1.0, rtol=1e-14, err_msg="the joint passes its power on")
+    np.testing.assert_allclose(
+        at_rest[:, 2] * ratio, 1.0, rtol=1e-14, err_msg="the joint passes its power on"
+    )
 
 
 def test_small_angle_matrix_is_the_linearised_one_without_tilt(paper) -> None:
     theory = paper["zhu_wang_theory"]
-    np.testing.assert_allclose(theory.small_angle(TURN, 0.3), linearised(TURN, 0.0), rtol=0.0, atol=1e-16)
+    np.testing.assert_allclose(
+        theory.small_angle(TURN, 0.3), linearised(TURN, 0.0), rtol=0.0, atol=1e-16
+    )
     mean = small_angle_part(TURN, sine=0.0, cosine=0.0, constant=1.0)
-    np.testing.assert_allclose(mean[0], [[0.0, 0.5], [-0.5, 0.0]], rtol=0.0, atol=0.0, err_msg="circulatory")
+    np.testing.assert_allclose(
+        mean[0], [[0.0, 0.5], [-0.5, 0.0]], rtol=0.0, atol=0.0, err_msg="circulatory"
+    )
 
 
 def test_free_shaft_on_its_bearing_keeps_its_energy(paper) -> None:

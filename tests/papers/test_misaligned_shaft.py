@@ -26,7 +26,9 @@ SPEEDS = np.array([7.0, 19.0, 25.9, 31.0])
 @pytest.mark.parametrize("name", ["exact", "small angle", "driven speed uneven"])
 def test_hill_and_monodromy_agree(shaft: MisalignedShaft, name: str, paper) -> None:
     small = paper["zhu_wang_theory"].SMALL_ANGLE
-    model = {"exact": EXACT, "small angle": small, "driven speed uneven": Model(is_even=False)}[name]
+    model = {"exact": EXACT, "small angle": small, "driven speed uneven": Model(is_even=False)}[
+        name
+    ]
     rate = growth(shaft, SPEEDS, model).rate
     np.testing.assert_allclose(
         paper["zhu_wang_theory"].hill_growth(shaft, SPEEDS, model, 14), rate, rtol=0.0, atol=1e-10
@@ -51,14 +53,18 @@ def test_monodromy_agrees_with_integration_in_time(paper) -> None:
 
     still = after(np.zeros(4))
     whole = np.stack([after(way) - still for way in np.eye(4)], axis=-1)
-    np.testing.assert_allclose(monodromies(STEEP, np.array([speed]))[0], whole, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(
+        monodromies(STEEP, np.array([speed]))[0], whole, rtol=0.0, atol=1e-10
+    )
 
 
 def test_periodic_response_repeats_itself_in_time(paper) -> None:
     speed, shaft = 22.0, replace(STEEP, damping=(2e-2, 5e-2))
     found = paper["zhu_wang_theory"].response(shaft, np.array([speed]), count=14)
     assert found.status == ("ok",)
-    start = np.concatenate([found.angle[0].sum(axis=1).real, (1j * speed * found.angle[0] @ found.order).real])
+    start = np.concatenate(
+        [found.angle[0].sum(axis=1).real, (1j * speed * found.angle[0] @ found.order).real]
+    )
     run = solve_ivp(
         paper["zhu_wang_theory"].linear_rate,
         (0.0, np.pi / speed),
@@ -77,9 +83,15 @@ def test_small_motions_of_the_exact_equations_are_the_linear_ones(paper) -> None
     for scale in (1e-1, 1e-2):
         shaft = replace(SHAFT, tilt=scale * SHAFT.tilt)
         runs = [
-            solve_ivp(rate, (0.0, 0.2), np.zeros(4), "DOP853", rtol=1e-12, atol=1e-16, args=(shaft, 25.9, *more)).y[
-                :2, -1
-            ]
+            solve_ivp(
+                rate,
+                (0.0, 0.2),
+                np.zeros(4),
+                "DOP853",
+                rtol=1e-12,
+                atol=1e-16,
+                args=(shaft, 25.9, *more),
+            ).y[:2, -1]
             for rate, more in ((theory.exact_rate, ()), (theory.linear_rate, (EXACT,)))
         ]
         assert np.abs(runs[0] - runs[1]).max() < 0.1 * scale**2 * np.abs(runs[1]).max()
@@ -93,7 +105,9 @@ def test_natural_frequencies_of_the_spinning_shaft_solve_the_closed_quadratic(pa
     spread = one + two + (shaft.polar * speed) ** 2
     closed = np.sqrt((spread + np.array([-1.0, 1.0]) * np.sqrt(spread**2 - 4.0 * one * two)) / 2.0)
     np.testing.assert_allclose(natural_frequencies(shaft, speed).frequency[0], closed, rtol=1e-13)
-    np.testing.assert_allclose(natural_frequencies(shaft).frequency[0], np.sqrt(np.sort(shaft.square)), rtol=1e-13)
+    np.testing.assert_allclose(
+        natural_frequencies(shaft).frequency[0], np.sqrt(np.sort(shaft.square)), rtol=1e-13
+    )
     heavy = replace(SHAFT, damping=(0.5, 1.0))
     np.testing.assert_allclose(heavy.frequency, natural_frequencies(heavy).frequency[0], rtol=1e-13)
     assert replace(SHAFT, damping=(9.0, 0.5)).frequency[0] == 0.0  # overdamped

@@ -12,7 +12,9 @@ NAMES = ("liu_2023", "ma_2011", "chang_li_tripod", "pump_lumped", "shafting")
 @pytest.mark.parametrize("name", NAMES)
 def test_committed_page_is_what_the_program_says(name: str, paper) -> None:
     page = paper[name].page()
-    assert (PAGES / f"{name}.md").read_text(encoding="utf-8") == page.text(), "run python -m benchmarks.papers"
+    assert (PAGES / f"{name}.md").read_text(encoding="utf-8") == page.text(), (
+        "run python -m benchmarks.papers"
+    )
     assert page.misprints
     assert page.missing
 

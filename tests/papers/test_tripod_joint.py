@@ -28,8 +28,13 @@ def close(found: object, expected: object, relative: float = 1e-13) -> None:
 
 @pytest.mark.parametrize("turned", [0, 15, 30, 90])
 @pytest.mark.parametrize("degrees", ANGLES)
-def test_first_order_statics_agree_with_the_reference_values(degrees: int, turned: int, paper) -> None:
-    expected = {key: float(value) for key, value in ORACLES[f"tripod_gamma{degrees}"][f"phi{turned}"].items()}
+def test_first_order_statics_agree_with_the_reference_values(
+    degrees: int, turned: int, paper
+) -> None:
+    expected = {
+        key: float(value)
+        for key, value in ORACLES[f"tripod_gamma{degrees}"][f"phi{turned}"].items()
+    }
     geometry = (np.radians(turned), np.radians(degrees), RADIUS, ARM)
     found = paper["tripod_first_order"].first_order_statics(*geometry, TORQUE)
     close(paper["tripod_first_order"].first_order_motion(*geometry).ratio, expected["i"])
@@ -37,7 +42,9 @@ def test_first_order_statics_agree_with_the_reference_values(degrees: int, turne
         [-found.torque, found.driving_inplane, found.driven_inplane, found.couple],
         [expected[key] for key in ("To", "V1", "V2", "M1")],
     )
-    np.testing.assert_allclose(found.driving_normal, expected["U1"], rtol=1e-13, atol=1e-15 * TORQUE)
+    np.testing.assert_allclose(
+        found.driving_normal, expected["U1"], rtol=1e-13, atol=1e-15 * TORQUE
+    )
 
 
 @pytest.mark.parametrize("degrees", ANGLES)
@@ -72,7 +79,9 @@ def least_turn(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def spun(angle: float) -> np.ndarray:
-    return np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1.0]])
+    return np.array(
+        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1.0]]
+    )
 
 
 def shafts(bend: float, yaw: float) -> np.ndarray:
@@ -88,7 +97,9 @@ def test_every_arm_meets_its_line_in_space(degrees: float, share: float) -> None
     for x in np.linspace(-3.0, 8.0, 23):
         found = tripod.exact_motion(x, angle, share, 1.0)
         shaft = shafts(float(found.bend), float(found.yaw))
-        body = least_turn(outgoing, shaft) @ least_turn(axis, outgoing) @ spun(x + float(found.error))
+        body = (
+            least_turn(outgoing, shaft) @ least_turn(axis, outgoing) @ spun(x + float(found.error))
+        )
         centre = outgoing - shaft
         np.testing.assert_allclose(centre[:2], found.orbit, rtol=0.0, atol=1e-15)
         for place in 2.0 * np.pi / 3.0 * np.arange(3):
@@ -119,10 +130,15 @@ def test_first_order_is_the_limit_of_the_exact_joint(degrees: int, paper) -> Non
             tripod.exact_motion(x, angle, radius, 1.0),
         )
         motions.append(np.abs(first.error - exact.error).max() / size)
-        near, true = (pick(x, angle, radius, 1.0, 1.0) for pick in (theory.first_order_statics, tripod.exact_statics))
+        near, true = (
+            pick(x, angle, radius, 1.0, 1.0)
+            for pick in (theory.first_order_statics, tripod.exact_statics)
+        )
         for name in ("driving_normal", "driving_inplane", "driven_inplane"):
             forces.append(np.abs(getattr(near, name) - getattr(true, name)).max() / radius**2)
-        forces.extend(np.abs(a - b).max() / radius**2 for a, b in zip(near.force, true.force, strict=True))
+        forces.extend(
+            np.abs(a - b).max() / radius**2 for a, b in zip(near.force, true.force, strict=True)
+        )
     close(motions[0] / motions[1], 2.0, 0.05)
     close(np.divide(forces[:5], forces[5:]), 1.0, 0.05)
 
@@ -134,11 +150,23 @@ def test_third_harmonic_of_forty_degrees_beside_the_first_order() -> None:
     spins = []
     for turned, error, bend, yaw in zip(x, found.error, found.bend, found.yaw, strict=True):
         outgoing, shaft = shafts(angle, 0.0), shafts(bend, yaw)
-        body = least_turn(outgoing, shaft) @ least_turn(np.array([0, 0, 1.0]), outgoing) @ spun(turned + error)
+        body = (
+            least_turn(outgoing, shaft)
+            @ least_turn(np.array([0, 0, 1.0]), outgoing)
+            @ spun(turned + error)
+        )
         square = np.cross(shaft, np.array([1.0, 0, 0]))
         square = square / np.linalg.norm(square)
         spins.append(
-            np.angle(np.exp(1j * (np.arctan2(body[:, 0] @ square, body[:, 0] @ np.cross(square, shaft)) - turned)))
+            np.angle(
+                np.exp(
+                    1j
+                    * (
+                        np.arctan2(body[:, 0] @ square, body[:, 0] @ np.cross(square, shaft))
+                        - turned
+                    )
+                )
+            )
         )
     series = np.fft.fft(spins) / 24
     assert round(abs(series[3]) / tripod.error_size(angle, RADIUS, ARM) - 1.0, 5) == 6.8e-4
@@ -161,7 +189,10 @@ def test_a_single_bearing_joint_carries_a_lateral_force(degrees: int, force: flo
 
 def test_a_straight_joint_turns_and_carries_as_one_shaft() -> None:
     x = np.linspace(0.0, 3.0, 7)
-    found, load = tripod.exact_motion(x, 0.0, RADIUS, ARM), tripod.exact_statics(x, 0.0, RADIUS, ARM, TORQUE)
+    found, load = (
+        tripod.exact_motion(x, 0.0, RADIUS, ARM),
+        tripod.exact_statics(x, 0.0, RADIUS, ARM, TORQUE),
+    )
     np.testing.assert_array_equal(found.error, 0.0)
     np.testing.assert_array_equal(found.ratio, 1.0)
     np.testing.assert_allclose(load.couple, 0.0, rtol=0.0, atol=1e-12)

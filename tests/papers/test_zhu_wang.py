@@ -25,10 +25,22 @@ def test_frequencies_and_constants_of_the_example(paper) -> None:
     found = [shaft.pull / (2.0 * middle), shaft.decay[0] / np.sqrt(middle)]
     np.testing.assert_allclose(found, [0.0457935845019856098, 0.00172438843553709198], rtol=1e-13)
     first = own.averaged(shaft)
-    found = [own.half_width_right(shaft), first.half_width, own.half_width_printed(shaft), first.circulation]
-    expected = [0.328386572001251838, 0.328386572001251838, 0.0264389383393792663, 0.0915871690039712196]
+    found = [
+        own.half_width_right(shaft),
+        first.half_width,
+        own.half_width_printed(shaft),
+        first.circulation,
+    ]
+    expected = [
+        0.328386572001251838,
+        0.328386572001251838,
+        0.0264389383393792663,
+        0.0915871690039712196,
+    ]
     np.testing.assert_allclose(found, expected, rtol=1e-13)
-    np.testing.assert_allclose(first.boundaries(), [25.2449361693980998, 26.3230096352481803], rtol=1e-13)
+    np.testing.assert_allclose(
+        first.boundaries(), [25.2449361693980998, 26.3230096352481803], rtol=1e-13
+    )
 
 
 @pytest.mark.parametrize(
@@ -40,11 +52,15 @@ def test_frequencies_and_constants_of_the_example(paper) -> None:
         ("SMALL_ANGLE", False, (0.31077450, 0.03962402)),
     ],
 )
-def test_growth_at_the_two_speeds(name: str, damped: bool, expected: tuple[float, float], paper) -> None:
+def test_growth_at_the_two_speeds(
+    name: str, damped: bool, expected: tuple[float, float], paper
+) -> None:
     shaft, theory = paper["zhu_wang_motion"].shaft(damped=damped), paper["zhu_wang_theory"]
     model = getattr(theory, name)
     np.testing.assert_allclose(growth(shaft, SPEEDS, model).rate, expected, rtol=0.0, atol=6e-9)
-    np.testing.assert_allclose(theory.hill_growth(shaft, SPEEDS, model), expected, rtol=0.0, atol=6e-9)
+    np.testing.assert_allclose(
+        theory.hill_growth(shaft, SPEEDS, model), expected, rtol=0.0, atol=6e-9
+    )
 
 
 @pytest.mark.parametrize(
@@ -78,7 +94,9 @@ def test_every_unstable_range_of_the_damped_shaft(paper) -> None:
         (25.2412094394, 26.3253892466),
         (32.4240786602, 32.9273342758),
     ]
-    np.testing.assert_allclose([(one.lower, one.upper) for one in found], expected, rtol=0.0, atol=2e-10)
+    np.testing.assert_allclose(
+        [(one.lower, one.upper) for one in found], expected, rtol=0.0, atol=2e-10
+    )
     rate = growth(paper["zhu_wang_motion"].SHAFT, np.array([6.908795])).rate
     assert rate[0] == pytest.approx(0.00713234, abs=6e-9)
 
@@ -87,7 +105,9 @@ def test_without_circulation_the_difference_type_never_grows(paper) -> None:
     model = Model(paper["zhu_wang_equations"].without_circulation)
     shaft = paper["zhu_wang_motion"].SHAFT
     assert zones(shaft, 4.0, 10.0, model, 60) == ()
-    assert growth(shaft, np.array([6.908795]), model).rate[0] == pytest.approx(-shaft.decay[0] / 2.0, rel=1e-4)
+    assert growth(shaft, np.array([6.908795]), model).rate[0] == pytest.approx(
+        -shaft.decay[0] / 2.0, rel=1e-4
+    )
 
 
 def test_without_damping_every_speed_is_unstable(paper) -> None:

@@ -39,12 +39,21 @@ def study() -> Callable[..., Study]:
         analyses: Mapping[str, Declared] | None = None,
         **operation: Any,
     ) -> Study:
-        requested = {"speeds": {"from": "100 rpm", "to": "1200 rpm"}, "rated": {"speed": "1000 rpm", "power": "100 kW"}}
+        requested = {
+            "speeds": {"from": "100 rpm", "to": "1200 rpm"},
+            "rated": {"speed": "1000 rpm", "power": "100 kW"},
+        }
         components = [component(kind).model_validate(body) for kind, body in parts]
         lowered = train(components, materials={"steel": STEEL_600, **(materials or {})})
-        given = {key: value for key, value in {**requested, **operation}.items() if value is not None}
+        given = {
+            key: value for key, value in {**requested, **operation}.items() if value is not None
+        }
         return Study(
-            "scene", lowered, operation=Operation.model_validate(given), analyses=analyses or {}, rules=tuple(rules)
+            "scene",
+            lowered,
+            operation=Operation.model_validate(given),
+            analyses=analyses or {},
+            rules=tuple(rules),
         )
 
     return make
@@ -70,20 +79,36 @@ def evidence() -> Callable[..., Results]:
         def by_span(values: Mapping[str, Any], kind: type) -> np.ndarray:
             rows = np.zeros((len(speed), number), dtype=kind)
             for span, place in enumerate(system.spans):
-                rows[:, span] = values.get(place.name, values.get(study.train.parts[place.part].name, 0.0))
+                rows[:, span] = values.get(
+                    place.name, values.get(study.train.parts[place.part].name, 0.0)
+                )
             return rows
 
         torque, steady = by_span(half, complex), by_span(mean or {}, float)
-        order = np.full(len(speed), line.frequency) if line.order is None else speed * float(line.order) / 2 / math.pi
+        order = (
+            np.full(len(speed), line.frequency)
+            if line.order is None
+            else speed * float(line.order) / 2 / math.pi
+        )
         flags = np.broadcast_to(np.asarray(status, dtype=np.uint8), speed.shape)[:, None].copy()
         stations = np.zeros((len(system.stations), len(speed)))
         response = Response(
-            speed, np.ones(len(speed), dtype=bool), (line,), order[:, None],
-            np.zeros((len(speed), 1, len(system.stations)), dtype=complex), torque[:, None, :], steady,
-            np.zeros((len(speed), 1)), flags, np.zeros((len(speed), 1)), system,
-        )  # fmt: skip
+            speed,
+            np.ones(len(speed), dtype=bool),
+            (line,),
+            order[:, None],
+            np.zeros((len(speed), 1, len(system.stations)), dtype=complex),
+            torque[:, None, :],
+            steady,
+            np.zeros((len(speed), 1)),
+            flags,
+            np.zeros((len(speed), 1)),
+            system,
+        )
         size = np.abs(torque)
-        together = Synthesis(size, np.abs(steady) + size, size / math.sqrt(2), 1.25 * size, Fraction(1))
+        together = Synthesis(
+            size, np.abs(steady) + size, size / math.sqrt(2), 1.25 * size, Fraction(1)
+        )
         still = Steady(speed, steady.T, stations, stations, "by hand")
         bent = joints(study.train, study.operation) if study.has_joints else None
         found = {
@@ -99,7 +124,9 @@ def evidence() -> Callable[..., Results]:
             nothing, time = np.zeros(number), np.linspace(0.0, 10.0, 101)
             rest = np.zeros((number, 101)), np.zeros((len(system.stations), 101))
             ends = (nothing, nothing, nothing, nothing, nothing, nothing.astype(int), nothing)
-            found["transient"] = Transients((TransientMotion(time, *rest, *ends, 0.0, 100.0 * RPM, 1),))
+            found["transient"] = Transients(
+                (TransientMotion(time, *rest, *ends, 0.0, 100.0 * RPM, 1),)
+            )
         return Results(study, found)
 
     return make

@@ -51,9 +51,16 @@ def test_a_range_is_passed_in_the_time_that_the_program_needs() -> None:
     (mode,) = found.results["modes"].frequency
     w, ratio = 2.0 * np.pi * mode, 0.04 / 2.0
     assert time.share == pytest.approx(share_of_steady(ratio * w / np.sqrt(2.0 * gain)), rel=1e-6)
-    assert f"passed in {time.seconds:.3g} s, {100 * time.share:.3g} % of the steady resonance" in line.note
+    assert (
+        f"passed in {time.seconds:.3g} s, {100 * time.share:.3g} % of the steady resonance"
+        in line.note
+    )
     assert results(found)["checks"][1]["times"][0]["time_s"] == time.seconds
-    (cells,) = [one.rows for one in barred_ranges(found) if isinstance(one, Table) and "Transients in" in one.caption]
+    (cells,) = [
+        one.rows
+        for one in barred_ranges(found)
+        if isinstance(one, Table) and "Transients in" in one.caption
+    ]
     assert cells[0][-1] == "passes"
 
 
@@ -61,7 +68,9 @@ def test_a_motion_that_ends_within_the_range_does_not_pass_it() -> None:
     _, line = run(480.0)
     ((barred,), (time,)) = line.barred, line.times
     assert time.stays
-    assert time.seconds == pytest.approx(1.0 + (480.0 * RPM - barred.lower) / (180.0 * RPM / 20.0), rel=1e-9)
+    assert time.seconds == pytest.approx(
+        1.0 + (480.0 * RPM - barred.lower) / (180.0 * RPM / 20.0), rel=1e-9
+    )
     assert "ends within the range" in line.note
 
 
@@ -71,7 +80,17 @@ def test_a_motion_through_an_unstable_range_says_how_long_it_is_within() -> None
     zone = UnstableRange("principal", (1,), 1, 50.0, 56.0, (False, False), 0.3, 53.0)
     none = np.full(5, -1.0)
     unstable = Stability(
-        speed, np.ones(5, dtype=bool), none, none, none, (zone,), np.array([50.0]), "monodromy", 0.0, speed[:0], True
+        speed,
+        np.ones(5, dtype=bool),
+        none,
+        none,
+        none,
+        (zone,),
+        np.array([50.0]),
+        "monodromy",
+        0.0,
+        speed[:0],
+        True,
     )
     (line,) = StableMotion().check(found.having(stability=unstable), None)
     assert line.verdict == "fail"

@@ -28,13 +28,20 @@ def solved(settings: str = "") -> Findings:
 def test_every_limit_has_a_basis_in_words() -> None:
     checks = solved().need(Checks).lines
     words = {(check.rule, check.basis.words) for check in checks if check.basis is not None}
-    assert words >= {("api-610", "API 610 (pumps), edition not confirmed"), ("coupling-maker", "maker")}
-    assert all(check.basis is not None and check.basis.kind == KINDS[check.standing] for check in checks)
+    assert words >= {
+        ("api-610", "API 610 (pumps), edition not confirmed"),
+        ("coupling-maker", "maker"),
+    }
+    assert all(
+        check.basis is not None and check.basis.kind == KINDS[check.standing] for check in checks
+    )
 
 
 def test_a_confirmed_edition_changes_the_basis_and_no_number() -> None:
     plain, confirmed = solved().need(Checks).lines, solved(VERIFIED).need(Checks).lines
-    assert [(check.value, check.limit) for check in plain] == [(check.value, check.limit) for check in confirmed]
+    assert [(check.value, check.limit) for check in plain] == [
+        (check.value, check.limit) for check in confirmed
+    ]
     rows = [check for check in confirmed if check.rule == "api-610"]
     assert rows
     for check in rows:
@@ -43,7 +50,11 @@ def test_a_confirmed_edition_changes_the_basis_and_no_number() -> None:
             f"API 610 (pumps), 12th ed. 2021, {check.clause}: confirmed by A. Engineer, 2026-11-23"
         )
         assert check.verdict != "not kept"
-    assert all(check.basis.kind == "maker" for check in confirmed if check.rule == "coupling-maker" and check.basis)
+    assert all(
+        check.basis.kind == "maker"
+        for check in confirmed
+        if check.rule == "coupling-maker" and check.basis
+    )
 
 
 def test_some_clauses_are_confirmed_and_an_unknown_one_is_named() -> None:
@@ -53,7 +64,8 @@ def test_some_clauses_are_confirmed_and_an_unknown_one_is_named() -> None:
 
 
 @pytest.mark.parametrize(
-    "verified", ["{edition: x}", "{by: y}", "{edition: '', by: y}", "{edition: x, by: y, clauses: []}"]
+    "verified",
+    ["{edition: x}", "{by: y}", "{edition: '', by: y}", "{edition: x, by: y, clauses: []}"],
 )
 def test_edition_and_name_are_required(verified: str) -> None:
     with pytest.raises(InputError, match=r"verified|edition|by|clauses"):

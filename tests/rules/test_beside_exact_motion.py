@@ -29,14 +29,19 @@ def found() -> Findings:
 def judged(found: Findings, *each: NonlinearPeak) -> dict[str, Check]:
     """The checks with other exact motions beside the same response."""
     evidence = found.having(nonlinear_peaks=replace(found.need(NonlinearPeaks), each=each))
-    return {check.clause: check for check in rules.verdicts(evidence.having(synthesis=raised_synthesis(evidence)))}
+    return {
+        check.clause: check
+        for check in rules.verdicts(evidence.having(synthesis=raised_synthesis(evidence)))
+    }
 
 
 def test_a_verdict_takes_the_exact_motion_where_it_is_larger(found: Findings) -> None:
     peaks = found.need(NonlinearPeaks).each
     first = peaks[0]
     assert first.response == pytest.approx(np.abs(found.need(Response).torque).max(), rel=1e-12)
-    larger = replace(first, half_ranges=np.array([2.0 * first.response]), greatests=np.array([1500.0]))
+    larger = replace(
+        first, half_ranges=np.array([2.0 * first.response]), greatests=np.array([1500.0])
+    )
     checks = judged(found, larger, *peaks[1:])
     assert checks["T_KW"].value == pytest.approx(2.0 * first.response, rel=1e-9)
     assert checks["T_KW"].verdict == "fail"
@@ -85,7 +90,9 @@ def slipping() -> Findings:
     return torsion.run(torsion.parse(DRY))
 
 
-def test_synthesis_of_a_coupling_that_slips_is_at_least_the_exact_motion(slipping: Findings) -> None:
+def test_synthesis_of_a_coupling_that_slips_is_at_least_the_exact_motion(
+    slipping: Findings,
+) -> None:
     """Harmonic balance has one harmonic of the friction, which alone is 46 % low at 966 rpm."""
     response, total = slipping.need(Response), slipping.need(Synthesis)
     peaks = [peak for peak in slipping.need(NonlinearPeaks).each if peak.exact is not None]
@@ -98,7 +105,10 @@ def test_synthesis_of_a_coupling_that_slips_is_at_least_the_exact_motion(slippin
 
 def test_value_of_the_verdict_is_the_value_of_the_table(slipping: Findings) -> None:
     checks = {check.clause: check.value for check in slipping.need(Checks).lines}
-    total, span = slipping.need(Synthesis), [span.name for span in slipping.system.spans].index("dry")
+    total, span = (
+        slipping.need(Synthesis),
+        [span.name for span in slipping.system.spans].index("dry"),
+    )
     assert checks["T_KW"] == total.half_range[:, span].max()
     assert checks["T_Kmax"] == total.peak[:, span].max()
     (table,) = (block for block in couplings(slipping) if isinstance(block, Table))
@@ -120,7 +130,10 @@ analyses: {response: }
     findings = torsion.run(torsion.parse(text))
     response = findings.need(Response)
     amplitude, w = np.abs(response.angle[:, 0, 0]), response.speed
-    known = w / (2.0 * math.pi) * 4.0 * 20.0 * (amplitude - 20.0 / 4e3) + 0.5 * 2.0 * (w * amplitude) ** 2
+    known = (
+        w / (2.0 * math.pi) * 4.0 * 20.0 * (amplitude - 20.0 / 4e3)
+        + 0.5 * 2.0 * (w * amplitude) ** 2
+    )
     assert heat(response, findings.system, np.array([0])) == pytest.approx(known, rel=1e-9)
 
 
@@ -142,17 +155,44 @@ rules: [coupling-maker]
 @pytest.mark.parametrize(
     ("more", "torque", "second", "passes"),
     [
-        ("clearance: 2 deg", 80, "", True),  # 81 of 100 N m at most: the play stays closed, and the answer is exact
+        (
+            "clearance: 2 deg",
+            80,
+            "",
+            True,
+        ),  # 81 of 100 N m at most: the play stays closed, and the answer is exact
         ("clearance: 2 deg", 100, "", False),  # 101
-        ("clearance: 2 deg", 88, ", {at: p, order: 3, torque: 15}", False),  # neither opens it alone, both do
-        ("clearance: 2 deg", 65, ", {at: p, order: 3, torque: 15}", False),  # near its end beside a second component
+        (
+            "clearance: 2 deg",
+            88,
+            ", {at: p, order: 3, torque: 15}",
+            False,
+        ),  # neither opens it alone, both do
+        (
+            "clearance: 2 deg",
+            65,
+            ", {at: p, order: 3, torque: 15}",
+            False,
+        ),  # near its end beside a second component
         ("clearance: 2 deg", 30, ", {at: p, order: 3, torque: 15}", True),
-        ("stages: [{from: 0.5 deg, stiffness: 2e4}]", 50, "", True),  # 175 N m at the begin of the second
+        (
+            "stages: [{from: 0.5 deg, stiffness: 2e4}]",
+            50,
+            "",
+            True,
+        ),  # 175 N m at the begin of the second
         ("stages: [{from: 0.5 deg, stiffness: 2e4}]", 100, "", False),
-        ("hysteresis_torque: {torque: 20, stiffness: 2e4}", 100, "", True),  # friction alone takes energy away
+        (
+            "hysteresis_torque: {torque: 20, stiffness: 2e4}",
+            100,
+            "",
+            True,
+        ),  # friction alone takes energy away
     ],
 )
-def test_no_verdict_passes_where_a_play_or_stage_leaves_its_linear_range(more, torque, second, passes) -> None:
+def test_no_verdict_passes_where_a_play_or_stage_leaves_its_linear_range(
+    more, torque, second, passes
+) -> None:
     text = TRAIN.format(more=more, inertia=0.05, torque=torque, second=second)
     checks = {one.clause: one for one in rules.verdicts(torsion.run(torsion.parse(text)))}
     assert checks["T_KN"].verdict == "pass"  # the mean torque is known whatever vibrates

@@ -37,7 +37,9 @@ def test_a_crank_span_is_judged_by_the_section_of_its_pin_where_that_is_weaker()
 
 def test_a_crankshaft_without_journal_and_pin_is_no_crankshaft_for_the_rule() -> None:
     lines = SCENE.read_text(encoding="utf-8").splitlines()
-    bare = [(f"{one}\n", "") for one in lines if one.strip().startswith(("journal:", "pin:", "web:"))]
+    bare = [
+        (f"{one}\n", "") for one in lines if one.strip().startswith(("journal:", "pin:", "web:"))
+    ]
     with pytest.raises(InputError, match="finds no crankshaft"):
         findings(*bare, (RULES, "rules: [engine-maker: {crank_stress: 40 MPa}]"))
 

@@ -18,17 +18,26 @@ train:
 rules: [RULE]
 """
 STATES = ("misfire", "zero pitch", "other stiffness")
-MISFIRE, PITCH = "{set: {diesel.misfire: 2}}", "{set: {operation.load: [[300 rpm, 90 N*m], [600 rpm, 250 N*m]]}}"
+MISFIRE, PITCH = (
+    "{set: {diesel.misfire: 2}}",
+    "{set: {operation.load: [[300 rpm, 90 N*m], [600 rpm, 250 N*m]]}}",
+)
 SOFT = "{scale: {rubber.stiffness: 80 %}}"
-ENGINE = ("cylinders: 4, strokes: 4, firing_order: [1, 3, 4, 2], crank_inertia: 1.5, stiffness: 6 MN*m/rad, "
-          "loss_factor: 1.5 %, geometry: {bore: 180 mm, stroke: 220 mm, rod_length: 440 mm}, "
-          "masses: {piston: 8 kg, rod: {mass: 15 kg, centre: 150 mm, inertia: 0.5}}, "
-          "gas: {cycle: wiebe, compression_ratio: 14, charge: 2 bar, exhaust: 1.5 bar, imep: 8 bar, p_max: 100 bar, "
-          "duration: 60 deg}, mechanical_efficiency: 90 %")  # fmt: skip
+ENGINE = (
+    "cylinders: 4, strokes: 4, firing_order: [1, 3, 4, 2], crank_inertia: 1.5, stiffness: 6 MN*m/rad, "
+    "loss_factor: 1.5 %, geometry: {bore: 180 mm, stroke: 220 mm, rod_length: 440 mm}, "
+    "masses: {piston: 8 kg, rod: {mass: 15 kg, centre: 150 mm, inertia: 0.5}}, "
+    "gas: {cycle: wiebe, compression_ratio: 14, charge: 2 bar, exhaust: 1.5 bar, imep: 8 bar, p_max: 100 bar, "
+    "duration: 60 deg}, mechanical_efficiency: 90 %"
+)
 
 
 def open_rows(
-    rule: str, cases: str = "", pitch: str = "pitch: controllable", engine: str = "", role: str = "intermediate"
+    rule: str,
+    cases: str = "",
+    pitch: str = "pitch: controllable",
+    engine: str = "",
+    role: str = "intermediate",
 ) -> dict[str, str]:
     text = (
         SCENE.replace("intermediate", role)
@@ -52,9 +61,12 @@ def test_states_that_no_case_has_are_not_judged(rule: str) -> None:
         (f"cases: {{a: {MISFIRE}, b: {PITCH}, c: {SOFT}}}\n", ()),
         (f"cases: {{a: {MISFIRE}, b: {PITCH}}}\n", ("other stiffness",)),
         (f"cases: {{a: {MISFIRE[:-1]}, judged: false}}, b: {PITCH}, c: {SOFT}}}\n", ("misfire",)),
-        (f"cases: {{a: {MISFIRE[:-1]}, rules: [coupling-maker]}}, b: {PITCH}, c: {SOFT}}}\n", ("misfire",)),
+        (
+            f"cases: {{a: {MISFIRE[:-1]}, rules: [coupling-maker]}}, b: {PITCH}, c: {SOFT}}}\n",
+            ("misfire",),
+        ),
     ],
-)  # fmt: skip
+)
 def test_states_that_a_judged_case_has_are_no_row(cases: str, left: tuple[str, ...]) -> None:
     assert open_rows("dnv", cases) == dict.fromkeys(left, "not judged")
 
@@ -74,12 +86,17 @@ def test_a_pitch_that_a_ship_does_not_state_is_a_restriction() -> None:
 @pytest.mark.parametrize(
     ("cases", "states"),
     [
-        (None, []), ({"from": "tolerances"}, [{"other stiffness"}]), ({"a": {"set": {"e.misfire": []}}}, [set()]),
-        ({"a": {"set": {"e.misfire": 1}}, "b": {"based_on": "a", "speeds": {}}}, [{"misfire"}, {"misfire"}]),
+        (None, []),
+        ({"from": "tolerances"}, [{"other stiffness"}]),
+        ({"a": {"set": {"e.misfire": []}}}, [set()]),
+        (
+            {"a": {"set": {"e.misfire": 1}}, "b": {"based_on": "a", "speeds": {}}},
+            [{"misfire"}, {"misfire"}],
+        ),
         ({"a": {"set": {"e.misfire": 1}, "judged": False}, "b": {"based_on": "a"}}, [{"misfire"}]),
         ({"a": {"based_on": "b"}, "b": {"based_on": "a"}}, [set(), set()]),
         ({"a": None, "b": {"set": 3, "scale": []}, "c": "x"}, [set(), set(), set()]),
     ],
-)  # fmt: skip
+)
 def test_states_of_the_cases_of_a_file(cases: object, states: list[set[str]]) -> None:
     assert [one.states for one in states_of_cases(cases)] == states

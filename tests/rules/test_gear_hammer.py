@@ -28,13 +28,21 @@ def verdicts(checks):
 
 @pytest.mark.parametrize(
     ("body", "requested", "share"),
-    [({}, {}, 0.35), ({"application_factor": 1.25}, {}, 0.25), ({"application_factor": 1.25}, {"limit": 0.5}, 0.5)],
+    [
+        ({}, {}, 0.35),
+        ({"application_factor": 1.25}, {}, 0.25),
+        ({"application_factor": 1.25}, {"limit": 0.5}, 0.5),
+    ],
 )
 def test_limit_comes_from_the_setting_else_the_gear_else_the_usual_factor(
     study, evidence, body, requested, share
 ) -> None:
-    seen = evidence(study(line(**body)), RPMS, half={"gearbox": [10, 20, 200, 30]}, mean={"gearbox": MEAN})
-    found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings.model_validate(requested)))
+    seen = evidence(
+        study(line(**body)), RPMS, half={"gearbox": [10, 20, 200, 30]}, mean={"gearbox": MEAN}
+    )
+    found = verdicts(
+        gear.GearHammer().check(seen, gear.GearHammerSettings.model_validate(requested))
+    )
     check = found["(K_A - 1) T_rated"]
     assert check.limit == pytest.approx(1000.0 * share, rel=1e-12)
     assert (check.value, check.verdict, check.speed) == (200, "pass", pytest.approx(900 * RPM))
@@ -43,29 +51,43 @@ def test_limit_comes_from_the_setting_else_the_gear_else_the_usual_factor(
 
 
 def test_vibratory_torque_above_its_share_of_the_rated_torque_is_not_kept(study, evidence) -> None:
-    seen = evidence(study(line()), RPMS, half={"gearbox": [10, 20, 351, 30]}, mean={"gearbox": MEAN})
+    seen = evidence(
+        study(line()), RPMS, half={"gearbox": [10, 20, 351, 30]}, mean={"gearbox": MEAN}
+    )
     found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))
     assert found["(K_A - 1) T_rated"].verdict == "not kept"
     assert found["(K_A - 1) T_rated"].fails
     assert (
-        verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(limit=0.35)))["(K_A - 1) T_rated"].verdict
+        verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(limit=0.35)))[
+            "(K_A - 1) T_rated"
+        ].verdict
         == "fail"
     )
     assert found["torque reversal"].verdict == "pass"
 
 
 def test_torque_reverses_where_vibration_exceeds_the_mean(study, evidence) -> None:
-    seen = evidence(study(line()), RPMS, half={"gearbox": [63, 200, 300, 30]}, mean={"gearbox": MEAN})
+    seen = evidence(
+        study(line()), RPMS, half={"gearbox": [63, 200, 300, 30]}, mean={"gearbox": MEAN}
+    )
     check = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))["torque reversal"]
     assert (check.value, check.verdict) == (63, "not kept")
     assert check.limit == pytest.approx(62.5, rel=1e-12)
-    requested = gear.GearHammerSettings.model_validate({"continuous": {"from": "400 rpm", "to": "1100 rpm"}})
+    requested = gear.GearHammerSettings.model_validate(
+        {"continuous": {"from": "400 rpm", "to": "1100 rpm"}}
+    )
     narrowed = verdicts(gear.GearHammer().check(seen, requested))["torque reversal"]
-    assert (narrowed.value, narrowed.verdict, narrowed.speed) == (200, "restricted", pytest.approx(500 * RPM))
+    assert (narrowed.value, narrowed.verdict, narrowed.speed) == (
+        200,
+        "restricted",
+        pytest.approx(500 * RPM),
+    )
 
 
 def test_mean_torque_that_drives_backwards_counts_by_its_size(study, evidence) -> None:
-    seen = evidence(study(line()), RPMS, half={"gearbox": [63, 20, 30, 40]}, mean={"gearbox": -MEAN})
+    seen = evidence(
+        study(line()), RPMS, half={"gearbox": [63, 20, 30, 40]}, mean={"gearbox": -MEAN}
+    )
     found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))
     assert found["(K_A - 1) T_rated"].limit == pytest.approx(350, rel=1e-12)
     assert found["torque reversal"].limit == pytest.approx(62.5, rel=1e-12)
@@ -73,7 +95,12 @@ def test_mean_torque_that_drives_backwards_counts_by_its_size(study, evidence) -
 
 
 def test_rated_torque_of_a_constant_load_lies_between_its_neighbours(study, evidence) -> None:
-    seen = evidence(study(line(), load="constant"), RPMS, half={"gearbox": [1, 1, 1, 1]}, mean={"gearbox": [77.0] * 4})
+    seen = evidence(
+        study(line(), load="constant"),
+        RPMS,
+        half={"gearbox": [1, 1, 1, 1]},
+        mean={"gearbox": [77.0] * 4},
+    )
     assert verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))[
         "(K_A - 1) T_rated"
     ].limit == pytest.approx(0.35 * 77, rel=1e-12)
@@ -83,24 +110,35 @@ def test_every_wheel_is_a_mesh_and_an_idle_one_hammers(study, evidence) -> None:
     scene = study(line(branches=[{"teeth": 30, "inertia": 0.1}]))
     half = {"gearbox": [1, 1, 1, 1], "gearbox wheel 2": [5, 0, 0, 0]}
     found = gear.GearHammer().check(
-        evidence(scene, RPMS, half=half, mean={"gearbox": MEAN, "gearbox wheel 2": 1e-13}), gear.GearHammerSettings()
+        evidence(scene, RPMS, half=half, mean={"gearbox": MEAN, "gearbox wheel 2": 1e-13}),
+        gear.GearHammerSettings(),
     )
     assert [(check.where, check.verdict) for check in found] == [
-        ("gearbox", "pass"), ("gearbox", "pass"), ("gearbox wheel 2", "not kept"),
-    ]  # fmt: skip
+        ("gearbox", "pass"),
+        ("gearbox", "pass"),
+        ("gearbox wheel 2", "not kept"),
+    ]
     assert "carries no mean torque" in found[2].note
 
 
 @pytest.mark.parametrize(
     ("whole", "side", "loaded"),
-    [(1e6, 0.9e-3, False), (1e6, 1.1e-3, True), (1e-3, 0.9e-12, False), (1e-3, 1.1e-12, True), (0.5, 0.25, True)],
+    [
+        (1e6, 0.9e-3, False),
+        (1e6, 1.1e-3, True),
+        (1e-3, 0.9e-12, False),
+        (1e-3, 1.1e-12, True),
+        (0.5, 0.25, True),
+    ],
 )
 def test_a_mesh_with_less_than_a_billionth_of_the_greatest_torque_is_unloaded(
     study, evidence, whole, side, loaded
 ) -> None:
     scene = study(line(branches=[{"teeth": 30, "inertia": 0.1}]), load="constant")
     mean = {"gearbox": whole, "gearbox wheel 2": side}
-    found = gear.GearHammer().check(evidence(scene, RPMS, half={}, mean=mean), gear.GearHammerSettings())
+    found = gear.GearHammer().check(
+        evidence(scene, RPMS, half={}, mean=mean), gear.GearHammerSettings()
+    )
     of_side = {check.clause: check for check in found if check.where == "gearbox wheel 2"}
     assert set(of_side) == {"torque reversal", *(["(K_A - 1) T_rated"] if loaded else [])}
     assert ("the mesh carries no mean torque" in of_side["torque reversal"].note) == (not loaded)
@@ -109,11 +147,19 @@ def test_a_mesh_with_less_than_a_billionth_of_the_greatest_torque_is_unloaded(
 
 
 def test_speeds_outside_continuous_use_count_for_the_rating_alone(study, evidence) -> None:
-    seen = evidence(study(line()), RPMS, half={"gearbox": [400, 200, 300, 30]}, mean={"gearbox": MEAN})
-    requested = gear.GearHammerSettings.model_validate({"continuous": {"from": "400 rpm", "to": "1000 rpm"}})
+    seen = evidence(
+        study(line()), RPMS, half={"gearbox": [400, 200, 300, 30]}, mean={"gearbox": MEAN}
+    )
+    requested = gear.GearHammerSettings.model_validate(
+        {"continuous": {"from": "400 rpm", "to": "1000 rpm"}}
+    )
     found = verdicts(gear.GearHammer().check(seen, requested))
     of_rating, reversal = found["(K_A - 1) T_rated"], found["torque reversal"]
-    assert (of_rating.value, of_rating.verdict, of_rating.speed) == (400, "not kept", pytest.approx(250 * RPM))
+    assert (of_rating.value, of_rating.verdict, of_rating.speed) == (
+        400,
+        "not kept",
+        pytest.approx(250 * RPM),
+    )
     assert of_rating.note == "0.35 (usual K_A 1.35) x 1000 N m; mostly 4 × screw"
     assert reversal.note == "in continuous use, 400 rpm to 1000 rpm; mostly 4 × screw"
     assert (reversal.value, reversal.verdict) == (200, "restricted")
@@ -121,11 +167,18 @@ def test_speeds_outside_continuous_use_count_for_the_rating_alone(study, evidenc
 
 @pytest.mark.parametrize(
     ("body", "requested", "words"),
-    [({"application_factor": 1.25}, {}, "0.25 (K_A 1.25) x 1000 N m"), ({}, {"limit": 0.5}, "0.5 (setting `limit`)")],
+    [
+        ({"application_factor": 1.25}, {}, "0.25 (K_A 1.25) x 1000 N m"),
+        ({}, {"limit": 0.5}, "0.5 (setting `limit`)"),
+    ],
 )
-def test_note_says_which_share_of_which_torque_is_permissible(study, evidence, body, requested, words) -> None:
+def test_note_says_which_share_of_which_torque_is_permissible(
+    study, evidence, body, requested, words
+) -> None:
     seen = evidence(study(line(**body)), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN})
-    check = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(**requested)))["(K_A - 1) T_rated"]
+    check = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(**requested)))[
+        "(K_A - 1) T_rated"
+    ]
     assert check.note.startswith(words)
 
 
@@ -137,27 +190,42 @@ def test_rating_says_where_the_speeds_end_below_the_rated_one(study, evidence, t
     seen = evidence(study(line()), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN})
     short = evidence(study(line()), [*RPMS[:3], top], half={"gearbox": 1.0}, mean={"gearbox": 9.0})
     together = Results(seen.study, {**seen.results, "response": short.need(Response)})
-    check = verdicts(gear.GearHammer().check(together, gear.GearHammerSettings()))["(K_A - 1) T_rated"]
+    check = verdicts(gear.GearHammer().check(together, gear.GearHammerSettings()))[
+        "(K_A - 1) T_rated"
+    ]
     assert check.note == "; ".join(
         text for text in ("0.35 (usual K_A 1.35) x 1000 N m", words, "mostly 4 × screw") if text
     )
 
 
 def test_a_limit_may_be_used_up(study, evidence) -> None:
-    seen = evidence(study(line(), load="constant"), RPMS, half={"gearbox": 50.0}, mean={"gearbox": 100.0})
+    seen = evidence(
+        study(line(), load="constant"), RPMS, half={"gearbox": 50.0}, mean={"gearbox": 100.0}
+    )
     used = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(limit=0.5)))
     assert (used["(K_A - 1) T_rated"].value, used["(K_A - 1) T_rated"].verdict) == (50.0, "pass")
-    level = evidence(study(line(), load="constant"), RPMS, half={"gearbox": 100.0}, mean={"gearbox": 100.0})
-    assert verdicts(gear.GearHammer().check(level, gear.GearHammerSettings()))["torque reversal"].verdict == "pass"
+    level = evidence(
+        study(line(), load="constant"), RPMS, half={"gearbox": 100.0}, mean={"gearbox": 100.0}
+    )
+    assert (
+        verdicts(gear.GearHammer().check(level, gear.GearHammerSettings()))[
+            "torque reversal"
+        ].verdict
+        == "pass"
+    )
 
 
 def test_mesh_without_any_torque_passes(study, evidence) -> None:
-    found = gear.GearHammer().check(evidence(study(line()), RPMS, half={}, mean={}), gear.GearHammerSettings())
+    found = gear.GearHammer().check(
+        evidence(study(line()), RPMS, half={}, mean={}), gear.GearHammerSettings()
+    )
     assert [(check.clause, check.verdict) for check in found] == [("torque reversal", "pass")]
 
 
 def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
-    seen = evidence(study(line()), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN}, status=[0, 0, 2, 0])
+    seen = evidence(
+        study(line()), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN}, status=[0, 0, 2, 0]
+    )
     found = gear.GearHammer().check(seen, gear.GearHammerSettings())
     assert [check.verdict for check in found] == ["fail", "fail"]
     assert all("is singular at 900 rpm" in check.note for check in found)
@@ -176,7 +244,9 @@ def test_rated_torque_and_speeds_must_be_known(study, operation, path) -> None:
     assert gear.GearHammer().faults(study(line(), [("gear-hammer", requested)]), requested) == []
     assert [
         fault.path
-        for fault in gear.GearHammer().faults(study(line(), [("gear-hammer", requested)], **operation), requested)
+        for fault in gear.GearHammer().faults(
+            study(line(), [("gear-hammer", requested)], **operation), requested
+        )
     ] == [path]
 
 
@@ -184,5 +254,6 @@ def test_train_without_a_gear_cannot_be_judged(study) -> None:
     requested = gear.GearHammerSettings()
     parts = [line()[0], ("coupling", {"stiffness": 1.0}), line()[2]]
     assert [
-        fault.path for fault in gear.GearHammer().faults(study(parts, [("gear-hammer", requested)]), requested)
+        fault.path
+        for fault in gear.GearHammer().faults(study(parts, [("gear-hammer", requested)]), requested)
     ] == [("rules", 0)]

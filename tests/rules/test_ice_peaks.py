@@ -27,7 +27,12 @@ train:
 analyses: {{transient: [{motions}]}}
 rules: [{rule}]
 """
-GIVEN = {"strength": "355 MPa", "rubber": "max_torque: 60e3", "bevel": "max_torque: 75e3", "rule": "ice"}
+GIVEN = {
+    "strength": "355 MPa",
+    "rubber": "max_torque: 60e3",
+    "bevel": "max_torque: 75e3",
+    "rule": "ice",
+}
 
 
 def motion(case: str = "case: 1", torque: float = 100e3, name: str = "hit", more: str = "") -> str:
@@ -47,13 +52,19 @@ def run(text: str) -> Findings:
 
 def ice_checks(found: Findings) -> dict[str, Check]:
     lines = found.need(Checks).lines
-    return {check.where: check for check in lines if check.rule == "ice" and check.verdict != "not judged"}
+    return {
+        check.where: check
+        for check in lines
+        if check.rule == "ice" and check.verdict != "not judged"
+    }
 
 
 def open_rows(found: Findings) -> dict[tuple[str, str], str]:
     """Notes of the rows NOT JUDGED by clause and component."""
     lines = found.need(Checks).lines
-    return {(check.clause, check.where): check.note for check in lines if check.verdict == "not judged"}
+    return {
+        (check.clause, check.where): check.note for check in lines if check.verdict == "not judged"
+    }
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +77,9 @@ def test_a_shaft_is_judged_by_the_shear_stress_at_its_greatest_torque(solved: Fi
     check, (one,) = ice_checks(solved)["line"], solved.need(Transients).each
     line = [k for k, span in enumerate(solved.system.spans) if span.name.startswith("line")]
     torque = max(np.abs(one.torque[line]).max(), 0.0)
-    assert check.value == pytest.approx(torque / (math.pi * 0.26**3 / 16.0) * 1e-6, rel=1e-3)  # between samples: more
+    assert check.value == pytest.approx(
+        torque / (math.pi * 0.26**3 / 16.0) * 1e-6, rel=1e-3
+    )  # between samples: more
     assert check.value >= torque / (math.pi * 0.26**3 / 16.0) * 1e-6
     assert check.limit == pytest.approx(355.0 / math.sqrt(3.0) / 1.3, rel=1e-14)
     assert (check.clause, check.unit, check.verdict) == ("0.577 R_e/1.3", "N/mm2", "pass")
@@ -85,7 +98,9 @@ def test_couplings_and_gears_are_judged_by_their_greatest_torque(solved: Finding
 
 def test_twice_the_ice_torque_is_not_kept() -> None:
     """A rating of a maker fails; the yield of a shaft is to be verified, as the factor of its rule is."""
-    once, twice = (run(scene(motion(torque=torque), strength="145 MPa")) for torque in (100e3, 200e3))
+    once, twice = (
+        run(scene(motion(torque=torque), strength="145 MPa")) for torque in (100e3, 200e3)
+    )
     assert {check.verdict for check in ice_checks(once).values()} == {"pass"}
     found = {where: (check.verdict, check.standing) for where, check in ice_checks(twice).items()}
     assert found.pop("line") == ("not kept", "to be verified")
@@ -105,13 +120,24 @@ def test_the_worst_of_the_motions_decides_and_is_named() -> None:
 def test_a_rating_is_compared_once_with_the_motions_in_ice() -> None:
     """By the rule `ice` at their worst; a range of torque, and motions without ice, by the rule on any motion."""
     step = "{name: no ice, duration: 0.1 s, events: [{at: motor-1, step: {torque: 10}}]}"
-    lines = run(scene(f"{motion()}, {step}", rubber="max_torque: 60e3, max_torque_range: 50e3")).need(Checks).lines
-    found = sorted((check.rule, check.where, check.clause) for check in lines if check.where in ("rubber", "bevel"))
+    lines = (
+        run(scene(f"{motion()}, {step}", rubber="max_torque: 60e3, max_torque_range: 50e3"))
+        .need(Checks)
+        .lines
+    )
+    found = sorted(
+        (check.rule, check.where, check.clause)
+        for check in lines
+        if check.where in ("rubber", "bevel")
+    )
     assert found == [
-        ("ice", "bevel", "T_max"), ("ice", "rubber", "T_Kmax"), ("transient", "bevel", "T_max, no ice"),
-        ("transient", "rubber", "T_Kmax, no ice"), ("transient", "rubber", "dT_max, hit"),
+        ("ice", "bevel", "T_max"),
+        ("ice", "rubber", "T_Kmax"),
+        ("transient", "bevel", "T_max, no ice"),
+        ("transient", "rubber", "T_Kmax, no ice"),
+        ("transient", "rubber", "dT_max, hit"),
         ("transient", "rubber", "dT_max, no ice"),
-    ]  # fmt: skip
+    ]
     bare = run(scene(f"{motion()}, {step}").replace("rules: [ice]\n", "")).need(Checks).lines
     assert ("rubber", "T_Kmax, hit") in [(check.where, check.clause) for check in bare]
 
@@ -131,7 +157,9 @@ def test_what_is_not_judged_is_said(solved: Findings) -> None:
 
 def test_contact_of_the_file_is_judged_and_no_case_is_counted() -> None:
     check = ice_checks(run(scene(motion("angle: 60 deg, factor: 0.5"))))["line"]
-    assert check.note.startswith("worst in contact over 60 deg (hit); cases 1, 2, 3, 4 at screw not judged")
+    assert check.note.startswith(
+        "worst in contact over 60 deg (hit); cases 1, 2, 3, 4 at screw not judged"
+    )
 
 
 @pytest.mark.parametrize("factor", [1.0, 2.0])
@@ -170,7 +198,9 @@ def test_a_motion_without_an_answer_never_passes(solved: Findings) -> None:
 
 def test_a_motion_that_ends_before_the_ice_never_passes() -> None:
     """Two revolutions at 720 x 13/47 rpm last 0.6026 s."""
-    short, enough = (ice_checks(run(scene(motion().replace("0.8 s", f"{end} s")))) for end in (0.69, 0.705))
+    short, enough = (
+        ice_checks(run(scene(motion().replace("0.8 s", f"{end} s")))) for end in (0.69, 0.705)
+    )
     assert {check.verdict for check in short.values()} == {"fail"}
     assert "ends before the 2 revolutions in ice do: give a longer `duration`" in short["line"].note
     assert {check.verdict for check in enough.values()} == {"pass"}
@@ -205,17 +235,28 @@ def test_the_remark_says_where_the_first_blade_order_meets_a_mode(solved: Findin
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        (scene("{name: x, duration: 1 s, events: [{at: screw, step: {torque: 1}}]}"), 12, "no transient response has"),
         (
-            scene(rubber="rated_torque: 1e3", bevel="").replace(", yield_strength: 355 MPa", ""), 12,
+            scene("{name: x, duration: 1 s, events: [{at: screw, step: {torque: 1}}]}"),
+            12,
+            "no transient response has",
+        ),
+        (
+            scene(rubber="rated_torque: 1e3", bevel="").replace(", yield_strength: 355 MPa", ""),
+            12,
             "no shaft has a yield strength, and no coupling or gear a maximum torque",
         ),
         (scene().replace(", power: 1.5 MW", ""), 3, "the torque of the drive is not known"),
-        (scene(motion(more="initial: {speed: 720 rpm},")), 11, "the torque of the drive is not known"),
+        (
+            scene(motion(more="initial: {speed: 720 rpm},")),
+            11,
+            "the torque of the drive is not known",
+        ),
         (scene(rule="ice: {factor: 0.9}"), 12, "at least 1"),
     ],
-)  # fmt: skip
-def test_what_the_file_lacks_for_the_rule_is_said_at_its_place(text: str, line: int, words: str) -> None:
+)
+def test_what_the_file_lacks_for_the_rule_is_said_at_its_place(
+    text: str, line: int, words: str
+) -> None:
     with pytest.raises(InputError) as refused:
         torsion.parse(text)
     assert words in str(refused.value)
@@ -228,7 +269,9 @@ STEP = "{at: motor-1, step: {torque: 10}}"
 
 
 def clauses(found: Findings) -> dict[str, float]:
-    return {check.clause: check.limit for check in found.need(Checks).lines if check.where == "rubber"}
+    return {
+        check.clause: check.limit for check in found.need(Checks).lines if check.where == "rubber"
+    }
 
 
 @pytest.mark.parametrize(
@@ -242,7 +285,9 @@ def clauses(found: Findings) -> dict[str, float]:
     ],
 )
 def test_how_rare_a_motion_is_chooses_the_rating(events: str, more: str, is_rare: bool) -> None:
-    text = scene(f"{{name: m, duration: 0.1 s, {more} events: [{events}]}}", rubber=TWO, rule="gear-hammer")
+    text = scene(
+        f"{{name: m, duration: 0.1 s, {more} events: [{events}]}}", rubber=TWO, rule="gear-hammer"
+    )
     found = run(text.replace("rules: [gear-hammer]\n", ""))
     assert found.need(Transients).each[0].is_rare == is_rare
     assert clauses(found) == ({"T_Kmax2": 90e3} if is_rare else {"T_Kmax1": 60e3, "dT_max": 50e3})
@@ -250,7 +295,10 @@ def test_how_rare_a_motion_is_chooses_the_rating(events: str, more: str, is_rare
 
 def test_a_twist_that_is_released_is_no_rare_motion() -> None:
     body = "{name: m, duration: 0.1 s, initial: {torque: {rubber: 10}}}"
-    assert clauses(run(scene(body, rubber=TWO).replace("rules: [ice]\n", ""))) == {"T_Kmax1": 60e3, "dT_max": 50e3}
+    assert clauses(run(scene(body, rubber=TWO).replace("rules: [ice]\n", ""))) == {
+        "T_Kmax1": 60e3,
+        "dT_max": 50e3,
+    }
 
 
 @pytest.mark.parametrize("duty", ["normal", "rare"])
@@ -272,8 +320,15 @@ def test_each_rating_is_compared_with_its_torque() -> None:
     spans = len(found.system.spans)
 
     def checks(high: float, low: float, *, lacking: float = 0.0, **more: object) -> dict[str, str]:
-        ends = {"greatest": np.full(spans, high), "least": np.full(spans, low), "unresolved": np.full(spans, lacking)}
-        return {key: check.verdict for key, check in standing(found, replace(one, **ends, **more)).items()}
+        ends = {
+            "greatest": np.full(spans, high),
+            "least": np.full(spans, low),
+            "unresolved": np.full(spans, lacking),
+        }
+        return {
+            key: check.verdict
+            for key, check in standing(found, replace(one, **ends, **more)).items()
+        }
 
     assert checks(60e3, 10e3) == {"T_Kmax1": "pass", "dT_max": "pass"}
     assert checks(60.001e3, 10.001e3) == {"T_Kmax1": "fail", "dT_max": "pass"}
@@ -295,7 +350,10 @@ def test_ice_is_normal_operation_even_where_its_motion_is_called_rare() -> None:
     ("rubber", "words"),
     [
         ("max_torque_rare: 90e3", "`max_torque_rare` limits rare events alone"),
-        ("max_torque: 60e3, max_torque_rare: 59e3", "59000 N m is below the 60000 N m of `max_torque`"),
+        (
+            "max_torque: 60e3, max_torque_rare: 59e3",
+            "59000 N m is below the 60000 N m of `max_torque`",
+        ),
     ],
 )
 def test_ratings_that_do_not_go_together_are_refused(rubber: str, words: str) -> None:

@@ -18,7 +18,10 @@ PARTS = [
     ("motor", {"inertia": 3.0}),
     ("shaft", {"name": "line", "length": 1.0, "diameter": 0.1, "role": "intermediate"}),
     ("gear", {"ratio": 2}),
-    ("propeller", {"inertia": 5.0, "blades": 4, "excitation": [{"blade_order": 1, "torque": 10.0}]}),
+    (
+        "propeller",
+        {"inertia": 5.0, "blades": 4, "excitation": [{"blade_order": 1, "torque": 10.0}]},
+    ),
 ]
 
 
@@ -39,7 +42,9 @@ def test_peak_of_a_share_is_found_between_three_speeds() -> None:
 
 def test_nothing_is_sought_outside_the_speeds_judged_or_where_the_limit_is_far_exceeded() -> None:
     speed = np.array([98.0, 99.3, 101.1, 103.0])
-    assert between([(curve(speed, resonance(speed)), np.array([True, True, False, False]))]).size == 0
+    assert (
+        between([(curve(speed, resonance(speed)), np.array([True, True, False, False]))]).size == 0
+    )
     assert between([(curve(speed, 1e3 * resonance(speed)), np.ones(4, dtype=bool))]).size == 0
     assert between([(curve(speed, resonance(speed), status=2), np.ones(4, dtype=bool))]).size == 0
     assert between([]).size == 0
@@ -52,27 +57,41 @@ def test_m68_needs_the_speeds_where_its_limits_bend_or_end(study) -> None:
 
 
 def test_speeds_out_of_the_range_are_not_added(study) -> None:
-    requested = gear.GearHammerSettings.model_validate({"continuous": {"from": "200 rpm", "to": "600 rpm"}})
-    scene = study(PARTS, [("gear-hammer", requested)], speeds={"from": "200 rpm", "to": "700 rpm", "steps": 900})
+    requested = gear.GearHammerSettings.model_validate(
+        {"continuous": {"from": "200 rpm", "to": "600 rpm"}}
+    )
+    scene = study(
+        PARTS,
+        [("gear-hammer", requested)],
+        speeds={"from": "200 rpm", "to": "700 rpm", "steps": 900},
+    )
     assert judged_speeds(scene) / RPM == pytest.approx([200, 600])
 
 
 def test_few_speeds_are_made_as_many_as_the_default(study) -> None:
-    scene = study(PARTS, [("iacs-m68", m68.M68Settings())], speeds={"from": "100 rpm", "to": "1100 rpm", "steps": 2})
+    scene = study(
+        PARTS,
+        [("iacs-m68", m68.M68Settings())],
+        speeds={"from": "100 rpm", "to": "1100 rpm", "steps": 2},
+    )
     even = np.linspace(100, 1100, FEWEST_JUDGED) * RPM
     found = judged_speeds(scene)
     assert apart(found, even).size == 0
     assert np.all(np.diff(found) > 1e-9 * found[1:])
 
 
-def test_range_without_a_number_of_speeds_is_judged_at_as_many_as_one_that_names_none(study) -> None:
+def test_range_without_a_number_of_speeds_is_judged_at_as_many_as_one_that_names_none(
+    study,
+) -> None:
     assert Operation(speeds={"from": "1 rpm", "to": "2 rpm"}).speeds.steps == FEWEST_JUDGED
 
 
 def test_range_of_as_many_speeds_is_not_made_finer(study) -> None:
     ends = {"from": "100 rpm", "to": "1100 rpm"}
     rules = [("coupling-maker", coupling.CouplingSettings())]
-    fine, coarse = (judged_speeds(study(PARTS, rules, speeds={**ends, "steps": n})) / RPM for n in (201, 200))
+    fine, coarse = (
+        judged_speeds(study(PARTS, rules, speeds={**ends, "steps": n})) / RPM for n in (201, 200)
+    )
     assert fine == pytest.approx([1000])
     assert coarse == pytest.approx(np.linspace(100, 1100, 201))
 
@@ -125,13 +144,17 @@ def test_only_a_vibration_is_sought_between_the_speeds(study, evidence) -> None:
     mean = evidence(study(parts), rpm, half={}, mean={"rubber": peak})
     assert rule.speeds_between(mean, requested).size == 0
     limited = [parts[0], (parts[1][0], {**parts[1][1], "vibratory_torque": 2.0}), parts[2]]
-    assert rule.speeds_between(evidence(study(limited), rpm, half={"rubber": peak}), requested) / RPM == pytest.approx(
-        [300.0], abs=0.02 * 6
-    )
+    assert rule.speeds_between(
+        evidence(study(limited), rpm, half={"rubber": peak}), requested
+    ) / RPM == pytest.approx([300.0], abs=0.02 * 6)
 
 
-@pytest.mark.parametrize(("first", "last", "sought"), [(460, 540, 2), (480, 540, 1), (460, 520, 1), (480, 520, 0)])
-def test_ends_of_a_barred_range_are_computed_where_they_lie_in_the_range(study, evidence, first, last, sought) -> None:
+@pytest.mark.parametrize(
+    ("first", "last", "sought"), [(460, 540, 2), (480, 540, 1), (460, 520, 1), (480, 520, 0)]
+)
+def test_ends_of_a_barred_range_are_computed_where_they_lie_in_the_range(
+    study, evidence, first, last, sought
+) -> None:
     """About 500 of 1000 rpm: 16/17.5 and 17.5/16 times 500 rpm, 457.1 and 546.9."""
     ends = 500.0 * np.array([16 / 17.5, 17.5 / 16])
     whole = np.array([ends[0] - 1, 480.0, 500.0, 520.0, ends[1] + 1])
@@ -141,7 +164,9 @@ def test_ends_of_a_barred_range_are_computed_where_they_lie_in_the_range(study, 
     found = speeds_between(evidence(scene, rpm, half={"line": torque})) / RPM
     inside = [end for end in ends if rpm[0] < end < rpm[-1]]
     assert len(inside) == sought
-    assert sorted(one for one in found if np.min(np.abs(ends - one)) < 1e-6) == pytest.approx(inside, rel=1e-12)
+    assert sorted(one for one in found if np.min(np.abs(ends - one)) < 1e-6) == pytest.approx(
+        inside, rel=1e-12
+    )
     assert ((found > rpm[0]) & (found < rpm[-1])).all()
 
 

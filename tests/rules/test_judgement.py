@@ -28,16 +28,23 @@ def curve(value, limit, status=None):
     value = np.array(value, dtype=float)
     flags = np.zeros(len(value), dtype=int) if status is None else np.array(status)
     return Curve(
-        np.arange(1.0, len(value) + 1), value, np.broadcast_to(np.array(limit, dtype=float), value.shape), flags
+        np.arange(1.0, len(value) + 1),
+        value,
+        np.broadcast_to(np.array(limit, dtype=float), value.shape),
+        flags,
     )
 
 
 def test_utilisation_is_the_share_of_the_limit_and_nothing_of_nothing_is_0() -> None:
-    shares = curve([3.0, 0.0, 2.0, 0.0, math.nan, 1.0], [4.0, 0.0, 0.0, 5.0, 1.0, 8.0], [0, 0, 0, 0, 0, 1])
+    shares = curve(
+        [3.0, 0.0, 2.0, 0.0, math.nan, 1.0], [4.0, 0.0, 0.0, 5.0, 1.0, 8.0], [0, 0, 0, 0, 0, 1]
+    )
     assert shares.utilisation().tolist() == [0.75, 0.0, math.inf, 0.0, math.inf, math.inf]
 
 
-def test_worst_of_several_infinite_shares_is_the_greatest_value_and_an_unknown_one_before_all() -> None:
+def test_worst_of_several_infinite_shares_is_the_greatest_value_and_an_unknown_one_before_all() -> (
+    None
+):
     share = np.array([9.0, math.inf, math.inf, math.inf])
     assert judgement.worst_of(share, np.array([99.0, 3.0, 5.0, 4.0])) == 2
     assert judgement.worst_of(share, np.array([99.0, 3.0, 5.0, math.nan])) == 3
@@ -51,7 +58,9 @@ def seen(study, evidence):
     def make(torque):
         found = evidence(study(PARTS), [300.0, 600.0, 900.0], half={})
         lines = Line(Fraction(4), None, ("screw",)), Line(Fraction(3, 2), None, ("motor",))
-        response = replace(found.need(Response), lines=lines, torque=np.array(torque, dtype=complex)[:, :, None])
+        response = replace(
+            found.need(Response), lines=lines, torque=np.array(torque, dtype=complex)[:, :, None]
+        )
         return Results(found.study, {**found.results, "response": response})
 
     return make
@@ -60,14 +69,29 @@ def seen(study, evidence):
 @pytest.mark.parametrize(
     ("torque", "words"),
     [
-        ((0.2, 0.5), "mostly 1.5 × motor"), ((-0.5j, 0.2), "mostly 4 × screw"), ((0.0, 0.0), ""),
-        ((0.0, 0.1), "mostly 1.5 × motor"), ((math.nan, 0.5), ""), ((0.5, math.inf), ""),
+        ((0.2, 0.5), "mostly 1.5 × motor"),
+        ((-0.5j, 0.2), "mostly 4 × screw"),
+        ((0.0, 0.0), ""),
+        ((0.0, 0.1), "mostly 1.5 × motor"),
+        ((math.nan, 0.5), ""),
+        ((0.5, math.inf), ""),
     ],
-)  # fmt: skip
-def test_the_component_with_the_greatest_torque_at_the_worst_speed_is_named(seen, torque, words) -> None:
+)
+def test_the_component_with_the_greatest_torque_at_the_worst_speed_is_named(
+    seen, torque, words
+) -> None:
     found = seen([(9.0, 1.0), torque, (9.0, 1.0)])
-    clause = Clause("c", "rubber", "what", "maker", curve([1, 2, 1], 4.0), np.ones(3, bool), "N m", (MOSTLY,),
-                    np.array([0]))  # fmt: skip
+    clause = Clause(
+        "c",
+        "rubber",
+        "what",
+        "maker",
+        curve([1, 2, 1], 4.0),
+        np.ones(3, bool),
+        "N m",
+        (MOSTLY,),
+        np.array([0]),
+    )
     check = judge("rule", clause, found)
     assert (check.note, check.speed, check.value, check.limit) == (words, 2.0, 2.0, 4.0)
 
@@ -81,14 +105,24 @@ def test_the_greatest_torque_is_that_of_any_of_the_spans_judged(study, evidence)
     response = replace(found.need(Response), lines=lines, torque=torque)
     seen = Results(found.study, {**found.results, "response": response})
     for spans, words in (([1, 2], "mostly 4 × screw"), ([0, 1], "mostly 1.5 × motor")):
-        clause = Clause("c", "w", "what", "maker", curve([1.0], 4.0), np.ones(1, bool), notes=(MOSTLY,),
-                        spans=np.array(spans))  # fmt: skip
+        clause = Clause(
+            "c",
+            "w",
+            "what",
+            "maker",
+            curve([1.0], 4.0),
+            np.ones(1, bool),
+            notes=(MOSTLY,),
+            spans=np.array(spans),
+        )
         assert judge("rule", clause, seen).note == words
 
 
 def test_a_clause_is_judged_at_its_own_speeds_alone_and_at_none_not_at_all(seen) -> None:
     found, values = seen(np.zeros((3, 2))), curve([5.0, 2.0, 3.0], 4.0)
-    clause = Clause("c", "w", "what", "maker", values, np.array([False, True, True]), notes=("", "a", "", "b"))
+    clause = Clause(
+        "c", "w", "what", "maker", values, np.array([False, True, True]), notes=("", "a", "", "b")
+    )
     check = judge("rule", clause, found)
     assert (check.value, check.verdict, check.note, check.unit) == (3.0, "pass", "a; b", "N m")
     assert judge("rule", replace(clause, within=np.zeros(3, bool)), found) is None
@@ -102,7 +136,18 @@ def test_a_value_at_its_limit_passes(seen, value, verdict) -> None:
 
 def test_a_speed_is_in_a_range_but_for_rounding() -> None:
     use = Continuous.model_validate({"from": "100 rad/s", "to": "200 rad/s"})
-    at = 100 * np.array([1 - TWO, 1 - SAME_SPEED, 1 - HALF, 1, 2, 2 * (1 + HALF), 2 * (1 + SAME_SPEED), 2 * (1 + TWO)])
+    at = 100 * np.array(
+        [
+            1 - TWO,
+            1 - SAME_SPEED,
+            1 - HALF,
+            1,
+            2,
+            2 * (1 + HALF),
+            2 * (1 + SAME_SPEED),
+            2 * (1 + TWO),
+        ]
+    )
     assert judgement.within(use, at).tolist() == [False, True, True, True, True, True, True, False]
     assert judgement.within(None, at).tolist() == [True] * 8
 
@@ -121,7 +166,10 @@ def test_speeds_that_reach_as_far_as_is_judged_need_no_words(needed) -> None:
     for last in (reached * 1.1, reached, reached * (1 - HALF), needed * rated * (1 - SAME_SPEED)):
         assert reached_speeds.coverage(last, rated, needed) == ""
     assert "judged up to" in reached_speeds.coverage(reached * (1 - TWO), rated, needed)
-    assert reached_speeds.coverage(750 * RPM, rated, needed) == "judged up to 750 rpm only, 0.75 of the rated speed"
+    assert (
+        reached_speeds.coverage(750 * RPM, rated, needed)
+        == "judged up to 750 rpm only, 0.75 of the rated speed"
+    )
 
 
 def test_speeds_must_reach_the_rated_one_unless_more_is_said() -> None:
@@ -143,22 +191,36 @@ def with_mean(study, speeds, torque, **operation):
 
 @pytest.mark.parametrize(
     ("load", "torque"),
-    [("propeller", 100 + 300 * (1.0 - 0.8**2) / (1.2**2 - 0.8**2)), ("constant", 250.0), (TABLE, 250.0)],
+    [
+        ("propeller", 100 + 300 * (1.0 - 0.8**2) / (1.2**2 - 0.8**2)),
+        ("constant", 250.0),
+        (TABLE, 250.0),
+    ],
 )
-def test_rated_torque_between_two_speeds_is_straight_in_the_law_of_the_load(study, load, torque) -> None:
+def test_rated_torque_between_two_speeds_is_straight_in_the_law_of_the_load(
+    study, load, torque
+) -> None:
     """100 and -400 N m of magnitude at 0.8 and 1.2 of the rated speed; the propeller law is straight in its square."""
     for sign in (1.0, -1.0):
-        found = with_mean(study, [0.8 * RATED, 1.2 * RATED], [sign * 100.0, sign * 400.0], load=load)
+        found = with_mean(
+            study, [0.8 * RATED, 1.2 * RATED], [sign * 100.0, sign * 400.0], load=load
+        )
         assert judgement.rated_torque(found) == pytest.approx([torque], rel=1e-12)
 
 
 @pytest.mark.parametrize(
     ("first", "last", "known"),
     [
-        (1.0, 1.2, True), (1 + HALF, 1.2, True), (1 + TWO, 1.2, False), (0.5, 1.0, True), (0.5, 1 - HALF, True),
-        (0.5, 1 - TWO, False), (0.4, 0.6, False), (1.5, 1.9, False),
+        (1.0, 1.2, True),
+        (1 + HALF, 1.2, True),
+        (1 + TWO, 1.2, False),
+        (0.5, 1.0, True),
+        (0.5, 1 - HALF, True),
+        (0.5, 1 - TWO, False),
+        (0.4, 0.6, False),
+        (1.5, 1.9, False),
     ],
-)  # fmt: skip
+)
 def test_rated_torque_is_known_within_the_speeds_computed(study, first, last, known) -> None:
     found = with_mean(study, [first * RATED, last * RATED], [70.0, 70.0])
     assert (judgement.rated_torque(found) is not None) == known
@@ -196,7 +258,9 @@ def use(first, last):
 def test_rule_needs_the_rated_speed_and_the_ends_of_continuous_use(study) -> None:
     speeds = [one / RPM for one in Uses().speeds(study(PARTS), use(300, 700))]
     assert speeds == pytest.approx([1000, 300, 700])
-    assert [one / RPM for one in Uses().speeds(study(PARTS, rated=None), use(300, 700))] == pytest.approx([300, 700])
+    assert [
+        one / RPM for one in Uses().speeds(study(PARTS, rated=None), use(300, 700))
+    ] == pytest.approx([300, 700])
     assert [one / RPM for one in Uses().speeds(study(PARTS), Settings())] == pytest.approx([1000])
 
 
@@ -223,14 +287,21 @@ def test_a_rule_without_clauses_gives_no_verdict_and_needs_no_speeds_between(see
 @pytest.mark.parametrize(
     ("value", "status", "verdict", "speed"),
     [
-        ([1, math.nan, 2], [0, 0, 0], "not judged", 2), ([1, math.nan, 5], [0, 0, 0], "fail", 3),
-        ([1, math.nan, 2], [0, 2, 0], "fail", 2), ([1, math.nan, math.nan], [0, 0, 2], "fail", 3),
-        ([1, math.inf, 2], [0, 0, 0], "not judged", 2), ([1, 1, 2], [0, 0, 0], "pass", 3),
+        ([1, math.nan, 2], [0, 0, 0], "not judged", 2),
+        ([1, math.nan, 5], [0, 0, 0], "fail", 3),
+        ([1, math.nan, 2], [0, 2, 0], "fail", 2),
+        ([1, math.nan, math.nan], [0, 0, 2], "fail", 3),
+        ([1, math.inf, 2], [0, 0, 0], "not judged", 2),
+        ([1, 1, 2], [0, 0, 0], "pass", 3),
     ],
-)  # fmt: skip
-def test_a_missing_value_is_not_judged_and_a_singular_response_fails(seen, value, status, verdict, speed) -> None:
+)
+def test_a_missing_value_is_not_judged_and_a_singular_response_fails(
+    seen, value, status, verdict, speed
+) -> None:
     found = seen([(9.0, 1.0)] * 3)
-    clause = Clause("c", "rubber", "what", "maker", curve(value, 4.0, status), np.ones(3, bool), "N m")
+    clause = Clause(
+        "c", "rubber", "what", "maker", curve(value, 4.0, status), np.ones(3, bool), "N m"
+    )
     line = judgement.judge("r", clause, found)
     assert (line.verdict, line.speed) == (verdict, speed)
     assert math.isnan(line.value) == (verdict == "not judged")

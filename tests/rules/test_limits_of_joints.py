@@ -9,7 +9,13 @@ from torsion.analyses.lateral.shaft_bending import lateral
 from torsion.assembly import assemble
 from torsion.components.material import Material
 from torsion.findings import Results
-from torsion.rules.universal_joints import PUBLISHED, JointRuleSettings, UniversalJoints, critical_speed, tubes
+from torsion.rules.universal_joints import (
+    PUBLISHED,
+    JointRuleSettings,
+    UniversalJoints,
+    critical_speed,
+    tubes,
+)
 
 RULE = UniversalJoints()
 RPM = math.pi / 30.0
@@ -28,10 +34,14 @@ def judge(study):
     """Checks of parts by clause and place, at a rated speed in rad/s."""
 
     def checks(parts, speed, **settings):
-        scene = study(parts, materials={"steel": STEEL}, speeds=None, rated={"speed": f"{speed!r} rad/s"})
+        scene = study(
+            parts, materials={"steel": STEEL}, speeds=None, rated={"speed": f"{speed!r} rad/s"}
+        )
         found = {"system": assemble(scene.train), "joints": joints(scene.train, scene.operation)}
         bent = lateral(scene.train, scene.operation) if scene.has_supports else None
-        lines = RULE.check(Results(scene, {**found, "lateral": bent}), JointRuleSettings(**settings))
+        lines = RULE.check(
+            Results(scene, {**found, "lateral": bent}), JointRuleSettings(**settings)
+        )
         return {(line.clause, line.where): line for line in lines}
 
     return checks
@@ -39,12 +49,16 @@ def judge(study):
 
 def test_limits_are_those_that_makers_publish() -> None:
     assert {key: limit for key, (limit, _) in PUBLISHED.items()} == {
-        "unevenness": 0.0027, "torsional": 300.0, "inertial": 1000.0,
-    }  # fmt: skip
+        "unevenness": 0.0027,
+        "torsional": 300.0,
+        "inertial": 1000.0,
+    }
     for key, (limit, _) in PUBLISHED.items():
         assert getattr(JointRuleSettings(), key) == limit
     assert (JointRuleSettings().critical_share, JointRuleSettings().speed_angle) == (0.65, None)
-    assert JointRuleSettings(torsional=0.5, inertial=0.25).torsional == 0.5, "a model in a laboratory"
+    assert JointRuleSettings(torsional=0.5, inertial=0.25).torsional == 0.5, (
+        "a model in a laboratory"
+    )
 
 
 CROSSED = [joint(5), joint(5, phase="90 deg"), DISC]
@@ -66,7 +80,11 @@ def test_a_limit_may_be_used_up_and_not_exceeded(judge, clause) -> None:
 def test_a_verdict_names_whose_limit_it_is_what_was_compared_and_the_resulting_angle(judge) -> None:
     """1/cos2 - cos2 of 5 degrees is tan b sin b = 1/cos b - cos b of the angle whose cosine is cos2."""
     found = judge(CROSSED, 70.0)
-    whole, torsional, inertial = found["U", PAIR], found["torsional", PAIR], found["inertial", "joint-1"]
+    whole, torsional, inertial = (
+        found["U", PAIR],
+        found["torsional", PAIR],
+        found["inertial", "joint-1"],
+    )
     bend = f"resulting angle of the cross joints {math.degrees(math.acos(math.cos(math.radians(5)) ** 2)):.4g} deg"
     assert whole.note == f"{bend}; limit after Elbe, 3 deg in round figures"
     assert torsional.note == "limit after Spicer"
@@ -91,10 +109,13 @@ def test_acceleration_behind_the_second_of_three_joints_is_its_own(judge) -> Non
 
 
 @pytest.mark.parametrize(
-    ("share", "verdict"), [(0.5, "pass"), (0.5 * (1 + 1e-12), "fail"), (0.25, "pass"), (0.75, "fail")]
+    ("share", "verdict"),
+    [(0.5, "pass"), (0.5 * (1 + 1e-12), "fail"), (0.25, "pass"), (0.75, "fail")],
 )
 def test_a_tube_may_run_at_its_share_of_the_critical_speed(judge, share, verdict) -> None:
-    check = judge([joint(1), TUBE, joint(1)], share * CRITICAL, critical_share=0.5)["n_crit", "tube"]
+    check = judge([joint(1), TUBE, joint(1)], share * CRITICAL, critical_share=0.5)[
+        "n_crit", "tube"
+    ]
     assert (check.verdict, check.standing, check.speed) == (verdict, "setting", share * CRITICAL)
     assert check.limit == pytest.approx(0.5 * CRITICAL / RPM, rel=1e-14)
     assert (check.value, check.unit) == (pytest.approx(share * CRITICAL / RPM, rel=1e-14), "rpm")
@@ -102,21 +123,33 @@ def test_a_tube_may_run_at_its_share_of_the_critical_speed(judge, share, verdict
 
 @pytest.mark.parametrize(
     ("share", "words"),
-    [(0.4, "stays below it"), (0.5 * (1 - 1e-12), "stays below it"), (0.5, "passes it within the speeds"),
-     (0.6, "passes it within the speeds")],
-)  # fmt: skip
+    [
+        (0.4, "stays below it"),
+        (0.5 * (1 - 1e-12), "stays below it"),
+        (0.5, "passes it within the speeds"),
+        (0.6, "passes it within the speeds"),
+    ],
+)
 def test_the_secondary_couple_turns_at_twice_the_speed_of_the_tube(judge, share, words) -> None:
     check = judge([joint(1), TUBE, joint(1)], share * CRITICAL)["n_crit", "tube"]
-    limit = f"0.65 x critical bending speed {CRITICAL / RPM:.5g} rpm (simply supported at the joints)"
+    limit = (
+        f"0.65 x critical bending speed {CRITICAL / RPM:.5g} rpm (simply supported at the joints)"
+    )
     couple = f"the secondary couple turns at twice the speed, {2 * share * CRITICAL / RPM:.5g} rpm, and {words}"
     assert check.note == f"{limit}; {couple}"
     assert check.standing == "to be verified"
 
 
 def test_what_is_not_judged_is_said(study) -> None:
-    scene = study([joint(1), ("shaft", {**TUBE[1], "diameter": [0.12, 0.13]}), joint(1)], materials={"steel": STEEL})
+    scene = study(
+        [joint(1), ("shaft", {**TUBE[1], "diameter": [0.12, 0.13]}), joint(1)],
+        materials={"steel": STEEL},
+    )
     tube = ("universal-joints: bending of tube", "it is conical")
-    angle = ("universal-joints: speed times angle", "`speed_angle` gives no limit; it depends on the joint's size")
+    angle = (
+        "universal-joints: speed times angle",
+        "`speed_angle` gives no limit; it depends on the joint's size",
+    )
     assert RULE.left_out(scene, JointRuleSettings()) == (tube, angle)
     assert RULE.left_out(scene, JointRuleSettings(speed_angle=1.0)) == (tube,)
     plain = study([joint(1), TUBE, joint(1)], materials={"steel": STEEL})
@@ -134,7 +167,9 @@ def test_a_tube_without_mass_has_no_critical_speed(study, density, lacks) -> Non
 
 def test_a_tube_between_rigid_couplings_is_one_tube(study) -> None:
     rigid = ("coupling", {"flexibility": 0.0})
-    scene = study([("gear", {"ratio": 4}), joint(1), rigid, TUBE, rigid, joint(1)], materials={"steel": STEEL})
+    scene = study(
+        [("gear", {"ratio": 4}), joint(1), rigid, TUBE, rigid, joint(1)], materials={"steel": STEEL}
+    )
     (tube,) = tubes(scene.train)
     assert (tube.name, tube.lacks, float(tube.ratio)) == ("tube", "", 0.25)
     assert tube.critical == pytest.approx(CRITICAL, rel=1e-14)
@@ -145,7 +180,9 @@ def test_tube_that_bends_on_supports_names_what_it_lacks_alone(study) -> None:
     held = ("shaft", {**TUBE[1], "support": {"at": 0.75, "stiffness": 1e10}})
     soft = ("coupling", {"stiffness": 1e4})
     loose = ("shaft", {"name": "loose", "length": 0.5, "diameter": 0.1})
-    (tube,) = tubes(study([loose, soft, joint(1), held, joint(1), soft, DISC], materials={"steel": STEEL}).train)
+    (tube,) = tubes(
+        study([loose, soft, joint(1), held, joint(1), soft, DISC], materials={"steel": STEEL}).train
+    )
     assert (tube.lacks, tube.has_support) == ("", True)
 
 

@@ -14,13 +14,21 @@ from torsion.rules.coupling_maker import CouplingMaker, CouplingSettings
 from torsion.rules.verdict_line import Checks
 
 RPM = math.pi / 30.0
-PSI, STIFFNESS, ELASTIC, LOSS = 1.15, 36000.0, 500.0, 79.8611  # of 500 N m at 20 Hz: the published power loss, W
+PSI, STIFFNESS, ELASTIC, LOSS = (
+    1.15,
+    36000.0,
+    500.0,
+    79.8611,
+)  # of 500 N m at 20 Hz: the published power loss, W
 
 
 def line(**limits):
     body = {"name": "rubber", "stiffness": STIFFNESS, "psi": PSI, **limits}
-    return [("motor", {"inertia": 1.0, "ripple": [{"order": 4, "torque": 10.0}]}), ("coupling", body),
-            ("disc", {"inertia": 2.0})]  # fmt: skip
+    return [
+        ("motor", {"inertia": 1.0, "ripple": [{"order": 4, "torque": 10.0}]}),
+        ("coupling", body),
+        ("disc", {"inertia": 2.0}),
+    ]
 
 
 def judged(study, evidence, rpm, torque, **limits):
@@ -30,28 +38,38 @@ def judged(study, evidence, rpm, torque, **limits):
 
 def test_a_torque_falls_with_the_root_of_the_frequency_above_that_of_the_maker() -> None:
     law = OverFrequency(((10.0, 15e3),), OF_TORQUE)
-    assert law.at(np.array([1.0, 10.0, 22.5, 40.0])) == pytest.approx([15e3, 15e3, 10e3, 7.5e3], rel=1e-15)
+    assert law.at(np.array([1.0, 10.0, 22.5, 40.0])) == pytest.approx(
+        [15e3, 15e3, 10e3, 7.5e3], rel=1e-15
+    )
 
 
 @pytest.mark.parametrize("power", [OF_TORQUE, OF_POWER])
 def test_a_table_is_kept_at_its_rows_and_never_above_a_straight_line(power) -> None:
     rows = ((2.0, 9.0), (5.0, 6.0), (8.0, 7.0), (20.0, 3.0))
     law, at = OverFrequency(rows, power), np.linspace(2.0, 20.0, 301)
-    assert law.at(np.array([row[0] for row in rows])) == pytest.approx([row[1] for row in rows], rel=1e-14)
+    assert law.at(np.array([row[0] for row in rows])) == pytest.approx(
+        [row[1] for row in rows], rel=1e-14
+    )
     assert (law.at(at) <= np.interp(at, *zip(*rows, strict=True)) * (1 + 1e-14)).all()
-    assert law.at(np.array([0.5, 80.0])) == pytest.approx([3.0, 3.0 / (2.0 if power == OF_TORQUE else 1.0)])
+    assert law.at(np.array([0.5, 80.0])) == pytest.approx(
+        [3.0, 3.0 / (2.0 if power == OF_TORQUE else 1.0)]
+    )
 
 
 def test_rows_of_one_heat_are_a_root_between_them() -> None:
     rows = tuple((f, 15e3 * math.sqrt(10.0 / f)) for f in (10.0, 17.0, 40.0))
     at = np.linspace(10.0, 90.0, 81)
-    assert OverFrequency(rows, OF_TORQUE).at(at) == pytest.approx(15e3 * np.sqrt(10.0 / at), rel=1e-14)
+    assert OverFrequency(rows, OF_TORQUE).at(at) == pytest.approx(
+        15e3 * np.sqrt(10.0 / at), rel=1e-14
+    )
 
 
 def test_one_order_is_judged_at_its_own_frequency(study, evidence) -> None:
     """Order 4 of 300, 600 and 1200 rpm is 20, 40 and 80 Hz; 10 Hz of the maker: 1/sqrt(2), 1/2, 1/sqrt(8)."""
     limit = {"torque": 1000.0, "at": 10.0, "above": "sqrt"}
-    found = judged(study, evidence, [300.0, 600.0, 1200.0], [700.0, 499.0, 300.0], vibratory_torque=limit)
+    found = judged(
+        study, evidence, [300.0, 600.0, 1200.0], [700.0, 499.0, 300.0], vibratory_torque=limit
+    )
     alone, together = found
     assert [one.clause for one in found] == ["T_KW(f)", "T_KW(f)"]
     assert (alone.value, alone.limit) == pytest.approx((499.0, 500.0), rel=1e-14)
@@ -75,13 +93,18 @@ rules: [coupling-maker]
     def lines(keys):
         return torsion.run(torsion.parse(text.replace("KEYS", keys))).need(Checks).lines
 
-    (plain,), (alone, together) = lines("vibratory_torque: 900"), lines("vibratory_torque: [[0 Hz, 900], [99 Hz, 900]]")
+    (plain,), (alone, together) = (
+        lines("vibratory_torque: 900"),
+        lines("vibratory_torque: [[0 Hz, 900], [99 Hz, 900]]"),
+    )
     assert (together.value, together.limit) == pytest.approx((plain.value, 900.0), rel=1e-12)
     assert alone.value < together.value
     assert together.what == "Vibratory torque of all components, weighted by frequency"
     assert "each component times T_KW(0 Hz) / T_KW(f)" in together.note
     (heat,), (shares,) = lines("heat_limit: 90"), lines("heat_limit: [[0 Hz, 90], [99 Hz, 90]]")
-    assert (shares.value, shares.limit, shares.clause) == pytest.approx((heat.value, 90.0, "P_KW(f)"))
+    assert (shares.value, shares.limit, shares.clause) == pytest.approx(
+        (heat.value, 90.0, "P_KW(f)")
+    )
 
 
 def test_a_heat_over_frequency_counts_every_order_by_its_own_share(study, evidence) -> None:
@@ -93,12 +116,16 @@ def test_a_heat_over_frequency_counts_every_order_by_its_own_share(study, eviden
 
 @pytest.mark.parametrize(
     ("limit", "words"),
-    [({"torque": 3.0, "at": 10.0}, "`above` is missing"), ([[1.0, 3.0]], "two rows or more"),
-     ([[2.0, 3.0], [1.0, 3.0]], "two rows or more, rising"),
-     ({"table": [[1.0, 3.0], [2.0, 3.0]], "at": 1.0}, "exclude"),
-     ({}, "`torque` or `table` is missing"), ({"torque": 0.0, "at": 9.0, "above": "sqrt"}, "must be more than 0"),
-     ([[1.0, 0.0], [2.0, 3.0]], "more than 0")],
-)  # fmt: skip
+    [
+        ({"torque": 3.0, "at": 10.0}, "`above` is missing"),
+        ([[1.0, 3.0]], "two rows or more"),
+        ([[2.0, 3.0], [1.0, 3.0]], "two rows or more, rising"),
+        ({"table": [[1.0, 3.0], [2.0, 3.0]], "at": 1.0}, "exclude"),
+        ({}, "`torque` or `table` is missing"),
+        ({"torque": 0.0, "at": 9.0, "above": "sqrt"}, "must be more than 0"),
+        ([[1.0, 0.0], [2.0, 3.0]], "more than 0"),
+    ],
+)
 def test_a_limit_that_says_too_little_is_refused(study, limit, words) -> None:
     with pytest.raises(ValueError, match=words):
         study(line(vibratory_torque=limit))
@@ -121,7 +148,9 @@ rules: [coupling-maker]
 
 
 def test_the_heat_in_misfire_has_the_limit_of_the_misfire_and_its_time() -> None:
-    fires, fails = (torsion.run(torsion.parse(ENGINE.replace("MISFIRE", text))) for text in ("", ", misfire: 3"))
+    fires, fails = (
+        torsion.run(torsion.parse(ENGINE.replace("MISFIRE", text))) for text in ("", ", misfire: 3")
+    )
     (plain, unjudged), (misfire,) = (one.need(Checks).lines for one in (fires, fails))
     assert (plain.clause, plain.limit) == ("P_KW", 30.0)
     assert (unjudged.clause, unjudged.verdict) == ("P_KW misfire", "not judged")
@@ -131,7 +160,9 @@ def test_the_heat_in_misfire_has_the_limit_of_the_misfire_and_its_time() -> None
     assert (misfire.value > 30.0, misfire.verdict) == (True, "pass")
     left = [what for what, _ in not_judged(fails.study)]
     assert "coupling-maker: heat of rubber in misfire, cold and warm" in left
-    text = ENGINE.replace("MISFIRE", ", misfire: 3").replace(", heat_limit_misfire: {power: 120 kW, for: 30 min}", "")
+    text = ENGINE.replace("MISFIRE", ", misfire: 3").replace(
+        ", heat_limit_misfire: {power: 120 kW, for: 30 min}", ""
+    )
     (line,) = torsion.run(torsion.parse(text)).need(Checks).lines
     assert (line.clause, line.verdict) == ("P_KW", "fail")
     assert "a cylinder does not fire: judged by the limit of continuous operation" in line.note
@@ -147,11 +178,27 @@ def test_cases_of_a_misfire_state_which_of_them_is_judged() -> None:
 
 
 def test_a_damper_has_a_limit_of_its_heat_in_misfire_too(study, evidence) -> None:
-    parts = [line()[0], ("damper", {"name": "oil", "housing": 0.1, "ring": 0.2, "damping": 20.0,
-                                    "heat_limit": [[20.0, 100.0], [40.0, 50.0]]}), *line()[1:]]  # fmt: skip
+    parts = [
+        line()[0],
+        (
+            "damper",
+            {
+                "name": "oil",
+                "housing": 0.1,
+                "ring": 0.2,
+                "damping": 20.0,
+                "heat_limit": [[20.0, 100.0], [40.0, 50.0]],
+            },
+        ),
+        *line()[1:],
+    ]
     seen = evidence(study(parts), [300.0], half={"oil": 40.0}, line=Line(Fraction(4), None, ("m",)))
     (one,) = CouplingMaker().check(seen, CouplingSettings())
-    assert (one.clause, one.value, one.limit) == ("P_KW(f)", pytest.approx(40.0**2 / 40.0, rel=1e-12), 100.0)
+    assert (one.clause, one.value, one.limit) == (
+        "P_KW(f)",
+        pytest.approx(40.0**2 / 40.0, rel=1e-12),
+        100.0,
+    )
 
 
 def test_a_limit_in_misfire_is_no_less_than_that_of_continuous_operation(study) -> None:

@@ -24,7 +24,9 @@ def curve(shares, rest=0.3):
 def test_range_widens_to_every_speed_above_the_limit() -> None:
     wide = np.where(np.abs(SPEED - 500) < 95, 1.2, 0.8)
     wide[40] = 1.5
-    (one,) = barring(Curve(SPEED, wide, np.ones(96), np.zeros(96, dtype=np.int64)), RATED, "line").permitted
+    (one,) = barring(
+        Curve(SPEED, wide, np.ones(96), np.zeros(96, dtype=np.int64)), RATED, "line"
+    ).permitted
     assert [one.lower, one.critical, one.upper] == pytest.approx([405, 500, 595], rel=1e-12)
 
 
@@ -68,7 +70,9 @@ def test_range_that_reaches_0_8_is_refused_whole(critical) -> None:
     found = barring(curve({critical: 1.2}), RATED, "line")
     assert found.permitted == ()
     assert found.refused[0].critical == pytest.approx(critical)
-    assert [found.refused[0].lower, found.refused[0].upper] == pytest.approx(barred_range(critical, RATED))
+    assert [found.refused[0].lower, found.refused[0].upper] == pytest.approx(
+        barred_range(critical, RATED)
+    )
     assert not found.passed.any()
 
 
@@ -90,22 +94,36 @@ def test_permitted_range_does_not_excuse_what_is_refused_within_it() -> None:
     assert [one.critical for one in found.permitted] == pytest.approx([720])
     assert found.permitted[0].upper > 750
     assert [one.critical for one in found.refused] == pytest.approx([750])
-    assert list(SPEED[found.passed]) == pytest.approx([670, 680, 690, 700, 710, 720, 730, 740, 760, 770])
+    assert list(SPEED[found.passed]) == pytest.approx(
+        [670, 680, 690, 700, 710, 720, 730, 740, 760, 770]
+    )
 
 
 def test_ends_of_a_range_are_speeds_of_continuous_use() -> None:
     lower, upper = barred_range(500, RATED)
     speed = np.array([400, lower, 500, upper, 600])
-    found = barring(Curve(speed, np.array([0.1, 0.9, 1.1, 0.9, 0.1]), np.ones(5), np.zeros(5, dtype=int)), RATED, "x")
+    found = barring(
+        Curve(speed, np.array([0.1, 0.9, 1.1, 0.9, 0.1]), np.ones(5), np.zeros(5, dtype=int)),
+        RATED,
+        "x",
+    )
     assert found.passed.tolist() == [False, False, True, False, False]
 
 
-def test_range_ends_where_its_flanks_meet_the_limit_even_beside_the_first_and_the_last_speed() -> None:
+def test_range_ends_where_its_flanks_meet_the_limit_even_beside_the_first_and_the_last_speed() -> (
+    None
+):
     """At 400 and 700 the share is 0.6, between them above 1: straight lines cross it at 3/4 and 1/3 of a step."""
     speed = np.array([400.0, 500.0, 600.0, 700.0])
-    found = barring(Curve(speed, np.array([0.6, 2.2, 1.2, 0.6]), np.ones(4), np.zeros(4, dtype=int)), 2000.0, "x")
+    found = barring(
+        Curve(speed, np.array([0.6, 2.2, 1.2, 0.6]), np.ones(4), np.zeros(4, dtype=int)),
+        2000.0,
+        "x",
+    )
     (one,) = found.permitted
-    assert [one.lower, one.critical, one.upper] == pytest.approx([425.0, 500.0, 600.0 + 100.0 / 3.0], rel=1e-12)
+    assert [one.lower, one.critical, one.upper] == pytest.approx(
+        [425.0, 500.0, 600.0 + 100.0 / 3.0], rel=1e-12
+    )
     assert found.passed.tolist() == [False, True, True, False]
 
 
@@ -114,7 +132,9 @@ def test_range_reaches_to_the_neighbour_that_has_no_limit(beyond) -> None:
     """A limit that is not there makes its speed no part of the run, but the line to it is unknown too."""
     speed = np.array([400.0, 500.0, 600.0])
     limit = np.array([math.nan, 1.0, math.nan])
-    found = barring(Curve(speed, np.array([beyond, 1.2, 0.5]), limit, np.zeros(3, dtype=int)), 2000.0, "x")
+    found = barring(
+        Curve(speed, np.array([beyond, 1.2, 0.5]), limit, np.zeros(3, dtype=int)), 2000.0, "x"
+    )
     assert [(one.lower, one.upper) for one in found.permitted] == [(400.0, 600.0)]
 
 

@@ -35,12 +35,17 @@ def limit(shaft: str) -> float:
         ("role: propeller, features: shrink fit", 0.55),
         ("role: propeller, features: tube shaft", 0.80),
         ("role: thrust, features: flange", 0.85),
-        ("role: intermediate, features: flange, notches: {keyway: {width: 90 mm, depth: 30 mm, fillet: 2 mm}}", 0.45),
+        (
+            "role: intermediate, features: flange, notches: {keyway: {width: 90 mm, depth: 30 mm, fillet: 2 mm}}",
+            0.45,
+        ),
         ("role: intermediate, features: flange, notches: {hole: 60 mm}", 0.50),
     ],
 )
 def test_the_least_factor_of_role_features_and_notches_counts(shaft: str, c_k: float) -> None:
-    assert limit(shaft) / limit("role: intermediate, features: flange") == pytest.approx(c_k, rel=0.03)
+    assert limit(shaft) / limit("role: intermediate, features: flange") == pytest.approx(
+        c_k, rel=0.03
+    )
 
 
 @pytest.mark.parametrize("load", ["constant", "quadratic"])

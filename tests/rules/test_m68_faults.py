@@ -5,7 +5,10 @@ from torsion.rules import m68
 from torsion.rules.m68_shafts import classed_shafts
 
 BLADES = [{"blade_order": 1, "torque": 10.0}]
-SCREW = ("propeller", {"name": "screw", "inertia": 5.0, "pitch": "fixed", "blades": 4, "excitation": BLADES})
+SCREW = (
+    "propeller",
+    {"name": "screw", "inertia": 5.0, "pitch": "fixed", "blades": 4, "excitation": BLADES},
+)
 
 
 def line(role="intermediate", **shaft):
@@ -43,7 +46,10 @@ def test_rated_speed_and_speeds_that_are_missing_are_told(study) -> None:
 def test_train_that_nothing_excites_cannot_be_judged(study) -> None:
     requested = m68.M68Settings()
     quiet = [*line()[:2], ("disc", {"inertia": 1.0})]
-    assert "nothing excites" in messages(study(quiet, [("iacs-m68", requested)]), requested)["rules", 0]
+    assert (
+        "nothing excites"
+        in messages(study(quiet, [("iacs-m68", requested)]), requested)["rules", 0]
+    )
 
 
 def test_train_without_a_role_cannot_be_judged(study) -> None:
@@ -52,26 +58,41 @@ def test_train_without_a_role_cannot_be_judged(study) -> None:
 
 
 def test_settings_name_shafts_that_exist(study) -> None:
-    requested = m68.M68Settings.model_validate({"alloy": ["lime"], "slots": {"line": {"length": 0.07, "width": 0.02}}})
+    requested = m68.M68Settings.model_validate(
+        {"alloy": ["lime"], "slots": {"line": {"length": 0.07, "width": 0.02}}}
+    )
     found = messages(study(line(), [("iacs-m68", requested)]), requested)
-    assert set(found) == {("rules", 0, "iacs-m68", "alloy", 0), ("rules", 0, "iacs-m68", "slots", "line")}
+    assert set(found) == {
+        ("rules", 0, "iacs-m68", "alloy", 0),
+        ("rules", 0, "iacs-m68", "slots", "line"),
+    }
 
 
 def test_settings_of_the_shafts_that_are_judged_are_no_fault(study) -> None:
-    requested = m68.M68Settings.model_validate({"alloy": ["line"], "slots": {"line": {"length": 0.07, "width": 0.02}}})
-    assert m68.M68().faults(study(line(features=["slot"]), [("iacs-m68", requested)]), requested) == []
+    requested = m68.M68Settings.model_validate(
+        {"alloy": ["line"], "slots": {"line": {"length": 0.07, "width": 0.02}}}
+    )
+    assert (
+        m68.M68().faults(study(line(features=["slot"]), [("iacs-m68", requested)]), requested) == []
+    )
 
 
 def test_a_setting_that_names_no_shaft_is_pointed_at_with_the_shafts_there_are(study) -> None:
     slots = {"lime": {"length": 0.07, "width": 0.02}}
     requested = m68.M68Settings.model_validate({"alloy": ["line", "screw", "lime"], "slots": slots})
-    parts = [*line()[:2], ("shaft", {"name": "tail", "length": 1.0, "diameter": 0.1, "role": "propeller"}), SCREW]
+    parts = [
+        *line()[:2],
+        ("shaft", {"name": "tail", "length": 1.0, "diameter": 0.1, "role": "propeller"}),
+        SCREW,
+    ]
     scene = study(parts, [("other", None), ("iacs-m68", requested)])
     found = m68.M68().faults(scene, requested)
     where = "rules", 1, "iacs-m68"
     assert [(fault.path, fault.at_key) for fault in found] == [
-        ((*where, "alloy", 1), False), ((*where, "alloy", 2), False), ((*where, "slots", "lime"), True),
-    ]  # fmt: skip
+        ((*where, "alloy", 1), False),
+        ((*where, "alloy", 2), False),
+        ((*where, "slots", "lime"), True),
+    ]
     assert {fault.hint for fault in found} == {"there is line, tail"}
     assert found[1].message == "no shaft with a role is called 'lime'"
     assert found[2].message == "no shaft with a role and the feature `slot` is called 'lime'"
@@ -81,6 +102,9 @@ def test_strength_that_is_missing_is_asked_for_as_the_file_writes_it(study) -> N
     soft = {"soft": Material(shear_modulus=79e9, density=7850.0)}
     (fault,) = m68.M68().faults(study(line(material="soft"), materials=soft), m68.M68Settings())
     assert fault.hint == "materials: {soft: {..., tensile_strength: 600 MPa}}"
-    assert fault.message == "`tensile_strength` of 'soft' is not given, and iacs-m68 needs it for 'line'"
+    assert (
+        fault.message
+        == "`tensile_strength` of 'soft' is not given, and iacs-m68 needs it for 'line'"
+    )
     stated = {"soft": Material(shear_modulus=79e9, density=7850.0, tensile_strength=410e6)}
     assert m68.M68().faults(study(line(material="soft"), materials=stated), m68.M68Settings()) == []

@@ -15,8 +15,14 @@ from torsion.rules.shaft_limits import stress_modulus
 
 def slotted(study, diameter, bore, **settings):
     """The shaft as the rule sees it: a cone with a slot and a radial hole."""
-    body = {"name": "line", "length": 1.0, "diameter": diameter, "bore": bore, "role": "intermediate",
-            "features": ["slot", "roller bearing"]}  # fmt: skip
+    body = {
+        "name": "line",
+        "length": 1.0,
+        "diameter": diameter,
+        "bore": bore,
+        "role": "intermediate",
+        "features": ["slot", "roller bearing"],
+    }
     scene = study([("motor", {"inertia": 3.0}), ("shaft", body), ("disc", {"inertia": 1.0})])
     (shaft,) = m68.classed_shafts(scene, m68.M68Settings.model_validate(settings))
     return shaft
@@ -30,11 +36,17 @@ def concentration(diameter, bore, length, width):
 
 
 @pytest.mark.parametrize("turned", [1, -1])
-@pytest.mark.parametrize(("diameter", "bore"), [([0.1, 0.16], [0.05, 0.05]), ([0.12, 0.12], [0.0, 0.08])])
-def test_the_slot_of_a_cone_is_judged_at_the_end_where_it_concentrates_more(study, diameter, bore, turned) -> None:
+@pytest.mark.parametrize(
+    ("diameter", "bore"), [([0.1, 0.16], [0.05, 0.05]), ([0.12, 0.12], [0.0, 0.08])]
+)
+def test_the_slot_of_a_cone_is_judged_at_the_end_where_it_concentrates_more(
+    study, diameter, bore, turned
+) -> None:
     ends = diameter[::turned], bore[::turned]
     shaft = slotted(study, *ends, slots={"line": {"length": "70 mm", "width": "20 mm"}})
-    both = [concentration(1e3 * outer, 1e3 * hole, 70, 20) for outer, hole in zip(*ends, strict=True)]
+    both = [
+        concentration(1e3 * outer, 1e3 * hole, 70, 20) for outer, hole in zip(*ends, strict=True)
+    ]
     assert abs(both[0] / both[1] - 1) > 0.1
     assert shaft.c_k == pytest.approx(min(1.45 / both[0], 1.45 / both[1]), rel=1e-12)
     assert shaft.governing[0] == "slot"
@@ -65,15 +77,29 @@ def test_a_shaft_is_seen_in_mm_with_both_of_its_ends(study) -> None:
 @pytest.mark.parametrize("turned", [1, -1])
 def test_the_modulus_of_a_conical_piece_is_that_of_its_smaller_end(study, turned) -> None:
     """Diameters 100, 110, 120, 130 mm and bores 40, 50, 60, 70 mm at the ends of three pieces."""
-    body = {"name": "line", "length": 1.0, "diameter": [0.1, 0.13][::turned], "bore": [0.04, 0.07][::turned],
-            "role": "thrust", "segments": 3}  # fmt: skip
-    scene = study([("motor", {"inertia": 3.0}), ("coupling", {"stiffness": 1e4}), ("shaft", body),
-                   ("disc", {"inertia": 1.0})])  # fmt: skip
+    body = {
+        "name": "line",
+        "length": 1.0,
+        "diameter": [0.1, 0.13][::turned],
+        "bore": [0.04, 0.07][::turned],
+        "role": "thrust",
+        "segments": 3,
+    }
+    scene = study(
+        [
+            ("motor", {"inertia": 3.0}),
+            ("coupling", {"stiffness": 1e4}),
+            ("shaft", body),
+            ("disc", {"inertia": 1.0}),
+        ]
+    )
     (shaft,) = m68.classed_shafts(scene, m68.M68Settings())
     spans, modulus = stress_modulus(assemble(scene.train), shaft.part)
     outer, bore = np.array([0.1, 0.11, 0.12]), np.array([0.04, 0.05, 0.06])
     assert spans.tolist() == [1, 2, 3]
-    np.testing.assert_allclose(modulus[::turned], math.pi / 16 * (outer**4 - bore**4) / outer, rtol=1e-12)
+    np.testing.assert_allclose(
+        modulus[::turned], math.pi / 16 * (outer**4 - bore**4) / outer, rtol=1e-12
+    )
 
 
 NONE_STATED = Material(shear_modulus=79e9, density=7850.0)
@@ -81,10 +107,18 @@ NONE_STATED = Material(shear_modulus=79e9, density=7850.0)
 
 def classed(study, material, role="intermediate", features=(), settings=None, **body):
     """A shaft of 120 mm as the rule sees it."""
-    shaft = {"name": "line", "length": 1.0, "diameter": 0.12, "role": role, "features": features, "material": "m",
-             **body}  # fmt: skip
+    shaft = {
+        "name": "line",
+        "length": 1.0,
+        "diameter": 0.12,
+        "role": role,
+        "features": features,
+        "material": "m",
+        **body,
+    }
     scene = study(
-        [("motor", {"inertia": 3.0}), ("shaft", shaft), ("disc", {"inertia": 1.0})], materials={"m": material}
+        [("motor", {"inertia": 3.0}), ("shaft", shaft), ("disc", {"inertia": 1.0})],
+        materials={"m": material},
     )
     (found,) = m68.classed_shafts(scene, settings or m68.M68Settings())
     return found
@@ -106,16 +140,36 @@ MOUNTING = (
 @pytest.mark.parametrize(
     ("strength", "role", "features", "words"),
     [
-        (500.0, "intermediate", (), f"C_K 1 (no feature given: integral flange assumed), {SIZE}, sigma_B 500 N/mm2"),
-        (600.0, "thrust", (), f"C_K 0.85 (no feature given: thrust collar assumed), {SIZE}, sigma_B 600 N/mm2"),
+        (
+            500.0,
+            "intermediate",
+            (),
+            f"C_K 1 (no feature given: integral flange assumed), {SIZE}, sigma_B 500 N/mm2",
+        ),
+        (
+            600.0,
+            "thrust",
+            (),
+            f"C_K 0.85 (no feature given: thrust collar assumed), {SIZE}, sigma_B 600 N/mm2",
+        ),
         (None, "thrust", ("flange", "radial hole"), HOLE),
-        (655.5, "propeller", ("propeller keyed", "shrink fit"),
-         f"C_K 0.55 (propeller keyed), {SIZE}, sigma_B 600 N/mm2 (of 655.5)"),
+        (
+            655.5,
+            "propeller",
+            ("propeller keyed", "shrink fit"),
+            f"C_K 0.55 (propeller keyed), {SIZE}, sigma_B 600 N/mm2 (of 655.5)",
+        ),
         (700.0, "propeller", (), MOUNTING),
     ],
-)  # fmt: skip
-def test_notes_say_the_factors_used_and_what_is_assumed(study, strength, role, features, words) -> None:
-    material = NONE_STATED if strength is None else STEEL_600.model_copy(update={"tensile_strength": strength * 1e6})
+)
+def test_notes_say_the_factors_used_and_what_is_assumed(
+    study, strength, role, features, words
+) -> None:
+    material = (
+        NONE_STATED
+        if strength is None
+        else STEEL_600.model_copy(update={"tensile_strength": strength * 1e6})
+    )
     assert classed(study, material, role, features).notes == (words,)
     tapered = classed(study, material, role, features, diameter=[0.1, 0.12])
     assert tapered.notes == (words, CONE)
@@ -126,21 +180,30 @@ def test_notes_say_the_factors_used_and_what_is_assumed(study, strength, role, f
 def test_a_limit_stands_as_its_factor_and_its_strength_do(study) -> None:
     assert classed(study, STEEL_600).standing == "rule text"
     assert classed(study, NONE_STATED).standing == "to be verified"
-    slot = m68.M68Settings.model_validate({"slots": {"line": {"length": "70 mm", "width": "20 mm"}}})
+    slot = m68.M68Settings.model_validate(
+        {"slots": {"line": {"length": "70 mm", "width": "20 mm"}}}
+    )
     assert classed(study, STEEL_600, features=("slot",), settings=slot).standing == "to be verified"
     assert classed(study, STEEL_600, features=("slot",)).standing == "rule text"
 
 
 def test_keyways_and_the_greatest_k_of_several_features_are_those_of_the_table(study) -> None:
-    shaft = classed(study, STEEL_600, features=("taper keyway", "slot", "flange", "cylinder keyway"))
+    shaft = classed(
+        study, STEEL_600, features=("taper keyway", "slot", "flange", "cylinder keyway")
+    )
     assert shaft.keyways == ("taper keyway", "cylinder keyway")
     assert (shaft.c_k, shaft.k, shaft.governing[0]) == (0.3, 1.2, "slot")
 
 
 def test_a_shaft_of_any_section_or_without_a_role_is_not_judged(study) -> None:
     plain = {"length": 1.0, "diameter": 0.1}
-    scene = study([("shaft", {"name": "a", "role": "thrust", **plain}), ("shaft", {"name": "b", **plain}),
-                   ("shaft", {"name": "c", "role": "thrust", **plain})])  # fmt: skip
+    scene = study(
+        [
+            ("shaft", {"name": "a", "role": "thrust", **plain}),
+            ("shaft", {"name": "b", **plain}),
+            ("shaft", {"name": "c", "role": "thrust", **plain}),
+        ]
+    )
     first, *others = scene.train.bars
     meshed = replace(scene.train, bars=(replace(first, section=object()), *others))
     assert [bar.name for bar, _ in m68.judged(scene.train)] == ["a", "c"]

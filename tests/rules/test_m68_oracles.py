@@ -26,9 +26,15 @@ from torsion.rules.shaft_limits import barred_range, may_be_barred
 from torsion.rules.verdict_line import Checks
 
 RPM = math.pi / 30.0
-VECTORS = json.loads((Path(__file__).parent / "rules_oracles.json").read_text(encoding="utf-8"))["vectors"]
+VECTORS = json.loads((Path(__file__).parent / "rules_oracles.json").read_text(encoding="utf-8"))[
+    "vectors"
+]
 BY_NAME = {vector["id"]: vector for vector in VECTORS}
-LIMITS = {name: one for name, one in BY_NAME.items() if one["rule"] == "iacs-m68" and "sigma_B used" in one["expected"]}
+LIMITS = {
+    name: one
+    for name, one in BY_NAME.items()
+    if one["rule"] == "iacs-m68" and "sigma_B used" in one["expected"]
+}
 
 
 def close(value: object) -> object:
@@ -53,12 +59,16 @@ def test_barred_ranges(name: str) -> None:
     ends = barred_range(given["n_c"], given["n_o"])
     assert list(ends) == close(expected["formula"])
     for tolerance, permitted in zip(
-        np.atleast_1d(given.get("tachometer", 0.0)), np.atleast_1d(expected["permitted"]), strict=True
+        np.atleast_1d(given.get("tachometer", 0.0)),
+        np.atleast_1d(expected["permitted"]),
+        strict=True,
     ):
         upper = ends[1] * (1.0 + tolerance)
         assert bool(may_be_barred(upper / given["n_o"])) == permitted
     if name == "m68-barred-tachometer":
-        assert [ends[1] * (1.0 + one) for one in given["tachometer"]] == close(expected["upper end"])
+        assert [ends[1] * (1.0 + one) for one in given["tachometer"]] == close(
+            expected["upper end"]
+        )
     if name == "m68-barred-60":
         pair = [ends[0] * (1.0 - given["tachometer"]), ends[1] * (1.0 + given["tachometer"])]
         assert pair == close(expected["with tachometer 2 %"])
@@ -79,13 +89,22 @@ def test_least_diameters(name: str) -> None:
 def test_a_slot_by_formula() -> None:
     given, expected = BY_NAME["m68-slot"]["input"], BY_NAME["m68-slot"]["expected"]
     concentration = slot_concentration(given["d"], given["d_i"], given["l"], given["e"])
-    assert (concentration, slot_c_k(concentration)) == (close(expected["scf"]), close(expected["C_K"]))
+    assert (concentration, slot_c_k(concentration)) == (
+        close(expected["scf"]),
+        close(expected["C_K"]),
+    )
 
 
 def test_a_keyway_with_a_barred_range() -> None:
-    given, expected = BY_NAME["m68-keyway-barred"]["input"], BY_NAME["m68-keyway-barred"]["expected"]
+    given, expected = (
+        BY_NAME["m68-keyway-barred"]["input"],
+        BY_NAME["m68-keyway-barred"]["expected"],
+    )
     made_of = given["sigma_B"], given["d_mm"], given["C_K"], given["lambda"]
-    assert (float(tau_c(*made_of)), float(tau_t(*made_of))) == (close(expected["tau_C"]), close(expected["tau_T"]))
+    assert (float(tau_c(*made_of)), float(tau_t(*made_of))) == (
+        close(expected["tau_C"]),
+        close(expected["tau_T"]),
+    )
 
 
 @pytest.mark.parametrize("name", [name for name in BY_NAME if name.startswith("kr-crank")])
@@ -107,10 +126,15 @@ def test_limits_of_crankshafts_of_kr(name: str) -> None:
 
 def test_the_torque_of_a_load_above_the_rated_power_is_not_scaled_down(study, evidence) -> None:
     given, expected = BY_NAME["full-torque"]["input"], BY_NAME["full-torque"]["expected"]
-    for carried, factor in zip(given["carried_kW"], expected["factor on the mean torque"], strict=True):
+    for carried, factor in zip(
+        given["carried_kW"], expected["factor on the mean torque"], strict=True
+    ):
         torque = carried * 1e3 / (1000.0 * RPM)
-        parts = [("motor", {"inertia": 3.0}), ("coupling", {"name": "c", "stiffness": 1e5}),
-                 ("propeller", {"inertia": 5.0, "pitch": "fixed"})]  # fmt: skip
+        parts = [
+            ("motor", {"inertia": 3.0}),
+            ("coupling", {"name": "c", "stiffness": 1e5}),
+            ("propeller", {"inertia": 5.0, "pitch": "fixed"}),
+        ]
         scene = study(parts, load=[["100 rpm", f"{torque} N*m"], ["1200 rpm", f"{torque} N*m"]])
         seen = evidence(scene, [100.0, 1000.0, 1200.0], half={}, mean={"c": torque})
         seen.results["mean"].applied[0] = torque
@@ -131,12 +155,22 @@ rules: [iacs-m68: {drive: electric SETTINGS}]
 
 
 def scene(
-    critical: float, strength: float = 600, torque: float = 1.0, bore: float = 0, features="", settings=""
+    critical: float,
+    strength: float = 600,
+    torque: float = 1.0,
+    bore: float = 0,
+    features="",
+    settings="",
 ) -> str:
     stiffness = (2.0 * math.pi * 4.0 * critical / 60.0) ** 2 * 500.0
-    words = {"STRENGTH": strength, "TORQUE": torque, "STIFFNESS": stiffness, "BORE": bore,
-             "FEATURES": f", features: [{features}]" if features else "",
-             "SETTINGS": f", {settings}" if settings else ""}  # fmt: skip
+    words = {
+        "STRENGTH": strength,
+        "TORQUE": torque,
+        "STIFFNESS": stiffness,
+        "BORE": bore,
+        "FEATURES": f", features: [{features}]" if features else "",
+        "SETTINGS": f", {settings}" if settings else "",
+    }
     text = SCENE
     for word, value in words.items():
         text = text.replace(word, str(value))
@@ -145,8 +179,11 @@ def scene(
 
 def torque_for(stress: float, critical: float, **given: object) -> float:
     """N m of order 4 that gives a stress, N/mm2, at the resonance; the train is linear."""
-    (check,) = (one for one in torsion.run(torsion.parse(scene(critical, **given))).need(Checks).lines
-                if one.clause == "tau_C")  # fmt: skip
+    (check,) = (
+        one
+        for one in torsion.run(torsion.parse(scene(critical, **given))).need(Checks).lines
+        if one.clause == "tau_C"
+    )
     return stress / check.value
 
 
@@ -154,15 +191,23 @@ def solve(text: str, folder: Path) -> tuple[int, str, dict[tuple[str, str], dict
     (folder / "line.yaml").write_text(text)
     done = CliRunner().invoke(app, ["solve", str(folder / "line.yaml"), "-o", str(folder / "out")])
     rows = json.loads((folder / "out" / "results.json").read_text(encoding="utf-8"))["checks"]
-    head = next(line for line in done.output.splitlines() if line[:3] in ("✗ F", "? N", "! P", "✓ P"))
-    return done.exit_code, head[2:].partition(":")[0], {(row["clause"], row["what"]): row for row in rows}
+    head = next(
+        line for line in done.output.splitlines() if line[:3] in ("✗ F", "? N", "! P", "✓ P")
+    )
+    return (
+        done.exit_code,
+        head[2:].partition(":")[0],
+        {(row["clause"], row["what"]): row for row in rows},
+    )
 
 
 BARRED = "material", "Tensile strength where a barred range is passed"
 
 
 @pytest.mark.parametrize(("name", "stress"), [("m68-450-barred", 80.0), ("m68-450-low", 55.0)])
-def test_a_file_of_450_with_a_barred_range_does_not_pass(name: str, stress: float, tmp_path: Path) -> None:
+def test_a_file_of_450_with_a_barred_range_does_not_pass(
+    name: str, stress: float, tmp_path: Path
+) -> None:
     expected = BY_NAME[name]["expected"]
     torque = torque_for(stress, 60.0, strength=450)
     status, word, rows = solve(scene(60.0, 450, torque), tmp_path)
@@ -172,7 +217,9 @@ def test_a_file_of_450_with_a_barred_range_does_not_pass(name: str, stress: floa
     assert row["verdict"] == expected["verdict of extra row"].lower()
     passing = next(one for (clause, _), one in rows.items() if clause == "tau_T")
     assert passing["verdict"] == "restricted"
-    assert passing["limit"] == pytest.approx(expected["limit"], rel=0.01)  # at the computed peak, near 0.6
+    assert passing["limit"] == pytest.approx(
+        expected["limit"], rel=0.01
+    )  # at the computed peak, near 0.6
     status, word, rows = solve(scene(60.0, 520, torque), tmp_path)
     assert (status, word) == (0, "PASS with restrictions")
     assert BARRED not in rows
@@ -189,7 +236,9 @@ def test_the_share_that_is_near_the_limit_of_passing_is_a_setting(tmp_path: Path
 def test_a_file_of_300_does_not_pass_and_one_of_400_does(name: str, tmp_path: Path) -> None:
     given, expected = BY_NAME[name]["input"], BY_NAME[name]["expected"]
     strength = given["sigma_B"]
-    status, word, rows = solve(scene(60.0, strength, torque_for(10.0, 60.0, strength=strength)), tmp_path)
+    status, word, rows = solve(
+        scene(60.0, strength, torque_for(10.0, 60.0, strength=strength)), tmp_path
+    )
     assert (status, word) == (int(expected["verdict"] != "PASS"), expected["verdict"])
     stress = next(one for (clause, _), one in rows.items() if clause == "tau_C")
     assert stress["value"] == pytest.approx(10.0, rel=1e-6)
@@ -206,7 +255,9 @@ def test_a_file_of_300_does_not_pass_and_one_of_400_does(name: str, tmp_path: Pa
 def test_a_file_with_a_slot_outside_its_limits_does_not_pass(tmp_path: Path) -> None:
     given, expected = BY_NAME["m68-slot-bore"]["input"], BY_NAME["m68-slot-bore"]["expected"]
     slot = {"bore": given["bore_mm"], "features": "slot"}
-    status, word, rows = solve(scene(60.0, torque=torque_for(given["tau"], 60.0, **slot), **slot), tmp_path)
+    status, word, rows = solve(
+        scene(60.0, torque=torque_for(given["tau"], 60.0, **slot), **slot), tmp_path
+    )
     assert (status, word) == (1, expected["verdict"])
     row = next(one for (clause, _), one in rows.items() if clause == "tau_C")
     assert row["verdict"] == "not judged"
@@ -214,26 +265,38 @@ def test_a_file_with_a_slot_outside_its_limits_does_not_pass(tmp_path: Path) -> 
     assert row["utilisation"] == pytest.approx(expected["utilisation"], rel=0.01)
 
 
-def test_what_a_slot_does_not_state_is_a_restriction_until_a_document_answers_it(tmp_path: Path) -> None:
+def test_what_a_slot_does_not_state_is_a_restriction_until_a_document_answers_it(
+    tmp_path: Path,
+) -> None:
     torque = torque_for(5.0, 60.0, features="slot", bore=200)
     status, word, rows = solve(scene(60.0, torque=torque, features="slot", bore=200), tmp_path)
     assert (status, word) == (0, "PASS with restrictions")
     row = next(one for (clause, _), one in rows.items() if clause == "tau_C")
-    assert [words.partition(": ")[2].split()[0] for words in row["restrictions"]] == ["length", "width", "radius", "1,"]
+    assert [words.partition(": ")[2].split()[0] for words in row["restrictions"]] == [
+        "length",
+        "width",
+        "radius",
+        "1,",
+    ]
     status, word, _ = solve(
-        scene(60.0, torque=torque, features="slot", bore=200, settings="conditions: drawing 4711-3"), tmp_path
+        scene(
+            60.0, torque=torque, features="slot", bore=200, settings="conditions: drawing 4711-3"
+        ),
+        tmp_path,
     )
     assert (status, word) == (0, "PASS")
 
 
 @pytest.mark.parametrize(
     ("slot", "broken"),
-    [("length: 330 mm, width: 80 mm, end_radius: 40 mm, number: 1", "length 0.825"),
-     ("length: 280 mm, width: 50 mm, end_radius: 40 mm, number: 1", "width 0.125"),
-     ("length: 280 mm, width: 80 mm, end_radius: 30 mm, number: 2", "radius of its ends below"),
-     ("length: 280 mm, width: 80 mm, end_radius: 40 mm, number: 4", "4 slots"),
-     ("length: 280 mm, width: 80 mm, end_radius: 40 mm, number: 3", "")],
-)  # fmt: skip
+    [
+        ("length: 330 mm, width: 80 mm, end_radius: 40 mm, number: 1", "length 0.825"),
+        ("length: 280 mm, width: 50 mm, end_radius: 40 mm, number: 1", "width 0.125"),
+        ("length: 280 mm, width: 80 mm, end_radius: 30 mm, number: 2", "radius of its ends below"),
+        ("length: 280 mm, width: 80 mm, end_radius: 40 mm, number: 4", "4 slots"),
+        ("length: 280 mm, width: 80 mm, end_radius: 40 mm, number: 3", ""),
+    ],
+)
 def test_the_limits_of_a_slot(slot: str, broken: str, tmp_path: Path) -> None:
     text = scene(60.0, features="slot", bore=200, settings=f"slots: {{line: {{{slot}}}}}")
     status, word, rows = solve(text, tmp_path)
@@ -256,8 +319,14 @@ def test_a_file_whose_speeds_end_below_a_resonance_at_1_04_does_not_pass(tmp_pat
 
 
 def test_a_governor_below_1_05_is_a_restriction(tmp_path: Path) -> None:
-    status, word, rows = solve(SHARP.replace("speeds: {", "highest: 100 rpm, by: governor, speeds: {"), tmp_path)
-    limited = [row for row in rows.values() if "speed limited to 100 rpm by the governor" in row["restrictions"]]
+    status, word, rows = solve(
+        SHARP.replace("speeds: {", "highest: 100 rpm, by: governor, speeds: {"), tmp_path
+    )
+    limited = [
+        row
+        for row in rows.values()
+        if "speed limited to 100 rpm by the governor" in row["restrictions"]
+    ]
     assert limited
     assert (status, word) == (0, "PASS with restrictions")
     assert max(row["speed_rad_per_s"] for row in limited) <= 100.0 * RPM * (1 + 1e-9)
@@ -269,14 +338,21 @@ def test_a_case_with_speeds_of_its_own_is_not_judged_above_them(tmp_path: Path) 
     assert found.exit_status == 1
     assert headline(found)[0][1].startswith("PASS: ")
     (row,) = (one for one in found.cases["slow"].need(Checks).lines if one.verdict == "not judged")
-    assert (row.clause, row.what) == ("speeds", "Torsional stress amplitude above the computed speeds")
+    assert (row.clause, row.what) == (
+        "speeds",
+        "Torsional stress amplitude above the computed speeds",
+    )
 
 
 @pytest.mark.parametrize(("last", "status"), [(1.05, 0), (1.06, 0)])
-def test_above_1_05_there_is_a_restriction_and_no_limit(last: float, status: int, tmp_path: Path) -> None:
+def test_above_1_05_there_is_a_restriction_and_no_limit(
+    last: float, status: int, tmp_path: Path
+) -> None:
     text = scene(60.0).replace("to: 100 rpm, steps: 81", f"to: {100 * last:g} rpm, steps: 87")
     found, word, rows = solve(text, tmp_path)
-    above = [row for (_, what), row in rows.items() if what.endswith("above the last speed with a limit")]
+    above = [
+        row for (_, what), row in rows.items() if what.endswith("above the last speed with a limit")
+    ]
     assert (found, word) == (status, "PASS with restrictions" if last > 1.05 else "PASS")
     assert [row["limit"] for row in above] == ([None] if last > 1.05 else [])
     stated = text.replace("speeds: {", "highest: 110 rpm, speeds: {", 1)
@@ -285,7 +361,9 @@ def test_above_1_05_there_is_a_restriction_and_no_limit(last: float, status: int
 
 
 def test_a_keyway_fails_where_a_barred_range_is_passed(tmp_path: Path) -> None:
-    text = scene(60.0, torque=torque_for(70.0, 60.0, features="cylinder keyway"), features="cylinder keyway")
+    text = scene(
+        60.0, torque=torque_for(70.0, 60.0, features="cylinder keyway"), features="cylinder keyway"
+    )
     status, word, _ = solve(text, tmp_path)
     assert (status, word) == (1, "FAIL")
     assert m68.M68.scope == 1.05

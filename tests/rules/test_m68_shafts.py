@@ -22,7 +22,9 @@ VECTORS = [  # sigma_B, d, C_K, lambda, C_D, tau_C, tau_T
 
 
 @pytest.mark.parametrize(("strength", "diameter", "c_k", "ratio", "c_d", "tau_c", "tau_t"), VECTORS)
-def test_limits_agree_with_the_check_vectors(strength, diameter, c_k, ratio, c_d, tau_c, tau_t) -> None:
+def test_limits_agree_with_the_check_vectors(
+    strength, diameter, c_k, ratio, c_d, tau_c, tau_t
+) -> None:
     assert round(m68.size_factor(diameter), 5) == c_d
     assert round(float(m68.tau_c(strength, diameter, c_k, ratio)), 5) == tau_c
     passing = float(m68.tau_t(strength, diameter, c_k, ratio))
@@ -30,7 +32,8 @@ def test_limits_agree_with_the_check_vectors(strength, diameter, c_k, ratio, c_d
 
 
 @pytest.mark.parametrize(
-    ("critical", "rated", "lower", "upper"), [(60, 100, 55.17241, 65.25), (45, 91, 41.12994, 49.23420)]
+    ("critical", "rated", "lower", "upper"),
+    [(60, 100, 55.17241, 65.25), (45, 91, 41.12994, 49.23420)],
 )
 def test_barred_ranges_agree_with_the_check_vectors(critical, rated, lower, upper) -> None:
     assert [round(end, 5) for end in shaft_limits.barred_range(critical, rated)] == [lower, upper]
@@ -69,12 +72,17 @@ def test_speed_ratio_of_1_05_survives_the_rounding_of_units() -> None:
 @pytest.mark.parametrize(
     ("role", "alloy", "given", "used"),
     [
-        ("intermediate", False, 900, 600), ("intermediate", True, 900, 800), ("thrust", False, 700, 600),
-        ("thrust", True, 700, 700), ("thrust", True, 801, 800), ("thrust", False, 600.5, 600),
-        ("propeller", False, 700, 600), ("propeller", True, 700, 600),
+        ("intermediate", False, 900, 600),
+        ("intermediate", True, 900, 800),
+        ("thrust", False, 700, 600),
+        ("thrust", True, 700, 700),
+        ("thrust", True, 801, 800),
+        ("thrust", False, 600.5, 600),
+        ("propeller", False, 700, 600),
+        ("propeller", True, 700, 600),
         ("propeller", True, 520, 520),
     ],
-)  # fmt: skip
+)
 def test_strength_is_capped_by_steel_and_role(role, alloy, given, used) -> None:
     assert m68.used_strength(given, role, alloy=alloy) == used
 
@@ -82,12 +90,20 @@ def test_strength_is_capped_by_steel_and_role(role, alloy, given, used) -> None:
 @pytest.mark.parametrize(
     ("feature", "c_k", "k"),
     [
-        ("flange", 1.0, 1.0), ("shrink fit", 1.0, 1.0), ("taper keyway", 0.6, 1.1), ("cylinder keyway", 0.45, 1.1),
-        ("radial hole", 0.5, 1.1), ("slot", 0.3, 1.2), ("thrust collar", 0.85, 1.1), ("roller bearing", 0.85, 1.1),
-        ("propeller flange", 0.55, 1.22), ("propeller keyless", 0.55, 1.22), ("propeller keyed", 0.55, 1.26),
+        ("flange", 1.0, 1.0),
+        ("shrink fit", 1.0, 1.0),
+        ("taper keyway", 0.6, 1.1),
+        ("cylinder keyway", 0.45, 1.1),
+        ("radial hole", 0.5, 1.1),
+        ("slot", 0.3, 1.2),
+        ("thrust collar", 0.85, 1.1),
+        ("roller bearing", 0.85, 1.1),
+        ("propeller flange", 0.55, 1.22),
+        ("propeller keyless", 0.55, 1.22),
+        ("propeller keyed", 0.55, 1.26),
         ("tube shaft", 0.8, 1.15),
     ],
-)  # fmt: skip
+)
 def test_details_have_the_factors_of_the_table(feature, c_k, k) -> None:
     detail = m68.DETAILS[feature]
     assert (detail.c_k, detail.k) == (c_k, k)
@@ -95,10 +111,16 @@ def test_details_have_the_factors_of_the_table(feature, c_k, k) -> None:
     assert detail.has_keyway == ("key" in feature and feature != "propeller keyless")
 
 
-@pytest.mark.parametrize(("role", "c_k", "k"), [("intermediate", 1.0, 1.0), ("thrust", 0.85, 1.1),
-                                                ("propeller", 0.55, 1.26)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("role", "c_k", "k"),
+    [("intermediate", 1.0, 1.0), ("thrust", 0.85, 1.1), ("propeller", 0.55, 1.26)],
+)
 def test_a_shaft_without_features_has_those_of_its_role(role, c_k, k) -> None:
-    assert (m68.ASSUMED[role].c_k, m68.ASSUMED[role].k, m68.ASSUMED[role].has_keyway) == (c_k, k, False)
+    assert (m68.ASSUMED[role].c_k, m68.ASSUMED[role].k, m68.ASSUMED[role].has_keyway) == (
+        c_k,
+        k,
+        False,
+    )
 
 
 def test_every_feature_of_a_shaft_is_in_the_table() -> None:
@@ -108,14 +130,23 @@ def test_every_feature_of_a_shaft_is_in_the_table() -> None:
 def test_bore_counts_from_0_4_of_the_diameter() -> None:
     solid = m68.least_diameter(100, 500, 100, 1)
     assert m68.least_diameter(100, 500, 100, 1, 0.4) == solid
-    assert m68.least_diameter(100, 500, 100, 1, 0.5) == pytest.approx(solid * (16 / 15) ** (1 / 3), rel=1e-14)
+    assert m68.least_diameter(100, 500, 100, 1, 0.5) == pytest.approx(
+        solid * (16 / 15) ** (1 / 3), rel=1e-14
+    )
 
 
 @pytest.mark.parametrize(
     ("role", "smooth", "factor"),
-    [("intermediate", True, 95), ("thrust", True, 100), ("intermediate", False, 100), ("propeller", True, 100)],
+    [
+        ("intermediate", True, 95),
+        ("thrust", True, 100),
+        ("intermediate", False, 100),
+        ("propeller", True, 100),
+    ],
 )
-def test_drive_factor_favours_intermediate_shafts_of_smooth_drives_alone(role, smooth, factor) -> None:
+def test_drive_factor_favours_intermediate_shafts_of_smooth_drives_alone(
+    role, smooth, factor
+) -> None:
     assert m68.drive_factor(role, smooth=smooth) == factor
 
 

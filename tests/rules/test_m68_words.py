@@ -18,7 +18,14 @@ FACTORS = f"C_K 1 (flange), C_D {0.35 + 0.93 * 100**-0.2:.4g}, sigma_B 600 N/mm2
 
 
 def line(**shaft):
-    body = {"name": "line", "length": 1.0, "diameter": 0.1, "role": "intermediate", "features": ["flange"], **shaft}
+    body = {
+        "name": "line",
+        "length": 1.0,
+        "diameter": 0.1,
+        "role": "intermediate",
+        "features": ["flange"],
+        **shaft,
+    }
     screw = {"name": "screw", "inertia": 5.0, "pitch": "fixed", "blades": 4, "excitation": BLADES}
     return [("motor", {"inertia": 3.0}), ("shaft", {"segments": 2, **body}), ("propeller", screw)]
 
@@ -34,7 +41,9 @@ def judged(study, evidence):
             share[np.argmin(np.abs(rpm - speed))] = value
         half = {"line": share * tau_c(600, 100, 1.0, ratio) * 1e6 * W_P}
         requested = m68.M68Settings(**settings)
-        found = m68.M68().check(evidence(study(line(), [("iacs-m68", requested)]), rpm, half=half), requested)
+        found = m68.M68().check(
+            evidence(study(line(), [("iacs-m68", requested)]), rpm, half=half), requested
+        )
         return {"outside" if math.isnan(check.limit) else check.clause: check for check in found}
 
     return run
@@ -53,14 +62,20 @@ def test_note_of_the_continuous_limit_without_a_barred_range(judged) -> None:
 def test_notes_of_two_barred_ranges_say_both_with_the_tolerance_of_the_tachometer(judged) -> None:
     """16/17.7 and 17.7/16 of 300 rpm, 16/17.5 and 17.5/16 of 500 rpm, each 1 % farther apart."""
     found = judged({300: 1.1, 500: 1.2}, tachometer=0.01)
-    ends = [share * speed * (18 - speed / 1000) ** sign * 16.0**-sign
-            for speed in (300, 500) for share, sign in ((0.99, -1), (1.01, 1))]  # fmt: skip
+    ends = [
+        share * speed * (18 - speed / 1000) ** sign * 16.0**-sign
+        for speed in (300, 500)
+        for share, sign in ((0.99, -1), (1.01, 1))
+    ]
     assert ends == pytest.approx([268.474, 335.194, 452.571, 552.344], rel=1e-5)
     ranges = "{:.5g} rpm to {:.5g} rpm and {:.5g} rpm to {:.5g} rpm".format(*ends)
     assert found["tau_C"].note == f"{MOSTLY}; outside the barred range {ranges}; {FACTORS}"
     assert found["tau_C"].verdict == "pass"
     passing = found["tau_T"]
-    assert passing.note == f"barred range {ranges}, to be passed rapidly; tachometer tolerance 1 % added; {MOSTLY}"
+    assert (
+        passing.note
+        == f"barred range {ranges}, to be passed rapidly; tachometer tolerance 1 % added; {MOSTLY}"
+    )
     assert [end for one in passing.barred for end in (one.lower, one.upper)] == pytest.approx(
         np.array(ends) * RPM, rel=1e-12
     )
@@ -74,7 +89,9 @@ def test_notes_of_two_barred_ranges_say_both_with_the_tolerance_of_the_tachomete
 
 def test_a_tachometer_without_a_tolerance_is_said_to_be_exact(judged) -> None:
     assert "; tachometer tolerance 0 % assumed; " in judged({500: 1.2})["tau_T"].note
-    assert "; tachometer tolerance 2.5 % added; " in judged({500: 1.2}, tachometer=0.025)["tau_T"].note
+    assert (
+        "; tachometer tolerance 2.5 % added; " in judged({500: 1.2}, tachometer=0.025)["tau_T"].note
+    )
 
 
 def test_note_of_stress_that_cannot_be_barred_says_every_critical_speed_and_range(judged) -> None:
@@ -90,10 +107,20 @@ def test_stress_above_1_05_has_no_limit(judged) -> None:
     rpm = np.array([500.0, 1050.0 * (1 + 0.5e-9), 1050.0 * (1 + 3e-9), 1100.0])
     found = judged({1100: 0.5}, rpm=rpm)
     beyond = found["outside"]
-    assert (beyond.what, beyond.clause) == ("Torsional stress amplitude above the last speed with a limit", "tau_C")
-    assert beyond.note == "no continuous operation above 1050 rpm, 1.05 of the rated speed: the rule has no limit there"
+    assert (beyond.what, beyond.clause) == (
+        "Torsional stress amplitude above the last speed with a limit",
+        "tau_C",
+    )
+    assert (
+        beyond.note
+        == "no continuous operation above 1050 rpm, 1.05 of the rated speed: the rule has no limit there"
+    )
     assert (beyond.verdict, beyond.restrictions) == ("restricted", (beyond.note,))
-    assert (beyond.standing, math.isnan(beyond.limit), beyond.speed / RPM) == ("rule text", True, pytest.approx(1100))
+    assert (beyond.standing, math.isnan(beyond.limit), beyond.speed / RPM) == (
+        "rule text",
+        True,
+        pytest.approx(1100),
+    )
     assert beyond.value == pytest.approx(0.5 * float(tau_c(600, 100, 1.0, 1.0)), rel=1e-12)
     assert "outside" not in judged({}, rpm=rpm[:2])
     assert judged({}, rpm=rpm[:3])["outside"].speed / RPM == pytest.approx(1050.0, rel=1e-8)
@@ -117,22 +144,37 @@ TORQUE = 100e3 / (1000 * RPM)  # N m, rated
 @pytest.mark.parametrize(
     ("drive", "factor"), [("electric", 95), ("turbine", 95), ("slip coupling", 95), ("other", 100)]
 )
-def test_least_diameter_is_that_of_the_piece_with_the_greatest_torque(study, evidence, greater, drive, factor) -> None:
+def test_least_diameter_is_that_of_the_piece_with_the_greatest_torque(
+    study, evidence, greater, drive, factor
+) -> None:
     mean = {"line [1]": 0.5 * TORQUE, "line [2]": 0.5 * TORQUE, greater: -3.0 * TORQUE}
     scene = study(line(features=["radial hole"]), load="constant")
-    found = m68.M68().check(evidence(scene, [500.0, 1100.0], half={}, mean=mean), m68.M68Settings(drive=drive))
+    found = m68.M68().check(
+        evidence(scene, [500.0, 1100.0], half={}, mean=mean), m68.M68Settings(drive=drive)
+    )
     (check,) = [one for one in found if one.clause == "minimum diameter"]
     assert check.limit == pytest.approx(factor * 1.1 * (0.3 * 560 / 760) ** (1 / 3), rel=1e-12)
     assert check.note == f"F {factor} (drive: {drive}), k 1.1, 0.3 kW per rpm"
-    assert (check.what, check.where, check.speed) == ("Outer diameter", "line", pytest.approx(1000 * RPM))
+    assert (check.what, check.where, check.speed) == (
+        "Outer diameter",
+        "line",
+        pytest.approx(1000 * RPM),
+    )
 
 
 def test_a_shaft_of_its_least_diameter_passes(study, evidence) -> None:
-    needed = {torque: least_diameter(torque * RPM / 1e3, 600.0, 100.0, 1.0) for torque in np.linspace(2e4, 3e4, 50)}
-    torque, least = next((torque, least) for torque, least in needed.items() if least / 1e3 * 1e3 == least)
+    needed = {
+        torque: least_diameter(torque * RPM / 1e3, 600.0, 100.0, 1.0)
+        for torque in np.linspace(2e4, 3e4, 50)
+    }
+    torque, least = next(
+        (torque, least) for torque, least in needed.items() if least / 1e3 * 1e3 == least
+    )
     for share, verdict in ((1.0, "pass"), (1 - 1e-9, "not kept")):
         scene = study(line(diameter=least / 1e3 * share), load="constant")
-        found = m68.M68().check(evidence(scene, [500.0, 1100.0], half={}, mean={"line": torque}), m68.M68Settings())
+        found = m68.M68().check(
+            evidence(scene, [500.0, 1100.0], half={}, mean={"line": torque}), m68.M68Settings()
+        )
         (check,) = [one for one in found if one.clause == "minimum diameter"]
         assert check.value == pytest.approx(check.limit, rel=2e-9)
         assert check.verdict == verdict
@@ -150,16 +192,25 @@ NO_ROLE = ("shaft", {"name": "stub", "length": 0.1, "diameter": 0.1})
 @pytest.mark.parametrize(
     ("operation", "lines"),
     [
-        ({}, []), ({"speeds": {"from": "100 rpm", "to": "1050 rpm"}}, []),
+        ({}, []),
+        ({"speeds": {"from": "100 rpm", "to": "1050 rpm"}}, []),
         ({"speeds": {"from": "100 rpm", "to": "1049 rpm"}}, []),
-        ({"rated": {"speed": "1000 rpm"}}, []), ({"rated": None, "speeds": {"from": "1 rpm", "to": "2 rpm"}}, []),
+        ({"rated": {"speed": "1000 rpm"}}, []),
+        ({"rated": None, "speeds": {"from": "1 rpm", "to": "2 rpm"}}, []),
         ({"speeds": None}, []),
     ],
-)  # fmt: skip
+)
 def test_what_is_left_out_is_said(study, operation, lines) -> None:
     scene = study([line()[0], NO_ROLE, *line()[1:]], **operation)
-    assert m68.M68().left_out(scene, m68.M68Settings()) == (("iacs-m68 for stub", "the shaft has no `role`"), *lines)
+    assert m68.M68().left_out(scene, m68.M68Settings()) == (
+        ("iacs-m68 for stub", "the shaft has no `role`"),
+        *lines,
+    )
     stub, judged = scene.train.bars
-    meshed = replace(scene, train=replace(scene.train, bars=(stub, replace(judged, section=object()))))
+    meshed = replace(
+        scene, train=replace(scene.train, bars=(stub, replace(judged, section=object())))
+    )
     rows = m68.M68().demanded_rows(meshed, m68.M68Settings())
-    assert ("line", "not judged", m68.NOT_ROUND) in [(row.where, row.verdict, row.note) for row in rows]
+    assert ("line", "not judged", m68.NOT_ROUND) in [
+        (row.where, row.verdict, row.note) for row in rows
+    ]

@@ -32,7 +32,9 @@ def test_all_components_together_count_as_their_half_range_or_as_the_root_of_the
     limit = [["0 Hz", given["T_KW"]], ["99 Hz", given["T_KW"]]]
     body = {"name": "rubber", "stiffness": 1e4, "psi": 1.0, "vibratory_torque": limit}
     results = evidence(
-        study([("motor", RIPPLE), ("coupling", body), ("disc", {"inertia": 2.0})]), [300.0, 600.0], half={}
+        study([("motor", RIPPLE), ("coupling", body), ("disc", {"inertia": 2.0})]),
+        [300.0, 600.0],
+        half={},
     )
     sizes = np.abs(given["torque"]) if flip else np.array(given["torque"])
     orders = [Fraction(order) for order in given["orders"]]
@@ -41,18 +43,24 @@ def test_all_components_together_count_as_their_half_range_or_as_the_root_of_the
     torque = np.zeros((*shape, response.torque.shape[2]), dtype=complex)
     torque[:, :, 0] = sizes
     several = replace(
-        response, lines=tuple(Line(order, None, ("screw",)) for order in orders), torque=torque,
+        response,
+        lines=tuple(Line(order, None, ("screw",)) for order in orders),
+        torque=torque,
         frequency=np.outer(response.speed / 2 / np.pi, np.array(given["orders"], dtype=float)),
         angle=np.zeros((*shape, response.angle.shape[2]), dtype=complex),
-        residual=np.zeros(shape), joint_error=np.zeros(shape), status=np.zeros(shape, dtype=np.uint8),
-    )  # fmt: skip
+        residual=np.zeros(shape),
+        joint_error=np.zeros(shape),
+        status=np.zeros(shape, dtype=np.uint8),
+    )
     _, together = CouplingMaker().check(results.having(response=several), CouplingSettings())
     squares = float(np.sqrt((sizes**2).sum()))
     if flip:  # cos + cos 3 / 3 + cos 5 / 5, largest at 0
         assert together.value == pytest.approx(sizes.sum(), rel=1e-9)
         assert together.value > squares
     else:
-        assert expected["half range"] < expected["root of squares"] == pytest.approx(squares, rel=1e-6)
+        assert (
+            expected["half range"] < expected["root of squares"] == pytest.approx(squares, rel=1e-6)
+        )
         assert together.value == pytest.approx(expected["value"], rel=1e-6)
     assert together.verdict == expected["verdict"].lower()
 
@@ -62,9 +70,13 @@ def test_a_required_diameter_is_of_the_rated_power_at_least(study, evidence, cas
     vector = VECTORS["full-torque"]
     rated, carried = 1e3 * vector["input"]["rated_kW"], 1e3 * vector["input"]["carried_kW"][case]
     scene = study(
-        [("motor", RIPPLE), ("shaft", {"length": 1.0, "diameter": 0.1}), ("propeller", {"inertia": 2.0})],
+        [
+            ("motor", RIPPLE),
+            ("shaft", {"length": 1.0, "diameter": 0.1}),
+            ("propeller", {"inertia": 2.0}),
+        ],
         rated={"speed": "1000 rpm", "power": rated},
-    )  # fmt: skip
+    )
     results = evidence(scene, [900.0, 1000.0, 1100.0], half={}, mean={"shaft-1": 1.0})
     steady = results.need(Steady)
     applied = np.zeros_like(steady.applied)
@@ -79,14 +91,24 @@ def test_a_required_diameter_is_of_the_rated_power_at_least(study, evidence, cas
 @pytest.mark.parametrize("case", range(4))
 def test_a_mesh_endures_its_application_factor_less_one(study, evidence, case) -> None:
     given, expected = VECTORS["gear-ka"]["input"], VECTORS["gear-ka"]["expected"]
-    stated = {} if given["drive"][case].startswith("usual") else {"application_factor": expected["K_A"][case]}
+    stated = (
+        {}
+        if given["drive"][case].startswith("usual")
+        else {"application_factor": expected["K_A"][case]}
+    )
     gear = {"name": "gearbox", "ratio": 2, "inertia": [0.1, 0.1], **stated}
     scene = study([("motor", RIPPLE), ("gear", gear), ("propeller", {"inertia": 2.0})])
     mean = [given["mean"], given["rated mesh torque"]]
-    results = evidence(scene, [500.0, 1000.0], half={"gearbox": [given["vibratory"], 0.0]}, mean={"gearbox": mean})
+    results = evidence(
+        scene, [500.0, 1000.0], half={"gearbox": [given["vibratory"], 0.0]}, mean={"gearbox": mean}
+    )
     checks = {check.clause: check for check in GearHammer().check(results, GearHammerSettings())}
     rating, reversal = checks["(K_A - 1) T_rated"], checks["torque reversal"]
     assert rating.limit == pytest.approx(expected["limit"][case], rel=1e-12, abs=1e-9)
     assert rating.value == given["vibratory"]
     assert rating.fails == (expected["verdict"][case] == "FAIL")
-    assert (reversal.fails, reversal.value, reversal.limit) == (True, given["vibratory"], given["mean"])
+    assert (reversal.fails, reversal.value, reversal.limit) == (
+        True,
+        given["vibratory"],
+        given["mean"],
+    )

@@ -25,18 +25,29 @@ def test_a_barred_range_covers_its_critical_speed_at_both_ends_of_the_tolerances
     assert "inertia: 42000" in text
     ends = []
     for factor in (1.05, 0.95):
-        moved = text.replace("inertia: 42000", f"inertia: {42000 * factor}").replace("tolerance: 5 %", "")
+        moved = text.replace("inertia: 42000", f"inertia: {42000 * factor}").replace(
+            "tolerance: 5 %", ""
+        )
         found = torsion.run(torsion.parse(moved), only=("critical",)).need(CriticalSpeeds)
         ends.append(min(c.speed for c in found.crossings if c.order == one.order and c.mode == 1))
-    nominal = next(c.speed for c in solved("two_stroke_ship").need(CriticalSpeeds).crossings if c.order == one.order)
+    nominal = next(
+        c.speed
+        for c in solved("two_stroke_ship").need(CriticalSpeeds).crossings
+        if c.order == one.order
+    )
     ends = [one.critical * end / nominal for end in ends]
-    assert one.tolerance_lower == pytest.approx(barred_range(ends[0], rated)[0] * one.lower / one.formula_lower)
-    assert one.tolerance_upper == pytest.approx(barred_range(ends[1], rated)[1] * one.upper / one.formula_upper)
+    assert one.tolerance_lower == pytest.approx(
+        barred_range(ends[0], rated)[0] * one.lower / one.formula_lower
+    )
+    assert one.tolerance_upper == pytest.approx(
+        barred_range(ends[1], rated)[1] * one.upper / one.formula_upper
+    )
     assert one.tolerance_lower < one.lower < one.upper < one.tolerance_upper
 
 
 @pytest.mark.parametrize(
-    ("tolerance", "words"), [("", None), (", tolerance: 20 %", "mode 1 lies at 44.721 to 54.772 Hz")]
+    ("tolerance", "words"),
+    [("", None), (", tolerance: 20 %", "mode 1 lies at 44.721 to 54.772 Hz")],
 )
 def test_a_margin_states_the_worst_end_of_the_band(tolerance: str, words: str | None) -> None:
     """Two discs at 50 Hz, twice a speed up to 1260 rpm, 42 Hz: 44.721 Hz is 6.48 % away."""

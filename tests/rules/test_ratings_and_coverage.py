@@ -40,8 +40,12 @@ def limit(load: str) -> float:
 def test_a_load_above_the_rated_torque_does_not_raise_the_limit_of_a_gear() -> None:
     rated = 50e3 / (1200 * math.pi / 30)
     assert limit("propeller") == pytest.approx(0.35 * rated, rel=1e-12)
-    assert limit("[[400 rpm, 8000 N*m], [1500 rpm, 8000 N*m]]") == pytest.approx(0.35 * rated, rel=1e-12)
-    assert limit("[[400 rpm, 100 N*m], [1500 rpm, 100 N*m]]") == pytest.approx(0.35 * 100, rel=1e-12)
+    assert limit("[[400 rpm, 8000 N*m], [1500 rpm, 8000 N*m]]") == pytest.approx(
+        0.35 * rated, rel=1e-12
+    )
+    assert limit("[[400 rpm, 100 N*m], [1500 rpm, 100 N*m]]") == pytest.approx(
+        0.35 * 100, rel=1e-12
+    )
 
 
 def test_majors_are_judged_at_the_reference_where_the_train_has_no_crankshaft() -> None:
@@ -53,9 +57,22 @@ def test_majors_are_judged_at_the_reference_where_the_train_has_no_crankshaft() 
 
 def test_limits_of_a_maker_that_no_rule_judges_are_said() -> None:
     study = torsion.parse(GEARED.replace("LOAD", "propeller"))
-    assert [what for what, _ in not_judged(study) if what.startswith("limits of")] == ["limits of coupling-1"]
+    assert [what for what, _ in not_judged(study) if what.startswith("limits of")] == [
+        "limits of coupling-1"
+    ]
 
 
 def test_a_margin_of_nothing_uses_its_limit_infinitely() -> None:
-    one = Check("api-610", "margin", "mode 1", "margin", 0.0, 0.1, "1", "not kept", "to be verified", at_least=True)
+    one = Check(
+        "api-610",
+        "margin",
+        "mode 1",
+        "margin",
+        0.0,
+        0.1,
+        "1",
+        "not kept",
+        "to be verified",
+        at_least=True,
+    )
     assert one.utilisation == math.inf

@@ -26,9 +26,16 @@ train:
 rules: [RULE]
 """
 OVER_SPEED = {  # rule: share of the rated speed to which it is to be judged
-    "iacs-m68": 1.05, "lr": 1.05, "ccs": 1.05, "kr": 1.2, "gear-hammer": 1.0, "coupling-maker": 1.0,
-    "mil-std-167": 1.0, "engine-maker: {crank_stress: 90 MPa}": 1.0, "nvh: {at: line, acceleration: 9e9}": 1.0,
-}  # fmt: skip
+    "iacs-m68": 1.05,
+    "lr": 1.05,
+    "ccs": 1.05,
+    "kr": 1.2,
+    "gear-hammer": 1.0,
+    "coupling-maker": 1.0,
+    "mil-std-167": 1.0,
+    "engine-maker: {crank_stress: 90 MPa}": 1.0,
+    "nvh: {at: line, acceleration: 9e9}": 1.0,
+}
 OF_NO_RANGE = ("minimum diameter", "T_KN", "major critical speed")
 
 
@@ -36,10 +43,17 @@ SOFT = "cases: {soft: {scale: {rubber.stiffness: 90 %}}}\n"  # societies demand 
 
 
 def solved(rule, first=240, last=1500, load="constant", more=""):
-    scene = SCENE if "engine-maker" in rule else SCENE.replace(", role: crank", "")  # which demands a misfire
+    scene = (
+        SCENE if "engine-maker" in rule else SCENE.replace(", role: crank", "")
+    )  # which demands a misfire
     if rule in ("lr", "ccs", "kr"):
         more = SOFT
-    text = scene.replace("FIRST", str(first)).replace("LAST", str(last)).replace("LOAD", load).replace("RULE", rule)
+    text = (
+        scene.replace("FIRST", str(first))
+        .replace("LAST", str(last))
+        .replace("LOAD", load)
+        .replace("RULE", rule)
+    )
     return torsion.run(torsion.parse(text + more))
 
 
@@ -58,14 +72,19 @@ def test_a_rule_over_speeds_that_end_below_the_rated_one_does_not_pass(rule, sco
     assert (sign, words.startswith(f"NOT JUDGED: {lines[0].what}, "), kind) == ("?", True, "note")
     assert found.exit_status == 1
     by_agreement = {"restricted"} if rule == "kr" else set()  # driven by a motor
-    assert {one["verdict"] for one in results(found)["checks"]} - by_agreement <= {"not judged", "pass"}
+    assert {one["verdict"] for one in results(found)["checks"]} - by_agreement <= {
+        "not judged",
+        "pass",
+    }
     words = dict(first_page.box(found).lines)
     until = f"{1200 * scope:.6g}"
     assert f"Not checked: 800 to {until} rpm, required by " in words["Restrictions"]
 
 
 @pytest.mark.parametrize(("rule", "scope"), OVER_SPEED.items())
-def test_a_rule_judged_at_the_rated_speed_passes_and_is_judged_up_to_what_it_demands_above(rule, scope) -> None:
+def test_a_rule_judged_at_the_rated_speed_passes_and_is_judged_up_to_what_it_demands_above(
+    rule, scope
+) -> None:
     found = solved(rule, last=1200)
     above = {"restricted"} if scope > 1.05 else set()
     assert {one.verdict for one in found.need(Checks).lines} == {"pass"} | above
@@ -98,7 +117,9 @@ def test_speeds_of_continuous_use_below_the_rated_one_are_stated_beside_the_pass
 def test_a_case_of_fewer_speeds_passes_up_to_these_alone() -> None:
     cases = "cases: {slow: {speeds: {from: 400 rpm, to: 700 rpm}}}\n"
     found = solved("coupling-maker", more=cases)
-    assert headline(found.cases["slow"])[0][1].startswith("PASS with restrictions: judged up to 700 rpm")
+    assert headline(found.cases["slow"])[0][1].startswith(
+        "PASS with restrictions: judged up to 700 rpm"
+    )
     assert found.exit_status == 0
     short = solved("coupling-maker", last=800, more=cases)
     assert short.exit_status == 1
@@ -106,7 +127,10 @@ def test_a_case_of_fewer_speeds_passes_up_to_these_alone() -> None:
 
 def test_margins_of_frequencies_over_part_of_the_speeds_are_no_pass() -> None:
     def verdicts(last):
-        return [one.verdict for one in solved("api-617: {line_frequency: none}", last=last).need(Checks).lines]
+        return [
+            one.verdict
+            for one in solved("api-617: {line_frequency: none}", last=last).need(Checks).lines
+        ]
 
     assert "not judged" in verdicts(1100)
     assert "not judged" not in verdicts(1200)
@@ -118,7 +142,9 @@ def test_what_fails_stays_so() -> None:
     assert [check.verdict for check in with_reach(one, study)] == ["fail", "not judged"]
 
 
-@pytest.mark.parametrize("load", ["[[0 rpm, 1 N*m], [1500 rpm, 1 N*m]]", "[[0 rpm, 0 N*m], [1500 rpm, 0 N*m]]"])
+@pytest.mark.parametrize(
+    "load", ["[[0 rpm, 1 N*m], [1500 rpm, 1 N*m]]", "[[0 rpm, 0 N*m], [1500 rpm, 0 N*m]]"]
+)
 def test_a_smaller_load_takes_no_smaller_shaft(load) -> None:
     def least(law):
         lines = solved("iacs-m68", load=law).need(Checks).lines
@@ -132,6 +158,11 @@ def test_a_smaller_load_takes_no_smaller_shaft(load) -> None:
 
 @pytest.mark.parametrize("rule", ["iacs-m68", "gear-hammer", "coupling-maker"])
 def test_excitations_of_nothing_are_no_pass(rule) -> None:
-    text = SCENE.replace("FIRST", "400").replace("LAST", "1500").replace("LOAD", "constant").replace("RULE", rule)
+    text = (
+        SCENE.replace("FIRST", "400")
+        .replace("LAST", "1500")
+        .replace("LOAD", "constant")
+        .replace("RULE", rule)
+    )
     with pytest.raises(torsion.InputError, match="every excitation of the train is 0"):
         torsion.parse(text.replace("torque: 4 N*m", "torque: 0 N*m"))

@@ -38,7 +38,9 @@ train:
 
 
 def scene(more: str = "", *, density=7850, top=1000, steps=71, blades=4, share="40 %") -> str:
-    text = FERRY.replace("DENSITY", str(density)).replace("TOP", str(top)).replace("STEPS", str(steps))
+    text = (
+        FERRY.replace("DENSITY", str(density)).replace("TOP", str(top)).replace("STEPS", str(steps))
+    )
     return text.replace("BLADES", str(blades)).replace("SHARE", share) + more
 
 
@@ -47,16 +49,24 @@ def solved(text: str) -> Findings:
 
 
 def verdicts(found: Findings) -> list[tuple[str, str, str, float]]:
-    return [(check.where, check.clause, check.verdict, check.value) for check in found.need(Checks).lines]
+    return [
+        (check.where, check.clause, check.verdict, check.value)
+        for check in found.need(Checks).lines
+    ]
 
 
 def check_of(found: Findings, clause: str):
-    return next(check for check in found.need(Checks).lines if check.clause == clause and check.has_limit)
+    return next(
+        check for check in found.need(Checks).lines if check.clause == clause and check.has_limit
+    )
 
 
 @pytest.mark.parametrize(
     ("whole", "orders"),
-    [(scene("rules: [iacs-m68]\n"), "[1]"), (GEARED + "rules: [coupling-maker, gear-hammer]\n", "[60/41]")],
+    [
+        (scene("rules: [iacs-m68]\n"), "[1]"),
+        (GEARED + "rules: [coupling-maker, gear-hammer]\n", "[60/41]"),
+    ],
 )
 def test_rules_judge_all_orders_whatever_orders_are_named(whole, orders) -> None:
     part = solved(whole + f"analyses: {{modes: , response: {{orders: {orders}}}}}\n")
@@ -79,7 +89,10 @@ def test_orders_that_are_not_named_are_left_out_and_said_so() -> None:
 def test_fixed_frequencies_are_told_beside_the_orders_named() -> None:
     steady_hum = "excitations: [{at: screw, frequency: 40 Hz, torque: 3}]\n"
     found = solved(scene(steady_hum + "analyses: {response: {orders: [4]}}\n"))
-    assert [(line.order, line.frequency) for line in found.need(Response).lines] == [(4, None), (None, 40.0)]
+    assert [(line.order, line.frequency) for line in found.need(Response).lines] == [
+        (4, None),
+        (None, 40.0),
+    ]
 
 
 def test_order_that_nothing_excites_is_refused_where_it_stands() -> None:
@@ -117,14 +130,30 @@ def test_bounds_of_the_limits_are_computed_however_few_speeds_are_asked() -> Non
 @pytest.mark.parametrize("blades", [3, 4])
 def test_verdicts_do_not_depend_on_the_number_of_speeds(blades) -> None:
     few, many = (
-        solved(scene("rules: [iacs-m68]\n", steps=steps, blades=blades, top=1060, share="20 %")) for steps in (2, 4001)
+        solved(scene("rules: [iacs-m68]\n", steps=steps, blades=blades, top=1060, share="20 %"))
+        for steps in (2, 4001)
     )
     for one, other in zip(
-        *([check for check in found.need(Checks).lines if check.limit > 0] for found in (few, many)), strict=True
+        *(
+            [check for check in found.need(Checks).lines if check.limit > 0]
+            for found in (few, many)
+        ),
+        strict=True,
     ):
-        assert (one.clause, one.verdict, one.value) == (other.clause, other.verdict, pytest.approx(other.value, 1e-3))
-    barred = [[edge for check in found.need(Checks).lines for one in check.barred for edge in (one.lower, one.upper)]
-              for found in (few, many)]  # fmt: skip
+        assert (one.clause, one.verdict, one.value) == (
+            other.clause,
+            other.verdict,
+            pytest.approx(other.value, 1e-3),
+        )
+    barred = [
+        [
+            edge
+            for check in found.need(Checks).lines
+            for one in check.barred
+            for edge in (one.lower, one.upper)
+        ]
+        for found in (few, many)
+    ]
     assert barred[0] == pytest.approx(barred[1], rel=1e-3)
 
 
@@ -143,7 +172,9 @@ def test_ends_of_continuous_use_are_computed() -> None:
 
 def test_speeds_of_a_study_without_rules_are_as_before() -> None:
     found = solved(scene(steps=5))
-    alone = response(found.study, found.system, modes=found.need(Modes), damped=found.need(DampedModes))
+    alone = response(
+        found.study, found.system, modes=found.need(Modes), damped=found.need(DampedModes)
+    )
     assert np.array_equal(found.need(Response).speed, alone.speed)
 
 

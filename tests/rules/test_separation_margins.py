@@ -28,8 +28,11 @@ def discs(frequency, order=2):
     """Two equal discs of which the one elastic mode has so many Hz."""
     stiffness = J / 2 * (2 * math.pi * frequency) ** 2
     ripple = [{"order": order, "torque": 10.0}]
-    return [("motor", {"name": "motor", "inertia": J, "ripple": ripple}), ("coupling", {"stiffness": stiffness}),
-            ("disc", {"inertia": J})]  # fmt: skip
+    return [
+        ("motor", {"name": "motor", "inertia": J, "ripple": ripple}),
+        ("coupling", {"stiffness": stiffness}),
+        ("disc", {"inertia": J}),
+    ]
 
 
 @pytest.fixture
@@ -37,12 +40,17 @@ def judged(study, evidence):
     def run(name, frequency, order=2, **given):
         given = {"line_frequency": "none", **given}
         scene = study(
-            discs(frequency, order), [(name, settings(name).model_validate(given))], speeds=SPEEDS, rated=None
+            discs(frequency, order),
+            [(name, settings(name).model_validate(given))],
+            speeds=SPEEDS,
+            rated=None,
         )
         assert lacking(scene) == []
         checks = verdicts(evidence(scene, np.array([1000.0, 1200.0]), half={}))
         assert {(check.where, check.clause) for check in checks} == {("train", "separation")}
-        return {check.order or check.what.removeprefix("Separation from "): check for check in checks}
+        return {
+            check.order or check.what.removeprefix("Separation from "): check for check in checks
+        }
 
     return run
 
@@ -64,13 +72,17 @@ def test_margins_are_those_of_the_vectors(study, evidence, name) -> None:
     ends = dict(zip(("from", "to"), (f"{speed} rpm" for speed in given["range_rpm"]), strict=True))
     if ends["from"] == ends["to"]:  # a range has two ends
         ends["to"] = f"{given['range_rpm'][0] * (1 + 1e-12)!r} rpm"
-    scene = study([*parts, ("disc", {"inertia": 1.0})], [(vector["rule"], requested)], speeds=ends, rated=None)
+    scene = study(
+        [*parts, ("disc", {"inertia": 1.0})], [(vector["rule"], requested)], speeds=ends, rated=None
+    )
     assembled = evidence(scene, given["range_rpm"], half={})
     modes = replace(assembled.results["modes"], frequency=np.array(given["modes_Hz"]))
     results = assembled.having(modes=modes)
 
     checks = {check.what.removeprefix("Separation from "): check for check in verdicts(results)}
-    excitations = {one.name: one for one in list_excitations(results, requested, STANDARDS[vector["rule"]])}
+    excitations = {
+        one.name: one for one in list_excitations(results, requested, STANDARDS[vector["rule"]])
+    }
     for row in expected["rows"]:
         words = re.sub(r"speed of shaft 1", "motor-1 speed", row["excitation"])
         words = re.sub(r"speed of shaft 2", "coupling-2 speed", words)
@@ -81,10 +93,16 @@ def test_margins_are_those_of_the_vectors(study, evidence, name) -> None:
         assert (check.verdict == "pass") == row["kept"]
         mode, hertz = re.match(r"mode (\d+), (\S+) Hz", check.note).groups()
         assert given["modes_Hz"][int(mode) - 1] == pytest.approx(float(hertz), rel=1e-4)
-        assert (excitation.lowest, excitation.highest) == pytest.approx((row["from_Hz"], row["to_Hz"]), rel=1e-6)
+        assert (excitation.lowest, excitation.highest) == pytest.approx(
+            (row["from_Hz"], row["to_Hz"]), rel=1e-6
+        )
         assert excitation.reach == pytest.approx(row["needs modes up to_Hz"], rel=1e-6)
-    left = [(check.what, check.verdict) for check in checks.values() if check.has_limit]  # a ratio without teeth
-    assert left == [("Separation from 1 x line frequency", "not judged")] * (name == "api-without-line")
+    left = [
+        (check.what, check.verdict) for check in checks.values() if check.has_limit
+    ]  # a ratio without teeth
+    assert left == [("Separation from 1 x line frequency", "not judged")] * (
+        name == "api-without-line"
+    )
 
 
 @pytest.mark.parametrize("name", ["api-610", "api-617", "api-684"])
@@ -92,9 +110,13 @@ def test_margins_are_those_of_the_vectors(study, evidence, name) -> None:
 def test_ten_percent_of_every_order_on_both_sides(judged, name, order) -> None:
     low, high = 1000 / 60 * order, 1200 / 60 * order
     for frequency, verdict in (
-        (low * 0.9 * (1 - 1e-6), "pass"), (low * 0.9 * (1 + 1e-6), "not kept"), (low, "not kept"), (high, "not kept"),
-        (high * 1.1 * (1 - 1e-6), "not kept"), (high * 1.1 * (1 + 1e-6), "pass"),
-    ):  # fmt: skip
+        (low * 0.9 * (1 - 1e-6), "pass"),
+        (low * 0.9 * (1 + 1e-6), "not kept"),
+        (low, "not kept"),
+        (high, "not kept"),
+        (high * 1.1 * (1 - 1e-6), "not kept"),
+        (high * 1.1 * (1 + 1e-6), "pass"),
+    ):
         check = judged(name, frequency, order)[order]
         assert check.verdict == verdict
         assert check.what == f"Separation from {order} x motor speed"
@@ -124,10 +146,17 @@ def test_api_618_has_five_percent_above_the_first_multiple(judged) -> None:
 
 
 def test_line_frequency_counts_once_and_twice(judged) -> None:
-    for frequency, kept in ((45.0 * (1 - 1e-6), True), (46.0, False), (54.0, False), (55.0 * (1 + 1e-6), True)):
+    for frequency, kept in (
+        (45.0 * (1 - 1e-6), True),
+        (46.0, False),
+        (54.0, False),
+        (55.0 * (1 + 1e-6), True),
+    ):
         checks = judged("api-617", frequency, line_frequency=50.0)
         assert checks["1 x line frequency"].verdict == ("pass" if kept else "not kept")
-    assert judged("api-617", 95.0, line_frequency="50 Hz")["2 x line frequency"].verdict == "not kept"
+    assert (
+        judged("api-617", 95.0, line_frequency="50 Hz")["2 x line frequency"].verdict == "not kept"
+    )
 
 
 ELECTRIC = {
@@ -168,29 +197,43 @@ def test_gears_make_shafts_of_other_speeds(study, evidence) -> None:
     scene = study(parts, [("api-617", settings("api-617")(line_frequency="none"))], speeds=SPEEDS)
     checks = verdicts(evidence(scene, np.array([1000.0, 1200.0]), half={}))
     assert {str(check.order): check.what for check in checks if check.has_limit} == {
-        "1/4": "Separation from 1 x disc-2 speed", "1/2": "Separation from 2 x disc-2 speed",
-        "1": "Separation from 1 x motor speed", "2": "Separation from 2 x motor speed",
-    }  # fmt: skip
+        "1/4": "Separation from 1 x disc-2 speed",
+        "1/2": "Separation from 2 x disc-2 speed",
+        "1": "Separation from 1 x motor speed",
+        "2": "Separation from 2 x motor speed",
+    }
 
 
 def test_teeth_and_blades_that_the_file_knows_are_judged(study, evidence) -> None:
     parts = [
-        ("motor", {"inertia": 1.0}), ("gear", {"name": "pair", "teeth": [21, 63]}), ("coupling", {"stiffness": 1e4}),
+        ("motor", {"inertia": 1.0}),
+        ("gear", {"name": "pair", "teeth": [21, 63]}),
+        ("coupling", {"stiffness": 1e4}),
         ("propeller", {"name": "screw", "inertia": 2.0, "blades": 5}),
-    ]  # fmt: skip
+    ]
     scene = study(parts, [("api-617", settings("api-617")(line_frequency="none"))], speeds=SPEEDS)
-    checks = {check.what: check for check in verdicts(evidence(scene, np.array([1000.0, 1200.0]), half={}))}
+    checks = {
+        check.what: check
+        for check in verdicts(evidence(scene, np.array([1000.0, 1200.0]), half={}))
+    }
     assert checks["Separation from gear mesh of pair"].order == 21
     assert checks["Separation from blade passing of screw"].order == Fraction(5, 3)
     assert not any("pair" in what or "screw" in what for what, _ in not_judged(scene))
     bare = study(
-        [parts[0], ("gear", {"name": "pair", "ratio": 3}), parts[2], ("propeller", {"name": "screw", "inertia": 2.0})],
-        scene.rules, speeds=SPEEDS,
-    )  # fmt: skip
+        [
+            parts[0],
+            ("gear", {"name": "pair", "ratio": 3}),
+            parts[2],
+            ("propeller", {"name": "screw", "inertia": 2.0}),
+        ],
+        scene.rules,
+        speeds=SPEEDS,
+    )
     rows = verdicts(evidence(bare, np.array([1000.0, 1200.0]), half={}))
     assert {(row.where, row.what) for row in rows if row.restrictions} == {
-        ("pair", "Separation from gear mesh"), ("screw", "Separation from blade passing"),
-    }  # fmt: skip
+        ("pair", "Separation from gear mesh"),
+        ("screw", "Separation from blade passing"),
+    }
 
 
 def chain(count, inertia, highest):
@@ -200,13 +243,19 @@ def chain(count, inertia, highest):
     return [("disc", {"inertia": inertia}), *[spring, ("disc", {"inertia": inertia})] * (count - 1)]
 
 
-@pytest.mark.parametrize(("away", "verdict"), [(0.06, "not kept"), (0.1 - 1e-6, "not kept"), (0.1 + 1e-6, "pass")])
-def test_modes_are_judged_up_to_the_margin_above_the_highest_excitation(study, evidence, away, verdict) -> None:
+@pytest.mark.parametrize(
+    ("away", "verdict"), [(0.06, "not kept"), (0.1 - 1e-6, "not kept"), (0.1 + 1e-6, "pass")]
+)
+def test_modes_are_judged_up_to_the_margin_above_the_highest_excitation(
+    study, evidence, away, verdict
+) -> None:
     """Two modes are requested, and the third lies above twice the speed of 1500 rpm, 50 Hz."""
     requested = {"modes": torsion.analyses.undamped_modes.ModesSettings(count=2)}
     speeds = {"from": "1499.99999 rpm", "to": "1500 rpm"}
     parts = chain(4, 2.0, 50.0 * (1 + away))
-    scene = study(parts, [("api-617", settings("api-617")())], speeds=speeds, analyses=requested, rated=None)
+    scene = study(
+        parts, [("api-617", settings("api-617")())], speeds=speeds, analyses=requested, rated=None
+    )
     results = evidence(scene, np.array([1500.0]), half={})
     results = results.having(modes=torsion.analyses.undamped_modes.modes(results.system, 2))
     check = {check.order: check for check in verdicts(results)}[2]
@@ -263,10 +312,14 @@ analyses: {sweep: {vary: {soft.stiffness: {uniform: 30 %}, d.inertia: {uniform: 
     names = [check.what for check in findings.need(Checks).lines]
     assert sorted(one.what for one in findings.results["sweep"].checks) == sorted(names)
     assert sorted(names) == [
-        "Separation from 1 x d speed", "Separation from 1 x line frequency", "Separation from 1 x m speed",
-        "Separation from 2 x d speed", "Separation from 2 x line frequency", "Separation from 2 x m speed",
+        "Separation from 1 x d speed",
+        "Separation from 1 x line frequency",
+        "Separation from 1 x m speed",
+        "Separation from 2 x d speed",
+        "Separation from 2 x line frequency",
+        "Separation from 2 x m speed",
         "Separation from gear mesh of pair",
-    ]  # fmt: skip
+    ]
 
 
 def test_what_is_not_judged_and_what_lacks(study) -> None:

@@ -32,7 +32,9 @@ def line(pressure: float, settings: str = ": {safety: 1.5}"):
 
 def test_slip_torque_is_the_moment_of_friction_all_over_the_seat() -> None:
     radius, length, pressure, friction = 0.06, 0.11, 45e6, 0.12
-    moment = dblquad(lambda turn, z: radius * friction * pressure * radius, 0.0, length, 0.0, 2.0 * math.pi)[0]
+    moment = dblquad(
+        lambda turn, z: radius * friction * pressure * radius, 0.0, length, 0.0, 2.0 * math.pi
+    )[0]
     assert slip_torque(2.0 * radius, length, pressure, friction) == pytest.approx(moment, rel=1e-12)
 
 
@@ -40,12 +42,19 @@ def test_fit_passes_to_its_slip_torque_over_the_safety_and_fails_above() -> None
     results, found = line(60e6)
     response, synthesis = results.need(Response), results.need(Synthesis)
     most = float(synthesis.peak.max())
-    assert most > 1.001 * float(np.abs(response.mean).max())  # vibration is in it, beside the mean torque
+    assert most > 1.001 * float(
+        np.abs(response.mean).max()
+    )  # vibration is in it, beside the mean torque
     assert found.value == pytest.approx(most, rel=1e-12)
     assert found.limit == pytest.approx(slip_torque(0.1, 0.12, 60e6, 0.15) / 1.5, rel=1e-12)
     enough = 60e6 * found.value / found.limit
-    assert [line(share * enough)[1].verdict for share in (1.0 + 1e-6, 1.0 - 1e-6)] == ["restricted", "fail"]
-    assert line(2.0 * enough, "")[1].limit == pytest.approx(1.5 * found.value, rel=1e-9)  # 2 where nothing is set
+    assert [line(share * enough)[1].verdict for share in (1.0 + 1e-6, 1.0 - 1e-6)] == [
+        "restricted",
+        "fail",
+    ]
+    assert line(2.0 * enough, "")[1].limit == pytest.approx(
+        1.5 * found.value, rel=1e-9
+    )  # 2 where nothing is set
 
 
 def test_slip_reaches_into_the_seat_by_its_share_of_the_slip_torque() -> None:
@@ -63,5 +72,8 @@ def test_slip_reaches_into_the_seat_by_its_share_of_the_slip_torque() -> None:
 )
 def test_what_the_rule_lacks_is_a_fault(hub: str, power: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        parse((SCENE % (hub, "")).replace(", power: 250 kW", power).replace("ripple: [{order: 2, torque: 2 %}]",
-            "ripple: [{order: 2, torque: 20 N*m}]"))  # fmt: skip
+        parse(
+            (SCENE % (hub, ""))
+            .replace(", power: 250 kW", power)
+            .replace("ripple: [{order: 2, torque: 2 %}]", "ripple: [{order: 2, torque: 20 N*m}]")
+        )

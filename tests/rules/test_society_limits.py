@@ -29,14 +29,22 @@ def at(curve, *ratios):
 
 def test_crankshafts_of_kr_at_the_given_vectors() -> None:
     in_line, other = (crank_curve(table, NUMBERED, 200.0) for table in (KR_IN_LINE, KR_OTHER))
-    np.testing.assert_allclose(at(in_line, 0.5, 0.8, 0.9, 1.0), [39.0, 29.64, 25.56, 21.0], rtol=1e-14)
-    np.testing.assert_allclose(at(other, 0.5, 0.8, 0.9, 1.0), [37.75, 26.44, 21.51, 16.0], rtol=1e-14)
-    np.testing.assert_allclose(at(in_line, 1.05, 1.15), [21 + 59.25 * math.sqrt(0.05), 53.1263968569], rtol=3e-12)
+    np.testing.assert_allclose(
+        at(in_line, 0.5, 0.8, 0.9, 1.0), [39.0, 29.64, 25.56, 21.0], rtol=1e-14
+    )
+    np.testing.assert_allclose(
+        at(other, 0.5, 0.8, 0.9, 1.0), [37.75, 26.44, 21.51, 16.0], rtol=1e-14
+    )
+    np.testing.assert_allclose(
+        at(in_line, 1.05, 1.15), [21 + 59.25 * math.sqrt(0.05), 53.1263968569], rtol=3e-12
+    )
     by_hand = 16.0 + 237.0 * 0.3 * math.sqrt(0.1)
     np.testing.assert_allclose(at(other, 1.1), [by_hand], rtol=1e-13)
 
 
-def test_crankshafts_of_kr_end_at_1_15_and_pass_barred_ranges_at_twice_the_limit_up_to_0_8() -> None:
+def test_crankshafts_of_kr_end_at_1_15_and_pass_barred_ranges_at_twice_the_limit_up_to_0_8() -> (
+    None
+):
     curve = crank_curve(KR_IN_LINE, NUMBERED, 200.0)
     assert np.isfinite(at(curve, 1.15, 1.15 * (1 + 2e-9))).tolist() == [True, False]
     np.testing.assert_allclose(curve.while_passing(np.array([0.5, 0.8])), [78.0, 59.28], rtol=1e-14)
@@ -51,18 +59,27 @@ def test_crankshafts_of_kr_end_at_1_15_and_pass_barred_ranges_at_twice_the_limit
 def test_factors_of_the_material_are_capped_and_never_below_one() -> None:
     assert strength_factor(600.0, alloy=True) == pytest.approx(1.24242424242, rel=1e-11)
     assert strength_factor(600.0, alloy=False) == strength_factor(590.0, alloy=False)
-    assert strength_factor(590.0, alloy=False) == pytest.approx(1 + 2 / 3 * (590 / 440 - 1), rel=1e-14)
-    assert strength_factor(900.0, alloy=True) == pytest.approx(1 + 2 / 3 * (835 / 440 - 1), rel=1e-14)
+    assert strength_factor(590.0, alloy=False) == pytest.approx(
+        1 + 2 / 3 * (590 / 440 - 1), rel=1e-14
+    )
+    assert strength_factor(900.0, alloy=True) == pytest.approx(
+        1 + 2 / 3 * (835 / 440 - 1), rel=1e-14
+    )
     assert strength_factor(None, alloy=True) == strength_factor(400.0, alloy=True) == 1.0
     assert yield_factor(350.0) == pytest.approx(1.55555555556, rel=1e-11)
     assert yield_factor(None) == yield_factor(200.0) == 1.0
 
 
 def test_f_m_of_the_strength_is_that_of_tau_1_and_tau_3_and_of_the_yield_that_of_tau_2() -> None:
-    plain, strong = crank_curve(KR_OTHER, NUMBERED, 0.0), crank_curve(KR_OTHER, NUMBERED, 0.0, 1.2, 1.5)
+    plain, strong = (
+        crank_curve(KR_OTHER, NUMBERED, 0.0),
+        crank_curve(KR_OTHER, NUMBERED, 0.0, 1.2, 1.5),
+    )
     np.testing.assert_allclose(at(strong, 0.4, 1.1), 1.2 * at(plain, 0.4, 1.1), rtol=1e-14)
     ratio = np.array([0.4])
-    np.testing.assert_allclose(strong.while_passing(ratio), 1.5 * plain.while_passing(ratio), rtol=1e-14)
+    np.testing.assert_allclose(
+        strong.while_passing(ratio), 1.5 * plain.while_passing(ratio), rtol=1e-14
+    )
 
 
 def test_shafts_of_a_generator_set_step_at_90_percent_and_end_at_110() -> None:

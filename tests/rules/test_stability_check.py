@@ -15,17 +15,32 @@ OPERATED = Operation(speeds={"from": "100 rad/s", "to": "200 rad/s"})
 
 
 def found(
-    growth: list[float], *, ranges: tuple[tuple[float, float, float], ...] = (), loses: bool = True,
-    first: float = 80.0, last: float = 220.0,
-) -> Stability:  # fmt: skip
+    growth: list[float],
+    *,
+    ranges: tuple[tuple[float, float, float], ...] = (),
+    loses: bool = True,
+    first: float = 80.0,
+    last: float = 220.0,
+) -> Stability:
     """Growth rates at even speeds; ranges: first, last, growth in the middle."""
     speed, rate = np.linspace(first, last, len(growth)), np.array(growth)
     zone = "principal", (1,), 1
-    named = tuple(UnstableRange(*zone, a, b, (False, False), g, (a + b) / 2.0) for a, b, g in ranges)
+    named = tuple(
+        UnstableRange(*zone, a, b, (False, False), g, (a + b) / 2.0) for a, b, g in ranges
+    )
     return Stability(
-        speed, np.ones(len(speed), dtype=bool), rate, rate, rate, named, np.array([50.0]), "monodromy", 0.0,
-        speed[np.isnan(rate)], loses,
-    )  # fmt: skip
+        speed,
+        np.ones(len(speed), dtype=bool),
+        rate,
+        rate,
+        rate,
+        named,
+        np.array([50.0]),
+        "monodromy",
+        0.0,
+        speed[np.isnan(rate)],
+        loses,
+    )
 
 
 def test_train_whose_deviations_die_out_passes_with_its_slowest_decay():
@@ -52,7 +67,8 @@ def test_without_speeds_of_an_operation_all_that_were_looked_at_are_judged(where
 
 def test_range_outside_the_operation_passes_and_its_distance_is_told():
     check = stability_check(
-        found([0.5, -1.0, -1.0, -1.0, 0.4], ranges=((80.0, 90.0, 0.5), (210.0, 220.0, 0.4))), OPERATED
+        found([0.5, -1.0, -1.0, -1.0, 0.4], ranges=((80.0, 90.0, 0.5), (210.0, 220.0, 0.4))),
+        OPERATED,
     )
     assert (check.verdict, check.value) == ("pass", -1.0)
     assert "10 % below the lowest speed" in check.note
@@ -66,7 +82,9 @@ def test_speed_without_a_periodic_motion_is_no_pass():
     assert "from 1098.2 to 1766.6 rpm" in check.note
 
 
-@pytest.mark.parametrize(("growth", "verdict"), [([math.nan, -1.0, -1.0], "fail"), ([math.nan, *[-1.0] * 8], "pass")])
+@pytest.mark.parametrize(
+    ("growth", "verdict"), [([math.nan, -1.0, -1.0], "fail"), ([math.nan, *[-1.0] * 8], "pass")]
+)
 def test_nothing_is_known_as_far_as_the_next_speed_with_a_periodic_motion(growth, verdict):
     check = stability_check(found(growth), OPERATED)
     assert check.verdict == verdict
@@ -103,14 +121,34 @@ def test_rounding_of_a_train_that_nothing_damps_is_no_growth():
     [
         ([-1, -2, 0.6, -3, -1], ((140.0, 160.0, 0.6),), 0.6, 150.0),  # on a speed
         ([-1, -2, 0.2, -3, -1], ((130.0, 160.0, 0.6),), 0.6, 145.0),  # its worst between two speeds
-        ([-1, -2, 0.6, -3, -1], ((120.0, 121.0, 0.2), (140.0, 160.0, 0.6)), 0.6, 150.0),  # the smaller of two
-        ([-1, -2, -3, -3, -1], ((120.0, 121.0, 0.2), (140.0, 142.0, 0.6)), 0.6, 141.0),  # the greater of two
-        ([-1, -2, -3, 0.5, 9], ((180.0, 230.0, 0.8),), 0.5, 185.0),  # operated in a part that has less
-        ([-1, -2, -3, -0.5, 9], ((199.0, 230.0, 0.8),), 0.8, 200.0),  # operated but for the speeds computed
+        (
+            [-1, -2, 0.6, -3, -1],
+            ((120.0, 121.0, 0.2), (140.0, 160.0, 0.6)),
+            0.6,
+            150.0,
+        ),  # the smaller of two
+        (
+            [-1, -2, -3, -3, -1],
+            ((120.0, 121.0, 0.2), (140.0, 142.0, 0.6)),
+            0.6,
+            141.0,
+        ),  # the greater of two
+        (
+            [-1, -2, -3, 0.5, 9],
+            ((180.0, 230.0, 0.8),),
+            0.5,
+            185.0,
+        ),  # operated in a part that has less
+        (
+            [-1, -2, -3, -0.5, 9],
+            ((199.0, 230.0, 0.8),),
+            0.8,
+            200.0,
+        ),  # operated but for the speeds computed
         ([-1, -2, 0.0, -3, -1], ((199.0, 230.0, 0.8),), 0.8, 200.0),  # beside a growth of 0
         ([9, -2, -0.5, -3, -1], ((70.0, 101.0, 0.8),), 0.8, 100.0),
     ],
-)  # fmt: skip
+)
 def test_the_fastest_growth_within_the_operation_is_stated(growth, ranges, value, speed):
     check = stability_check(found(growth, ranges=ranges), OPERATED)
     assert (check.value, check.speed, check.verdict) == (value, speed, "fail")
@@ -118,23 +156,35 @@ def test_the_fastest_growth_within_the_operation_is_stated(growth, ranges, value
 
 def test_a_check_says_what_it_compares_with_0():
     check = stability_check(found([-1.0] * 5), OPERATED)
-    assert (check.rule, check.clause, check.where, check.unit) == ("stability", "stability", "whole train", "1/s")
+    assert (check.rule, check.clause, check.where, check.unit) == (
+        "stability",
+        "stability",
+        "whole train",
+        "1/s",
+    )
     assert (check.what, check.at_least, check.note) == ("Growth of small vibrations", False, "")
     assert (check.standing, check.limit) == ("by definition", 0.0)
 
 
 def test_distance_is_that_of_the_nearest_range_on_either_side():
     """Below to 60, 90 and 95 rad/s of 100, above from 230, 212.5 and 250 of 200; what touches is 0 % away."""
-    below, above = ((50.0, 60.0, 0.1), (92.0, 95.0, 0.1), (70.0, 90.0, 0.1)), (
-        (230.0, 235.0, 0.1), (212.5, 220.0, 0.1), (250.0, 260.0, 0.1),
-    )  # fmt: skip
+    below, above = (
+        ((50.0, 60.0, 0.1), (92.0, 95.0, 0.1), (70.0, 90.0, 0.1)),
+        (
+            (230.0, 235.0, 0.1),
+            (212.5, 220.0, 0.1),
+            (250.0, 260.0, 0.1),
+        ),
+    )
     note = stability_check(found([-1.0] * 5, ranges=(*below, *above)), OPERATED).note
     first = "the next unstable range ends 5 % below the lowest speed"
     last = "the next unstable range begins 6.25 % above the highest speed"
     assert note == f"{first}; {last}"
     assert stability_check(found([-1.0] * 5, ranges=below), OPERATED).note == first
     assert stability_check(found([-1.0] * 5, ranges=above), OPERATED).note == last
-    touching = stability_check(found([-1.0] * 5, ranges=((90.0, 100.0, 0.1), (200.0, 210.0, 0.1))), OPERATED)
+    touching = stability_check(
+        found([-1.0] * 5, ranges=((90.0, 100.0, 0.1), (200.0, 210.0, 0.1))), OPERATED
+    )
     assert touching.verdict == "pass"
     assert touching.note == first.replace("5 %", "0 %") + "; " + last.replace("6.25 %", "0 %")
 
@@ -142,7 +192,9 @@ def test_distance_is_that_of_the_nearest_range_on_either_side():
 def test_distance_counts_from_where_nothing_is_known():
     """The ranges end at 80 and 250 rad/s, beyond which nothing is known up to 92 and down to 215."""
     below = UnstableRange("principal", (1,), 1, 70.0, 80.0, (False, False), 0.3, 75.0, (61.0, 92.0))
-    above = UnstableRange("principal", (1,), 1, 250.0, 260.0, (False, False), 0.3, 255.0, (215.0, 270.0))
+    above = UnstableRange(
+        "principal", (1,), 1, 250.0, 260.0, (False, False), 0.3, 255.0, (215.0, 270.0)
+    )
     note = stability_check(replace(found([-1.0] * 5), ranges=(below, above)), OPERATED).note
     assert "ends 8 % below the lowest speed" in note
     assert "begins 7.5 % above the highest speed" in note
@@ -151,10 +203,14 @@ def test_distance_counts_from_where_nothing_is_known():
 @pytest.mark.parametrize(
     ("doubtful", "growth", "verdict"),
     [
-        ([150.0], -1.0, "not judged"), ([80.0], -1.0, "pass"), ([220.0], -1.0, "pass"), ([90.0], -1.0, "not judged"),
-        ([], -1.0, "pass"), ([150.0], 0.5, "fail"),
+        ([150.0], -1.0, "not judged"),
+        ([80.0], -1.0, "pass"),
+        ([220.0], -1.0, "pass"),
+        ([90.0], -1.0, "not judged"),
+        ([], -1.0, "pass"),
+        ([150.0], 0.5, "fail"),
     ],
-)  # fmt: skip
+)
 def test_exponent_that_was_not_distinguished_is_never_a_pass(doubtful, growth, verdict):
     """Speeds of 80, 90, ... rad/s: what is between 90 and 100 may hold at the first speed operated, 100."""
     ranges = ((140.0, 150.0, growth),) if growth > 0 else ()
@@ -173,7 +229,9 @@ def test_ranges_without_a_periodic_motion_are_stated_up_to_four(number):
     growth = [-1.0] * 29
     growth[7 : 7 + 2 * number : 2] = [math.nan] * number  # 80 + 5 k rad/s: 115, 125, ...
     check = stability_check(found(growth), OPERATED)
-    ranges = [f"{(110 + 10 * k) / RPM:.5g} to {(120 + 10 * k) / RPM:.5g}" for k in range(min(number, 4))]
+    ranges = [
+        f"{(110 + 10 * k) / RPM:.5g} to {(120 + 10 * k) / RPM:.5g}" for k in range(min(number, 4))
+    ]
     more = f", the first 4 of {number} ranges" if number > 4 else ""
     known = "no periodic motion was found, and so nothing is known, from"
     assert check.note == f"{known} {', '.join(ranges)} rpm{more}"
@@ -187,7 +245,9 @@ def without_motion(at):
     return stability_check(replace(whole, growth=growth, unsolved=np.array(at)), OPERATED)
 
 
-@pytest.mark.parametrize(("at", "speed"), [([100.0, 150.0], 100.0), ([90.0, 150.0, 160.0], 150.0), ([200.0], 200.0)])
+@pytest.mark.parametrize(
+    ("at", "speed"), [([100.0, 150.0], 100.0), ([90.0, 150.0, 160.0], 150.0), ([200.0], 200.0)]
+)
 def test_the_lowest_operated_speed_without_a_periodic_motion_is_stated(at, speed):
     check = without_motion(at)
     assert (check.value, check.speed, check.verdict) == (math.inf, speed, "fail")
@@ -205,7 +265,10 @@ def test_a_speed_without_a_periodic_motion_at_the_end_of_the_operation_is_stated
     growth = np.where(np.isin(bare.speed, missing), math.nan, -1.0)
     check = stability_check(replace(bare, growth=growth, unsolved=missing), OPERATED)
     assert (check.value, check.speed, check.verdict) == (math.inf, at, "fail")
-    assert f"nothing is known, from {at / RPM:.5g} to {at / RPM:.5g} rpm; stability was not requested" in check.note
+    assert (
+        f"nothing is known, from {at / RPM:.5g} to {at / RPM:.5g} rpm; stability was not requested"
+        in check.note
+    )
 
 
 ROUND = 1e-9  # relative
@@ -214,10 +277,13 @@ ROUND = 1e-9  # relative
 @pytest.mark.parametrize(
     ("first", "last", "verdict"),
     [
-        (100.0, 200.0, "pass"), (100.0 * (1 + ROUND), 200.0 * (1 - ROUND), "pass"),
-        (100.0 * (1 + 2 * ROUND), 200.0, "fail"), (100.0, 200.0 * (1 - 2 * ROUND), "fail"), (150.0, 220.0, "fail"),
+        (100.0, 200.0, "pass"),
+        (100.0 * (1 + ROUND), 200.0 * (1 - ROUND), "pass"),
+        (100.0 * (1 + 2 * ROUND), 200.0, "fail"),
+        (100.0, 200.0 * (1 - 2 * ROUND), "fail"),
+        (150.0, 220.0, "fail"),
     ],
-)  # fmt: skip
+)
 def test_the_operation_is_looked_at_as_a_whole_but_for_rounding(first, last, verdict):
     check = stability_check(found([-1.0] * 5, first=first, last=last), OPERATED)
     assert check.verdict == verdict
@@ -226,8 +292,11 @@ def test_the_operation_is_looked_at_as_a_whole_but_for_rounding(first, last, ver
 
 
 def test_notes_stand_in_the_order_of_their_weight():
-    check = stability_check(found([-1.0, math.nan, -1.0], first=100.0, last=190.0, loses=False), OPERATED)
+    check = stability_check(
+        found([-1.0, math.nan, -1.0], first=100.0, last=190.0, loses=False), OPERATED
+    )
     assert [note.split(",")[0] for note in check.note.split("; ")] == [
-        "no periodic motion was found", "stability was not requested at all speeds of the operation",
+        "no periodic motion was found",
+        "stability was not requested at all speeds of the operation",
         "nothing in the train damps",
-    ]  # fmt: skip
+    ]

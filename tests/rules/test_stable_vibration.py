@@ -27,7 +27,9 @@ def growth(viscous: float) -> float:
         c = viscous * np.array([[1, -1], [-1, 1]]) + np.diag([0.0, -100e3 / speed**2])
         j = np.diag([2.0, 1.0])
         inverse = np.diag(1.0 / np.diag(j))
-        roots = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse @ c]]))
+        roots = np.linalg.eigvals(
+            np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse @ c]])
+        )
         parts.append(roots[np.abs(roots.imag) > 1.0].real.max())
     return max(parts)
 

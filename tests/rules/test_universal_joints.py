@@ -60,7 +60,9 @@ def test_double_cardan_in_line_passes_and_crossed_fails(judge):
     assert crossed["U", place].verdict == "fail"
 
 
-@pytest.mark.parametrize(("angle", "value"), [(3, 9.87413904680), (5, 27.4509010319), (8, 70.4209476186)])
+@pytest.mark.parametrize(
+    ("angle", "value"), [(3, 9.87413904680), (5, 27.4509010319), (8, 70.4209476186)]
+)
 def test_accelerations_are_those_of_liu_2023_at_the_highest_speed(judge, angle, value):
     """Of the end of the range and the rated speed the higher one counts, whichever it is: 60 rad/s."""
     ends = "60 rad/s", "50 rad/s"
@@ -68,22 +70,28 @@ def test_accelerations_are_those_of_liu_2023_at_the_highest_speed(judge, angle, 
     speeds, rated = {"from": "10 rad/s", "to": last}, {"speed": rated}
     found = judge([joint(angle), joint(1)], speeds=speeds, rated=rated)
     assert found["inertial", "joint-1"].value == pytest.approx(value, rel=1e-11)
-    assert judge([joint(angle)], speeds=speeds, rated=rated)["torsional", "joint-1"].value == pytest.approx(
-        value, rel=1e-11
-    )
+    assert judge([joint(angle)], speeds=speeds, rated=rated)[
+        "torsional", "joint-1"
+    ].value == pytest.approx(value, rel=1e-11)
     assert found["inertial", "joint-1"].speed == 60.0
 
 
 def test_limits_of_acceleration_and_angle_are_the_settings(judge):
-    requested = JointRuleSettings(unevenness=1.0, torsional=9.0, inertial="28 rad/s**2", speed_angle=1700.0)
+    requested = JointRuleSettings(
+        unevenness=1.0, torsional=9.0, inertial="28 rad/s**2", speed_angle=1700.0
+    )
     speeds = {"from": "10 rad/s", "to": "60 rad/s"}
     verdicts = {
-        key: line.verdict for key, line in judge([joint(5), joint(3)], requested, speeds=speeds, rated=None).items()
+        key: line.verdict
+        for key, line in judge([joint(5), joint(3)], requested, speeds=speeds, rated=None).items()
     }
     assert verdicts == {
-        ("U", "joint-1, joint-2"): "pass", ("torsional", "joint-1, joint-2"): "fail",
-        ("inertial", "joint-1"): "pass", ("n b", "joint-1"): "fail", ("n b", "joint-2"): "fail",
-    }  # fmt: skip
+        ("U", "joint-1, joint-2"): "pass",
+        ("torsional", "joint-1, joint-2"): "fail",
+        ("inertial", "joint-1"): "pass",
+        ("n b", "joint-1"): "fail",
+        ("n b", "joint-2"): "fail",
+    }
 
 
 def test_speed_times_angle_is_at_the_joint_s_own_speed(judge):
@@ -101,7 +109,9 @@ def test_joints_behind_a_gear_accelerate_with_the_square_of_their_own_speed(judg
     plain = judge([joint(5), joint(4)])
     geared = judge([("gear", {"ratio": 2}), joint(5), joint(4)])
     for clause, place in (("torsional", "joint-1, joint-2"), ("inertial", "joint-1")):
-        assert geared[clause, place].value == pytest.approx(plain[clause, place].value / 4.0, rel=1e-13)
+        assert geared[clause, place].value == pytest.approx(
+            plain[clause, place].value / 4.0, rel=1e-13
+        )
 
 
 def test_shaft_between_joints_of_two_lines_is_judged_once(judge):
@@ -150,40 +160,56 @@ def test_tube_on_a_support_is_judged_by_its_critical_speeds_on_it(judge, share, 
     assert "simply supported" not in line.note
 
 
-@pytest.mark.parametrize(("rpm", "words"), [(16_900, "stays below it"), (17_100, "passes it within the speeds")])
-def test_twice_the_speed_of_a_tube_on_a_support_meets_its_critical_speed_of_order_2(judge, rpm, words):
+@pytest.mark.parametrize(
+    ("rpm", "words"), [(16_900, "stays below it"), (17_100, "passes it within the speeds")]
+)
+def test_twice_the_speed_of_a_tube_on_a_support_meets_its_critical_speed_of_order_2(
+    judge, rpm, words
+):
     """Backward whirl at twice the speed: w2 rho (A + 2 I b2) = E I b4, half of which is 17026 rpm."""
     wave, gyration = (2.0 * math.pi / 1.5) ** 2, (0.12**2 + 0.108**2) / 16.0
     half = wave * math.sqrt(210e9 / 7850.0 * gyration / (1.0 + 2.0 * gyration * wave)) / RPM / 2.0
     assert abs(half - 17_000.0) < 90.0
-    line = judge([joint(1), HELD, joint(1)], speeds=None, rated={"speed": f"{rpm} rpm"})["n_crit", "tube"]
+    line = judge([joint(1), HELD, joint(1)], speeds=None, rated={"speed": f"{rpm} rpm"})[
+        "n_crit", "tube"
+    ]
     assert words in line.note
 
 
 def test_tube_on_a_support_is_not_judged_where_bending_was_not_computed(study):
     scene = study([joint(1), HELD, joint(1)], materials={"steel": STEEL})
-    seen = Results(scene, {"system": assemble(scene.train), "joints": joints(scene.train, scene.operation)})
+    seen = Results(
+        scene, {"system": assemble(scene.train), "joints": joints(scene.train, scene.operation)}
+    )
     (line,) = [line for line in RULE.check(seen, JointRuleSettings()) if line.clause == "n_crit"]
     assert (line.where, line.verdict) == ("tube", "not judged")
 
 
-def test_shafts_between_joints_that_nothing_holds_beside_one_on_a_support_are_left_out_with_the_cause(study):
+def test_shafts_between_joints_that_nothing_holds_beside_one_on_a_support_are_left_out_with_the_cause(
+    study,
+):
     loose = ("shaft", {**TUBE[1], "name": "loose", "length": 0.5})
     between = [HELD, ("coupling", {"stiffness": 1e4}), loose, ("coupling", {"stiffness": 1e4})]
     scene = study([joint(1), *between, joint(1)], materials={"steel": STEEL})
-    assert "it is not supported" in " ".join(why for _, why in RULE.left_out(scene, JointRuleSettings()))
+    assert "it is not supported" in " ".join(
+        why for _, why in RULE.left_out(scene, JointRuleSettings())
+    )
 
 
 def test_share_of_the_critical_speed_is_a_setting(judge):
     parts, speed = [joint(1), TUBE, joint(1)], {"speed": "6000 rpm"}
     assert (
-        judge(parts, JointRuleSettings(critical_share="80 %"), speeds=None, rated=speed)["n_crit", "tube"].verdict
+        judge(parts, JointRuleSettings(critical_share="80 %"), speeds=None, rated=speed)[
+            "n_crit", "tube"
+        ].verdict
         == "pass"
     )
 
 
 def test_tube_behind_a_gear_turns_at_its_own_speed(judge):
-    found = judge([("gear", {"ratio": 2}), joint(1), TUBE, joint(1)], speeds=None, rated={"speed": "3000 rpm"})
+    found = judge(
+        [("gear", {"ratio": 2}), joint(1), TUBE, joint(1)], speeds=None, rated={"speed": "3000 rpm"}
+    )
     assert found["n_crit", "tube"].value == pytest.approx(1500.0, rel=1e-13)
 
 
@@ -193,7 +219,10 @@ def test_tube_behind_a_gear_turns_at_its_own_speed(judge):
         ([TUBE, ("shaft", {"name": "b", "length": 1.0, "diameter": 0.1})], "not one tube"),
         ([TUBE, ("coupling", {"stiffness": 1e4})], "not one tube"),
         ([("shaft", {"name": "cone", "length": 1.0, "diameter": [0.1, 0.12]})], "conical"),
-        ([("shaft", {"name": "light", "length": 1.0, "diameter": 0.1, "material": "unknown"})], "youngs_modulus"),
+        (
+            [("shaft", {"name": "light", "length": 1.0, "diameter": 0.1, "material": "unknown"})],
+            "youngs_modulus",
+        ),
     ],
 )
 def test_what_lies_between_joints_and_is_no_tube_is_not_judged_and_said(study, between, why):
@@ -212,7 +241,10 @@ def test_joints_without_a_shaft_between_them_and_shafts_outside_have_no_tube(stu
 def test_what_the_file_lacks_is_told(study):
     parts = [joint(1), ("disc", {"inertia": 1.0})]
     assert RULE.faults(study(parts), JointRuleSettings()) == []
-    assert "no speed" in RULE.faults(study(parts, speeds=None, rated=None), JointRuleSettings())[0].message
+    assert (
+        "no speed"
+        in RULE.faults(study(parts, speeds=None, rated=None), JointRuleSettings())[0].message
+    )
     assert "no joint" in RULE.faults(study(parts[1:]), JointRuleSettings())[0].message
     assert RULE.needs == ("joints",)
 
@@ -227,9 +259,14 @@ def test_tripod_is_judged_by_its_own_unevenness(judge):
 
 @pytest.mark.parametrize(
     ("ends", "lacks"),
-    [({"diameter": [0.12, 0.13]}, "it is conical"), ({"bore": [0.1, 0.11]}, "it is conical"),
-     ({"diameter": [0.13, 0.12]}, "it is conical"), ({"bore": [0.11, 0.1]}, "it is conical"), ({}, "")],
-)  # fmt: skip
+    [
+        ({"diameter": [0.12, 0.13]}, "it is conical"),
+        ({"bore": [0.1, 0.11]}, "it is conical"),
+        ({"diameter": [0.13, 0.12]}, "it is conical"),
+        ({"bore": [0.11, 0.1]}, "it is conical"),
+        ({}, ""),
+    ],
+)
 def test_a_conical_tube_lacks_what_the_closed_formula_needs(study, ends, lacks) -> None:
     tube = ("shaft", {**TUBE[1], **ends, "material": "steel"})
     parts = [("motor", {"inertia": 1.0}), joint(5), tube, joint(5), ("disc", {"inertia": 1.0})]

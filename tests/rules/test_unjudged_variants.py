@@ -32,11 +32,13 @@ def restrictions(found):
 @pytest.mark.parametrize(
     ("results", "words"),
     [(", results: [modes]", [VARIANTS]), (", results: [modes, checks]", []), ("", [])],
-)  # fmt: skip
+)
 def test_a_sweep_whose_variants_answer_no_checks_restricts_a_pass(results, words) -> None:
     found = solved(more=SWEEP.replace("RESULTS", results))
     assert restrictions(found) == words
-    assert headline(found)[0][1] == (f"PASS with restrictions: {words[0]}" if words else "PASS: 1 limit met")
+    assert headline(found)[0][1] == (
+        f"PASS with restrictions: {words[0]}" if words else "PASS: 1 limit met"
+    )
     assert found.exit_status == 0
 
 
@@ -46,10 +48,13 @@ def test_a_sweep_of_a_file_without_rules_has_no_such_row() -> None:
 
 @pytest.mark.parametrize(
     ("more", "words"),
-    [("", [TOLERANCES]), ("cases: {soft: {scale: {soft.stiffness: 80 %}}}\n", []),
-     (SWEEP.replace("RESULTS", ""), []),
-     (SWEEP.replace("RESULTS", "").replace("soft.stiffness", "d.inertia"), [TOLERANCES])],
-)  # fmt: skip
+    [
+        ("", [TOLERANCES]),
+        ("cases: {soft: {scale: {soft.stiffness: 80 %}}}\n", []),
+        (SWEEP.replace("RESULTS", ""), []),
+        (SWEEP.replace("RESULTS", "").replace("soft.stiffness", "d.inertia"), [TOLERANCES]),
+    ],
+)
 def test_tolerances_without_a_case_or_a_sweep_at_their_ends_restrict_a_pass(more, words) -> None:
     assert restrictions(solved(tolerance=", tolerance: 20 %", more=more)) == words
 
@@ -65,15 +70,22 @@ def test_the_share_of_variants_that_fail_comes_first_in_the_headline() -> None:
     text = TRAIN.replace("1 kN*mTOLERANCE", "55 N*m").replace(
         "RULES", "coupling-maker: {continuous: {from: 300 rpm, to: 1200 rpm}}"
     )
-    found = torsion.run(torsion.parse(text + SWEEP.replace("soft.stiffness", "d.inertia").replace("RESULTS", "")))
+    found = torsion.run(
+        torsion.parse(text + SWEEP.replace("soft.stiffness", "d.inertia").replace("RESULTS", ""))
+    )
     assert restrictions(found) == ["judged in continuous use only, 300 rpm to 1200 rpm"]
     share = 100.0 * found.results["sweep"].share_failing
     assert 10 < share < 60
-    assert headline(found)[0][1] == f"PASS with restrictions: {share:.3g} % of the variants fail a check"
+    assert (
+        headline(found)[0][1]
+        == f"PASS with restrictions: {share:.3g} % of the variants fail a check"
+    )
     assert found.exit_status == 1
 
 
-@pytest.mark.parametrize(("limit", "words"), [("1 kN*m", "PASS: case normal"), ("1 N*m", "FAIL: case normal")])
+@pytest.mark.parametrize(
+    ("limit", "words"), [("1 kN*m", "PASS: case normal"), ("1 N*m", "FAIL: case normal")]
+)
 def test_one_case_that_counts_is_named_in_the_headline(limit, words) -> None:
     text = TRAIN.replace("RULES", "coupling-maker").replace("1 kN*mTOLERANCE", limit)
     cases = "cases: {other: {scale: {soft.stiffness: 80 %}, judged: false}}\n"

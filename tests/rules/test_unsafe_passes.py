@@ -25,10 +25,16 @@ def rows(text: str) -> list[Check]:
     return list(torsion.run(torsion.parse(text)).need(Checks).lines)
 
 
-def line(shaft: str = "features: flange", rule: str = "iacs-m68", drive: str = "motor") -> list[Check]:
+def line(
+    shaft: str = "features: flange", rule: str = "iacs-m68", drive: str = "motor"
+) -> list[Check]:
     """Rows on the stress in continuous use of the shaft `line`."""
     text = LINE.replace("SHAFT", shaft).replace("RULE", rule).replace("DRIVE", drive)
-    return [one for one in rows(text) if one.where == "line" and one.clause in ("tau_C", "tau_1") and one.has_limit]
+    return [
+        one
+        for one in rows(text)
+        if one.where == "line" and one.clause in ("tau_C", "tau_1") and one.has_limit
+    ]
 
 
 def test_splines_have_no_factor_in_the_table() -> None:
@@ -38,22 +44,30 @@ def test_splines_have_no_factor_in_the_table() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fillet", "verdict"), [(", fillet: 16 mm", "pass"), (", fillet: 15 mm", "not judged"), ("", "not judged")]
+    ("fillet", "verdict"),
+    [(", fillet: 16 mm", "pass"), (", fillet: 15 mm", "not judged"), ("", "not judged")],
 )
-def test_the_fillet_of_an_integral_flange_is_at_least_eight_per_cent_of_the_diameter(fillet: str, verdict: str) -> None:
-    (row,) = line(f"features: flange, step: {{flange: {{diameter: 400 mm, thickness: 50 mm{fillet}}}}}")
+def test_the_fillet_of_an_integral_flange_is_at_least_eight_per_cent_of_the_diameter(
+    fillet: str, verdict: str
+) -> None:
+    (row,) = line(
+        f"features: flange, step: {{flange: {{diameter: 400 mm, thickness: 50 mm{fillet}}}}}"
+    )
     assert row.verdict == verdict
 
 
 @pytest.mark.parametrize(
-    "setting", ["conditions: ' '", "verified: {edition: ' ', by: A}", "verified: {edition: '1', by: ' '}"]
+    "setting",
+    ["conditions: ' '", "verified: {edition: ' ', by: A}", "verified: {edition: '1', by: ' '}"],
 )
 def test_a_blank_document_answers_nothing(setting: str) -> None:
     with pytest.raises(InputError, match="blank"):
         line(rule=f"iacs-m68: {{{setting}}}")
 
 
-@pytest.mark.parametrize(("drive", "is_agreed"), [("motor", True), ("turbine", True), ("disc", False)])
+@pytest.mark.parametrize(
+    ("drive", "is_agreed"), [("motor", True), ("turbine", True), ("disc", False)]
+)
 def test_kr_has_no_limits_of_its_own_behind_a_motor_or_turbine(drive: str, is_agreed: bool) -> None:
     (row,) = line(rule="kr", drive=drive)
     assert any("by agreement with KR" in words for words in row.restrictions) == is_agreed
@@ -76,9 +90,13 @@ rules: [RULE]
 JOURNAL = "journal: {diameter: 160 mm}, pin: {diameter: 160 mm}"
 
 
-def driven(more: str = "misfire: 2", rule: str = "iacs-m68", coupling: str = "", cases: str = "") -> dict[str, Check]:
+def driven(
+    more: str = "misfire: 2", rule: str = "iacs-m68", coupling: str = "", cases: str = ""
+) -> dict[str, Check]:
     """Rows of a train with an engine by their clauses, the last of each."""
-    text = ENGINE.replace("MORE", more).replace("RULE", rule).replace(", COUPLING", coupling) + cases
+    text = (
+        ENGINE.replace("MORE", more).replace("RULE", rule).replace(", COUPLING", coupling) + cases
+    )
     return {one.clause: one for one in rows(text)}
 
 
@@ -106,8 +124,12 @@ def test_orders_of_the_gas_that_do_not_excite_are_a_restriction(rule: str) -> No
     )
 
 
-@pytest.mark.parametrize(("rule", "is_judged"), [("kr", False), ("ccs", False), ("nk", False), ("bv", True)])
-def test_a_society_with_limits_of_crankshafts_does_not_pass_one_of_unknown_diameter(rule: str, is_judged: bool) -> None:
+@pytest.mark.parametrize(
+    ("rule", "is_judged"), [("kr", False), ("ccs", False), ("nk", False), ("bv", True)]
+)
+def test_a_society_with_limits_of_crankshafts_does_not_pass_one_of_unknown_diameter(
+    rule: str, is_judged: bool
+) -> None:
     assert ("crankshaft" not in driven(rule=rule)) == is_judged
     assert "crankshaft" not in driven(f"misfire: 2, {JOURNAL}", rule)
 
@@ -152,7 +174,9 @@ rules: [universal-joints]
 """
 
 
-@pytest.mark.parametrize(("young", "verdict"), [(", youngs_modulus: 206 GPa", "pass"), ("", "not judged")])
+@pytest.mark.parametrize(
+    ("young", "verdict"), [(", youngs_modulus: 206 GPa", "pass"), ("", "not judged")]
+)
 def test_a_tube_of_unknown_critical_speed_is_not_judged(young: str, verdict: str) -> None:
     (row,) = [one for one in rows(CARDAN.replace("YOUNG", young)) if one.clause == "n_crit"]
     assert (row.where, row.verdict) == ("tube", verdict)
@@ -162,10 +186,18 @@ FIT = "{length: 100 mm, fit: shrink, diameter: 250 mm, end: last, pressure: 60 M
 
 
 def test_a_shrink_fit_passes_without_axial_load_and_shock_alone() -> None:
-    hubs = f"[{FIT}, {FIT.replace('last', 'first').replace(', pressure: 60 MPa, friction: 15 %', '')}]"
-    text = LINE.replace("DRIVE", "motor").replace("SHAFT", f"hub: {hubs}").replace("RULE", "shrink-fits")
+    hubs = (
+        f"[{FIT}, {FIT.replace('last', 'first').replace(', pressure: 60 MPa, friction: 15 %', '')}]"
+    )
+    text = (
+        LINE.replace("DRIVE", "motor")
+        .replace("SHAFT", f"hub: {hubs}")
+        .replace("RULE", "shrink-fits")
+    )
     found = {one.what: one for one in rows(text) if one.rule == "shrink-fits"}
-    assert found["Maximum torque in the fit, last end"].restrictions == ("no axial load, no start or shock in the fit",)
+    assert found["Maximum torque in the fit, last end"].restrictions == (
+        "no axial load, no start or shock in the fit",
+    )
     assert found["Maximum torque in the fit, first end"].verdict == "not judged"
 
 
@@ -181,9 +213,14 @@ analyses: {transient: {duration: 0.2 s, initial: steady, events: [{at: motor-1, 
 
 
 @pytest.mark.parametrize(("torques", "verdict"), [("", "pass"), (", torques: none", "restricted")])
-def test_a_motion_without_the_periodic_torques_of_the_file_passes_with_restrictions(torques: str, verdict: str) -> None:
+def test_a_motion_without_the_periodic_torques_of_the_file_passes_with_restrictions(
+    torques: str, verdict: str
+) -> None:
     (row,) = [one for one in rows(MOTION.replace("TORQUES", torques)) if one.rule == "transient"]
-    assert (row.verdict, any("motor-1" in words for words in row.restrictions)) == (verdict, verdict == "restricted")
+    assert (row.verdict, any("motor-1" in words for words in row.restrictions)) == (
+        verdict,
+        verdict == "restricted",
+    )
 
 
 STEP = """
@@ -197,9 +234,15 @@ analyses: {transient: {duration: DURATION, events: [{at: a, time: 0.1 s, step: {
 
 
 @pytest.mark.parametrize(("after", "verdict"), [(0.99, "restricted"), (1.01, "pass")])
-def test_a_motion_that_ends_within_a_period_after_the_last_event_is_restricted(after: float, verdict: str) -> None:
+def test_a_motion_that_ends_within_a_period_after_the_last_event_is_restricted(
+    after: float, verdict: str
+) -> None:
     """Period 2 pi sqrt(J/(2 k)) = 44.4 ms; the torque of the step peaks at half of it, at 15 kN m."""
     period = 2 * math.pi * math.sqrt(2 / (2 * 20e3))
-    (row,) = [one for one in rows(STEP.replace("DURATION", f"{0.1 + after * period!r} s")) if one.rule == "transient"]
+    (row,) = [
+        one
+        for one in rows(STEP.replace("DURATION", f"{0.1 + after * period!r} s"))
+        if one.rule == "transient"
+    ]
     assert (row.verdict, bool(row.restrictions)) == (verdict, verdict == "restricted")
     assert row.value == pytest.approx(15e3, rel=1e-6)

@@ -15,7 +15,9 @@ from torsion.output.html import html
 from torsion.output.notebook import bundle
 from torsion.rules.verdict_line import WORDS, Check, Checks, Verdict, worst_verdict
 
-VECTORS = json.loads((Path(__file__).parent / "rules_oracles.json").read_text(encoding="utf-8"))["vectors"]
+VECTORS = json.loads((Path(__file__).parent / "rules_oracles.json").read_text(encoding="utf-8"))[
+    "vectors"
+]
 VERDICTS = {word: verdict for verdict, word in WORDS.items()}
 OLD = re.compile(r"NOT KEPT|not kept|\bin part\b|OUTSIDE|outside the rules?\b|NOT WHOLLY")
 TRAIN = """name: n
@@ -28,7 +30,9 @@ train:
 
 def row(verdict: Verdict, **changed: object) -> Check:
     check = Check("rule", "clause", "line", "what", 12.5, 50.0, "N/mm2", verdict, "setting")
-    return replace(check, restrictions=("kept below 90 rpm",) * (verdict == "restricted"), **changed)
+    return replace(
+        check, restrictions=("kept below 90 rpm",) * (verdict == "restricted"), **changed
+    )
 
 
 @pytest.mark.parametrize(
@@ -44,12 +48,19 @@ def test_vectors_of_the_words_of_a_verdict(vector: dict) -> None:
 
 def test_every_verdict_has_one_of_four_words() -> None:
     assert set(WORDS) == set(get_args(Verdict))
-    assert list(dict.fromkeys(WORDS.values())) == ["FAIL", "NOT JUDGED", "PASS with restrictions", "PASS"]
+    assert list(dict.fromkeys(WORDS.values())) == [
+        "FAIL",
+        "NOT JUDGED",
+        "PASS with restrictions",
+        "PASS",
+    ]
 
 
 @pytest.mark.parametrize("verdict", get_args(Verdict))
 def test_no_old_word_stands_in_what_a_person_sees(verdict: Verdict) -> None:
-    findings = torsion.run(torsion.parse(TRAIN)).having(checks=Checks((row(verdict), row("pass", where="other"))))
+    findings = torsion.run(torsion.parse(TRAIN)).having(
+        checks=Checks((row(verdict), row("pass", where="other")))
+    )
     page = re.sub(r"<(script|style).*?</\1>|<[^>]*>", " ", html(document(findings)), flags=re.S)
     assert WORDS[verdict] in page
     assert not OLD.findall(page)

@@ -28,9 +28,22 @@ SCENES = Path(__file__).parents[2] / "shafting_specs"
 NODE, WEIGHT = legendre.leggauss(120)
 FEWER = legendre.leggauss(64)[0]
 UNITS = {
-    "rpm": math.pi / 30.0, "kW": 1e3, "mm": 1e-3, "m": 1.0, "bar": 1e5, "deg": math.pi / 180.0, "%": 0.01, "kg": 1.0,
-    "MN*m/rad": 1e6, "kN*m/rad": 1e3, "N*m*s/rad": 1.0, "kN*m*s/rad": 1e3, "GPa": 1e9, "N*m": 1.0, "kg/m**3": 1.0,
-}  # fmt: skip
+    "rpm": math.pi / 30.0,
+    "kW": 1e3,
+    "mm": 1e-3,
+    "m": 1.0,
+    "bar": 1e5,
+    "deg": math.pi / 180.0,
+    "%": 0.01,
+    "kg": 1.0,
+    "MN*m/rad": 1e6,
+    "kN*m/rad": 1e3,
+    "N*m*s/rad": 1.0,
+    "kN*m*s/rad": 1e3,
+    "GPa": 1e9,
+    "N*m": 1.0,
+    "kg/m**3": 1.0,
+}
 
 
 def si(value: Any) -> Any:
@@ -49,9 +62,17 @@ class Cylinder:
     def __init__(self, engine: dict[str, Any]) -> None:
         size, self.gas, self.masses = engine["geometry"], engine["gas"], engine["masses"]
         self.turns, self.count = engine["strokes"] // 2, 24 if engine["strokes"] == 4 else 15
-        self.r, self.rod, self.area = size["stroke"] / 2, size["rod_length"], math.pi / 4 * size["bore"] ** 2
+        self.r, self.rod, self.area = (
+            size["stroke"] / 2,
+            size["rod_length"],
+            math.pi / 4 * size["bore"] ** 2,
+        )
         self.swept, self.g = self.area * size["stroke"], 1.35
-        self.ends = (-math.pi, math.pi) if self.turns == 2 else (-self.gas["exhaust_opens"], self.gas["exhaust_opens"])
+        self.ends = (
+            (-math.pi, math.pi)
+            if self.turns == 2
+            else (-self.gas["exhaust_opens"], self.gas["exhaust_opens"])
+        )
 
     def piston(self, a):
         """Way of the piston and its derivatives by the angle."""
@@ -60,20 +81,34 @@ class Cylinder:
         return self.r * np.cos(a) + w, first
 
     def volume(self, a):
-        return self.swept / (self.gas["compression_ratio"] - 1) + self.area * (self.r + self.rod - self.piston(a)[0])
+        return self.swept / (self.gas["compression_ratio"] - 1) + self.area * (
+            self.r + self.rod - self.piston(a)[0]
+        )
 
     def released(self, start: float):
         """Integral of V^(g-1) dx_b as a function of the angle."""
         long, a = self.gas["duration"], 6.908
         nodes = start + (FEWER + 1) / 2 * long
         y = (nodes - start) / long
-        rate = self.volume(nodes) ** (self.g - 1) * a * 2 * y / long * np.exp(-a * y**2) / (1 - math.exp(-a))
+        rate = (
+            self.volume(nodes) ** (self.g - 1)
+            * a
+            * 2
+            * y
+            / long
+            * np.exp(-a * y**2)
+            / (1 - math.exp(-a))
+        )
         series = legendre.legfit(2 * y - 1, rate, 63)
         whole = legendre.legint(series, lbnd=-1)
-        return lambda at: legendre.legval(np.clip(2 * (at - start) / long - 1, -1, 1), whole) * long / 2
+        return lambda at: (
+            legendre.legval(np.clip(2 * (at - start) / long - 1, -1, 1), whole) * long / 2
+        )
 
     def closed(self, start: float, heat: float, charge: float, a):
-        one = charge * self.volume(self.ends[0]) ** self.g + (self.g - 1) * heat * self.released(start)(a)
+        one = charge * self.volume(self.ends[0]) ** self.g + (self.g - 1) * heat * self.released(
+            start
+        )(a)
         return one / self.volume(a) ** self.g
 
     def harmonics(self, start: float, heat: float, charge: float, exhaust: float, count: int = 0):
@@ -94,7 +129,10 @@ class Cylinder:
             else:
                 p = np.full(len(a), exhaust if two <= 2 * math.pi + 1e-12 else charge)
             acting = -(p - 101325.0) * self.area * self.piston(a)[1]
-            found += [2 / period * np.sum(w * acting * np.exp(-1j * n / self.turns * a)) for n in range(count + 1)]
+            found += [
+                2 / period * np.sum(w * acting * np.exp(-1j * n / self.turns * a))
+                for n in range(count + 1)
+            ]
         found[0] /= 2
         return found
 
@@ -104,15 +142,23 @@ class Cylinder:
         none = self.harmonics(0.0, 0.0, charge, exhaust, self.count)
 
         def heat(start: float) -> float:
-            return (mean - none[0].real) / (self.harmonics(start, 1e6, charge, exhaust)[0].real - none[0].real) * 1e6
+            return (
+                (mean - none[0].real)
+                / (self.harmonics(start, 1e6, charge, exhaust)[0].real - none[0].real)
+                * 1e6
+            )
 
         def over(start: float) -> float:
             burn = heat(start)
             grid = np.linspace(min(start, -0.1), start + self.gas["duration"], 400)
             at = int(np.argmax(self.closed(start, burn, charge, grid)))
             ends = grid[max(at - 1, 0)], grid[min(at + 1, 399)]
-            top = minimize_scalar(lambda a: -self.closed(start, burn, charge, a), bounds=ends, method="bounded",
-                                  options={"xatol": 1e-10})  # fmt: skip
+            top = minimize_scalar(
+                lambda a: -self.closed(start, burn, charge, a),
+                bounds=ends,
+                method="bounded",
+                options={"xatol": 1e-10},
+            )
             return -float(top.fun) - peak
 
         late = math.radians(25.0)
@@ -126,7 +172,9 @@ class Cylinder:
         """(points,) N m mean, (points, count + 1) with heat, the same without."""
         gas = {key: one if isinstance(one, list) else [one] for key, one in self.gas.items()}
         rows = [
-            self.fitted(imep, gas["p_max"][k], gas["charge"][k], gas.get("exhaust", gas["charge"])[k])
+            self.fitted(
+                imep, gas["p_max"][k], gas["charge"][k], gas.get("exhaust", gas["charge"])[k]
+            )
             for k, imep in enumerate(gas["imep"])
         ]
         firing, none = (np.stack(each) for each in zip(*rows, strict=True))
@@ -192,7 +240,9 @@ class Train:
                     self.ground[len(self.inertia) - 1] = one["damping"]
             else:
                 self.inertia[-1] += one["inertia"] * (1.27 if kind == "propeller" else 1.0)
-        self.propeller = next((one["propeller"] for one in data["train"] if "propeller" in one), None)
+        self.propeller = next(
+            (one["propeller"] for one in data["train"] if "propeller" in one), None
+        )
 
     def join(self, k: float, loss: float, inertia: float) -> None:
         self.spans.append((k, loss))
@@ -202,8 +252,12 @@ class Train:
         """Inertia and (complex) stiffness; the ring stands last."""
         n = len(self.inertia)
         k = np.zeros((n + 1, n + 1), complex)
-        pairs = [(j, j + 1, one * (1 + 1j * loss * damped)) for j, (one, loss) in enumerate(self.spans)]
-        pairs.append((0, n, self.ring.get("stiffness", 0.0) + 1j * w * self.ring["damping"] * damped))
+        pairs = [
+            (j, j + 1, one * (1 + 1j * loss * damped)) for j, (one, loss) in enumerate(self.spans)
+        ]
+        pairs.append(
+            (0, n, self.ring.get("stiffness", 0.0) + 1j * w * self.ring["damping"] * damped)
+        )
         for one, two, value in pairs:
             k[np.ix_([one, two], [one, two])] += value * np.array([[1, -1], [-1, 1]])
         return np.diag([*self.inertia, self.ring["ring"]]), k
@@ -215,7 +269,11 @@ class Train:
     def load(self, speed: float) -> float:
         told = self.data["operation"]
         if told["load"] == "propeller":
-            return told["rated"]["power"] / told["rated"]["speed"] * (speed / told["rated"]["speed"]) ** 2
+            return (
+                told["rated"]["power"]
+                / told["rated"]["speed"]
+                * (speed / told["rated"]["speed"]) ** 2
+            )
         return float(np.interp(speed, *zip(*told["load"], strict=True)))
 
     def half_ranges(self, speed: float, out: int = 0):
@@ -228,8 +286,13 @@ class Train:
         n = np.arange(own.count + 1)
         for place, lane in enumerate(self.lanes):
             for number in lane:
-                torque = own.gas_torque(each, with_heat=number != out, share=share) + own.moving[1] * speed**2
-                force[self.first + place] += torque * np.exp(-2j * math.pi * n * order.index(number) / z)
+                torque = (
+                    own.gas_torque(each, with_heat=number != out, share=share)
+                    + own.moving[1] * speed**2
+                )
+                force[self.first + place] += torque * np.exp(
+                    -2j * math.pi * n * order.index(number) / z
+                )
         ground = dict(self.ground)
         if self.propeller is not None:
             last = len(self.inertia) - 1
@@ -243,8 +306,14 @@ class Train:
             for at, c in ground.items():
                 stiff[at, at] += 1j * w * c
             angle = np.linalg.solve(stiff - w**2 * mass, force[:, k])
-            links = [(self.ring.get("stiffness", 0.0) + 1j * w * self.ring["damping"]) * (angle[0] - angle[-1])]
-            links += [one * (1 + 1j * loss) * (angle[j] - angle[j + 1]) for j, (one, loss) in enumerate(self.spans)]
+            links = [
+                (self.ring.get("stiffness", 0.0) + 1j * w * self.ring["damping"])
+                * (angle[0] - angle[-1])
+            ]
+            links += [
+                one * (1 + 1j * loss) * (angle[j] - angle[j + 1])
+                for j, (one, loss) in enumerate(self.spans)
+            ]
             twist[:, k] = links
         return np.array([_half_range(row, own.count) for row in twist])
 
@@ -271,7 +340,9 @@ def both(request: pytest.FixtureRequest) -> tuple[Findings, Train]:
 def test_frequencies_are_those_of_the_full_matrices(both: tuple[Findings, Train]) -> None:
     found = both[0].need(Modes).frequency
     own = both[1].frequencies()
-    np.testing.assert_allclose(found, own[own > 1e-2][: len(found)], rtol=1e-12)  # the free train, and a free ring
+    np.testing.assert_allclose(
+        found, own[own > 1e-2][: len(found)], rtol=1e-12
+    )  # the free train, and a free ring
 
 
 def test_half_ranges_are_those_of_the_full_matrices(both: tuple[Findings, Train]) -> None:
@@ -296,4 +367,6 @@ def test_a_misfire_is_that_of_the_full_matrices(both: tuple[Findings, Train]) ->
             span, judged = names.index(check.where), judged + 1
             own = [train.half_ranges(check.speed, number)[span] for number in range(1, 7)]
             assert check.misfire == f"cylinder {int(np.argmax(own)) + 1} of main engine motored"
-    assert judged == (9 if "misfire: worst" in found.study.text[found.study.text.index("cases:") :] else 0)
+    assert judged == (
+        9 if "misfire: worst" in found.study.text[found.study.text.index("cases:") :] else 0
+    )

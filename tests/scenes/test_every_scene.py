@@ -36,7 +36,9 @@ HERTZ = {"Hz": 1.0, "rad/s": 1.0 / (2.0 * math.pi), "/min": 1.0 / 60.0}
 RPM = math.pi / 30.0
 HEAVIEST = 2_000_000  # bytes of a page, of whatever scene and all of its cases
 SECOND_JOINT = "  - joint: {angle: 5 deg}\n  - shaft: {name: tail shaft"  # of usv.yaml
-every_scene = pytest.mark.parametrize("scene", SCENES, scope="session")  # all laws of a scene one after the other
+every_scene = pytest.mark.parametrize(
+    "scene", SCENES, scope="session"
+)  # all laws of a scene one after the other
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +52,9 @@ def station(found: Findings, component: str) -> int:
 
 def span(found: Findings, component: str) -> int:
     """The first span of a component."""
-    return next(k for k, one in enumerate(found.system.spans) if one.name.split(" [")[0] == component)
+    return next(
+        k for k, one in enumerate(found.system.spans) if one.name.split(" [")[0] == component
+    )
 
 
 def at_rated(found: Findings) -> int:
@@ -110,7 +114,9 @@ def test_every_response_is_finite_with_a_status_and_a_small_residual(scene: str)
 
 
 @every_scene
-def test_the_report_drawn_from_its_results_is_the_one_drawn_by_solve(scene: str, tmp_path: Path) -> None:
+def test_the_report_drawn_from_its_results_is_the_one_drawn_by_solve(
+    scene: str, tmp_path: Path
+) -> None:
     """Page, source and figures of the PDF, terminal and tables, byte for byte."""
     made = reported(scene)
     rendered(made, solved(scene))(tmp_path / "results.json")
@@ -123,7 +129,11 @@ def test_the_report_drawn_from_its_results_is_the_one_drawn_by_solve(scene: str,
     assert archive(again) == archive(made)
     assert stored(again) == stored(made), "every number of every figure"
     figures = zip(again.body, made.body, strict=True)
-    sorts = {type(two.block.panels[0]): (one.block, two.block) for one, two in figures if isinstance(two.block, Figure)}
+    sorts = {
+        type(two.block.panels[0]): (one.block, two.block)
+        for one, two in figures
+        if isinstance(two.block, Figure)
+    }
     assert all(csv_of(one) == csv_of(two) for one, two in sorts.values())
     assert (again.ending, again.report) == (made.ending, made.report)
 
@@ -151,14 +161,24 @@ def test_every_rule_of_the_scene_gives_a_verdict_on_a_finite_value(scene: str) -
     requested |= {"transient" for name in found.study.analyses if name == "transient"}
     assert requested == {check.rule for check in found.need(Checks).lines}
     for check in found.need(Checks).lines:
-        has_value = check.clause not in ("zero pitch", "tolerances", "variants", "orders", "resonance")
+        has_value = check.clause not in (
+            "zero pitch",
+            "tolerances",
+            "variants",
+            "orders",
+            "resonance",
+        )
         assert math.isfinite(check.value) == has_value
         assert not math.isnan(check.limit) or check.verdict in ("restricted", "not judged")
 
 
-@pytest.mark.parametrize(("scene", "propeller"), [("haixun_06402", "propeller-1"), ("usv", "propeller-1"),
-                                                  ("pump_1200kw", "impeller")])  # fmt: skip
-def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(scene: str, propeller: str) -> None:
+@pytest.mark.parametrize(
+    ("scene", "propeller"),
+    [("haixun_06402", "propeller-1"), ("usv", "propeller-1"), ("pump_1200kw", "impeller")],
+)
+def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(
+    scene: str, propeller: str
+) -> None:
     found = solved(scene)
     part = found.study.train.part(propeller)
     lines = {line.order for line in found.need(Response).lines if propeller in line.sources}
@@ -166,26 +186,36 @@ def test_blade_orders_of_the_reference_are_blades_times_speed_ratio_exactly(scen
 
 
 def test_ratios_of_the_scenes_are_those_of_their_gears() -> None:
-    assert solved("haixun_06402").study.train.part("propeller-1").ratio == Fraction(8, 21)  # 1/2.625
+    assert solved("haixun_06402").study.train.part("propeller-1").ratio == Fraction(
+        8, 21
+    )  # 1/2.625
     assert solved("pump_1200kw").study.train.part("impeller").ratio == Fraction(42, 125)
 
 
-@pytest.mark.parametrize(("scene", "propeller"), [("haixun_06402", "propeller-1"), ("usv", "propeller-1"),
-                                                  ("pump_1200kw", "impeller")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("scene", "propeller"),
+    [("haixun_06402", "propeller-1"), ("usv", "propeller-1"), ("pump_1200kw", "impeller")],
+)
 def test_power_that_enters_at_the_motor_leaves_at_the_propeller(scene: str, propeller: str) -> None:
     found = solved(scene)
     ratio = float(found.study.train.part(propeller).ratio)
-    motor, load = (found.need(Steady).applied[station(found, name)] for name in ("motor-1", propeller))
+    motor, load = (
+        found.need(Steady).applied[station(found, name)] for name in ("motor-1", propeller)
+    )
     np.testing.assert_allclose(-load * ratio, motor, rtol=1e-14)
 
 
 def test_haixun_propeller_carries_the_motor_torque_times_the_gear_ratio() -> None:
     found = solved("haixun_06402")
-    motor, propeller = (found.need(Steady).torque[span(found, name)] for name in ("motor shaft", "propeller shaft"))
+    motor, propeller = (
+        found.need(Steady).torque[span(found, name)] for name in ("motor shaft", "propeller shaft")
+    )
     np.testing.assert_allclose(propeller, 2.625 * motor, rtol=1e-14)
     rated = at_rated(found)
     assert motor[rated] == pytest.approx(400e3 / (1800.0 * RPM), rel=1e-13)
-    np.testing.assert_allclose(motor, motor[rated] * (found.need(Steady).speed / (1800.0 * RPM)) ** 2, rtol=1e-13)
+    np.testing.assert_allclose(
+        motor, motor[rated] * (found.need(Steady).speed / (1800.0 * RPM)) ** 2, rtol=1e-13
+    )
 
 
 def test_pump_shaft_carries_the_rated_power_at_504_rpm() -> None:
@@ -195,14 +225,19 @@ def test_pump_shaft_carries_the_rated_power_at_504_rpm() -> None:
 
 
 @pytest.mark.parametrize(
-    ("scene", "failing"), [("twin_motor_ferry", []), ("dredge_pump_line", [("rubber coupling", "T_KW", "fail")])]
+    ("scene", "failing"),
+    [("twin_motor_ferry", []), ("dredge_pump_line", [("rubber coupling", "T_KW", "fail")])],
 )
-def test_scenes_of_many_checks_fail_as_they_say(scene: str, failing: list[tuple[str, str, str]]) -> None:
+def test_scenes_of_many_checks_fail_as_they_say(
+    scene: str, failing: list[tuple[str, str, str]]
+) -> None:
     found = solved(scene)
     checks = found.need(Checks).lines
     assert len(checks) > 30
     assert [
-        (one.where, one.clause, one.verdict) for one in checks if one.verdict not in ("pass", "restricted")
+        (one.where, one.clause, one.verdict)
+        for one in checks
+        if one.verdict not in ("pass", "restricted")
     ] == failing
     assert found.failed == bool(failing)
 
@@ -211,20 +246,26 @@ def test_two_motors_share_the_power_and_their_pinions_the_force() -> None:
     found = solved("twin_motor_ferry")
     rated, steady = at_rated(found), found.need(Steady)
     for motor in ("port motor", "starboard motor"):
-        assert steady.applied[station(found, motor), rated] == pytest.approx(900e3 / (1200.0 * RPM), rel=1e-13)
+        assert steady.applied[station(found, motor), rated] == pytest.approx(
+            900e3 / (1200.0 * RPM), rel=1e-13
+        )
     port, starboard = found.need(ToothForces).meshes
     assert starboard.tangential == pytest.approx(port.tangential, rel=1e-12)
-    assert port.tangential == pytest.approx(900e3 / (1200.0 * RPM) * 2 * math.cos(math.radians(12)) / 0.168, rel=1e-13)
-    assert {propeller.ratio for propeller in found.study.train.parts if propeller.kind == "propeller"} == {
-        Fraction(21, 100)
-    }
+    assert port.tangential == pytest.approx(
+        900e3 / (1200.0 * RPM) * 2 * math.cos(math.radians(12)) / 0.168, rel=1e-13
+    )
+    assert {
+        propeller.ratio for propeller in found.study.train.parts if propeller.kind == "propeller"
+    } == {Fraction(21, 100)}
 
 
 def order_two(second_joint: str) -> np.ndarray:
     """(speeds, elastic spans) complex N m of order 2 of the unmanned boat, its second joint rewritten."""
     text = SCENES["usv"].read_text(encoding="utf-8")
     assert SECOND_JOINT in text
-    study = torsion.parse(text.replace(SECOND_JOINT, SECOND_JOINT.replace("{angle: 5 deg}", second_joint)))
+    study = torsion.parse(
+        text.replace(SECOND_JOINT, SECOND_JOINT.replace("{angle: 5 deg}", second_joint))
+    )
     system = torsion.assemble(study.train, frequency=60.0)
     requested = np.linspace(300.0, 1800.0, 16) * RPM
     answer = torsion.response(study, system, speeds=requested)
@@ -239,21 +280,29 @@ def test_yokes_in_line_cancel_and_crossed_yokes_add() -> None:
 
 
 def test_a_turned_plane_undoes_a_phase_of_the_same_size() -> None:
-    in_line, both = order_two("{angle: 5 deg}"), order_two("{angle: 5 deg, phase: 30 deg, plane: 30 deg}")
+    in_line, both = (
+        order_two("{angle: 5 deg}"),
+        order_two("{angle: 5 deg, phase: 30 deg, plane: 30 deg}"),
+    )
     np.testing.assert_allclose(both, in_line, rtol=0, atol=1e-12 * np.abs(in_line).max())
 
 
 def test_the_clutch_of_the_power_take_off_slips_until_both_sides_turn_alike() -> None:
     (motion,) = solved("pto_clutch_in").need(Transients).each
     assert motion.switching is not None
-    events = [(event.time, event.what) for event in motion.switching.events if event.coupling == "clutch"]
+    events = [
+        (event.time, event.what) for event in motion.switching.events if event.coupling == "clutch"
+    ]
     assert [what for _, what in events] == ["slip", "stuck"]
     assert motion.greatest[0] == pytest.approx(520.0, rel=1e-12)  # its capacity, and no more
     assert motion.greatest[2:].max() < 1.06 * 1600.0  # the safety clutch gives way at 1.6 kN m
     assert motion.following == ("start at engine", "load at flywheel of the baler")
     assert motion.system is not None
     names = [station.name for station in motion.system.stations]
-    engine, baler = (motion.speed[names.index(name)] * 30.0 / math.pi for name in ("engine", "flywheel of the baler"))
+    engine, baler = (
+        motion.speed[names.index(name)] * 30.0 / math.pi
+        for name in ("engine", "flywheel of the baler")
+    )
     assert (
         motion.changes[0].time > 0.1 + 0.4 * 60.0 * 17.0 / 66.0 / 520.0
     )  # the load holds what the clutch carries less
@@ -280,7 +329,9 @@ def test_the_play_of_the_toothed_coupling_opens_at_a_resonance_that_bends() -> N
     assert balanced is not None
     opens, several = speed[balanced.share[:, 0] < 1.0], speed[balanced.number[:, 0] > 1]
     mean, resonance = 15e3 / (1800.0 * RPM), 20.0 * found.need(Modes).frequency[0]
-    assert opens.max() == pytest.approx(1579.4, abs=2.0)  # the closed play carries 79.6 N m of vibration there
+    assert opens.max() == pytest.approx(
+        1579.4, abs=2.0
+    )  # the closed play carries 79.6 N m of vibration there
     assert np.abs(response.torque[speed > opens.max(), 0, 0]).max() < mean
     assert several.max() < opens.max() < 1.07 * resonance
     each = found.results["nonlinear_peaks"].each

@@ -41,7 +41,9 @@ class Dense:
     damping: list[float] = field(default_factory=list)
     ratio: list[float] = field(default_factory=list)
     joined: list[tuple[int, int, float]] = field(default_factory=list)  # driven = driving * ratio
-    springs: list[tuple[str, int, int, float, float, float]] = field(default_factory=list)  # ..., k, eta, c
+    springs: list[tuple[str, int, int, float, float, float]] = field(
+        default_factory=list
+    )  # ..., k, eta, c
     cylinders: dict[tuple[str, int], int] = field(default_factory=dict)
     propeller: int = -1
     here: int = -1
@@ -64,7 +66,9 @@ class Dense:
         self.ratio.append(ratio)
         self.here = len(self.inertia) - 1
 
-    def link(self, name: str, ends: tuple[float, float], k: float, eta: float, c: float = 0.0) -> None:
+    def link(
+        self, name: str, ends: tuple[float, float], k: float, eta: float, c: float = 0.0
+    ) -> None:
         before = self.here
         self.inertia[before] += ends[0]
         self._new(ends[1], self.ratio[before])
@@ -90,7 +94,9 @@ class Dense:
     def _damper(self, body: dict[str, Any], _: Any) -> None:
         at = self.point(float(body["housing"]), self._ratio)
         self._new(float(body["ring"]), self._ratio)
-        self.springs.append((f"{body['name']} ring", at, self.here, 0.0, 0.0, si(body["damping"], "N*m*s/rad")))
+        self.springs.append(
+            (f"{body['name']} ring", at, self.here, 0.0, 0.0, si(body["damping"], "N*m*s/rad"))
+        )
         self.here, self.open = at, False
 
     def _coupling(self, body: dict[str, Any], _: Any) -> None:
@@ -134,7 +140,12 @@ class Dense:
         for number in way:
             if previous:
                 low = min(number, previous)
-                self.link(f"{body['name']} crank {low}-{low + 1}", (0.0, 0.0), si(body["stiffness"], "N*m/rad"), 0.015)
+                self.link(
+                    f"{body['name']} crank {low}-{low + 1}",
+                    (0.0, 0.0),
+                    si(body["stiffness"], "N*m/rad"),
+                    0.015,
+                )
             at = self.point(own, self._ratio)
             self.damping[at] += si(body["damping"], "N*m*s/rad")
             self.cylinders[body["name"], number] = at
@@ -166,7 +177,9 @@ class Dense:
         move, size = self.move, len(self.inertia)
         matrix = np.diag(-(w**2) * np.array(self.inertia) + 1j * w * np.array(self.damping))
         for _, one, two, k, eta, c in self.springs:
-            matrix[np.ix_((one, two), (one, two))] += (k * (1 + 1j * eta) + 1j * w * c) * np.array([[1, -1], [-1, 1]])
+            matrix[np.ix_((one, two), (one, two))] += (k * (1 + 1j * eta) + 1j * w * c) * np.array(
+                [[1, -1], [-1, 1]]
+            )
         assert matrix.shape == (size, size)
         angle = move @ np.linalg.solve(move.T @ matrix @ move, move.T @ force)
         return {
@@ -187,7 +200,9 @@ def scene(name: str, **changes: Any) -> Dense:
     return found
 
 
-def compared(dense: Dense, found: Findings, speed: float, force: Any, lines: list[int]) -> ComplexArray:
+def compared(
+    dense: Dense, found: Findings, speed: float, force: Any, lines: list[int]
+) -> ComplexArray:
     """(lines, springs) N m of the dense matrices after they were compared with the response."""
     response = found.need(Response)
     at = int(np.argmin(np.abs(response.speed - speed)))
@@ -206,7 +221,9 @@ def compared(dense: Dense, found: Findings, speed: float, force: Any, lines: lis
     return np.array(every)
 
 
-def pushed(dense: Dense, engine: EngineFound, name: str, phase: float = 0.0, motored: int = 0) -> Any:
+def pushed(
+    dense: Dense, engine: EngineFound, name: str, phase: float = 0.0, motored: int = 0
+) -> Any:
     """Forces of an engine by order of its crankshaft."""
     own = {float(one.order): one for one in engine.harmonics}
 
@@ -217,7 +234,9 @@ def pushed(dense: Dense, engine: EngineFound, name: str, phase: float = 0.0, mot
                 at, one = dense.cylinders[name, number], own[order]
                 gas = one.motored if number == motored else one.gas
                 assert gas is not None
-                found[at] += (gas + one.masses) * np.exp(-1j * order * (math.radians(degrees) + phase))
+                found[at] += (gas + one.masses) * np.exp(
+                    -1j * order * (math.radians(degrees) + phase)
+                )
         return found
 
     return force
@@ -245,21 +264,33 @@ def test_every_gear_of_the_truck_answers_as_dense_matrices(gear: str, truck: Fin
     elastic = elastic[elastic > 0.01]
     np.testing.assert_allclose(frequency, elastic[: len(frequency)], rtol=1e-9)
     engine, speed = found.need(Engines).each[0], 1400.0 * RPM
-    lines = [k for k, one in enumerate(found.need(Response).lines) if all("engine" in name for name in one.sources)]
+    lines = [
+        k
+        for k, one in enumerate(found.need(Response).lines)
+        if all("engine" in name for name in one.sources)
+    ]
     assert len(lines) >= 14
     compared(dense, found, speed, pushed(dense, engine, "engine"), lines)
 
 
 @pytest.mark.parametrize("gear", GEARS)
-def test_critical_speeds_of_a_gear_are_its_frequencies_over_the_orders(gear: str, truck: Findings) -> None:
+def test_critical_speeds_of_a_gear_are_its_frequencies_over_the_orders(
+    gear: str, truck: Findings
+) -> None:
     elastic = scene("truck_gears", gearbox=GEARS[gear]).frequencies()
     elastic = elastic[elastic > 0.01]
     for one in truck.each[gear].need(CriticalSpeeds).crossings:
-        assert one.speed == pytest.approx(2.0 * math.pi * elastic[one.mode - 1] / float(one.order), rel=1e-9)
+        assert one.speed == pytest.approx(
+            2.0 * math.pi * elastic[one.mode - 1] / float(one.order), rel=1e-9
+        )
 
 
 def test_the_truck_rattles_in_its_lower_gears_alone(truck: Findings) -> None:
-    bad = {name for name, one in truck.each.items() if any(line.verdict == "fail" for line in one.need(Checks).lines)}
+    bad = {
+        name
+        for name, one in truck.each.items()
+        if any(line.verdict == "fail" for line in one.need(Checks).lines)
+    }
     assert bad == {"gear 10", "gear 9"}
 
 
@@ -297,7 +328,11 @@ def test_two_engines_answer_as_dense_matrices(case: str, motored: int, ferry: Fi
     response = found.need(Response)
     assert (response.status == Status.OK).all()
     wanted = compared(
-        dense, found, speed, both(dense, found, math.radians(60.0), motored), list(range(len(response.lines)))
+        dense,
+        found,
+        speed,
+        both(dense, found, math.radians(60.0), motored),
+        list(range(len(response.lines))),
     )
     angle = np.linspace(0.0, 8.0 * math.pi, 80001)
     orders = np.array([float(one.order or 0) for one in response.lines])
@@ -326,11 +361,15 @@ def test_any_phase_is_the_sum_of_the_magnitudes_of_both(ferry: Findings) -> None
             assert mine == pytest.approx(abs(one[name]) + abs(two[name]), rel=1e-7)
 
 
-def test_limits_of_noise_add_the_magnitudes_of_engines_in_any_phase_as_torques_do(ferry: Findings) -> None:
+def test_limits_of_noise_add_the_magnitudes_of_engines_in_any_phase_as_torques_do(
+    ferry: Findings,
+) -> None:
     found = ferry.each["any phase"]
     response, synthesis = found.need(Response), found.need(Synthesis)
     for span in (2, 9, -1):
-        np.testing.assert_allclose(half_range(response, response.torque[:, :, span]), synthesis.half_range[:, span])
+        np.testing.assert_allclose(
+            half_range(response, response.torque[:, :, span]), synthesis.half_range[:, span]
+        )
 
 
 def test_opposed_orders_do_not_reach_the_propeller_and_have_an_answer(ferry: Findings) -> None:

@@ -69,11 +69,17 @@ def test_a_file_in_other_words_is_the_file_in_the_keys_of_the_format() -> None:
 @pytest.mark.parametrize("kind", KINDS_BY_ALIAS)
 def test_another_word_for_a_kind_is_read(kind: str) -> None:
     body = {
-        "coupling": "{stiffness: 5}", "gear": "{ratio: 2}", "joint": "{angle: 5 deg}", "pump": "{inertia: 1}",
-        "disc": "{inertia: 1}", "machine": "{inertia: 1, power: 5 kW}",
-    }[KINDS_BY_ALIAS[kind]]  # fmt: skip
+        "coupling": "{stiffness: 5}",
+        "gear": "{ratio: 2}",
+        "joint": "{angle: 5 deg}",
+        "pump": "{inertia: 1}",
+        "disc": "{inertia: 1}",
+        "machine": "{inertia: 1, power: 5 kW}",
+    }[KINDS_BY_ALIAS[kind]]
     text = f"name: x\noperation: {{rated: {{speed: 9 rpm}}}}\ntrain:\n- motor: {{inertia: 1}}\n- {kind}: {body}\n"
-    assert KINDS_BY_ALIAS[kind] in {part.kind for part in torsion.parse(text + "- disc: {inertia: 2}\n").train.parts}
+    assert KINDS_BY_ALIAS[kind] in {
+        part.kind for part in torsion.parse(text + "- disc: {inertia: 2}\n").train.parts
+    }
 
 
 def test_design_reads_the_words_of_optimisation() -> None:
@@ -86,13 +92,20 @@ def test_design_reads_the_words_of_optimisation() -> None:
     canonical = torsion.parse(train + design % ("choose", "aim", "keep"))
     assert written.analyses == canonical.analyses
     assert SECTIONS_BY_ALIAS["design"] == {
-        "variables": "choose", "constraints": "keep", "objective": "aim", "pareto": "against",
-    }  # fmt: skip
+        "variables": "choose",
+        "constraints": "keep",
+        "objective": "aim",
+        "pareto": "against",
+    }
 
 
 def test_two_words_for_one_key_are_a_fault_at_the_second() -> None:
     (fault,) = faults(TRAIN.replace("{}", "shaft: {length: 1 m, diameter: 80 mm, OD: 90 mm}"))
-    assert (fault.line, fault.column, fault.message) == (4, 41, "`OD` and `diameter` are the same key")
+    assert (fault.line, fault.column, fault.message) == (
+        4,
+        41,
+        "`OD` and `diameter` are the same key",
+    )
     (fault,) = faults(TRAIN.replace("{}", "shaft: {length: 1 m, OD: 80 mm, outer_diameter: 90 mm}"))
     assert (fault.line, fault.message) == (4, "`outer_diameter` and `OD` are the same key")
 
@@ -107,27 +120,48 @@ def test_a_table_has_other_words_as_columns_and_kinds(tmp_path: Path) -> None:
     table = "kind,inertia [kg*m**2],length [m],OD [mm],ID [mm]\nflywheel,1,,,\nshaft,,1,80,40\nflywheel,2,,,\n"
     (tmp_path / "line.csv").write_text(table, encoding="utf-8")
     (tmp_path / "train.yaml").write_text("name: x\ntrain: {table: line.csv}\n", encoding="utf-8")
-    assert [part.kind for part in torsion.read(tmp_path / "train.yaml").train.parts] == ["disc", "shaft", "disc"]
+    assert [part.kind for part in torsion.read(tmp_path / "train.yaml").train.parts] == [
+        "disc",
+        "shaft",
+        "disc",
+    ]
 
 
 @pytest.mark.parametrize(
     ("entry", "word", "hint"),
     [
-        ("shaft: {length: 1 m, diameter: 9 mm, damping_ratio: 1 %}", "damping_ratio",
-         "write `loss_factor` (eta, about 2 zeta)"),
-        ("coupling: {stiffness: 5, damping_ratio: 1 %}", "damping_ratio",
-         "write `loss_factor` (eta, about 2 zeta) or `psi` (2 pi eta)"),
+        (
+            "shaft: {length: 1 m, diameter: 9 mm, damping_ratio: 1 %}",
+            "damping_ratio",
+            "write `loss_factor` (eta, about 2 zeta)",
+        ),
+        (
+            "coupling: {stiffness: 5, damping_ratio: 1 %}",
+            "damping_ratio",
+            "write `loss_factor` (eta, about 2 zeta) or `psi` (2 pi eta)",
+        ),
         ("coupling: {k: 5}", "k", "write `stiffness` (torsional stiffness)"),
         ("coupling: {stiffness: 5, backlash: 1 deg}", "backlash", "write `clearance` (backlash)"),
         ("disc: {J: 5}", "J", "write `inertia` (polar mass moment of inertia)"),
         ("gear: {reduction: 5}", "reduction", "write `ratio` (speed before / speed after)"),
-        ("gear: {ratio: 2, branches: [{i: 3, train: [disc: {inertia: 1}]}]}", "i",
-         "write `ratio` (speed before / speed after)"),
-        ("shaft: {length: 1 m, diameter: 9 mm, colour: 5}", "colour", "docs/reference/model-file lists the 19 keys"),
+        (
+            "gear: {ratio: 2, branches: [{i: 3, train: [disc: {inertia: 1}]}]}",
+            "i",
+            "write `ratio` (speed before / speed after)",
+        ),
+        (
+            "shaft: {length: 1 m, diameter: 9 mm, colour: 5}",
+            "colour",
+            "docs/reference/model-file lists the 19 keys",
+        ),
     ],
-)  # fmt: skip
-def test_an_unknown_key_gets_the_key_that_the_trade_means_or_none(entry: str, word: str, hint: str) -> None:
-    fault = next(fault for fault in faults(TRAIN.replace("{}", entry)) if "unknown" in fault.message)
+)
+def test_an_unknown_key_gets_the_key_that_the_trade_means_or_none(
+    entry: str, word: str, hint: str
+) -> None:
+    fault = next(
+        fault for fault in faults(TRAIN.replace("{}", entry)) if "unknown" in fault.message
+    )
     assert (fault.message, fault.hint) == (f"unknown key `{word}`", hint)
 
 
@@ -150,5 +184,7 @@ def test_the_manual_lists_the_aliases() -> None:
 
 def test_the_editor_accepts_every_alias() -> None:
     validator = pytest.importorskip("jsonschema").Draft202012Validator(json_schema())
-    assert [error.message for error in validator.iter_errors(parse_source(CANONICAL, "x").data)] == []
+    assert [
+        error.message for error in validator.iter_errors(parse_source(CANONICAL, "x").data)
+    ] == []
     assert [error.message for error in validator.iter_errors(yaml.safe_load(WRITTEN))] == []

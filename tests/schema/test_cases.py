@@ -19,9 +19,15 @@ from torsion.schema.cases import _effect
 from torsion.schema.overlay import multiplied
 from torsion.study import Study
 
-FERRY = (Path(__file__).parents[2] / "shafting_specs" / "ferry_cases.yaml").read_text(encoding="utf-8")
+FERRY = (Path(__file__).parents[2] / "shafting_specs" / "ferry_cases.yaml").read_text(
+    encoding="utf-8"
+)
 ALONE = FERRY[: FERRY.index("cases:\n")]
-PTO = ALONE[ALONE.index("            - coupling: {name: PTO clutch") : ALONE.index("  - shaft: {name: intermediate")]
+PTO = ALONE[
+    ALONE.index("            - coupling: {name: PTO clutch") : ALONE.index(
+        "  - shaft: {name: intermediate"
+    )
+]
 BASE = """name: base
 operation: {speeds: {from: 300 rpm, to: 900 rpm, steps: 31}, rated: {speed: 800 rpm, power: 50 kW}}
 train:
@@ -47,8 +53,14 @@ def numbers(findings: Findings) -> dict[str, Any]:
     Rows of zero pitch and tolerances state what the cases of a file lack.
     """
     found = results(findings)
-    found["checks"] = [check for check in found["checks"] if check["clause"] not in ("zero pitch", "tolerances")]
-    return {key: value for key, value in found.items() if key not in ("scene", "plan", "cases", "sources")}
+    found["checks"] = [
+        check for check in found["checks"] if check["clause"] not in ("zero pitch", "tolerances")
+    ]
+    return {
+        key: value
+        for key, value in found.items()
+        if key not in ("scene", "plan", "cases", "sources")
+    }
 
 
 def replaced(text: str, *pairs: tuple[str, str]) -> str:
@@ -63,15 +75,19 @@ BY_HAND = {  # of the scene: what a hand would change in the file
     "stiff": [("stiffness: 90 kN*m/rad", "stiffness: 103.5 kN*m/rad")],
     "warm": [("stiffness: 90 kN*m/rad", "stiffness: 72 kN*m/rad"), ("psi: 1.0", "psi: 0.8")],
     "zero pitch": [
-        ("power: 750 kW}\n", "power: 750 kW}\n  load: [[400 rpm, 250 N*m], [1260 rpm, 1500 N*m]]\n"),
+        (
+            "power: 750 kW}\n",
+            "power: 750 kW}\n  load: [[400 rpm, 250 N*m], [1260 rpm, 1500 N*m]]\n",
+        ),
         ("entrained: 25 %", "entrained: 10 %"),
     ],
     "PTO out": [(PTO, ""), ("          train:\n", "")],
     "damper seized": [
-        ("stiffness: 90 kN*m/rad", "stiffness: 72 kN*m/rad"), ("psi: 1.0", "psi: 0.8"),
+        ("stiffness: 90 kN*m/rad", "stiffness: 72 kN*m/rad"),
+        ("psi: 1.0", "psi: 0.8"),
         ("damping: 900 N*m*s/rad", "damping: 1e9"),
     ],
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +100,9 @@ def test_the_scene_has_the_cases_that_are_written_by_hand(ferry: Findings) -> No
 
 
 @pytest.mark.parametrize("name", BY_HAND)
-def test_results_of_a_case_equal_those_of_the_file_written_out_by_hand(ferry: Findings, name: str) -> None:
+def test_results_of_a_case_equal_those_of_the_file_written_out_by_hand(
+    ferry: Findings, name: str
+) -> None:
     by_hand = torsion.run(torsion.parse(replaced(ALONE, *BY_HAND[name]), "ferry.yaml"))
     case, alone = numbers(ferry.cases[name]), numbers(by_hand)
     if name in ("soft", "stiff"):  # at an end of the tolerances there is no band of them
@@ -104,32 +122,53 @@ def test_the_file_as_it_stands_is_no_different_beside_its_cases(ferry: Findings)
         ("{set: {box.teeth: [20, 60]}}", [("teeth: [20, 40]", "teeth: [20, 60]")]),
         ("{set: {box.inertia.2: 0.7}}", [("[0.1, 0.5]", "[0.1, 0.7]")]),
         ("{scale: {box.inertia.2: 140 %}}", [("[0.1, 0.5]", "[0.1, 0.7]")]),
-        ("{scale: {coupling-1.stiffness: 115 %}}", [("stiffness: 40 kN*m/rad", "stiffness: 46 kN*m/rad")]),
+        (
+            "{scale: {coupling-1.stiffness: 115 %}}",
+            [("stiffness: 40 kN*m/rad", "stiffness: 46 kN*m/rad")],
+        ),
         ("{scale: {coupling-1.stiffness: 0.1}}", [("stiffness: 40 kN*m/rad", "stiffness: 4000")]),
         ("{set: {engine.ripple.1.torque: 5 %}}", [("torque: 10 %", "torque: 5 %")]),
         ("{remove: coupling-1.psi, set: {coupling-1.viscous: 50}}", [("psi: 0.9", "viscous: 50")]),
-        ("{rules: [gear-hammer: {limit: 0.4}], set: {box.application_factor: 1.3}}",
-         [("[coupling-maker]", "[gear-hammer: {limit: 0.4}]"),
-          ("inertia: [0.1", "application_factor: 1.3, inertia: [0.1")]),
-        ("{set: {analyses.modes.count: 3, analyses.response.method: first-order}}",
-         [("rules:", "analyses: {modes: {count: 3}, response: {method: first-order}}\nrules:")]),
+        (
+            "{rules: [gear-hammer: {limit: 0.4}], set: {box.application_factor: 1.3}}",
+            [
+                ("[coupling-maker]", "[gear-hammer: {limit: 0.4}]"),
+                ("inertia: [0.1", "application_factor: 1.3, inertia: [0.1"),
+            ],
+        ),
+        (
+            "{set: {analyses.modes.count: 3, analyses.response.method: first-order}}",
+            [("rules:", "analyses: {modes: {count: 3}, response: {method: first-order}}\nrules:")],
+        ),
     ],
-)  # fmt: skip
-def test_a_change_is_that_of_the_same_key_in_the_file(case: str, pairs: list[tuple[str, str]]) -> None:
-    made, hand = torsion.run(with_case(case)), torsion.run(torsion.parse(replaced(BASE, *pairs), "t.yaml"))
+)
+def test_a_change_is_that_of_the_same_key_in_the_file(
+    case: str, pairs: list[tuple[str, str]]
+) -> None:
+    made, hand = (
+        torsion.run(with_case(case)),
+        torsion.run(torsion.parse(replaced(BASE, *pairs), "t.yaml")),
+    )
     assert numbers(made) == numbers(hand)
 
 
 def test_speeds_of_a_case_are_those_of_the_file_and_a_part_of_its_range_that_is_meant() -> None:
     speeds = "{from: 400 rpm, to: 700 rpm, steps: 11}"
     made = torsion.run(with_case(f"{{speeds: {speeds}}}"))
-    hand = torsion.run(torsion.parse(replaced(BASE, ("{from: 300 rpm, to: 900 rpm, steps: 31}", speeds)), "t.yaml"))
+    hand = torsion.run(
+        torsion.parse(replaced(BASE, ("{from: 300 rpm, to: 900 rpm, steps: 31}", speeds)), "t.yaml")
+    )
     (case,), (alone, above) = (numbers(one).pop("checks") for one in (made, hand))
     assert (case["value"], case["limit"]) == (alone["value"], alone["limit"])
-    assert (case["verdict"], alone["verdict"], above["verdict"]) == ("restricted", "pass", "not judged")
-    assert [{key: value for key, value in numbers(one).items() if key != "checks"} for one in (made, hand)] == [
-        {key: value for key, value in numbers(made).items() if key != "checks"}
-    ] * 2
+    assert (case["verdict"], alone["verdict"], above["verdict"]) == (
+        "restricted",
+        "pass",
+        "not judged",
+    )
+    assert [
+        {key: value for key, value in numbers(one).items() if key != "checks"}
+        for one in (made, hand)
+    ] == [{key: value for key, value in numbers(made).items() if key != "checks"}] * 2
 
 
 CHORD = "links: [{between: [engine, disc-1], coupling: {name: chord 1.2, stiffness: 5e3}}]\n"
@@ -143,7 +182,10 @@ analyses: {{modes: {{count: 3}}, response: {{}}}}
     [
         ("{set: {excitations.2.torque: 11}}", ("torque: 9}", "torque: 11}")),
         ("{remove: excitations.1}", ("{at: engine, order: 2, torque: 5}, ", "")),
-        ("{set: {excitations: [{at: disc-1, order: 1, torque: 9}]}}", ("{at: engine, order: 2, torque: 5}, ", "")),
+        (
+            "{set: {excitations: [{at: disc-1, order: 1, torque: 9}]}}",
+            ("{at: engine, order: 2, torque: 5}, ", ""),
+        ),
         ("{set: {links.1.coupling.stiffness: 6e3}}", ("stiffness: 5e3", "stiffness: 6e3")),
         ("""{set: {'"chord 1.2".stiffness': 6e3}}""", ("stiffness: 5e3", "stiffness: 6e3")),
         ("""{scale: {"'chord 1.2'.stiffness": 1.2}}""", ("stiffness: 5e3", "stiffness: 6000")),
@@ -152,24 +194,31 @@ analyses: {{modes: {{count: 3}}, response: {{}}}}
         ("{remove: links.1}", (CHORD, "")),
         ("{set: {analyses.modes.count: 2}}", ("count: 3", "count: 2")),
         ("{remove: analyses.response, rules: []}", (", response: {}}\n", "}\n")),
-        ("{set: {analyses: {modes: {count: 2}}}, rules: []}", ("count: 3}, response: {}}", "count: 2}}")),
+        (
+            "{set: {analyses: {modes: {count: 2}}}, rules: []}",
+            ("count: 3}, response: {}}", "count: 2}}"),
+        ),
         ("{set: {operation.rated.power: 40 kW}}", ("power: 50 kW", "power: 40 kW")),
         ("{set: {wheel.damping.factor: 40}}", ("factor: 30", "factor: 40")),
     ],
-)  # fmt: skip
+)
 def test_every_section_is_reached_by_its_key(case: str, pair: tuple[str, str]) -> None:
     base = BASE + SECTIONS
     hand = replaced(base, pair)
     if "rules: []" in case:
         hand = hand.replace("rules: [coupling-maker]\n", "")
-    assert numbers(torsion.run(with_case(case, base))) == numbers(torsion.run(torsion.parse(hand, "t.yaml")))
+    assert numbers(torsion.run(with_case(case, base))) == numbers(
+        torsion.run(torsion.parse(hand, "t.yaml"))
+    )
 
 
 def test_a_name_with_dots_stands_in_quotes() -> None:
     with pytest.raises(InputError, match=re.escape('stands in quotes: `"chord 1.2".stiffness`')):
         with_case("{set: {chord 1.2.stiffness: 6e3}}", BASE + SECTIONS)
     with pytest.raises(InputError, match="`operation` is a section and a component"):
-        with_case("{set: {operation.inertia: 3}}", BASE.replace("disc: {", "disc: {name: operation, ", 1))
+        with_case(
+            "{set: {operation.inertia: 3}}", BASE.replace("disc: {", "disc: {name: operation, ", 1)
+        )
     case = """{set: {'"operation".inertia': 3}}"""
     study = with_case(case, BASE.replace("- disc: {", "- disc: {name: operation, ", 1))
     assert study.train.inertias[1].inertia == 3.0
@@ -193,7 +242,9 @@ def test_what_acts_on_a_component_goes_with_it() -> None:
     loads = "excitations: [{at: engine, order: 2, torque: 5}, {at: disc-2, order: 1, torque: 9}]\nlinks: "
     loads += "[{between: [disc-1, disc-2], coupling: {name: chord, stiffness: 5e3}}]\n"
     case = with_case("{remove: clutch}", BASE + loads)
-    assert [torque.name for torque in case.train.torques if torque.path[:1] == ("excitations",)] == ["engine"]
+    assert [
+        torque.name for torque in case.train.torques if torque.path[:1] == ("excitations",)
+    ] == ["engine"]
     assert not case.train.has_loops
     assert case.case.changes[0].before == "branch-1, clutch, disc-2, chord, 1 excitation"
 
@@ -202,8 +253,10 @@ def test_the_main_train_loses_its_ends_alone() -> None:
     study = with_case("{remove: [box, coupling-3, wheel], rules: []}")
     names = [part.name for part in study.train.parts]
     assert names == ["engine", "coupling-1", "disc-1", "branch-1", "clutch", "disc-2"]
-    first = with_case("{remove: [engine, coupling-1], set: {operation.load: constant}, rules: []}",
-                      BASE.replace("operation: {", "operation: {at: wheel, "))  # fmt: skip
+    first = with_case(
+        "{remove: [engine, coupling-1], set: {operation.load: constant}, rules: []}",
+        BASE.replace("operation: {", "operation: {at: wheel, "),
+    )
     assert [part.name for part in first.train.parts][:2] == ["disc-1", "branch-1"]
 
 
@@ -215,14 +268,18 @@ def test_a_case_based_on_another_makes_its_changes_first() -> None:
     cases = torsion.parse(BASE + text, "t.yaml").cases
     assert list(cases) == ["later", "warm"]
     assert cases["later"].train.springs[0].flexibility == 1.0 / 15e3
-    assert [(one.before, one.after) for one in cases["later"].case.changes] == [("40 kN*m/rad", "15 kN*m/rad")]
+    assert [(one.before, one.after) for one in cases["later"].case.changes] == [
+        ("40 kN*m/rad", "15 kN*m/rad")
+    ]
     assert (cases["later"].case.is_judged, cases["warm"].case.is_judged) == (True, False)
 
 
 def test_tolerances_make_two_corners_of_all_couplings_together() -> None:
     flexible = BASE.replace("stiffness: 80 kN*m/rad", "flexibility: 1.25e-5, tolerance: 20 %")
     stages = "stages: [{from: 2 deg, stiffness: 8e3}]"
-    staged = flexible.replace("stiffness: 9e3, psi: 0.5", f"stiffness: 9e3, tolerance: 5 %, {stages}")
+    staged = flexible.replace(
+        "stiffness: 9e3, psi: 0.5", f"stiffness: 9e3, tolerance: 5 %, {stages}"
+    )
     cases = torsion.parse(f"{staged}cases: {{from: tolerances}}\n", "t.yaml").cases
     for name, sign in (("soft", -1), ("stiff", 1)):
         found = [1.0 / spring.flexibility for spring in cases[name].train.springs]
@@ -232,7 +289,9 @@ def test_tolerances_make_two_corners_of_all_couplings_together() -> None:
         assert cases[name].case.is_corner
     plan = torsion.run(torsion.parse(f"{BASE}cases: {{from: tolerances}}\n", "t.yaml")).plan
     assert not any("tolerance" in what for what, _ in plan.left_out)
-    assert any("tolerance" in what for what, _ in torsion.run(torsion.parse(BASE, "t.yaml")).plan.left_out)
+    assert any(
+        "tolerance" in what for what, _ in torsion.run(torsion.parse(BASE, "t.yaml")).plan.left_out
+    )
 
 
 def test_the_two_corners_enclose_the_frequencies_of_every_combination_of_tolerances() -> None:
@@ -240,7 +299,11 @@ def test_the_two_corners_enclose_the_frequencies_of_every_combination_of_toleran
     base = base.replace("stiffness: 80", "tolerance: 20 %, stiffness: 80")
 
     def frequencies(study: Study) -> np.ndarray:
-        return torsion.run(replace(study, rules=(), analyses={"modes": ModesSettings()})).results["modes"].frequency
+        return (
+            torsion.run(replace(study, rules=(), analyses={"modes": ModesSettings()}))
+            .results["modes"]
+            .frequency
+        )
 
     corners = torsion.parse(f"{base}cases: {{from: tolerances}}\n", "t.yaml").cases
     soft, stiff = (frequencies(corners[name]) for name in ("soft", "stiff"))
@@ -256,29 +319,53 @@ def test_the_two_corners_enclose_the_frequencies_of_every_combination_of_toleran
 
 @pytest.mark.parametrize(
     ("value", "factor", "made"),
-    [("180 kN*m/rad", "1.15", "207 kN*m/rad"), ("25 %", "0.5", "12.5 %"), (2.4e6, "1.1", 2.64e6), (7, "2", 14),
-     (7, "0.5", 3.5), ("1e3 N*m", "1.001", "1001 N*m"), ("1_000", "1/4", "250"), ("1500 rpm", "2/3", "1000 rpm"),
-     ("steel", "2", None), ("21/8", "2", None), (True, "2", None), ([1], "2", None), (None, "2", None),
-     (float("inf"), "2", None), ("1e300 N*m", "2", "2E300 N*m"), ("1e-300 N*m", "0.5", "5E-301 N*m")],
-)  # fmt: skip
-def test_a_factor_multiplies_the_digits_of_the_file_exactly(value: Any, factor: str, made: Any) -> None:
+    [
+        ("180 kN*m/rad", "1.15", "207 kN*m/rad"),
+        ("25 %", "0.5", "12.5 %"),
+        (2.4e6, "1.1", 2.64e6),
+        (7, "2", 14),
+        (7, "0.5", 3.5),
+        ("1e3 N*m", "1.001", "1001 N*m"),
+        ("1_000", "1/4", "250"),
+        ("1500 rpm", "2/3", "1000 rpm"),
+        ("steel", "2", None),
+        ("21/8", "2", None),
+        (True, "2", None),
+        ([1], "2", None),
+        (None, "2", None),
+        (float("inf"), "2", None),
+        ("1e300 N*m", "2", "2E300 N*m"),
+        ("1e-300 N*m", "0.5", "5E-301 N*m"),
+    ],
+)
+def test_a_factor_multiplies_the_digits_of_the_file_exactly(
+    value: Any, factor: str, made: Any
+) -> None:
     assert multiplied(value, torsion.fields.Fraction(factor)) == made
 
 
 def rows() -> list[tuple[str, str, str]]:
     file = Path(__file__).parents[1] / "faults" / "faulty_cases.txt"
-    lines = [line for line in file.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+    lines = [
+        line
+        for line in file.read_text(encoding="utf-8").splitlines()
+        if line and not line.startswith("#")
+    ]
     return [tuple(line.split(" | ")) for line in lines]  # type: ignore[misc]
 
 
 @pytest.mark.parametrize(("place", "text", "words"), rows())
-def test_a_faulty_case_is_refused_at_the_fault_and_only_there(place: str, text: str, words: str) -> None:
+def test_a_faulty_case_is_refused_at_the_fault_and_only_there(
+    place: str, text: str, words: str
+) -> None:
     first = BASE.count("\n") + 2
     with pytest.raises(InputError) as caught:
         torsion.parse(f"{BASE}cases:\n  {text}\n".replace("\\n", "\n"), "bad.yaml")
     faults = caught.value.faults
     found = [(fault.line, fault.column) for fault in faults]
-    assert [f"{line - first}:{column}" if line >= first else f"{line}" for line, column in found] == [place]
+    assert [
+        f"{line - first}:{column}" if line >= first else f"{line}" for line, column in found
+    ] == [place]
     said = f"{faults[0].message} ({faults[0].hint})"
     assert [word for word in words.split() if word not in said] == [], said
     assert str(caught.value).startswith("bad.yaml:")
@@ -286,7 +373,9 @@ def test_a_faulty_case_is_refused_at_the_fault_and_only_there(place: str, text: 
 
 def test_all_faults_of_all_cases_are_reported_at_once_each_with_its_case() -> None:
     text = "cases:\n  a: {set: {engine.inertia: -1}}\n  b: {scale: {enginee.inertia: 2}}\n"
-    text += "  c: {based_on: a, set: {wheel.inertia: 5}}\n  d: {remove: coupling-1}\n  e: {sett: 1}\n"
+    text += (
+        "  c: {based_on: a, set: {wheel.inertia: 5}}\n  d: {remove: coupling-1}\n  e: {sett: 1}\n"
+    )
     with pytest.raises(InputError) as caught:
         torsion.parse(BASE + text, "t.yaml")
     said = [re.match(r"case '(.)'", fault.message) for fault in caught.value.faults]
@@ -307,37 +396,99 @@ def test_a_fault_found_while_solving_is_located_in_its_case() -> None:
 
 
 NAMES = st.sampled_from(
-    ["engine", "coupling-1", "disc-1", "clutch", "box", "branch-1", "wheel", "operation", "analyses", "materials",
-     "links", "excitations", "rules", "train", '"box"', "'", "", ".", "box.", "0", "näme", "damping"]
-)  # fmt: skip
+    [
+        "engine",
+        "coupling-1",
+        "disc-1",
+        "clutch",
+        "box",
+        "branch-1",
+        "wheel",
+        "operation",
+        "analyses",
+        "materials",
+        "links",
+        "excitations",
+        "rules",
+        "train",
+        '"box"',
+        "'",
+        "",
+        ".",
+        "box.",
+        "0",
+        "näme",
+        "damping",
+    ]
+)
 KEYS = st.sampled_from(
-    ["inertia", "stiffness", "psi", "teeth", "1", "2", "0", "-1", "99999999999999999999", "name", "branches", "train",
-     "speeds", "from", "load", "rated", "modes", "count", "ripple", "unusual", "between", "damping", "held", ""]
-)  # fmt: skip
+    [
+        "inertia",
+        "stiffness",
+        "psi",
+        "teeth",
+        "1",
+        "2",
+        "0",
+        "-1",
+        "99999999999999999999",
+        "name",
+        "branches",
+        "train",
+        "speeds",
+        "from",
+        "load",
+        "rated",
+        "modes",
+        "count",
+        "ripple",
+        "unusual",
+        "between",
+        "damping",
+        "held",
+        "",
+    ]
+)
 VALUES = st.recursive(
-    st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=5),
-              st.sampled_from(["40 kN*m/rad", "115 %", "engine", "steel", "1e400", "nan"])),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(min_size=1, max_size=4), inner, max_size=2),
+    st.one_of(
+        st.none(),
+        st.booleans(),
+        st.integers(),
+        st.floats(),
+        st.text(max_size=5),
+        st.sampled_from(["40 kN*m/rad", "115 %", "engine", "steel", "1e400", "nan"]),
+    ),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(st.text(min_size=1, max_size=4), inner, max_size=2)
+    ),
     max_leaves=5,
-)  # fmt: skip
+)
 PATHS = st.builds(lambda name, keys: ".".join([name, *keys]), NAMES, st.lists(KEYS, max_size=3))
 CASE = st.fixed_dictionaries(
     {},
     optional={
         "set": st.dictionaries(PATHS, VALUES, max_size=3) | VALUES,
-        "scale": st.dictionaries(PATHS, st.floats() | st.sampled_from(["115 %", 2, "x"]), max_size=3) | VALUES,
+        "scale": st.dictionaries(
+            PATHS, st.floats() | st.sampled_from(["115 %", 2, "x"]), max_size=3
+        )
+        | VALUES,
         "remove": st.lists(PATHS | NAMES, max_size=3) | VALUES,
         "based_on": st.sampled_from(["a", "b", "soft", "normal", "z"]),
-        "rules": VALUES | st.just(["gear-hammer"]), "speeds": VALUES, "judged": VALUES,
+        "rules": VALUES | st.just(["gear-hammer"]),
+        "speeds": VALUES,
+        "judged": VALUES,
     },
-)  # fmt: skip
+)
 
 
 CASE_NAMES = st.sampled_from(["a", "b", "c", "from", "soft", "normal", ""])
 
 
 @settings(max_examples=300, deadline=None)
-@example({"a": {"based_on": "soft", "rules": ["gear-hammer"]}, "soft": "tolerances"})  # based on one that is at fault
+@example(
+    {"a": {"based_on": "soft", "rules": ["gear-hammer"]}, "soft": "tolerances"}
+)  # based on one that is at fault
 @given(st.dictionaries(CASE_NAMES, CASE | VALUES | st.just("tolerances"), min_size=1, max_size=3))
 def test_no_case_ends_in_a_traceback(cases: dict[str, Any]) -> None:
     import yaml
@@ -355,17 +506,28 @@ def test_no_case_ends_in_a_traceback(cases: dict[str, Any]) -> None:
 
 def test_a_case_based_on_one_at_fault_leaves_that_one_fault_alone() -> None:
     with pytest.raises(InputError) as caught:
-        torsion.parse(BASE + "cases:\n  soft: tolerances\n  a: {based_on: soft, rules: [gear-hammer]}\n", "t.yaml")
+        torsion.parse(
+            BASE + "cases:\n  soft: tolerances\n  a: {based_on: soft, rules: [gear-hammer]}\n",
+            "t.yaml",
+        )
     assert [fault.line for fault in caught.value.faults] == [13]
 
 
 def test_any_digit_of_any_array_is_an_effect_of_a_case() -> None:
-    study = torsion.read(Path(__file__).parents[2] / "shafting_specs" / "six_cylinder_pressure.yaml")
+    study = torsion.read(
+        Path(__file__).parents[2] / "shafting_specs" / "six_cylinder_pressure.yaml"
+    )
     parts = list(study.train.parts)
-    place, record = next((place, part.engine) for place, part in enumerate(parts) if part.engine is not None)
+    place, record = next(
+        (place, part.engine) for place, part in enumerate(parts) if part.engine is not None
+    )
     assert record.gas is not None
     firing = record.gas.firing.copy()
     firing[0, firing.shape[1] // 2] *= 1.0 + 1e-12
-    parts[place] = replace(parts[place], engine=replace(record, gas=replace(record.gas, firing=firing)))
+    parts[place] = replace(
+        parts[place], engine=replace(record, gas=replace(record.gas, firing=firing))
+    )
     assert _effect(replace(study, train=replace(study.train, parts=tuple(parts)))) != _effect(study)
-    assert _effect(replace(study, train=replace(study.train, parts=tuple(study.train.parts)))) == _effect(study)
+    assert _effect(
+        replace(study, train=replace(study.train, parts=tuple(study.train.parts)))
+    ) == _effect(study)

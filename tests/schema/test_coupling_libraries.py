@@ -35,7 +35,9 @@ WRITTEN = SCENE.replace(
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "sub").mkdir()
-    (tmp_path / "sub" / "series.csv").write_text(SERIES.replace("1,6;", "1.6;", 1), encoding="utf-8")
+    (tmp_path / "sub" / "series.csv").write_text(
+        SERIES.replace("1,6;", "1.6;", 1), encoding="utf-8"
+    )
     return tmp_path
 
 
@@ -67,8 +69,9 @@ def test_the_library_is_told_with_its_checksum_and_is_no_file_to_be_overwritten(
 def test_a_library_may_stand_in_a_branch_a_link_and_a_table_of_the_train(folder):
     (folder / "line.csv").write_text(
         'kind,name,inertia [kg*m**2],from,size\nmotor,engine,4.5,,\ncoupling,flex,"",sub/series.csv,1.6\n'
-        "disc,generator,12,,\n", encoding="utf-8",
-    )  # fmt: skip
+        "disc,generator,12,,\n",
+        encoding="utf-8",
+    )
     text = re.sub(r"train:\n(  - .*\n)+", "train: {table: line.csv}\n", SCENE)
     assert read(folder, text).train.springs == read(folder, WRITTEN).train.springs
     link = "links: [{between: [engine, generator], coupling: {from: sub/series.csv, size: R4}}]\n"
@@ -76,9 +79,15 @@ def test_a_library_may_stand_in_a_branch_a_link_and_a_table_of_the_train(folder)
 
 
 def test_a_case_sets_and_scales_what_the_row_gives_and_its_tolerance_has_two_ends(folder):
-    study = read(folder, SCENE + "cases: {from: tolerances, cold: {set: {flex.stiffness: 6 kN*m/rad}}}\n")
-    stiffness = {name: 1.0 / case.train.springs[0].flexibility for name, case in study.cases.items()}
-    assert stiffness == pytest.approx({"soft": 0.85 * 5500.0, "stiff": 1.15 * 5500.0, "cold": 6000.0}, rel=1e-15)
+    study = read(
+        folder, SCENE + "cases: {from: tolerances, cold: {set: {flex.stiffness: 6 kN*m/rad}}}\n"
+    )
+    stiffness = {
+        name: 1.0 / case.train.springs[0].flexibility for name, case in study.cases.items()
+    }
+    assert stiffness == pytest.approx(
+        {"soft": 0.85 * 5500.0, "stiff": 1.15 * 5500.0, "cold": 6000.0}, rel=1e-15
+    )
 
 
 @pytest.mark.parametrize(
@@ -91,7 +100,7 @@ def test_a_case_sets_and_scales_what_the_row_gives_and_its_tolerance_has_two_end
         ("from: sub/series.csv, ", "", 4, 34, ["`size` needs `from`"]),
         ("size: 1.6", "size: [1.6]", 4, 56, ["a list is not text"]),
     ],
-)  # fmt: skip
+)
 def test_what_a_scene_says_wrongly_of_a_library_is_located(folder, old, new, line, column, words):
     fault = refused(folder, SCENE.replace(old, new)).faults[0]
     assert (fault.line, fault.column) == (line, column)
@@ -111,8 +120,10 @@ def test_what_a_scene_says_wrongly_of_a_library_is_located(folder, old, new, lin
         (";10\n", ";10;3\n", 5, 1, ["this row has 7 cells"]),
         ("5,5;", "#N/A;", 4, 5, ["error of the spreadsheet"]),
     ],
-)  # fmt: skip
-def test_what_a_library_says_wrongly_is_quoted_from_its_own_file(folder, old, new, line, column, words):
+)
+def test_what_a_library_says_wrongly_is_quoted_from_its_own_file(
+    folder, old, new, line, column, words
+):
     file = folder / "sub" / "series.csv"
     file.write_text(file.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
     fault = refused(folder, SCENE).faults[0]

@@ -40,7 +40,15 @@ def law(torque: Torque) -> tuple[object, ...]:
     assert isinstance(one, CylinderOrder)
     assert one.gas is not None
     motored = () if one.gas.motored is None else one.gas.motored.tolist()
-    return torque.station, torque.order, one.turned, one.load, one.gas.at.tolist(), one.gas.firing.tolist(), motored
+    return (
+        torque.station,
+        torque.order,
+        one.turned,
+        one.load,
+        one.gas.at.tolist(),
+        one.gas.firing.tolist(),
+        motored,
+    )
 
 
 @pytest.mark.parametrize(
@@ -61,7 +69,9 @@ def test_a_file_of_harmonics_is_the_table_that_it_holds(text: str, read) -> None
 
 
 def test_a_file_of_cosines_and_sines_is_the_table_that_it_holds(read) -> None:
-    own = read("{table: h.csv, at: {imep: 18 bar}}", h="order,a [N*m],b [N*m]\n0.5,70,410\n3,-5,60\n")
+    own = read(
+        "{table: h.csv, at: {imep: 18 bar}}", h="order,a [N*m],b [N*m]\n0.5,70,410\n3,-5,60\n"
+    )
     rows = "[{order: 0.5, a: 70 N*m, b: 410 N*m}, {order: 3, a: -5 N*m, b: 60 N*m}]"
     written = read(f"{{table: {rows}, at: {{imep: 18 bar}}}}")
     assert [law(one) for one in own.train.torques] == [law(one) for one in written.train.torques]
@@ -73,13 +83,17 @@ def test_one_file_holds_the_tables_of_several_loads(read) -> None:
     text = "\n".join(["imep [bar],order,amplitude [bar],phase [deg]", *every])
     each = "{imep: 1 bar, rows: h.csv}, {imep: 30 bar, rows: " + WRITTEN + "}"
     one, several = read("{tables: t.csv}", t=text), read(f"{{tables: [{each}]}}", h=POLAR)
-    assert [law(torque) for torque in one.train.torques] == [law(torque) for torque in several.train.torques]
+    assert [law(torque) for torque in one.train.torques] == [
+        law(torque) for torque in several.train.torques
+    ]
     assert several.tables == (("h.csv", POLAR),)
 
 
 def test_a_case_has_a_file_of_its_own(read) -> None:
     more = "cases: {test bed: {set: {main engine.gas.table: other.csv}}}\n"
-    found = read("{table: h.csv, at: {imep: 18 bar}}", more, h=POLAR, other=POLAR.replace("5.75", "6"))
+    found = read(
+        "{table: h.csv, at: {imep: 18 bar}}", more, h=POLAR, other=POLAR.replace("5.75", "6")
+    )
     assert law(found.train.torques[0]) != law(found.cases["test bed"].train.torques[0])
 
 
@@ -98,7 +112,7 @@ FAULTS = {  # file; line and column; words
     "sine": ("order,a [bar],b [bar]\n1,5,\n2,3,4\n", "2:1", "no `b`"),
     "nothing": ("", "1:1", "nothing"),
     "head alone": ("order,amplitude [bar],phase [deg]\n", "1:1", "no rows"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", FAULTS)
@@ -111,13 +125,22 @@ def test_a_fault_stands_at_its_line_and_column_of_the_file(case: str, read) -> N
     assert [word for word in words.split() if word not in f"{first.message} ({first.hint})"] == []
 
 
-@pytest.mark.parametrize(("text", "place", "words"), [
-    ("imep [bar],order,amplitude [bar],phase [deg]\n2,3,5,0\n,6,2,0\n", "3:2", "no `imep`"),
-    ("imep [bar],order,amplitude [bar],phase [deg]\n2,3,5,0\n9,3,5\n", "3:1", "3 cells"),
-    ("order,amplitude [bar],phase [deg]\n2,3,5\n", "1:1", "`imep` missing"),
-    ("imep [bar],order,amplitude [bar],phase [deg]\n2,3,5,0\n9,6,2,0\n", "16:21", "order 3 some of the tables"),
-])  # fmt: skip
-def test_a_fault_of_several_loads_stands_at_its_place(text: str, place: str, words: str, read) -> None:
+@pytest.mark.parametrize(
+    ("text", "place", "words"),
+    [
+        ("imep [bar],order,amplitude [bar],phase [deg]\n2,3,5,0\n,6,2,0\n", "3:2", "no `imep`"),
+        ("imep [bar],order,amplitude [bar],phase [deg]\n2,3,5,0\n9,3,5\n", "3:1", "3 cells"),
+        ("order,amplitude [bar],phase [deg]\n2,3,5\n", "1:1", "`imep` missing"),
+        (
+            "imep [bar],order,amplitude [bar],phase [deg]\n2,3,5,0\n9,6,2,0\n",
+            "16:21",
+            "order 3 some of the tables",
+        ),
+    ],
+)
+def test_a_fault_of_several_loads_stands_at_its_place(
+    text: str, place: str, words: str, read
+) -> None:
     with pytest.raises(InputError) as error:
         read("{tables: t.csv}", t=text)
     first = error.value.faults[0]
@@ -127,7 +150,10 @@ def test_a_fault_of_several_loads_stands_at_its_place(text: str, place: str, wor
 
 def test_files_of_an_engine_are_read_files_with_their_checksums(read, tmp_path: Path) -> None:
     own = "{diagram: p.csv, tdc: 0 deg, absolute: true}"
-    for gas, name, text in ((own, "p", DIAGRAM), ("{table: h.csv, at: {imep: 18 bar}}", "h", POLAR)):
+    for gas, name, text in (
+        (own, "p", DIAGRAM),
+        ("{table: h.csv, at: {imep: 18 bar}}", "h", POLAR),
+    ):
         study = read(gas, **{name: text})
         assert tmp_path / f"{name}.csv" in inputs(study)
         page = " ".join(str(block) for block in input_file(torsion.run(study, only=["modes"])))

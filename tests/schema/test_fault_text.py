@@ -7,10 +7,13 @@ from torsion.schema.fault_text import input_error, locate
 from torsion.schema.yaml_source import parse_source
 
 SOURCE = parse_source(
-    "name: boat\ntrain:\n  - motor: {inertia: 5 m, powr: 3}\n  - shaft:\n\n      length: [1, 2]\n", "boat.yaml"
+    "name: boat\ntrain:\n  - motor: {inertia: 5 m, powr: 3}\n  - shaft:\n\n      length: [1, 2]\n",
+    "boat.yaml",
 )
 INERTIA = Fault(("train", 0, "motor", "inertia"), "is a length", "for example '1.2 kg*m**2'")
-POWER = Fault(("train", 0, "motor", "powr"), "unknown key `powr`", "did you mean `power`?", at_key=True)
+POWER = Fault(
+    ("train", 0, "motor", "powr"), "unknown key `powr`", "did you mean `power`?", at_key=True
+)
 DIAMETER = Fault(("train", 1, "shaft", "diameter"), "missing key `diameter`", at_key=True)
 LENGTH = Fault(("train", 1, "shaft", "length", 1), "one length is expected")
 
@@ -40,7 +43,12 @@ boat.yaml:6:19: one length is expected
 def test_located_faults_carry_their_place_and_keep_the_rest() -> None:
     (fault,) = locate([POWER], SOURCE)
     assert (fault.line, fault.column) == (3, 27)
-    assert (fault.path, fault.message, fault.hint, fault.at_key) == (POWER.path, POWER.message, POWER.hint, True)
+    assert (fault.path, fault.message, fault.hint, fault.at_key) == (
+        POWER.path,
+        POWER.message,
+        POWER.hint,
+        True,
+    )
 
 
 def test_a_place_that_the_reader_has_set_stays() -> None:
@@ -50,7 +58,10 @@ def test_a_place_that_the_reader_has_set_stays() -> None:
 
 def test_the_same_fault_is_told_once() -> None:
     other = Fault(INERTIA.path, "is out of range")
-    assert [fault.message for fault in locate([INERTIA, other, INERTIA], SOURCE)] == ["is a length", "is out of range"]
+    assert [fault.message for fault in locate([INERTIA, other, INERTIA], SOURCE)] == [
+        "is a length",
+        "is out of range",
+    ]
 
 
 def test_faults_of_one_place_keep_their_order() -> None:
@@ -79,7 +90,9 @@ def test_a_tab_in_the_line_moves_the_caret_as_it_moves_the_text() -> None:
 @pytest.mark.parametrize("column", [1, 60, 61, 62, 121, 200, 290])
 def test_a_long_line_is_cut_around_the_caret(column: int) -> None:
     line = "a: [" + "0123456789" * 28 + ", end]"
-    _, quoted, caret = str(input_error([Fault((), "here", line=1, column=column)], parse_source(line, "f"))).split("\n")
+    _, quoted, caret = str(
+        input_error([Fault((), "here", line=1, column=column)], parse_source(line, "f"))
+    ).split("\n")
     assert len(quoted) <= 4 + 120
     assert caret.endswith("^")
     assert quoted[caret.index("^")] == line[column - 1]
@@ -106,5 +119,7 @@ def test_signs_that_cannot_be_printed_are_quoted_as_question_marks() -> None:
         ("x" * 100_000, ["power"], None),
     ],
 )
-def test_the_nearest_word_is_proposed(word: str, candidates: list[str], expected: str | None) -> None:
+def test_the_nearest_word_is_proposed(
+    word: str, candidates: list[str], expected: str | None
+) -> None:
     assert nearest(word, candidates) == expected

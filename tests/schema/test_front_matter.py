@@ -29,7 +29,9 @@ def faults(text: str, file: Path | None = None) -> str:
     return str(refused.value)
 
 
-@pytest.mark.parametrize("number", [9074729, 9241061, 9811000, 9321483, "IMO 9074729", "IMO9241061"])
+@pytest.mark.parametrize(
+    "number", [9074729, 9241061, 9811000, 9321483, "IMO 9074729", "IMO9241061"]
+)
 def test_the_imo_numbers_of_ships_that_sail_are_taken(number: int | str) -> None:
     """Queen Mary 2, Ever Given, Emma Maersk; 9074729 is the example that is worked in the literature."""
     found = torsion.parse(SCENE % f"imo_number: {number}").document
@@ -47,9 +49,22 @@ def test_of_ten_last_digits_one_is_right(last: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["907472", "90747290", "true", "9074729.5", "IMO", "'90747 29'", "[9074729]", "'٩٠٧٤٧٢٩'",
-             "'0000000'", "0000000", "0x8A77F9", "0o42474771"]
-)  # fmt: skip
+    "text",
+    [
+        "907472",
+        "90747290",
+        "true",
+        "9074729.5",
+        "IMO",
+        "'90747 29'",
+        "[9074729]",
+        "'٩٠٧٤٧٢٩'",
+        "'0000000'",
+        "0000000",
+        "0x8A77F9",
+        "0o42474771",
+    ],
+)
 def test_what_is_no_imo_number_is_refused_at_its_place(text: str) -> None:
     assert "scene.yaml:2:24: " in faults(f"imo_number: {text}")
 
@@ -57,13 +72,15 @@ def test_what_is_no_imo_number_is_refused_at_its_place(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("vesel: a", "did you mean `vessel`"), ("revision: 2", "2 is not text (put it in quotes)"),
+        ("vesel: a", "did you mean `vessel`"),
+        ("revision: 2", "2 is not text (put it in quotes)"),
         ("vessel: ' '", "is empty"),
-        ('vessel: "a\\nb"', "not on one line"), (f"yard: {'a' * 101}", "too long: 101 characters (at most 100)"),
+        ('vessel: "a\\nb"', "not on one line"),
+        (f"yard: {'a' * 101}", "too long: 101 characters (at most 100)"),
         (f"document_number: {'a' * 51}", "too long: 51 characters (at most 50)"),
         ("logo: a, vessel: 5", "5 is not text"),
     ],
-)  # fmt: skip
+)
 def test_a_faulty_text_is_refused(text: str, words: str) -> None:
     assert words in faults(text)
 
@@ -73,7 +90,9 @@ def test_a_faulty_text_is_refused(text: str, words: str) -> None:
     [(PNG, "png"), (b"\xff\xd8\xff\xe0abc\xff\xd9", "jpeg"), (SVG, "svg+xml")],
     ids=lambda v: str(v)[:6],
 )
-def test_a_logo_is_found_beside_the_scene_and_kept_byte_for_byte(content: bytes, kind: str, tmp_path: Path) -> None:
+def test_a_logo_is_found_beside_the_scene_and_kept_byte_for_byte(
+    content: bytes, kind: str, tmp_path: Path
+) -> None:
     (tmp_path / "own logo").write_bytes(content)
     (tmp_path / "scene.yaml").write_text(SCENE % "logo: own logo", encoding="utf-8")
     head, _, packed = torsion.read(tmp_path / "scene.yaml").logo.partition(",")
@@ -84,15 +103,22 @@ def test_a_logo_is_found_beside_the_scene_and_kept_byte_for_byte(content: bytes,
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (PNG[:-1], "damaged PNG"), (PNG[:40] + b"x" + PNG[41:], "damaged PNG"), (PNG[:8], "damaged PNG"),
-        (b"\xff\xd8\xffabc", "damaged JPEG"), (b"", "not a readable picture"), (b"GIF89a", "not a readable picture"),
+        (PNG[:-1], "damaged PNG"),
+        (PNG[:40] + b"x" + PNG[41:], "damaged PNG"),
+        (PNG[:8], "damaged PNG"),
+        (b"\xff\xd8\xffabc", "damaged JPEG"),
+        (b"", "not a readable picture"),
+        (b"GIF89a", "not a readable picture"),
         (b"<html/>", "not a readable picture"),
-        (b'<!DOCTYPE svg [<!ENTITY a "b">]><svg/>', "not a readable picture"), (SVG[:-3], "not a readable picture"),
+        (b'<!DOCTYPE svg [<!ENTITY a "b">]><svg/>', "not a readable picture"),
+        (SVG[:-3], "not a readable picture"),
         (b"x" * (MOST + 1), "at most 300 kB"),
     ],
     ids=range(10),
-)  # fmt: skip
-def test_a_picture_that_is_none_is_refused_at_its_place(content: bytes, words: str, tmp_path: Path) -> None:
+)
+def test_a_picture_that_is_none_is_refused_at_its_place(
+    content: bytes, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "logo").write_bytes(content)
     found = faults("logo: logo", tmp_path / "scene.yaml")
     assert words in found
@@ -105,20 +131,28 @@ OUTSIDE = "the picture refers to"
 @pytest.mark.parametrize(
     ("inside", "words"),
     [
-        ('\n<image href="http://127.0.0.1:9/x.png"/>', f"line 2: {OUTSIDE} 'http://127.0.0.1:9/x.png'"),
-        ('<g xmlns:xlink="http://www.w3.org/1999/xlink"><image xlink:href="ok.png"/></g>', f"{OUTSIDE} 'ok.png'"),
+        (
+            '\n<image href="http://127.0.0.1:9/x.png"/>',
+            f"line 2: {OUTSIDE} 'http://127.0.0.1:9/x.png'",
+        ),
+        (
+            '<g xmlns:xlink="http://www.w3.org/1999/xlink"><image xlink:href="ok.png"/></g>',
+            f"{OUTSIDE} 'ok.png'",
+        ),
         ('<path fill="url(other.svg#a)"/>', f"{OUTSIDE} 'other.svg#a'"),
         ("<path style=\"fill: URL( 'http://a/b#c' )\"/>", f"{OUTSIDE} 'http://a/b#c'"),
         ("<style>@import 'a.css';</style>", f"{OUTSIDE} 'a.css'"),
-        ("<style>a {}\n\np {fill: url(\"b.svg#c\")}</style>", f"line 3: {OUTSIDE} 'b.svg#c'"),
+        ('<style>a {}\n\np {fill: url("b.svg#c")}</style>', f"line 3: {OUTSIDE} 'b.svg#c'"),
         ("<style><![CDATA[p {fill: url(b.svg)}]]></style>", f"{OUTSIDE} 'b.svg'"),
         ("\n<script>1</script>", "line 2: the picture holds a script"),
         ('<g onload="x()"/>', "the picture holds a script"),
         ("<foreignObject/>", "the picture holds `foreignObject`"),
         ("<?xml-stylesheet href='a.css'?>", f"{OUTSIDE} 'a.css'"),
     ],
-)  # fmt: skip
-def test_a_logo_that_needs_more_than_its_file_is_refused(inside: str, words: str, tmp_path: Path) -> None:
+)
+def test_a_logo_that_needs_more_than_its_file_is_refused(
+    inside: str, words: str, tmp_path: Path
+) -> None:
     """Neither the page nor its PDF may ask for what is elsewhere."""
     (tmp_path / "logo").write_bytes(SVG.replace(b"<path", inside.encode() + b"<path"))
     found = faults("logo: logo", tmp_path / "scene.yaml")
@@ -141,6 +175,8 @@ def test_a_logo_that_refers_to_itself_and_to_data_is_taken(tmp_path: Path) -> No
     assert torsion.read(tmp_path / "scene.yaml").logo
 
 
-@pytest.mark.parametrize(("name", "words"), [("none.png", "is not there"), (".", "is a folder"), ("'a\\0b'", "")])
+@pytest.mark.parametrize(
+    ("name", "words"), [("none.png", "is not there"), (".", "is a folder"), ("'a\\0b'", "")]
+)
 def test_a_logo_that_is_not_there_is_refused(name: str, words: str, tmp_path: Path) -> None:
     assert words in faults(f"logo: {name}", tmp_path / "scene.yaml")

@@ -42,7 +42,9 @@ def test_every_scene_of_the_repository_is_valid(validator, path):
     assert refusals(validator, path.read_text(encoding="utf-8")) == []
 
 
-@pytest.mark.parametrize("text", [GOOD, template("example.yaml")], ids=["one of every kind", "example"])
+@pytest.mark.parametrize(
+    "text", [GOOD, template("example.yaml")], ids=["one of every kind", "example"]
+)
 def test_scene_with_every_sort_of_value_is_valid(validator, text):
     assert refusals(validator, text) == []
 
@@ -155,7 +157,9 @@ def test_every_kind_has_examples_that_are_valid_and_defaults_are_said(validator)
         for body in analyses[name]["examples"]:
             scene = {"name": "x", "train": [{"disc": {"inertia": 1}}], "analyses": {name: body}}
             assert [error.message for error in validator.iter_errors(scene)] == []
-            assert settings_classes()[name].model_validate(parse_source(SETTINGS[name], "f").data[name])
+            assert settings_classes()[name].model_validate(
+                parse_source(SETTINGS[name], "f").data[name]
+            )
     for name in RULES:
         for body in rules[name]["examples"]:
             scene = {"name": "x", "train": [{"disc": {"inertia": 1}}], "rules": [{name: body}]}
@@ -183,5 +187,7 @@ def test_every_default_of_a_declaration_is_that_of_the_schema_unless_it_needs_a_
 def test_the_schema_is_printed_without_docstrings_too() -> None:
     """Python leaves docstrings out with PYTHONOPTIMIZE=2; the keys are the same."""
     command = [sys.executable, "-m", "torsion", "schema"]
-    printed = subprocess.run(command, env={**os.environ, "PYTHONOPTIMIZE": "2"}, capture_output=True, check=True).stdout
+    printed = subprocess.run(
+        command, env={**os.environ, "PYTHONOPTIMIZE": "2"}, capture_output=True, check=True
+    ).stdout
     assert json.loads(printed)["properties"].keys() == json_schema()["properties"].keys()

@@ -13,7 +13,10 @@ from torsion.schema.other_words import of_its_number
 MOTOR, END = "- motor: {inertia: 1}", "- disc: {inertia: 2}"
 COLON, WRITE = "a colon is missing after `coupling`", "write `- coupling: {...}`"
 DASHLESS, DASH = "`motor` begins without a dash", "write `- motor: ...`"
-ALIGNED = "this does not fit the lines above", "what belongs to one list or mapping begins in one column"
+ALIGNED = (
+    "this does not fit the lines above",
+    "what belongs to one list or mapping begins in one column",
+)
 SHAFT = "- shaft: {length: 1 m, diameter: 50 mm, role: intermediate}"
 
 
@@ -28,39 +31,117 @@ def fault(*lines: str):
 @pytest.mark.parametrize(
     ("lines", "place", "message", "hint"),
     [
-        ([MOTOR, "- coupling {stiffness: 5}", END], (4, 3), "a colon is missing after `coupling`",
-         "write `- coupling: {...}`"),
-        ([MOTOR, "- coupling {}", END], (4, 3), "'coupling {}' is not a component, a mapping with one key",
-         "write `- coupling: {...}`"),
-        (["- alternator: {inertia: 1}", END], (3, 3), "unknown component `alternator`",
-         "`generator: {inertia: ...}`"),
-        ([MOTOR, "- gear: {ratio: 1/5.77}", END], (4, 17), "'1/5.77' is not a number",
-         "a quotient has whole numbers: write 100/577"),
-        ([MOTOR, "- gear: {ratio: 1/0}", END], (4, 17), "'1/0' is not a number", "write 2, 0.5 or 21/8"),
-        ([MOTOR, "coupling: {stiffness: 5}", END], (4, 1), "`coupling` begins without a dash",
-         "write `- coupling: ...`"),
-        (["  motor: {inertia: 1}", "  disc: {inertia: 2}"], (3, 3), "a mapping is not a list of components",
-         "begin each component with a dash: `- motor: ...`"),
-        ([END, "motor: {inertia: 3}"], (4, 1), "unknown key `motor`",
-         "a component is an entry of `train`, with a dash: `- motor: ...`"),
-        ([MOTOR, SHAFT, END, "rules: [m68]"], (6, 9), "unknown rule `m68`", "did you mean `iacs-m68`?"),
-        ([MOTOR, SHAFT, END, "rules: [m53]"], (6, 9), "unknown rule `m53`", "did you mean `iacs-m53`?"),
-        ([MOTOR, SHAFT, END, "rules: [iacs-m69]"], (6, 9), "unknown rule `iacs-m69`",
-         f"there is {', '.join(RULES)}"),
-        ([MOTOR, "- gear: {ratio: 5.77:1}", END], (4, 17), "'5.77:1' is not a number", "write 5.77"),
-        ([MOTOR, "- gear: {ratio: 1:5.77}", END], (4, 17), "'1:5.77' is not a number", "write 100/577"),
+        (
+            [MOTOR, "- coupling {stiffness: 5}", END],
+            (4, 3),
+            "a colon is missing after `coupling`",
+            "write `- coupling: {...}`",
+        ),
+        (
+            [MOTOR, "- coupling {}", END],
+            (4, 3),
+            "'coupling {}' is not a component, a mapping with one key",
+            "write `- coupling: {...}`",
+        ),
+        (
+            ["- alternator: {inertia: 1}", END],
+            (3, 3),
+            "unknown component `alternator`",
+            "`generator: {inertia: ...}`",
+        ),
+        (
+            [MOTOR, "- gear: {ratio: 1/5.77}", END],
+            (4, 17),
+            "'1/5.77' is not a number",
+            "a quotient has whole numbers: write 100/577",
+        ),
+        (
+            [MOTOR, "- gear: {ratio: 1/0}", END],
+            (4, 17),
+            "'1/0' is not a number",
+            "write 2, 0.5 or 21/8",
+        ),
+        (
+            [MOTOR, "coupling: {stiffness: 5}", END],
+            (4, 1),
+            "`coupling` begins without a dash",
+            "write `- coupling: ...`",
+        ),
+        (
+            ["  motor: {inertia: 1}", "  disc: {inertia: 2}"],
+            (3, 3),
+            "a mapping is not a list of components",
+            "begin each component with a dash: `- motor: ...`",
+        ),
+        (
+            [END, "motor: {inertia: 3}"],
+            (4, 1),
+            "unknown key `motor`",
+            "a component is an entry of `train`, with a dash: `- motor: ...`",
+        ),
+        (
+            [MOTOR, SHAFT, END, "rules: [m68]"],
+            (6, 9),
+            "unknown rule `m68`",
+            "did you mean `iacs-m68`?",
+        ),
+        (
+            [MOTOR, SHAFT, END, "rules: [m53]"],
+            (6, 9),
+            "unknown rule `m53`",
+            "did you mean `iacs-m53`?",
+        ),
+        (
+            [MOTOR, SHAFT, END, "rules: [iacs-m69]"],
+            (6, 9),
+            "unknown rule `iacs-m69`",
+            f"there is {', '.join(RULES)}",
+        ),
+        (
+            [MOTOR, "- gear: {ratio: 5.77:1}", END],
+            (4, 17),
+            "'5.77:1' is not a number",
+            "write 5.77",
+        ),
+        (
+            [MOTOR, "- gear: {ratio: 1:5.77}", END],
+            (4, 17),
+            "'1:5.77' is not a number",
+            "write 100/577",
+        ),
         ([MOTOR, "- gear: {ratio: 21:8}", END], (4, 17), "'21:8' is not a number", "write 21/8"),
-        ([MOTOR, "- gear: {ratio: 0:1}", END], (4, 17), "'0:1' is not a number", "write 2, 0.5 or 21/8"),
-        ([MOTOR, "- coupling:{stiffness: 5}", END], (4, 3),
-         "a blank is missing after the colon of `coupling`", WRITE),
-        ([MOTOR, END, "operation:", "  speeds {from: 3 rpm}"], (6, 3), "a colon is missing after `speeds`",
-         "write `speeds: {...}`"),
-        ([MOTOR, "- coupling: {stiffness:20 kN*m/rad, psi: 1}", END], (4, 14), "`stiffness:20 kN*m/rad` has no value",
-         "a blank is missing after the colon: `stiffness: 20 kN*m/rad`"),
-        ([MOTOR, SHAFT, END, "rules:", "- gear-hammer {limit: 0.3}"], (7, 3),
-         "a colon is missing after `gear-hammer`", "write `- gear-hammer: {...}`"),
+        (
+            [MOTOR, "- gear: {ratio: 0:1}", END],
+            (4, 17),
+            "'0:1' is not a number",
+            "write 2, 0.5 or 21/8",
+        ),
+        (
+            [MOTOR, "- coupling:{stiffness: 5}", END],
+            (4, 3),
+            "a blank is missing after the colon of `coupling`",
+            WRITE,
+        ),
+        (
+            [MOTOR, END, "operation:", "  speeds {from: 3 rpm}"],
+            (6, 3),
+            "a colon is missing after `speeds`",
+            "write `speeds: {...}`",
+        ),
+        (
+            [MOTOR, "- coupling: {stiffness:20 kN*m/rad, psi: 1}", END],
+            (4, 14),
+            "`stiffness:20 kN*m/rad` has no value",
+            "a blank is missing after the colon: `stiffness: 20 kN*m/rad`",
+        ),
+        (
+            [MOTOR, SHAFT, END, "rules:", "- gear-hammer {limit: 0.3}"],
+            (7, 3),
+            "a colon is missing after `gear-hammer`",
+            "write `- gear-hammer: {...}`",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_slip_is_answered_at_its_place_with_what_is_right(lines, place, message, hint) -> None:
     found = fault(*lines)
     assert ((found.line, found.column), found.message, found.hint) == (place, message, hint)
@@ -73,29 +154,74 @@ def test_a_slip_is_answered_at_its_place_with_what_is_right(lines, place, messag
         ([MOTOR, "- coupling {stiffness: 5, psi: 1}", END], (4, 3), COLON, WRITE),
         ([f"  {MOTOR}", "  -  coupling{stiffness: 5, psi: 1}"], (4, 6), COLON, WRITE),
         ([MOTOR, "- coupling {stiffness: 5,", "    psi: 1}", END], (4, 3), COLON, WRITE),
-        ([MOTOR, "- coupling:{stiffness: 5, psi: 1}", END], (4, 3),
-         "a blank is missing after the colon of `coupling`", WRITE),
+        (
+            [MOTOR, "- coupling:{stiffness: 5, psi: 1}", END],
+            (4, 3),
+            "a blank is missing after the colon of `coupling`",
+            WRITE,
+        ),
         ([MOTOR, "- coupling", "    stiffness: 5", "    psi: 1", END], (4, 3), COLON, WRITE),
-        ([MOTOR, "- coupling # of rubber", "", "    # new", "    stiffness: 5", END], (4, 3), COLON, WRITE),
-        ([MOTOR, "- coupling: {stiffness: 5, clearance {angle: 1 deg}}", END], (4, 28),
-         "a colon is missing after `clearance`", "write `clearance: {...}`"),
-        ([MOTOR, END, "operation:", "  speeds {from: 3 rpm, to: 5 rpm}"], (6, 3),
-         "a colon is missing after `speeds`", "write `speeds: {...}`"),
-        ([MOTOR, END, "excitations [{at: x}, {at: y}]"], (5, 1), "a colon is missing after `excitations`",
-         "write `excitations: [...]`"),
+        (
+            [MOTOR, "- coupling # of rubber", "", "    # new", "    stiffness: 5", END],
+            (4, 3),
+            COLON,
+            WRITE,
+        ),
+        (
+            [MOTOR, "- coupling: {stiffness: 5, clearance {angle: 1 deg}}", END],
+            (4, 28),
+            "a colon is missing after `clearance`",
+            "write `clearance: {...}`",
+        ),
+        (
+            [MOTOR, END, "operation:", "  speeds {from: 3 rpm, to: 5 rpm}"],
+            (6, 3),
+            "a colon is missing after `speeds`",
+            "write `speeds: {...}`",
+        ),
+        (
+            [MOTOR, END, "excitations [{at: x}, {at: y}]"],
+            (5, 1),
+            "a colon is missing after `excitations`",
+            "write `excitations: [...]`",
+        ),
         (["    motor: {inertia: 1}", "  - gear: {ratio: 2}", f"  {END}"], (3, 5), DASHLESS, DASH),
-        (["  motor:", "    inertia: 1", "  - gear: {ratio: 2}", f"  {END}"], (3, 3), DASHLESS, DASH),
+        (
+            ["  motor:", "    inertia: 1", "  - gear: {ratio: 2}", f"  {END}"],
+            (3, 3),
+            DASHLESS,
+            DASH,
+        ),
         (["motor: {inertia: 1}", END], (3, 1), DASHLESS, DASH),
         ([f"  {END}", "  motor: {inertia: 1}", f"  {END}"], (4, 3), DASHLESS, DASH),
         ([f"  {END}", "   motor: {inertia: 1}"], (4, 4), DASHLESS, DASH),
-        ([f"  {MOTOR}", "  - coupling:", "      stiffness: 5", "  psi: 1"], (6, 3), *ALIGNED),  # no kind: no dash
-        ([MOTOR, "links:", "  - between: [a, b]", "    coupling: {stiffness: 1}", " - between: [c, d]"], (7, 2),
-         *ALIGNED),
-        ([MOTOR, "- coupling: {stiffness: 5, psi: 1}", "- gear: ratio: 2"], (5, 14), "a ':' is not allowed here",
-         "check the indentation of this line and the one above; put text that holds ': ' in quotes"),
+        (
+            [f"  {MOTOR}", "  - coupling:", "      stiffness: 5", "  psi: 1"],
+            (6, 3),
+            *ALIGNED,
+        ),  # no kind: no dash
+        (
+            [
+                MOTOR,
+                "links:",
+                "  - between: [a, b]",
+                "    coupling: {stiffness: 1}",
+                " - between: [c, d]",
+            ],
+            (7, 2),
+            *ALIGNED,
+        ),
+        (
+            [MOTOR, "- coupling: {stiffness: 5, psi: 1}", "- gear: ratio: 2"],
+            (5, 14),
+            "a ':' is not allowed here",
+            "check the indentation of this line and the one above; put text that holds ': ' in quotes",
+        ),
     ],
-)  # fmt: skip
-def test_a_missing_mark_is_named_where_it_is_missing(lines, place, message, hint, loader, monkeypatch) -> None:
+)
+def test_a_missing_mark_is_named_where_it_is_missing(
+    lines, place, message, hint, loader, monkeypatch
+) -> None:
     if loader == "python":
         monkeypatch.setattr(yaml_source, "_LOADER", yaml.SafeLoader)
     found = fault(*lines)

@@ -32,7 +32,12 @@ def test_every_scene_of_the_repository_reads(path):
 
 def test_smallest_scene_has_the_defaults_of_the_format():
     study = parse(TWO, "two.yaml")
-    assert (study.name, study.description, study.file, study.text) == ("two discs", "", "two.yaml", TWO)
+    assert (study.name, study.description, study.file, study.text) == (
+        "two discs",
+        "",
+        "two.yaml",
+        TWO,
+    )
     assert (study.model, dict(study.analyses), study.rules) == ("lumped", {}, ())
     assert study.operation.speeds is None
     assert study.train.materials["steel"].shear_modulus == 79.3e9
@@ -77,7 +82,9 @@ def test_figures_arrive_in_si_units():
     ],
 )
 def test_speed_ratios_are_exact_fractions_of_what_is_written(gear, speed):
-    train = train_of(f"  - disc: {{inertia: 1}}\n  - gear: {{{gear}}}\n  - disc: {{name: last, inertia: 1}}\n")
+    train = train_of(
+        f"  - disc: {{inertia: 1}}\n  - gear: {{{gear}}}\n  - disc: {{name: last, inertia: 1}}\n"
+    )
     assert train.part("last").ratio == speed
 
 
@@ -92,7 +99,10 @@ def test_orders_are_exact_fractions_of_what_is_written():
     )
     first, second, third, fourth = parse(text).train.torques
     assert (first.order, first.torque) == (Fraction(1, 10), 3.0)
-    assert (second.order, Amount(second.torque, second.of_mean)) == (Fraction(21, 8), Amount(0.0, 0.1))
+    assert (second.order, Amount(second.torque, second.of_mean)) == (
+        Fraction(21, 8),
+        Amount(0.0, 0.1),
+    )
     assert second.phase == math.pi
     assert (third.frequency, third.of_mean) == (35.0, 0.05)
     assert fourth.table == ((0.0, 1.0), (pytest.approx(2 * math.pi, rel=1e-15), 5.0))
@@ -107,12 +117,25 @@ def test_branches_of_branches_are_read_where_they_stand():
         "      branches: [{teeth: 10, train: [disc: {name: fast, inertia: 4}]}, {ratio: 4}]\n"
         "  - disc: {name: slow, inertia: 5}\n"
     )
-    assert train.part("disc-3").path == ("train", 1, "branch", "train", 2, "branch", "train", 0, "disc")
+    assert train.part("disc-3").path == (
+        "train",
+        1,
+        "branch",
+        "train",
+        2,
+        "branch",
+        "train",
+        0,
+        "disc",
+    )
     assert (train.part("fast").ratio, train.part("slow").ratio) == (2, Fraction(1, 2))
 
 
 def test_link_closes_a_loop_between_points():
-    text = TWO + "links: [{between: [disc-1, disc-2], shaft: {length: 1, diameter: 0.1, material: soft}}]\n"
+    text = (
+        TWO
+        + "links: [{between: [disc-1, disc-2], shaft: {length: 1, diameter: 0.1, material: soft}}]\n"
+    )
     train = parse(text + "materials: {soft: {shear_modulus: 1 GPa, density: 0}}\n").train
     (bar,) = train.bars
     assert (bar.driving, bar.driven) == (train.springs[0].driving, train.springs[0].driven)
@@ -143,15 +166,26 @@ def test_analysis_without_settings_runs_with_its_defaults_and_rules_keep_their_o
 
 def test_fault_that_is_found_after_reading_is_shown_in_the_file():
     study = parse(TWO, "two.yaml")
-    error = located(InputError([Fault(("train", 2, "disc", "inertia"), "too heavy", "lighter")]), study)
+    error = located(
+        InputError([Fault(("train", 2, "disc", "inertia"), "too heavy", "lighter")]), study
+    )
     assert [(fault.line, fault.column) for fault in error.faults] == [(5, 21)]
-    assert str(error) == "two.yaml:5:21: too heavy (lighter)\n      - disc: {inertia: 2.5}\n" + " " * 24 + "^"
+    assert (
+        str(error)
+        == "two.yaml:5:21: too heavy (lighter)\n      - disc: {inertia: 2.5}\n" + " " * 24 + "^"
+    )
 
 
 def test_example_of_the_new_command_reads_and_every_line_is_explained():
     text = template("example.yaml")
     study = parse(text)
-    assert {part.kind for part in study.train.parts} == {"motor", "coupling", "gear", "shaft", "propeller"}
+    assert {part.kind for part in study.train.parts} == {
+        "motor",
+        "coupling",
+        "gear",
+        "shaft",
+        "propeller",
+    }
     assert [name for name, _ in study.rules] == ["iacs-m68", "coupling-maker", "gear-hammer"]
     assert [line for line in text.splitlines() if line.strip() and "#" not in line] == []
 

@@ -50,7 +50,7 @@ length [mm];diameter [mm];bore [mm];features;step
 600;100;;;
 400;"[120; 140]";;radial hole;{fillet: 8 mm}
 500;200;80;;
-"""  # fmt: skip
+"""
 jsonschema = pytest.importorskip("jsonschema")
 NAMES = {"line [1]": "a", "line [2]": "b", "line [3]": "c"}
 
@@ -58,7 +58,8 @@ NAMES = {"line [1]": "a", "line [2]": "b", "line [3]": "c"}
 @pytest.mark.parametrize("model", ["lumped", "fem", "exact"])
 def test_sections_are_shafts_one_after_the_other(model: str) -> None:
     found, expected = (
-        modes(assemble(parse(text).train, model, frequency=3000.0), 5).frequency for text in (SECTIONS, WRITTEN)
+        modes(assemble(parse(text).train, model, frequency=3000.0), 5).frequency
+        for text in (SECTIONS, WRITTEN)
     )
     assert np.asarray(found) == pytest.approx(np.asarray(expected), rel=1e-11)
 
@@ -67,7 +68,10 @@ def test_every_section_is_judged_with_its_own_features() -> None:
     """The sections have other limits; the table names the worst of them, and the sketch has one scale."""
     findings = run(parse(SECTIONS))
     checks, expected = (
-        {(NAMES.get(one.where, one.where), one.what): replace(one, where="") for one in each.need(Checks).lines}
+        {
+            (NAMES.get(one.where, one.where), one.what): replace(one, where="")
+            for one in each.need(Checks).lines
+        }
         for each in (findings, run(parse(WRITTEN)))
     )
     assert checks.keys() == expected.keys()
@@ -84,7 +88,9 @@ def test_every_section_is_judged_with_its_own_features() -> None:
         if isinstance(one, Paragraph)
     )
     drawn = [link for link in _links(findings) if link.kind == "shaft"]
-    assert np.array([link.taper for link in drawn]) == pytest.approx(np.array([(0.5, 0.5), (0.6, 0.7), (1.0, 1.0)]))
+    assert np.array([link.taper for link in drawn]) == pytest.approx(
+        np.array([(0.5, 0.5), (0.6, 0.7), (1.0, 1.0)])
+    )
     long = [link.end[0] - link.start[0] for link in drawn]
     assert long == pytest.approx([0.8 * 3 * share / 1.5 for share in (0.6, 0.4, 0.5)], rel=1e-12)
 
@@ -113,23 +119,29 @@ def test_the_table_may_be_a_file(tmp_path: Path, said: str) -> None:
         ("{name: l, length: 1, sections: [[1, 0.1]]}", "5:30: `length` belongs to one section"),
         ("{name: l, sections: [[1, 0.1], [1]]}", "5:43: a list is no section"),
         ("{name: l, sections: [[1, 0.1], [1, 3 kg]]}", "5:47: "),
-        ("{name: l, sections: [{name: x, length: 1, diameter: 0.1}]}", "5:40: a section has no `name`"),
+        (
+            "{name: l, sections: [{name: x, length: 1, diameter: 0.1}]}",
+            "5:40: a section has no `name`",
+        ),
         ("{name: l, sections: [{diameter: 0.1}]}", "5:33: `length` is missing"),
         ("{name: l, material: gold, sections: [[1, 0.1]]}", "5:32: no material is called 'gold'"),
-        ("{name: l, sections: [[1, 0.1], {length: 1, diameter: 0.2, step: sharp}]}", "5:76: no shaft follows 'l [2]'"),
+        (
+            "{name: l, sections: [[1, 0.1], {length: 1, diameter: 0.2, step: sharp}]}",
+            "5:76: no shaft follows 'l [2]'",
+        ),
         ("{name: l, sections: missing.csv}", "5:32: the table 'missing.csv' does not exist"),
     ],
 )
 def test_faults_have_their_place(body: str, fault: str) -> None:
-    text = f"name: s\ntrain:\n  - disc: {{inertia: 2}}\n  - disc: {{inertia: 1}}\n  - shaft: {body}\n"
+    text = (
+        f"name: s\ntrain:\n  - disc: {{inertia: 2}}\n  - disc: {{inertia: 1}}\n  - shaft: {body}\n"
+    )
     with pytest.raises(InputError, match=re.escape(fault)):
         parse(text)
 
 
 def test_sections_stand_in_a_train_alone() -> None:
-    text = (
-        "name: s\ntrain: [disc: {name: a, inertia: 2}, shaft: {length: 1, diameter: 0.1}, disc: {name: b, inertia: 2}]"
-    )
+    text = "name: s\ntrain: [disc: {name: a, inertia: 2}, shaft: {length: 1, diameter: 0.1}, disc: {name: b, inertia: 2}]"
     with pytest.raises(InputError, match="3:54: `sections` belong only in the list of a train"):
         parse(f"{text}\nlinks: [{{between: [a, b], shaft: {{name: l, sections: [[1, 0.1]]}}}}]")
 
@@ -139,7 +151,9 @@ def test_an_editor_takes_sections_in_place_of_a_length() -> None:
 
     validator = jsonschema.Draft202012Validator(json_schema())
     assert validator.is_valid(parse_source(SECTIONS, "").data)
-    assert not validator.is_valid(parse_source(SECTIONS.replace("sections: [", "segments: 3, note: ["), "").data)
+    assert not validator.is_valid(
+        parse_source(SECTIONS.replace("sections: [", "segments: 3, note: ["), "").data
+    )
 
 
 @pytest.mark.parametrize("text", ["", "length [mm];diameter [mm]\n"])
@@ -147,5 +161,7 @@ def test_table_without_rows_says_which_columns_it_has(text: str, tmp_path: Path)
     tmp_path.joinpath("line.csv").write_text(text)
     scene = tmp_path / "scene.yaml"
     scene.write_text(SCENE.format(shafts="  - shaft: {name: line, sections: line.csv}"))
-    with pytest.raises(InputError, match=re.escape("first a row of `length [mm]`, `diameter [mm]`")):
+    with pytest.raises(
+        InputError, match=re.escape("first a row of `length [mm]`, `diameter [mm]`")
+    ):
         read(scene)

@@ -37,23 +37,54 @@ modes:
 @pytest.fixture(params=["libyaml", "python"])
 def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both parsers of PyYAML: the one in C is not on every machine."""
-    monkeypatch.setattr(source, "_LOADER", yaml.SafeLoader if request.param == "python" else source._LOADER)
+    monkeypatch.setattr(
+        source, "_LOADER", yaml.SafeLoader if request.param == "python" else source._LOADER
+    )
 
 
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("1e6", 1e6), ("1.0E+6", 1e6), ("1e-3", 1e-3), ("2_000", 2000), ("2_000.5", 2000.5), (".5", 0.5), ("5.", 5.0),
-        ("-3", -3), ("+3", 3), ("-.5e1", -5.0), ("0", 0), ("007", 7), ("0x1F", 31), ("0o17", 15), ("5.e2", 500.0),
-        ("true", True), ("True", True), ("TRUE", True), ("false", False), ("False", False), ("FALSE", False),
-        ("null", None), ("Null", None), ("NULL", None), ("~", None), ("", None),
-        (".inf", math.inf), ("-.INF", -math.inf), ("+.Inf", math.inf), ("1e400", math.inf), ("9" * 400, math.inf),
-        ("0x" + "F" * 5000, math.inf), ("12345678901234567890", 12345678901234567890),
+        ("1e6", 1e6),
+        ("1.0E+6", 1e6),
+        ("1e-3", 1e-3),
+        ("2_000", 2000),
+        ("2_000.5", 2000.5),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("-3", -3),
+        ("+3", 3),
+        ("-.5e1", -5.0),
+        ("0", 0),
+        ("007", 7),
+        ("0x1F", 31),
+        ("0o17", 15),
+        ("5.e2", 500.0),
+        ("true", True),
+        ("True", True),
+        ("TRUE", True),
+        ("false", False),
+        ("False", False),
+        ("FALSE", False),
+        ("null", None),
+        ("Null", None),
+        ("NULL", None),
+        ("~", None),
+        ("", None),
+        (".inf", math.inf),
+        ("-.INF", -math.inf),
+        ("+.Inf", math.inf),
+        ("1e400", math.inf),
+        ("9" * 400, math.inf),
+        ("0x" + "F" * 5000, math.inf),
+        ("12345678901234567890", 12345678901234567890),
     ],
-)  # fmt: skip
+)
 def test_a_plain_scalar_is_what_the_core_rules_say(text: str, value: Any) -> None:
     assert resolved(text) == value
-    assert (isinstance(resolved(text), type(value)) and not isinstance(value, bool)) or resolved(text) is value
+    assert (isinstance(resolved(text), type(value)) and not isinstance(value, bool)) or resolved(
+        text
+    ) is value
 
 
 @pytest.mark.parametrize("text", [".nan", ".NaN", ".NAN"])
@@ -63,10 +94,39 @@ def test_not_a_number_is_read_and_left_to_the_limits_of_its_key(text: str) -> No
 
 @pytest.mark.parametrize(
     "text",
-    ["no", "yes", "on", "off", "y", "n", "No", "tRUE", "nULL", "1:30", "190:20:30", "2024-01-31",
-     "1__0", "_1", "1_", "0b11", "0X1F", "-0x1F", "e5", ".", "-", "+", ".e5", "1e", "nan", "inf", "١٢", "1 kN", "<",
-     "2024-01-31 10:00:00"],
-)  # fmt: skip
+    [
+        "no",
+        "yes",
+        "on",
+        "off",
+        "y",
+        "n",
+        "No",
+        "tRUE",
+        "nULL",
+        "1:30",
+        "190:20:30",
+        "2024-01-31",
+        "1__0",
+        "_1",
+        "1_",
+        "0b11",
+        "0X1F",
+        "-0x1F",
+        "e5",
+        ".",
+        "-",
+        "+",
+        ".e5",
+        "1e",
+        "nan",
+        "inf",
+        "١٢",
+        "1 kN",
+        "<",
+        "2024-01-31 10:00:00",
+    ],
+)
 def test_everything_else_is_text(text: str) -> None:
     assert resolved(text) == text
 
@@ -117,7 +177,9 @@ def test_a_scene_is_plain_data() -> None:
         (("modes",), (17, 7), (17, 1)),
     ],
 )
-def test_every_path_has_the_place_of_its_value_and_of_its_key(path: Any, value: Any, key: Any) -> None:
+def test_every_path_has_the_place_of_its_value_and_of_its_key(
+    path: Any, value: Any, key: Any
+) -> None:
     read = parse_source(SCENE, "f")
     assert read.place(path) == value
     assert read.place(path, key=True) == key
@@ -173,7 +235,11 @@ def test_columns_count_characters(text: str, path: Any, place: Any) -> None:
         ("? [a]\n: 1", (1, 3), "a key must be text"),
         ("a: &x 1\n? *x\n: 1", (2, 3), "a key must be text"),
         ("a: &x {b: 1}\nc:\n  <<: *x", (3, 3), "merge keys (<<) are not read"),
-        ("a: !!python/object/apply:os.system ['ls']", (1, 4), "tags are not read: !!python/object/apply:os.system"),
+        (
+            "a: !!python/object/apply:os.system ['ls']",
+            (1, 4),
+            "tags are not read: !!python/object/apply:os.system",
+        ),
         ("a: !own 1", (1, 4), "tags are not read: !own"),
         ("a: !!str 1", (1, 4), "tags are not read: !!str"),
         ("a: !<x 1", (1, 7), "tags (!) are not read"),
@@ -188,7 +254,11 @@ def test_columns_count_characters(text: str, path: Any, place: Any) -> None:
         ("a: 1\n\tb: 2", (2, 1), "a tab is used for indentation"),
         ("a: b: c", (1, 5), "a ':' is not allowed here"),
         ("a: 1\n  b: 2", (2, 4), "a ':' is not allowed here"),
-        ("x:\n  - a: {b: 1\n  - c: {d: 2}", (2, 8), "no closing '}' for this bracket, or no comma before line 3"),
+        (
+            "x:\n  - a: {b: 1\n  - c: {d: 2}",
+            (2, 8),
+            "no closing '}' for this bracket, or no comma before line 3",
+        ),
         ("a: [1, 2", (1, 4), "no closing ']' for this bracket"),
         ("a:\n  'abc\n\n", (2, 3), "this quote is not closed"),
         ("a: 'b\n---\n", (1, 4), "this quote is not closed"),
@@ -210,7 +280,9 @@ def test_columns_count_characters(text: str, path: Any, place: Any) -> None:
         ("---\n...\n", (1, 1), "the file is empty"),
     ],
 )
-def test_what_cannot_be_read_is_refused_at_its_place(text: str, place: tuple[int, int], words: str) -> None:
+def test_what_cannot_be_read_is_refused_at_its_place(
+    text: str, place: tuple[int, int], words: str
+) -> None:
     fault = _refused(text).faults[0]
     assert words in fault.message
     assert (fault.line, fault.column) == place
@@ -255,7 +327,9 @@ def test_aliases_that_go_deep_are_refused() -> None:
     rows = ["a0: &a0 []"] + [f"a{n}: &a{n} [*a{n - 1}]" for n in range(1, 100)]
     fault = _refused("\n".join(rows)).faults[0]
     assert fault.message == "more than 50 lists and mappings within each other"
-    assert fault.line == 50  # a0 is one list, so a48 is 49 within each other, and the top level is one more
+    assert (
+        fault.line == 50
+    )  # a0 is one list, so a48 is 49 within each other, and the top level is one more
 
 
 def test_only_what_aliases_add_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -275,7 +349,10 @@ def test_a_byte_order_mark_at_the_beginning_is_no_part_of_the_text(tmp_path: Pat
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"name: \xff\xfe", "f.yaml:1:7: the file is not UTF-8 text (save it as UTF-8)\n    name: "),
+        (
+            b"name: \xff\xfe",
+            "f.yaml:1:7: the file is not UTF-8 text (save it as UTF-8)\n    name: ",
+        ),
         (b"a: 1\nname: caf\xe9\n", "f.yaml:2:10: the file is not UTF-8 text"),
         ("a: 1".encode("utf-16"), "f.yaml:1:1: the file is not UTF-8 text"),
         (b"", "f.yaml:1:1: the file is empty"),
@@ -298,7 +375,8 @@ def test_a_file_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "words"), [("none", "the file does not exist"), (".", "a folder"), ("\0", "cannot be read")]
+    ("name", "words"),
+    [("none", "the file does not exist"), (".", "a folder"), ("\0", "cannot be read")],
 )
 def test_a_path_that_is_no_file_is_refused(name: str, words: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=words) as caught:
@@ -312,10 +390,46 @@ def test_a_source_is_frozen() -> None:
 
 
 PIECES = st.sampled_from(
-    ["a", "b: ", ": ", "- ", "\n", "\n  ", "\t", "[", "]", "{", "}", ",", "'", '"', "|", ">", "&x ", "*x", "!",
-     "#", "%", "@", "? ", "---\n", "...\n", "<<: ", "1", "0x", "\\", "~", "é", "!!int ", "\r", "\x85", "\u2028",
-     "\ufeff", "\0"]
-)  # fmt: skip
+    [
+        "a",
+        "b: ",
+        ": ",
+        "- ",
+        "\n",
+        "\n  ",
+        "\t",
+        "[",
+        "]",
+        "{",
+        "}",
+        ",",
+        "'",
+        '"',
+        "|",
+        ">",
+        "&x ",
+        "*x",
+        "!",
+        "#",
+        "%",
+        "@",
+        "? ",
+        "---\n",
+        "...\n",
+        "<<: ",
+        "1",
+        "0x",
+        "\\",
+        "~",
+        "é",
+        "!!int ",
+        "\r",
+        "\x85",
+        "\u2028",
+        "\ufeff",
+        "\0",
+    ]
+)
 
 
 @settings(max_examples=120, deadline=None, derandomize=True)
@@ -330,7 +444,9 @@ def test_any_text_is_data_with_places_or_an_input_error(text: str) -> None:
         assert faults
         assert all(fault.message.isprintable() for fault in faults)
         assert all(1 <= (fault.line or 0) <= len(lines) for fault in faults)
-        assert all(1 <= (fault.column or 0) <= len(lines[(fault.line or 0) - 1]) + 1 for fault in faults)
+        assert all(
+            1 <= (fault.column or 0) <= len(lines[(fault.line or 0) - 1]) + 1 for fault in faults
+        )
     else:
         _walk(read, read.data, ())
 
@@ -339,7 +455,13 @@ def _walk(read: Source, value: Any, path: tuple[str | int, ...]) -> None:
     line, column = read.place(path)
     assert 1 <= line <= len(read.lines)
     assert 1 <= column <= len(read.lines[line - 1]) + 1
-    for step, part in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
+    for step, part in (
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value)
+        if isinstance(value, list)
+        else ()
+    ):
         _walk(read, part, (*path, step))
 
 

@@ -17,10 +17,47 @@ from torsion.schema.yaml_source import parse_source
 
 ROOT = Path(__file__).parents[2]
 KNOWN = list(units._KINDS)
-WORDS = ["N", "kN", "m", "mm", "rad", "deg", "s", "kg", "lbf", "in", "rpm", "Hz", "min", "/", "*", "·", " ", "**2", "²",
-         "(", ")", "%", "J", "kW", "1/", "-", "GPa", "°", "5", "e3", ".", "1_0", "kNm", "kgm2", "Nms"]  # fmt: skip
+WORDS = [
+    "N",
+    "kN",
+    "m",
+    "mm",
+    "rad",
+    "deg",
+    "s",
+    "kg",
+    "lbf",
+    "in",
+    "rpm",
+    "Hz",
+    "min",
+    "/",
+    "*",
+    "·",
+    " ",
+    "**2",
+    "²",
+    "(",
+    ")",
+    "%",
+    "J",
+    "kW",
+    "1/",
+    "-",
+    "GPa",
+    "°",
+    "5",
+    "e3",
+    ".",
+    "1_0",
+    "kNm",
+    "kgm2",
+    "Nms",
+]
 
-TWOFOLD = {("K", "degC")}  # 300 K is a temperature and a difference of temperature; 20 degC is a temperature alone
+TWOFOLD = {
+    ("K", "degC")
+}  # 300 K is a temperature and a difference of temperature; 20 degC is a temperature alone
 
 
 def takes(text: str, unit: str) -> bool:
@@ -88,7 +125,10 @@ def test_no_usual_spelling_of_one_quantity_is_read_as_another(unit: str) -> None
 
 
 @settings(max_examples=1500, deadline=None)
-@given(st.lists(st.sampled_from(WORDS), max_size=6), st.sampled_from(["20", "1.5e3", "-.5", "2_000", "", " 3"]))
+@given(
+    st.lists(st.sampled_from(WORDS), max_size=6),
+    st.sampled_from(["20", "1.5e3", "-.5", "2_000", "", " 3"]),
+)
 def test_what_a_pattern_refuses_the_reader_refuses(pieces: list[str], number: str) -> None:
     for text in (number + "".join(pieces), f"{number} {''.join(pieces)}"):
         for unit in KNOWN:
@@ -110,13 +150,18 @@ def test_what_a_pattern_refuses_of_two_units_at_once_is_neither() -> None:
         ("coupling: {stiffness: 2e4}", "coupling: {stiffness: soft}"),
         ("disc: {inertia: 2 kgm2}", "disc: {inertia: 2 kg}"),
         ("disc: {inertia: 2 kgm²}", "disc: {inertia: 2 kN·m}"),
-        ("shaft: {length: 1 m, diameter: [60 mm, 50 mm]}", "shaft: {length: 1 m, diameter: [60 mm, 50 N/mm2]}"),
+        (
+            "shaft: {length: 1 m, diameter: [60 mm, 50 mm]}",
+            "shaft: {length: 1 m, diameter: [60 mm, 50 N/mm2]}",
+        ),
         ("joint: {angle: 5°}", "joint: {angle: 5 mm}"),
-        ("motor: {inertia: 1, ripple: [{order: 2, torque: 5 %}]}",
-         "motor: {inertia: 1, ripple: [{order: 2, torque: 5 m}]}"),
+        (
+            "motor: {inertia: 1, ripple: [{order: 2, torque: 5 %}]}",
+            "motor: {inertia: 1, ripple: [{order: 2, torque: 5 m}]}",
+        ),
         ("motor: {inertia: 1, power: 5 PS}", "motor: {inertia: 1, power: 5 kN}"),
     ],
-)  # fmt: skip
+)
 def test_the_editor_marks_a_wrong_unit(validator, good: str, bad: str) -> None:
     def faults(entry: str) -> list[str]:
         data = parse_source(f"name: x\ntrain:\n- {entry}\n", "f").data
@@ -127,12 +172,29 @@ def test_the_editor_marks_a_wrong_unit(validator, good: str, bad: str) -> None:
 
 
 def test_every_example_of_the_manual_is_valid(validator) -> None:
-    blocks = [block for text in pages().values() for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)]
+    blocks = [
+        block
+        for text in pages().values()
+        for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    ]
     assert len(blocks) > 60
     for block in blocks:
         data = parse_source(block, "page.md").data
-        parts = [{"train": data}, {"links": data}, {"excitations": data}, {"analyses": data}, {"rules": [data]}, data]
-        whole = [data] if isinstance(data, dict) and "train" in data else [
-            {"name": "x", "train": [{"disc": {"inertia": 1}}], **part} for part in parts if isinstance(part, dict)
-        ]  # fmt: skip
+        parts = [
+            {"train": data},
+            {"links": data},
+            {"excitations": data},
+            {"analyses": data},
+            {"rules": [data]},
+            data,
+        ]
+        whole = (
+            [data]
+            if isinstance(data, dict) and "train" in data
+            else [
+                {"name": "x", "train": [{"disc": {"inertia": 1}}], **part}
+                for part in parts
+                if isinstance(part, dict)
+            ]
+        )
         assert any(validator.is_valid(scene) for scene in whole), block

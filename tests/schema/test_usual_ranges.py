@@ -36,15 +36,26 @@ train:
 excitations:
   - {EXCITATIONat: motor-1, order: 1, torque: {of_mean: 10}}
 """
-CARRIERS = {"OPERATION": 1, "MATERIAL": 5, "MOTOR": 1, "COUPLING": 3, "GEAR": 1, "SHAFT": 4, "JOINT": 2, "PROPELLER": 3,
-            "EXCITATION": 1}  # fmt: skip
+CARRIERS = {
+    "OPERATION": 1,
+    "MATERIAL": 5,
+    "MOTOR": 1,
+    "COUPLING": 3,
+    "GEAR": 1,
+    "SHAFT": 4,
+    "JOINT": 2,
+    "PROPELLER": 3,
+    "EXCITATION": 1,
+}
 
 
 def scene(meant=()):
     """The scene with `unusual: true` on those that are meant, and `unusual: false` or nothing on the others."""
     text = SCENE
     for place, carrier in enumerate(CARRIERS):
-        text = text.replace(carrier, "unusual: true, " if carrier in meant else ("", "unusual: false, ")[place % 2])
+        text = text.replace(
+            carrier, "unusual: true, " if carrier in meant else ("", "unusual: false, ")[place % 2]
+        )
     return text
 
 
@@ -56,8 +67,10 @@ def faults_of(text):
 
 def test_every_slip_of_a_file_is_told_at_once_with_the_key_that_lifts_it():
     faults = faults_of(scene())
-    found = {carrier: [fault for fault in faults if f"on the {carrier.lower()} says so" in fault.hint]
-             for carrier in CARRIERS}  # fmt: skip
+    found = {
+        carrier: [fault for fault in faults if f"on the {carrier.lower()} says so" in fault.hint]
+        for carrier in CARRIERS
+    }
     assert {carrier: len(stated) for carrier, stated in found.items()} == CARRIERS
     assert len(faults) == sum(CARRIERS.values())
     assert len({(fault.line, fault.column) for fault in faults}) == len(faults)
@@ -74,18 +87,23 @@ def test_what_is_meant_is_read_as_it_is_written():
     study = parse(scene(CARRIERS))
     (shaft,) = study.train.bars
     assert (shaft.length, shaft.outer, shaft.bore) == (21e3, (60.0, 70.0), (4.0, 4.0))
-    assert [spring.loss_factor for spring in study.train.springs if spring.name == "coupling-1"] == [80 / (2 * math.pi)]
+    assert [
+        spring.loss_factor for spring in study.train.springs if spring.name == "coupling-1"
+    ] == [80 / (2 * math.pi)]
 
 
 def test_unusual_lifts_no_other_limit():
     text = scene(CARRIERS).replace("psi: 80", "psi: -80").replace("bore: 4", "bore: 65")
     assert [fault.message for fault in faults_of(text)] == [
-        "-80 is out of range", "the bore is not smaller than the diameter",
-    ]  # fmt: skip
+        "-80 is out of range",
+        "the bore is not smaller than the diameter",
+    ]
 
 
 def test_only_true_says_that_it_is_meant():
-    faults = faults_of(scene(CARRIERS).replace("psi: 80, unusual: true", "psi: 80, unusual: 'true'"))
+    faults = faults_of(
+        scene(CARRIERS).replace("psi: 80, unusual: true", "psi: 80, unusual: 'true'")
+    )
     assert any("neither true nor false" in fault.message for fault in faults)
     assert any("80 %?" in fault.hint for fault in faults)
 
@@ -100,19 +118,49 @@ def test_a_gear_does_not_speak_for_the_components_of_its_branches():
     ("lowest", "highest", "build"),
     [
         (None, 3.0, lambda value, **meant: Shaft(length=1.0, diameter=value, **meant)),
-        (1e-6, 20e3, lambda value, **meant: Shaft(length=value, diameter=1.0 if value > 1.0 else 1e-3, **meant)),
+        (
+            1e-6,
+            20e3,
+            lambda value, **meant: Shaft(
+                length=value, diameter=1.0 if value > 1.0 else 1e-3, **meant
+            ),
+        ),
         (None, 4.0 * math.pi, lambda value, **meant: Coupling(stiffness=1e4, psi=value, **meant)),
         (None, 2.0, lambda value, **meant: Coupling(stiffness=1e4, loss_factor=value, **meant)),
-        (None, 2.0, lambda value, **meant: Shaft(length=1.0, diameter=0.1, loss_factor=value, **meant)),
+        (
+            None,
+            2.0,
+            lambda value, **meant: Shaft(length=1.0, diameter=0.1, loss_factor=value, **meant),
+        ),
         (500.0, 25e3, lambda value, **meant: Material(shear_modulus=8e10, density=value, **meant)),
         (1e9, 1e12, lambda value, **meant: Material(shear_modulus=value, density=7850.0, **meant)),
-        (1e9, 1e12, lambda value, **meant: Material(shear_modulus=8e10, youngs_modulus=value, density=0.0, **meant)),
-        (None, 5.0, lambda value, **meant: Excitation(at="a", order=1, torque={"of_mean": value}, **meant)),
-        (None, 5.0, lambda value, **meant: Propeller(
-            inertia=1.0, blades=4, excitation=[{"blade_order": 1, "torque": {"of_mean": value}}], **meant)),
+        (
+            1e9,
+            1e12,
+            lambda value, **meant: Material(
+                shear_modulus=8e10, youngs_modulus=value, density=0.0, **meant
+            ),
+        ),
+        (
+            None,
+            5.0,
+            lambda value, **meant: Excitation(at="a", order=1, torque={"of_mean": value}, **meant),
+        ),
+        (
+            None,
+            5.0,
+            lambda value, **meant: Propeller(
+                inertia=1.0,
+                blades=4,
+                excitation=[{"blade_order": 1, "torque": {"of_mean": value}}],
+                **meant,
+            ),
+        ),
     ],
-)  # fmt: skip
-def test_the_ends_of_a_range_are_usual_and_what_lies_beyond_is_refused_in_python_too(lowest, highest, build):
+)
+def test_the_ends_of_a_range_are_usual_and_what_lies_beyond_is_refused_in_python_too(
+    lowest, highest, build
+):
     for end, beyond in ((lowest, 0.0), (highest, math.inf)):
         if end is not None:
             build(end)
@@ -137,12 +185,21 @@ def test_schema_and_manual_tell_the_ranges_and_the_key_that_lifts_them():
     assert definitions["Shaft"]["properties"]["length"]["x-usual"] == [1e-6, 20e3]
     assert definitions["Material"]["properties"]["density"]["x-usual"] == [500.0, 25e3]
     torque = definitions["Ripple"]["properties"]["torque"]["anyOf"]
-    assert [None, 5.0] in [way.get("properties", {}).get("of_mean", {}).get("x-usual") for way in torque]
+    assert [None, 5.0] in [
+        way.get("properties", {}).get("of_mean", {}).get("x-usual") for way in torque
+    ]
     assert "usually 1e-05 to 3" in str(definitions["Shaft"]["properties"]["diameter"])
-    for name in ("Material", "Operation", "Excitation", *(component(kind).__name__ for kind in KINDS)):
+    for name in (
+        "Material",
+        "Operation",
+        "Excitation",
+        *(component(kind).__name__ for kind in KINDS),
+    ):
         assert definitions[name]["properties"]["unusual"]["type"] == "boolean"
     rows = [
-        line for line in pages()["components/shaft.md"].splitlines() if line.startswith("| `diameter` | `m`, or a list")
+        line
+        for line in pages()["components/shaft.md"].splitlines()
+        if line.startswith("| `diameter` | `m`, or a list")
     ]
     assert [row.split(" | ")[2] for row in rows] == ["more than 0, usually 1e-05 to 3"]
 
@@ -160,9 +217,16 @@ train:
 analyses: {{{analyses}}}
 """
 SOUND = {
-    "speed": "1500 rpm", "inertia": "2", "coupling": "viscous: 1", "planets": "3", "length": "4500 mm",
-    "diameter": "60 mm", "entrained": "25 %", "branch": "[disc: {inertia: 1}]", "analyses": "modes: {count: 3}",
-}  # fmt: skip
+    "speed": "1500 rpm",
+    "inertia": "2",
+    "coupling": "viscous: 1",
+    "planets": "3",
+    "length": "4500 mm",
+    "diameter": "60 mm",
+    "entrained": "25 %",
+    "branch": "[disc: {inertia: 1}]",
+    "analyses": "modes: {count: 3}",
+}
 SWEEP = "sweep: {{vary: {{coupling-1.stiffness: {{values: {}}}}}}}"
 NONSENSE = [  # key, what it says, line of the fault, words of the refusal
     ("planets", "60", 6, "60 planets of these teeth overlap (at most 4 on their circle)"),
@@ -170,17 +234,42 @@ NONSENSE = [  # key, what it says, line of the fault, words of the refusal
     ("analyses", SWEEP.format("[1, 1]"), 11, "the value 1 is listed twice"),
     ("analyses", SWEEP.format("[10 kN*m/rad, 20 kN*m/rad, 10 kN*m/rad]"), 11, "listed twice"),
     ("branch", "[]", 9, "`train` is an empty list"),
-    ("branch", "[disc: {inertia: 1}, gear: {ratio: 3, differential: {train: []}}]", 9, "`train` is an empty list"),
+    (
+        "branch",
+        "[disc: {inertia: 1}, gear: {ratio: 3, differential: {train: []}}]",
+        9,
+        "`train` is an empty list",
+    ),
     ("analyses", "tolerances: {aim: [{mode: 1}]}", 11, "`frequency` is missing"),
-    ("length", "4500", 7, "the length is 75000 times the diameter, outside the usual range (4500 mm?"),
+    (
+        "length",
+        "4500",
+        7,
+        "the length is 75000 times the diameter, outside the usual range (4500 mm?",
+    ),
     ("diameter", "6e-11 mm", 7, "6e-11 mm is outside the usual range (usual: 0.01 to 3000 mm"),
     ("speed", "1e15 rpm", 2, "1e+15 rpm is outside the usual range"),
-    ("coupling", "clearance: 36000 deg", 5, "36000 deg is outside the usual range (usual: 5.7296e-07 to 720 deg"),
+    (
+        "coupling",
+        "clearance: 36000 deg",
+        5,
+        "36000 deg is outside the usual range (usual: 5.7296e-07 to 720 deg",
+    ),
     ("entrained", "25", 8, "25 times the inertia of the propeller, outside the usual range (25 %?"),
-    ("entrained", "2500 %", 8, "25 times the inertia of the propeller, outside the usual range (usual: 1e-06 to 5"),
+    (
+        "entrained",
+        "2500 %",
+        8,
+        "25 times the inertia of the propeller, outside the usual range (usual: 1e-06 to 5",
+    ),
     ("inertia", "1e12", 4, "1e+12 kg*m**2 is outside the usual range (1e+12 kg*mm**2?"),
     ("inertia", "1e200", 4, "1e+200 kg*m**2 is outside the usual range"),
-    ("inertia", "1e200, unusual: true", 4, "beyond all that can be computed with (in SI from 1e-60 to 1e+60, or 0)"),
+    (
+        "inertia",
+        "1e200, unusual: true",
+        4,
+        "beyond all that can be computed with (in SI from 1e-60 to 1e+60, or 0)",
+    ),
     ("inertia", "1e-200 kg*m**2", 4, "outside the usual range"),
 ]
 
@@ -199,18 +288,32 @@ def test_nonsense_is_refused_where_it_stands(key, value, line, words):
 @pytest.mark.parametrize(
     ("scene", "good", "bad", "words"),
     [
-        ("v12_generator_set", "duration: 65 deg", "duration: 0.0001 deg", "0.0001 deg is outside the usual range"),
-        ("genset_short_circuit", "line: 8,", "line: 8e12,", "8e+12 is outside the usual range (usual: 1e-06 to 100)"),
+        (
+            "v12_generator_set",
+            "duration: 65 deg",
+            "duration: 0.0001 deg",
+            "0.0001 deg is outside the usual range",
+        ),
+        (
+            "genset_short_circuit",
+            "line: 8,",
+            "line: 8e12,",
+            "8e+12 is outside the usual range (usual: 1e-06 to 100)",
+        ),
     ],
 )
 def test_nonsense_in_a_scene_is_refused_where_it_stands(scene, good, bad, words):
     text = (SCENES / f"{scene}.yaml").read_text(encoding="utf-8")
     faults = faults_of(text.replace(good, bad, 1))
-    assert faults[0].line == next(number for number, line in enumerate(text.splitlines(), 1) if good in line)
+    assert faults[0].line == next(
+        number for number, line in enumerate(text.splitlines(), 1) if good in line
+    )
     assert words in f"{faults[0].message} ({faults[0].hint})"
 
 
-@pytest.mark.parametrize(("teeth", "room"), [((21, 93, 36), 4), ((60, 100, 20), 12), ((30, 90, 30), 5)])
+@pytest.mark.parametrize(
+    ("teeth", "room"), [((21, 93, 36), 4), ((60, 100, 20), 12), ((30, 90, 30), 5)]
+)
 def test_as_many_planets_are_possible_as_have_room_on_their_circle(teeth, room):
     """Pitch circles beside each other: (sun + planet) sin(pi/N) > planet; six circles about an equal one touch."""
     sun, ring, planet = teeth

@@ -42,7 +42,9 @@ MODES = "vary: {rubber.stiffness: {uniform: 10 %}}, samples: 128, results: [mode
 def same(one: Sweep, other: Sweep) -> None:
     assert np.array_equal(one.factor, other.factor)
     assert np.array_equal(one.frequency, other.frequency, equal_nan=True)
-    assert [(check.rule, check.what) for check in one.checks] == [(check.rule, check.what) for check in other.checks]
+    assert [(check.rule, check.what) for check in one.checks] == [
+        (check.rule, check.what) for check in other.checks
+    ]
     for mine, others in zip(one.checks, other.checks, strict=True):
         assert np.array_equal(mine.utilisation, others.utilisation, equal_nan=True)
         assert np.array_equal(mine.fails, others.fails)
@@ -79,10 +81,18 @@ def test_a_part_that_is_there_is_kept_and_one_that_is_not_is_solved_all_as_solve
 ) -> None:
     shutil.copytree(kept, tmp_path, dirs_exist_ok=True)
     (lost,) = (tmp_path / "parts").glob("part-000003.*")
-    times = {path: path.stat().st_mtime_ns for path in (tmp_path / "parts").glob("part-*") if path != lost}
-    lost.rename(lost.with_name(f"{lost.name}.part"))  # as of a process that was killed while it wrote
+    times = {
+        path: path.stat().st_mtime_ns
+        for path in (tmp_path / "parts").glob("part-*")
+        if path != lost
+    }
+    lost.rename(
+        lost.with_name(f"{lost.name}.part")
+    )  # as of a process that was killed while it wrote
     requested = []
-    monkeypatch.setattr(sweeper, "answered", lambda *given: requested.append(given) or sweep_run.answered(*given))
+    monkeypatch.setattr(
+        sweeper, "answered", lambda *given: requested.append(given) or sweep_run.answered(*given)
+    )
     found, taken = by(tmp_path, PLAIN % VARY)
     same(found, whole)
     assert (len(requested), taken.kept, taken.solved) == (1, 7, 1)
@@ -91,8 +101,16 @@ def test_a_part_that_is_there_is_kept_and_one_that_is_not_is_solved_all_as_solve
 
 
 def test_all_variants_stand_in_one_table(kept: Path, whole: Sweep) -> None:
-    rows = [line.split(",") for line in (kept / "variants.csv").read_text(encoding="utf-8").splitlines()]
-    assert rows[0][:5] == ["variant", "rubber.stiffness", "tail.diameter", "tail.diameter label", "mode 1 (Hz)"]
+    rows = [
+        line.split(",") for line in (kept / "variants.csv").read_text(encoding="utf-8").splitlines()
+    ]
+    assert rows[0][:5] == [
+        "variant",
+        "rubber.stiffness",
+        "tail.diameter",
+        "tail.diameter label",
+        "mode 1 (Hz)",
+    ]
     assert [int(row[0]) for row in rows[1:]] == list(range(128))
     assert [float(row[1]) for row in rows[1:]] == whole.factor[:, 0].tolist()
     assert [float(row[4]) for row in rows[1:]] == whole.frequency[0].tolist()
@@ -121,7 +139,9 @@ def test_frequencies_one_by_one_in_many_parts_are_those_of_one_chunk(
 def test_chunks_cover_all_variants_once() -> None:
     for count, length in ((128, 16), (100, 16), (5, 32)):
         each = chunks(count, length)
-        assert [variant for one in each for variant in range(one.begin, one.end)] == list(range(count))
+        assert [variant for one in each for variant in range(one.begin, one.end)] == list(
+            range(count)
+        )
         assert [one.number for one in each] == list(range(len(each)))
 
 
@@ -133,7 +153,9 @@ def test_chunks_cover_all_variants_once() -> None:
         ("method: random, samples: 128", "`method` was not given and is random"),
     ],
 )
-def test_parts_of_other_settings_are_refused_with_what_differs(tmp_path: Path, change: str, words: str) -> None:
+def test_parts_of_other_settings_are_refused_with_what_differs(
+    tmp_path: Path, change: str, words: str
+) -> None:
     by(tmp_path, PLAIN % MODES)
     with pytest.raises(Stopped) as caught:
         by(tmp_path, PLAIN % MODES.replace("samples: 128", change))
@@ -144,11 +166,17 @@ def test_parts_of_other_settings_are_refused_with_what_differs(tmp_path: Path, c
     assert found.samples == len(found.factor)
 
 
-def test_parts_of_another_table_or_program_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = "kind,name,inertia [kg*m**2],stiffness [N*m/rad]\ndisc,a,1,\ncoupling,c,,1000\ndisc,b,%s,\n"
+def test_parts_of_another_table_or_program_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = (
+        "kind,name,inertia [kg*m**2],stiffness [N*m/rad]\ndisc,a,1,\ncoupling,c,,1000\ndisc,b,%s,\n"
+    )
     (tmp_path / "rows.csv").write_text(rows % 2, encoding="utf-8")
     scene = tmp_path / "scene.yaml"
-    sweep = "analyses: {modes: {count: 1}, sweep: {vary: {c.stiffness: {uniform: 5 %}}, samples: 128}}"
+    sweep = (
+        "analyses: {modes: {count: 1}, sweep: {vary: {c.stiffness: {uniform: 5 %}}, samples: 128}}"
+    )
     scene.write_text(f"name: x\ntrain: {{table: rows.csv}}\n{sweep}\n", encoding="utf-8")
 
     def solve() -> None:
@@ -194,11 +222,15 @@ def test_no_single_bit_of_a_part_can_change_unnoticed(tmp_path: Path, short: Non
         damaged = bytearray(whole)
         damaged[bit // 8] ^= 1 << bit % 8
         path.write_bytes(damaged)
-        with pytest.raises(InputError, match=r"part-000003\.parquet cannot be read as a part of a sweep"):
+        with pytest.raises(
+            InputError, match=r"part-000003\.parquet cannot be read as a part of a sweep"
+        ):
             place.read(chunk)
 
 
-def test_a_damaged_part_ends_the_command_with_the_status_of_faulty_input(tmp_path: Path, short: None) -> None:
+def test_a_damaged_part_ends_the_command_with_the_status_of_faulty_input(
+    tmp_path: Path, short: None
+) -> None:
     scene, path = tmp_path / "scene.yaml", tmp_path / "out" / "parts" / "part-000003.parquet"
     scene.write_text(PLAIN % MODES, encoding="utf-8")
     call = ["sweep", str(scene), "-o", str(tmp_path / "out")]
@@ -208,13 +240,17 @@ def test_a_damaged_part_ends_the_command_with_the_status_of_faulty_input(tmp_pat
         path.write_bytes(damaged)
         done = CliRunner().invoke(app, call)
         assert done.exit_code == BAD_INPUT
-        assert "part-000003.parquet cannot be read as a part of a sweep: it is damaged" in done.output
+        assert (
+            "part-000003.parquet cannot be read as a part of a sweep: it is damaged" in done.output
+        )
     path.unlink()
     assert "7 of 8 parts were there already" in CliRunner().invoke(app, call).output
     assert path.read_bytes() == whole
 
 
-def test_a_part_whose_checksum_was_never_written_is_solved_again(tmp_path: Path, short: None) -> None:
+def test_a_part_whose_checksum_was_never_written_is_solved_again(
+    tmp_path: Path, short: None
+) -> None:
     by(tmp_path, PLAIN % MODES)
     sums = tmp_path / "parts" / "SHA256SUMS"
     text = sums.read_text(encoding="utf-8")
@@ -238,7 +274,9 @@ def test_a_sweep_without_pyarrow_is_refused_with_how_to_install_it(
 ) -> None:
     monkeypatch.setattr(cluster, "find_spec", lambda name: None if name == "pyarrow" else name)
     (tmp_path / "scene.yaml").write_text(PLAIN % MODES, encoding="utf-8")
-    done = CliRunner().invoke(app, ["sweep", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out")])
+    done = CliRunner().invoke(
+        app, ["sweep", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out")]
+    )
     assert done.exit_code == BAD_INPUT
     assert "needs pyarrow (pip install '.[sweep]')" in done.output
     assert not (tmp_path / "out").exists()
@@ -247,8 +285,13 @@ def test_a_sweep_without_pyarrow_is_refused_with_how_to_install_it(
 def test_faults_and_unknown_numbers_come_back_as_they_were(tmp_path: Path) -> None:
     study = torsion.parse(PLAIN % VARY)
     (chunk,), variation = chunks(3, 3), study.variations["sweep"]
-    answers = sweep_run.Answers(np.array([[1.5, np.nan, 0.1 + 0.2]]), faults={1: "no answer, ü"}, method="by hand")
-    answers.checks["rule", "", "where", "what"] = np.array([np.nan, 0.5, np.inf]), np.array([True, False, True])
+    answers = sweep_run.Answers(
+        np.array([[1.5, np.nan, 0.1 + 0.2]]), faults={1: "no answer, ü"}, method="by hand"
+    )
+    answers.checks["rule", "", "where", "what"] = (
+        np.array([np.nan, 0.5, np.inf]),
+        np.array([True, False, True]),
+    )
     part = np.array([[1.1, 0.0], [0.9, 1.0], [1.0, 1.0]]), answers
     checksum = parts.write_part(tmp_path / "part.parquet", *parts.columns(chunk, variation, part))
     found, about = parts.read_part(tmp_path / "part.parquet", checksum)
@@ -256,12 +299,18 @@ def test_faults_and_unknown_numbers_come_back_as_they_were(tmp_path: Path) -> No
     assert list(found["tail.diameter label"]) == ["55 mm", "60 mm", "60 mm"]
     assert np.array_equal(values, part[0])
     assert np.array_equal(back.frequency, answers.frequency, equal_nan=True)
-    assert (back.faults, back.method, list(back.checks)) == (answers.faults, "by hand", list(answers.checks))
+    assert (back.faults, back.method, list(back.checks)) == (
+        answers.faults,
+        "by hand",
+        list(answers.checks),
+    )
     for mine, others in zip(back.checks.values(), answers.checks.values(), strict=True):
         assert all(np.array_equal(*pair, equal_nan=True) for pair in zip(mine, others, strict=True))
 
 
-def test_a_worker_answers_the_same_and_refuses_other_programs_and_files(tmp_path: Path, short: None) -> None:
+def test_a_worker_answers_the_same_and_refuses_other_programs_and_files(
+    tmp_path: Path, short: None
+) -> None:
     kept = []
     study = torsion.parse(PLAIN % MODES)
 
@@ -282,7 +331,9 @@ def test_a_worker_answers_the_same_and_refuses_other_programs_and_files(tmp_path
         worker_task.answered(replace(errand, files=((str(tmp_path / "mesh.vtu"), "0"),)), chunk)
 
 
-def test_a_worker_judges_side_by_side_where_this_process_does(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_judges_side_by_side_where_this_process_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(sweep_run, "VERDICTS_AT_ONCE", 64)
     kept = []
 
@@ -291,7 +342,9 @@ def test_a_worker_judges_side_by_side_where_this_process_does(monkeypatch: pytes
         return sweep_run.in_turn(work, variation, each)
 
     vary = "vary: {rubber.stiffness: {uniform: 10 %}}, samples: 128"
-    study = torsion.parse(PLAIN.replace("- shaft: {name: tail, length: 0.8 m, diameter: 60 mm}\n", "") % vary)
+    study = torsion.parse(
+        PLAIN.replace("- shaft: {name: tail, length: 0.8 m, diameter: 60 mm}\n", "") % vary
+    )
     whole = torsion.run(study, answered=errands).need(Sweep)
     errand, chunk = pickle.loads(kept[0][0]), kept[0][1]
     answers = worker_task.answered(errand, chunk)[1]
@@ -328,7 +381,9 @@ def test_options_of_a_scheduler_that_clash_are_refused(
         checked(given)
 
 
-def test_workers_without_dask_are_refused_with_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_workers_without_dask_are_refused_with_how_to_install_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(cluster, "find_spec", lambda name: None if name == "dask" else name)
     with pytest.raises(InputError, match=r"workers need dask \(pip install '\.\[sweep\]'\)"):
         checked(Scheduler(2))
@@ -336,23 +391,45 @@ def test_workers_without_dask_are_refused_with_how_to_install_it(monkeypatch: py
 
 
 def test_a_scheduler_without_tls_gets_a_warning_beyond_this_machine() -> None:
-    for address in ("", "tcp://127.0.0.1:8786", "localhost:8786", "tcp://[::1]:8786", "tls://10.0.0.1:8786"):
+    for address in (
+        "",
+        "tcp://127.0.0.1:8786",
+        "localhost:8786",
+        "tcp://[::1]:8786",
+        "tls://10.0.0.1:8786",
+    ):
         assert unprotected(Scheduler(1, address)) == ""
-    for address in ("tcp://10.0.0.1:8786", "10.0.0.1:8786", "tcp://cluster:8786", "ws://cluster:8786"):
+    for address in (
+        "tcp://10.0.0.1:8786",
+        "10.0.0.1:8786",
+        "tcp://cluster:8786",
+        "ws://cluster:8786",
+    ):
         assert "has no TLS" in unprotected(Scheduler(1, address))
 
 
 def test_a_worker_with_another_version_is_named() -> None:
     class Client:
         def get_versions(self, packages: list[str]) -> dict:
-            return {"workers": {"tcp://b:1": {"packages": {"torsion": "0.0.9", "numpy": np.__version__}}}}
+            return {
+                "workers": {
+                    "tcp://b:1": {"packages": {"torsion": "0.0.9", "numpy": np.__version__}}
+                }
+            }
 
-    errand = worker_task.Errand(b"", (), (("torsion", "0.1.0"), ("numpy", np.__version__), ("scipy", "1")))
-    with pytest.raises(InputError, match=r"tcp://b:1.*torsion 0\.1\.0 is needed and 0\.0\.9 is there, scipy 1 .* none"):
+    errand = worker_task.Errand(
+        b"", (), (("torsion", "0.1.0"), ("numpy", np.__version__), ("scipy", "1"))
+    )
+    with pytest.raises(
+        InputError,
+        match=r"tcp://b:1.*torsion 0\.1\.0 is needed and 0\.0\.9 is there, scipy 1 .* none",
+    ):
         cluster._compare(Client(), errand)
 
 
-def test_the_command_writes_report_and_parts_and_says_what_was_there(tmp_path: Path, short: None) -> None:
+def test_the_command_writes_report_and_parts_and_says_what_was_there(
+    tmp_path: Path, short: None
+) -> None:
     scene, out = tmp_path / "scene.yaml", tmp_path / "out"
     scene.write_text(PLAIN % MODES, encoding="utf-8")
 
@@ -379,7 +456,10 @@ def test_the_command_writes_report_and_parts_and_says_what_was_there(tmp_path: P
 def test_every_case_has_parts_of_its_own(tmp_path: Path, short: None) -> None:
     text = f"{PLAIN % MODES}cases: {{heavy: {{set: {{load.inertia: 1.6}}}}}}\n"
     taken = Sweeper(tmp_path)
-    found, direct = torsion.run(torsion.parse(text), answered=taken), torsion.run(torsion.parse(text))
+    found, direct = (
+        torsion.run(torsion.parse(text), answered=taken),
+        torsion.run(torsion.parse(text)),
+    )
     for name, one in direct.each.items():
         same(found.each[name].need(Sweep), one.need(Sweep))
     assert SweepFolder(tmp_path / "heavy").parts.is_dir()

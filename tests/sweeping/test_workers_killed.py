@@ -17,9 +17,7 @@ from torsion.sweeping.sweeper import Sweeper
 
 pytest.importorskip("distributed", reason="workers need pip install -e '.[sweep]'")
 NAME = "toleranced_drive"
-BY_ITSELF = (
-    "rules: [coupling-maker, {nvh: {at: motor, fluctuation: 200 rpm}}]"  # by which every variant is solved alone
-)
+BY_ITSELF = "rules: [coupling-maker, {nvh: {at: motor, fluctuation: 200 rpm}}]"  # by which every variant is solved alone
 
 
 def parts(folder: Path) -> dict[str, int]:
@@ -34,7 +32,10 @@ def workers_of(process: int) -> list[int]:
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:
             words = status.read_text().rpartition(")")[2].split()
-            if int(words[1]) == process and b"spawn_main" in status.with_name("cmdline").read_bytes():
+            if (
+                int(words[1]) == process
+                and b"spawn_main" in status.with_name("cmdline").read_bytes()
+            ):
                 found.append(int(status.parent.name))
         except OSError:  # it has ended
             continue
@@ -43,9 +44,23 @@ def workers_of(process: int) -> list[int]:
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for processes in /proc")
 def test_a_killed_worker_and_a_killed_command_lose_nothing(tmp_path: Path) -> None:
-    text, scene, tmp_path = SCENES[NAME].read_text(encoding="utf-8"), tmp_path / "scene.yaml", tmp_path / "out"
+    text, scene, tmp_path = (
+        SCENES[NAME].read_text(encoding="utf-8"),
+        tmp_path / "scene.yaml",
+        tmp_path / "out",
+    )
     scene.write_text(text.replace("rules: [coupling-maker]", BY_ITSELF), encoding="utf-8")
-    command = [sys.executable, "-m", "torsion", "sweep", str(scene), "-o", str(tmp_path), "--workers", "2"]
+    command = [
+        sys.executable,
+        "-m",
+        "torsion",
+        "sweep",
+        str(scene),
+        "-o",
+        str(tmp_path),
+        "--workers",
+        "2",
+    ]
     began = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 
     def until(count: int) -> None:
@@ -100,7 +115,9 @@ if __name__ == "__main__":
 def test_workers_of_this_machine_listen_to_it_only_and_warn_of_no_port(tmp_path: Path) -> None:
     (tmp_path / "listening.py").write_text(LISTENING, encoding="utf-8")
     command = [sys.executable, "listening.py"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=120)
+    done = subprocess.run(
+        command, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=120
+    )
     assert (done.stdout, done.stderr) == ("127.0.0.1\n", "")
 
 

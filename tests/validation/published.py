@@ -19,8 +19,12 @@ from torsion.output.results_json import results
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parents[1] / "docs" / "validation" / "index.md"
-CASES: dict[str, dict[str, Any]] = json.loads((FOLDER / "published.json").read_text(encoding="utf-8"))
-ROUNDING = 1e-12  # smaller deviations are those of floating-point sums, and unlike on another processor
+CASES: dict[str, dict[str, Any]] = json.loads(
+    (FOLDER / "published.json").read_text(encoding="utf-8")
+)
+ROUNDING = (
+    1e-12  # smaller deviations are those of floating-point sums, and unlike on another processor
+)
 HEAD = """# Validation: published cases
 
 Every case is a model file in `tests/validation` with its published values, and a test compares them at each change of
@@ -76,13 +80,19 @@ def largest_deviation(case: str, findings: Findings) -> Deviation:
     published, deviations = CASES[case], list[Deviation]()
     if "frequency_Hz" in published:
         computed = findings.need(Modes).frequency
-        deviations.append(Deviation(relative(computed, published["frequency_Hz"]), "natural frequencies"))
+        deviations.append(
+            Deviation(relative(computed, published["frequency_Hz"]), "natural frequencies")
+        )
     if "damping_ratio" in published:
         computed = findings.need(DampedModes).damping_ratio
-        deviations.append(Deviation(relative(computed, published["damping_ratio"]), "damping ratio"))
+        deviations.append(
+            Deviation(relative(computed, published["damping_ratio"]), "damping ratio")
+        )
     if "eigenvalue_modulus_rad_per_s" in published:
         computed = np.sort(np.abs(findings.need(DampedModes).eigenvalue))
-        deviations.append(Deviation(relative(computed, published["eigenvalue_modulus_rad_per_s"]), "eigenvalues"))
+        deviations.append(
+            Deviation(relative(computed, published["eigenvalue_modulus_rad_per_s"]), "eigenvalues")
+        )
     if "sum_of_magnitudes_Nm" in published:
         deviations.append(magnitude_sum_deviation(published, findings))
     if "reference" in published:
@@ -102,7 +112,8 @@ def magnitude_sum_deviation(published: dict[str, Any], findings: Findings) -> De
     speed = np.array(written["response"]["speed_rad_per_s"])
     bound = bound if bound.shape[0] == speed.size else bound.T
     names = [
-        written["spans"][span]["name"] if isinstance(span, int) else span for span in written["synthesis"]["element"]
+        written["spans"][span]["name"] if isinstance(span, int) else span
+        for span in written["synthesis"]["element"]
     ]
     shafts = [index for index, name in enumerate(names) if name.startswith("s")]
     largest = bound[speed >= published["sum_from_rad_per_s"]][:, shafts].max()
@@ -131,7 +142,9 @@ def write_page() -> str:
     for case, published in CASES.items():
         deviation = largest_deviation(case, solve_case(case))
         size = f"{deviation.size:.1e}" if deviation.size > ROUNDING else f"below {ROUNDING:.0e}"
-        rows.append(f"| `{case}` | {published['source']} | {deviation.quantity} | {size} | {published['within']:.0e} |")
+        rows.append(
+            f"| `{case}` | {published['source']} | {deviation.quantity} | {size} | {published['within']:.0e} |"
+        )
     return HEAD + "\n".join(rows) + "\n" + TAIL
 
 

@@ -15,7 +15,11 @@ if TYPE_CHECKING:
     from torsion.study import Study
 
 UNBUILT: tuple[str, ...] = ()  # of the format, but not built yet
-VARYING = ("sweep", "design", "fit")  # whose settings vary figures of the file; a variant of it has none of them
+VARYING = (
+    "sweep",
+    "design",
+    "fit",
+)  # whose settings vary figures of the file; a variant of it has none of them
 MODELS = ("lumped", "fem", "exact")
 
 
@@ -38,10 +42,16 @@ class Analysis:
     run: str = "run"  # function (Work) -> None
     settings: str = ""  # class of its settings; "" for none under a key of its own
     needs: tuple[str, ...] = ()  # analyses whose results it reads, where they are there
-    results: Mapping[str, str] = field(default_factory=dict)  # name in every output: class, or module:class
+    results: Mapping[str, str] = field(
+        default_factory=dict
+    )  # name in every output: class, or module:class
     wanted: Callable[["Study"], bool] = named  # by a study that does not name it
-    chapters: tuple[str, ...] = ()  # of the report, in output/chapters; where none, its results as they are declared
-    place: tuple[str, ...] = ()  # key of the file that is at fault where it has no answer; () for its own
+    chapters: tuple[
+        str, ...
+    ] = ()  # of the report, in output/chapters; where none, its results as they are declared
+    place: tuple[
+        str, ...
+    ] = ()  # key of the file that is at fault where it has no answer; () for its own
     is_listed: bool = False  # a list of settings may stand in the file, one for each time it is run
 
     def function(self) -> Callable[[Any], None]:
@@ -65,176 +75,311 @@ class Analysis:
 
 ANALYSES: dict[str, Analysis] = {
     "sections": Analysis(
-        "cross-sections", "torsion.analyses.discretisation", "run_sections",
+        "cross-sections",
+        "torsion.analyses.discretisation",
+        "run_sections",
         wanted=lambda study: study.train.has_meshed_sections,
     ),
     "assembly": Analysis(
-        "assembly", "torsion.analyses.discretisation", "run_assembly", needs=("sections",), wanted=always
+        "assembly",
+        "torsion.analyses.discretisation",
+        "run_assembly",
+        needs=("sections",),
+        wanted=always,
     ),
     "modes": Analysis(
-        "natural frequencies", "torsion.analyses.discretisation", "run_modes",
-        settings="torsion.analyses.undamped_modes:ModesSettings", needs=("assembly",),
-        results={"modes": "torsion.analyses.undamped_modes:Modes"}, wanted=always, chapters=("natural_frequencies",),
+        "natural frequencies",
+        "torsion.analyses.discretisation",
+        "run_modes",
+        settings="torsion.analyses.undamped_modes:ModesSettings",
+        needs=("assembly",),
+        results={"modes": "torsion.analyses.undamped_modes:Modes"},
+        wanted=always,
+        chapters=("natural_frequencies",),
     ),
     "sharp steps": Analysis(
-        "steps between shafts", "torsion.analyses.sharp_steps", needs=("modes",),
-        results={"sharp_steps": "SharpSteps"}, chapters=("natural_frequencies",), place=("steps",),
+        "steps between shafts",
+        "torsion.analyses.sharp_steps",
+        needs=("modes",),
+        results={"sharp_steps": "SharpSteps"},
+        chapters=("natural_frequencies",),
+        place=("steps",),
         wanted=lambda study: study.train.has_corners,
     ),
     "hubs": Analysis(
-        "hubs on shafts", "torsion.analyses.hub_moves", needs=("modes",),
-        results={"hubs": "HubMoves"}, chapters=("natural_frequencies",), place=("train",),
+        "hubs on shafts",
+        "torsion.analyses.hub_moves",
+        needs=("modes",),
+        results={"hubs": "HubMoves"},
+        chapters=("natural_frequencies",),
+        place=("train",),
         wanted=lambda study: study.train.has_hubs,
     ),
     "damped": Analysis(
-        "damped modes", "torsion.analyses.damped_modes", needs=("couplings by table",),
-        results={"damped_modes": "DampedModes"}, wanted=always, chapters=("natural_frequencies",),
+        "damped modes",
+        "torsion.analyses.damped_modes",
+        needs=("couplings by table",),
+        results={"damped_modes": "DampedModes"},
+        wanted=always,
+        chapters=("natural_frequencies",),
         place=("analyses", "modes", "damped"),
     ),
     "dampers": Analysis(
-        "optimum of the dampers", "torsion.analyses.damper_optimum", needs=("modes",), results={"dampers": "Dampers"},
+        "optimum of the dampers",
+        "torsion.analyses.damper_optimum",
+        needs=("modes",),
+        results={"dampers": "Dampers"},
         chapters=("dampers",),
         wanted=lambda study: any(part.kind == "damper" for part in study.train.parts),
         place=("train",),
     ),
     "couplings by table": Analysis(
-        "couplings by table", "torsion.analyses.coupling_tables", needs=("modes",),
-        results={"coupling_tables": "CouplingTables"}, chapters=("coupling_tables",), place=("train",),
-        wanted=lambda study: study.train.has_tables_over("frequency") or study.train.has_tables_over("mean torque"),
+        "couplings by table",
+        "torsion.analyses.coupling_tables",
+        needs=("modes",),
+        results={"coupling_tables": "CouplingTables"},
+        chapters=("coupling_tables",),
+        place=("train",),
+        wanted=lambda study: (
+            study.train.has_tables_over("frequency") or study.train.has_tables_over("mean torque")
+        ),
     ),
     "frequencies over speed": Analysis(
-        "frequencies over the speed", "torsion.analyses.frequencies_by_torque", needs=("couplings by table",),
-        results={"frequencies_over_speed": "FrequenciesOverSpeed"}, chapters=("frequencies_by_torque",),
-        wanted=lambda study: study.train.follows_speed, place=("train",),
+        "frequencies over the speed",
+        "torsion.analyses.frequencies_by_torque",
+        needs=("couplings by table",),
+        results={"frequencies_over_speed": "FrequenciesOverSpeed"},
+        chapters=("frequencies_by_torque",),
+        wanted=lambda study: study.train.follows_speed,
+        place=("train",),
     ),
     "segment groups": Analysis(
-        "segment groups", "torsion.analyses.discretisation", "run_groups", needs=("damped",), wanted=always,
+        "segment groups",
+        "torsion.analyses.discretisation",
+        "run_groups",
+        needs=("damped",),
+        wanted=always,
     ),
     "steady": Analysis(
-        "mean torque", "torsion.analyses.steady", needs=("segment groups",),
-        results={"mean": "Steady", "machines": "PowerBalance"}, wanted=always,
-        chapters=("mean_torques",), place=("operation",),
+        "mean torque",
+        "torsion.analyses.steady",
+        needs=("segment groups",),
+        results={"mean": "Steady", "machines": "PowerBalance"},
+        wanted=always,
+        chapters=("mean_torques",),
+        place=("operation",),
     ),
     "tooth forces": Analysis(
-        "tooth forces", "torsion.analyses.tooth_forces", needs=("steady",), results={"tooth_forces": "ToothForces"},
+        "tooth forces",
+        "torsion.analyses.tooth_forces",
+        needs=("steady",),
+        results={"tooth_forces": "ToothForces"},
         wanted=lambda study: any(mesh.toothing is not None for mesh in study.train.constraints),
-        chapters=("data_sheets",), place=("operation", "rated"),
+        chapters=("data_sheets",),
+        place=("operation", "rated"),
     ),
     "response": Analysis(
-        "response over speed", "torsion.analyses.response.over_speed", settings="ResponseSettings", needs=("steady",),
-        results={"response": "Response", "synthesis": "Synthesis"}, wanted=always,
-        chapters=("forced_response", "component_loads:shafts", "component_loads:gears", "component_loads:couplings"),
+        "response over speed",
+        "torsion.analyses.response.over_speed",
+        settings="ResponseSettings",
+        needs=("steady",),
+        results={"response": "Response", "synthesis": "Synthesis"},
+        wanted=always,
+        chapters=(
+            "forced_response",
+            "component_loads:shafts",
+            "component_loads:gears",
+            "component_loads:couplings",
+        ),
     ),
     "fillets": Analysis(
-        "stress in fillets", "torsion.analyses.fillet_stresses", needs=("response", "nonlinear peaks"),
+        "stress in fillets",
+        "torsion.analyses.fillet_stresses",
+        needs=("response", "nonlinear peaks"),
         results={"fillets": "Fillets"},
-        wanted=lambda study: study.train.has_fillets, chapters=("fillets",), place=("train",),
+        wanted=lambda study: study.train.has_fillets,
+        chapters=("fillets",),
+        place=("train",),
     ),
     "pendulums": Analysis(
-        "pendulums", "torsion.analyses.pendulums", needs=("modes", "response"), results={"pendulums": "Pendulums"},
-        chapters=("pendulums",), place=("train",),
+        "pendulums",
+        "torsion.analyses.pendulums",
+        needs=("modes", "response"),
+        results={"pendulums": "Pendulums"},
+        chapters=("pendulums",),
+        place=("train",),
         wanted=lambda study: any(part.pendulum is not None for part in study.train.parts),
     ),
     "coupling temperatures": Analysis(
-        "temperatures of couplings", "torsion.analyses.coupling_temperatures", needs=("response",),
-        results={"coupling_temperatures": "CouplingTemperatures"}, chapters=("coupling_temperatures",),
-        wanted=lambda study: any(part.warming is not None for part in study.train.parts), place=("train",),
+        "temperatures of couplings",
+        "torsion.analyses.coupling_temperatures",
+        needs=("response",),
+        results={"coupling_temperatures": "CouplingTemperatures"},
+        chapters=("coupling_temperatures",),
+        wanted=lambda study: any(part.warming is not None for part in study.train.parts),
+        place=("train",),
     ),
     "vibratory torques": Analysis(
-        "vibratory torque of couplings by table", "torsion.analyses.vibratory_torques", needs=("response",),
-        results={"vibratory_torques": "VibratoryTorques"}, chapters=("vibratory_torques",),
-        wanted=lambda study: study.train.has_tables_over("vibratory torque"), place=("train",),
+        "vibratory torque of couplings by table",
+        "torsion.analyses.vibratory_torques",
+        needs=("response",),
+        results={"vibratory_torques": "VibratoryTorques"},
+        chapters=("vibratory_torques",),
+        wanted=lambda study: study.train.has_tables_over("vibratory torque"),
+        place=("train",),
     ),
     "periodic": Analysis(
-        "exact periodic response", "torsion.analyses.motion.requested_motion", "run_periodic", needs=("response",),
+        "exact periodic response",
+        "torsion.analyses.motion.requested_motion",
+        "run_periodic",
+        needs=("response",),
         results={"periodic": "torsion.analyses.motion.periodic_orbits:PeriodicResponse"},
-        wanted=lambda study: study.has_joints or study.setting("analyses", "response", "method") is not None,
-        chapters=("exact_response",), place=("analyses", "response", "method"),
+        wanted=lambda study: (
+            study.has_joints or study.setting("analyses", "response", "method") is not None
+        ),
+        chapters=("exact_response",),
+        place=("analyses", "response", "method"),
     ),
     "stability": Analysis(
-        "stability", "torsion.analyses.motion.requested_motion", "run_stability",
-        settings="StabilitySettings", needs=("modes",),
-        results={"stability": "torsion.analyses.motion.stability_over_speed:Stability"}, chapters=("stability_ranges",),
+        "stability",
+        "torsion.analyses.motion.requested_motion",
+        "run_stability",
+        settings="StabilitySettings",
+        needs=("modes",),
+        results={"stability": "torsion.analyses.motion.stability_over_speed:Stability"},
+        chapters=("stability_ranges",),
     ),
     "stability map": Analysis(
-        "stability map", "torsion.analyses.motion.requested_motion", "run_map", needs=("modes",),
+        "stability map",
+        "torsion.analyses.motion.requested_motion",
+        "run_map",
+        needs=("modes",),
         results={"stability_map": "torsion.analyses.motion.stability_map:StabilityMap"},
         wanted=lambda study: study.setting("analyses", "stability", "map") is not None,
-        chapters=("stability_ranges",), place=("analyses", "stability", "map"),
+        chapters=("stability_ranges",),
+        place=("analyses", "stability", "map"),
     ),
     "nonlinear peaks": Analysis(
-        "exact motion at the peaks of nonlinear couplings", "torsion.analyses.transient.raised_synthesis",
-        needs=("response",), results={"nonlinear_peaks": "torsion.analyses.transient.nonlinear_peaks:NonlinearPeaks"},
+        "exact motion at the peaks of nonlinear couplings",
+        "torsion.analyses.transient.raised_synthesis",
+        needs=("response",),
+        results={"nonlinear_peaks": "torsion.analyses.transient.nonlinear_peaks:NonlinearPeaks"},
         wanted=lambda study: study.train.has_nonlinear_couplings,
         chapters=("nonlinear_at_peaks",),
         place=("analyses", "response"),
     ),
     "frequency response": Analysis(
-        "response over frequency", "torsion.analyses.response.over_frequency", needs=("steady",),
+        "response over frequency",
+        "torsion.analyses.response.over_frequency",
+        needs=("steady",),
         results={"frequency_response": "FrequencyResponse"},
         wanted=lambda study: study.setting("analyses", "response", "frequencies") is not None,
-        chapters=("forced_response:over_frequency",), place=("analyses", "response", "frequencies"),
+        chapters=("forced_response:over_frequency",),
+        place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(
-        "critical speeds", "torsion.analyses.critical", needs=("modes", "frequencies over speed"),
-        results={"critical_speeds": "CriticalSpeeds"}, wanted=always, chapters=("critical_speeds",),
+        "critical speeds",
+        "torsion.analyses.critical",
+        needs=("modes", "frequencies over speed"),
+        results={"critical_speeds": "CriticalSpeeds"},
+        wanted=always,
+        chapters=("critical_speeds",),
     ),
     "tolerances": Analysis(
-        "bands of the natural frequencies", "torsion.analyses.tolerances", settings="TolerancesSettings",
-        needs=("critical",), results={"tolerances": "Tolerances"}, chapters=("tolerances",),
+        "bands of the natural frequencies",
+        "torsion.analyses.tolerances",
+        settings="TolerancesSettings",
+        needs=("critical",),
+        results={"tolerances": "Tolerances"},
+        chapters=("tolerances",),
         wanted=lambda study: study.has_tolerances,
     ),
     "joints": Analysis(
-        "universal joints", "torsion.analyses.joints.joint_analysis", settings="JointsSettings", needs=("steady",),
-        results={"joints": "Joints"}, wanted=lambda study: study.has_joints, chapters=("joint_motion",),
+        "universal joints",
+        "torsion.analyses.joints.joint_analysis",
+        settings="JointsSettings",
+        needs=("steady",),
+        results={"joints": "Joints"},
+        wanted=lambda study: study.has_joints,
+        chapters=("joint_motion",),
     ),
     "lateral": Analysis(
-        "bending of the shafts", "torsion.analyses.lateral.shaft_bending", settings="LateralSettings",
-        needs=("steady",), results={"lateral": "Lateral"}, wanted=lambda study: study.has_supports,
+        "bending of the shafts",
+        "torsion.analyses.lateral.shaft_bending",
+        settings="LateralSettings",
+        needs=("steady",),
+        results={"lateral": "Lateral"},
+        wanted=lambda study: study.has_supports,
         chapters=("shaft_bending",),
     ),
     "engine": Analysis(
-        "engines", "torsion.analyses.engine.engine_analysis", needs=("response", "damped"),
+        "engines",
+        "torsion.analyses.engine.engine_analysis",
+        needs=("response", "damped"),
         results={"engines": "torsion.analyses.engine.engine_results:Engines"},
-        wanted=lambda study: any(part.engine is not None for part in study.train.parts), chapters=("engine",),
+        wanted=lambda study: any(part.engine is not None for part in study.train.parts),
+        chapters=("engine",),
         place=("train",),
     ),
     "compressor": Analysis(
-        "compressors", "torsion.analyses.compressor.compressor_analysis", needs=("response", "damped"),
+        "compressors",
+        "torsion.analyses.compressor.compressor_analysis",
+        needs=("response", "damped"),
         results={"compressors": "torsion.analyses.compressor.compressor_results:Compressors"},
-        wanted=lambda study: any(part.compressor is not None for part in study.train.parts), chapters=("compressor",),
+        wanted=lambda study: any(part.compressor is not None for part in study.train.parts),
+        chapters=("compressor",),
         place=("train",),
     ),
     "transient": Analysis(
-        "motion over time", "torsion.analyses.transient.motion_from_events",
+        "motion over time",
+        "torsion.analyses.transient.motion_from_events",
         settings="torsion.analyses.transient.transient_settings:TransientSettings",
-        needs=("steady",), results={"transient": "Transients"}, chapters=("motion_over_time",), is_listed=True,
+        needs=("steady",),
+        results={"transient": "Transients"},
+        chapters=("motion_over_time",),
+        is_listed=True,
     ),
     "sweep": Analysis(
-        "sweep", "torsion.analyses.sweep.sweep_run", settings="torsion.analyses.sweep.sweep_settings:SweepSettings",
-        needs=("modes",), results={"sweep": "torsion.analyses.sweep.sweep_results:Sweep"}, chapters=("sweep",),
+        "sweep",
+        "torsion.analyses.sweep.sweep_run",
+        settings="torsion.analyses.sweep.sweep_settings:SweepSettings",
+        needs=("modes",),
+        results={"sweep": "torsion.analyses.sweep.sweep_results:Sweep"},
+        chapters=("sweep",),
     ),
     "design": Analysis(
-        "design", "torsion.analyses.design.design_run",
-        settings="torsion.analyses.design.design_settings:DesignSettings", needs=("modes", "sweep"),
-        results={"design": "torsion.analyses.design.design_results:Design"}, chapters=("design",),
+        "design",
+        "torsion.analyses.design.design_run",
+        settings="torsion.analyses.design.design_settings:DesignSettings",
+        needs=("modes", "sweep"),
+        results={"design": "torsion.analyses.design.design_results:Design"},
+        chapters=("design",),
     ),
     "fit": Analysis(
-        "fit to measurements", "torsion.analyses.fit.fit_run",
-        settings="torsion.analyses.fit.fit_settings:FitSettings", needs=("modes",),
-        results={"fit": "torsion.analyses.fit.fit_results:Fit"}, chapters=("fit",),
+        "fit to measurements",
+        "torsion.analyses.fit.fit_run",
+        settings="torsion.analyses.fit.fit_settings:FitSettings",
+        needs=("modes",),
+        results={"fit": "torsion.analyses.fit.fit_results:Fit"},
+        chapters=("fit",),
     ),
     "check": Analysis(
-        "comparison of the models", "torsion.analyses.compare.side_by_side", "run_check", settings="CheckSettings",
+        "comparison of the models",
+        "torsion.analyses.compare.side_by_side",
+        "run_check",
+        settings="CheckSettings",
         needs=("assembly",),
-        results={"check": "Compared"}, chapters=("model_comparison",),
+        results={"check": "Compared"},
+        chapters=("model_comparison",),
     ),
-}  # fmt: skip
+}
 
 
 def settings_classes() -> dict[str, type[Declared]]:
     """The settings of every analysis that a file can name."""
-    return {name: analysis.settings_class() for name, analysis in ANALYSES.items() if analysis.settings}
+    return {
+        name: analysis.settings_class() for name, analysis in ANALYSES.items() if analysis.settings
+    }
 
 
 def ordered(analyses: Mapping[str, Analysis]) -> list[str]:

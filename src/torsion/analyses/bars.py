@@ -14,9 +14,15 @@ from torsion.kernels.sturm import SHARE_OF_LIMIT, brackets, count_below
 from torsion.kernels.tree import Tree
 
 JUST_ABOVE = 1e-3  # relative
-LARGEST_DENSE = 2000  # unknowns of finite elements that are solved at once where counts cannot reach
-FEW_UNKNOWNS = 120  # that are solved at once sooner than counts find out what lies in reach (measured)
-FEW_BARS = 200  # stations and distributed shafts, of which an estimate is the faster start (measured)
+LARGEST_DENSE = (
+    2000  # unknowns of finite elements that are solved at once where counts cannot reach
+)
+FEW_UNKNOWNS = (
+    120  # that are solved at once sooner than counts find out what lies in reach (measured)
+)
+FEW_BARS = (
+    200  # stations and distributed shafts, of which an estimate is the faster start (measured)
+)
 SURELY = 0.98  # of the reach of counts, below which an estimated frequency lies in it
 ABOVE = 1.0 + 1e-9  # a mode at the highest frequency itself is one of those up to it
 
@@ -53,11 +59,19 @@ def referred_modes(tree: Tree, count: int | None) -> TreeModes:
     Where finite elements are too few for the counts the modes are those of the dense problem, without certificate.
     Raises SolveError where the pieces of a continuum are too long.
     """
-    unknowns, limit, number = _unknowns(tree), _limit(tree), 0 if tree.shafts is None else tree.shafts.size
+    unknowns, limit, number = (
+        _unknowns(tree),
+        _limit(tree),
+        0 if tree.shafts is None else tree.shafts.size,
+    )
     if count is not None and math.isfinite(limit):
-        if unknowns <= FEW_UNKNOWNS:  # from the modes of the dense problem those in reach of counts are proven
+        if (
+            unknowns <= FEW_UNKNOWNS
+        ):  # from the modes of the dense problem those in reach of counts are proven
             found = dense_modes(tree, count)
-            in_reach = len(found.frequency) == count and bool(np.all(found.frequency <= SHARE_OF_LIMIT * limit))
+            in_reach = len(found.frequency) == count and bool(
+                np.all(found.frequency <= SHARE_OF_LIMIT * limit)
+            )
             return tree_modes(tree, count, start=found.frequency) if in_reach else found
         if tree.size + number <= FEW_BARS:
             start = estimated_frequencies(tree, count)
@@ -78,4 +92,6 @@ def _limit(tree: Tree) -> float:
 def _unknowns(tree: Tree) -> float:
     """Angles and unknowns inside of finite elements; infinite for a continuum."""
     laws = () if tree.shafts is None else tree.shafts.laws
-    return tree.size + sum(law.modes.size if isinstance(law, CondensedElements) else math.inf for law in laws)
+    return tree.size + sum(
+        law.modes.size if isinstance(law, CondensedElements) else math.inf for law in laws
+    )

@@ -23,17 +23,23 @@ class Table:
     """A table of a coupling or damper, and the certificate that it leaves each mode one frequency."""
 
     coupling: str = result("", (), "name of the coupling or damper")
-    over: str = result("", (), "what the table is over: frequency, mean or vibratory torque of the coupling")
+    over: str = result(
+        "", (), "what the table is over: frequency, mean or vibratory torque of the coupling"
+    )
     at: FloatArray = result("", ("point",), "its points, Hz or N m")
-    stiffness: FloatArray = result("N*m/rad", ("point",), "dynamic stiffness at each, at the coupling's own speed")
+    stiffness: FloatArray = result(
+        "N*m/rad", ("point",), "dynamic stiffness at each, at the coupling's own speed"
+    )
     loss_factor: FloatArray = result("1", ("point",), "loss factor of hysteresis at each")
     viscous: FloatArray = result("N*m*s/rad", ("point",), "viscous damping at each")
     holds: bool = result("", (), "the values at its ends hold beyond them", key="holds_beyond")
     law: str | None = result("", (), "law that the points stand for; null: linear between them")
     steepest: float = result(
-        "1", (), "largest d ln k/d ln x on any piece, of a law a bound on it; over frequency below 2: each mode has "
-        "exactly one frequency"
-    )  # fmt: skip
+        "1",
+        (),
+        "largest d ln k/d ln x on any piece, of a law a bound on it; over frequency below 2: each mode has "
+        "exactly one frequency",
+    )
     is_complex: bool = False  # it holds at every complex s
 
 
@@ -44,8 +50,12 @@ class AtMode:
     coupling: str = result("", (), "its name")
     mode: int = result("", (), "counted from 1")
     frequency: float = result("Hz", (), "natural frequency")
-    stiffness: float = result("N*m/rad", (), "dynamic stiffness at the mode, at the coupling's own speed")
-    loss_factor: float = result("1", (), "loss factor at the mode, of hysteresis and viscous damping")
+    stiffness: float = result(
+        "N*m/rad", (), "dynamic stiffness at the mode, at the coupling's own speed"
+    )
+    loss_factor: float = result(
+        "1", (), "loss factor at the mode, of hysteresis and viscous damping"
+    )
     share: float = result("1", (), "share of the elastic energy of the mode", key="elastic_share")
 
 
@@ -55,11 +65,15 @@ class CouplingTables:
 
     tables: tuple[Table, ...] = result("", (), "tables as given")
     speed: float | None = result(
-        "rad/s", (), "reference speed whose mean torque the modes take; null without a table over mean torque"
+        "rad/s",
+        (),
+        "reference speed whose mean torque the modes take; null without a table over mean torque",
     )
     at_modes: tuple[AtMode, ...] = result("", (), "couplings and dampers at the modes")
     modal_loss_factor: FloatArray = result(
-        "1", ("mode",), "sum over all couplings and shafts of share of the elastic energy times loss factor there"
+        "1",
+        ("mode",),
+        "sum over all couplings and shafts of share of the elastic energy times loss factor there",
     )
 
 
@@ -95,8 +109,17 @@ def coupling_tables(modes: Modes, speed: float | None) -> CouplingTables:
                 table.is_complex,
             )
         )
-        k, lost = np.broadcast_to(system.elastic(span, w)[0], w.shape), loss_factors(system, span, w)
-        each = zip(modes.frequency.tolist(), k.tolist(), lost.tolist(), modes.elastic[span].tolist(), strict=True)
+        k, lost = (
+            np.broadcast_to(system.elastic(span, w)[0], w.shape),
+            loss_factors(system, span, w),
+        )
+        each = zip(
+            modes.frequency.tolist(),
+            k.tolist(),
+            lost.tolist(),
+            modes.elastic[span].tolist(),
+            strict=True,
+        )
         rows += [AtMode(name, mode, *values) for mode, values in enumerate(each, 1)]
     by_torque = any(table.over == "mean torque" for table in system.tables.values())
     return CouplingTables(tuple(tables), speed if by_torque else None, tuple(rows), total)
@@ -116,23 +139,26 @@ def refuse_loops(system: System) -> None:
 
     Rings of dampers and pendulums close no loop.
     """
-    links = [span for span in system.tables if not system.train.parts[system.spans[span].part].is_point]
+    links = [
+        span for span in system.tables if not system.train.parts[system.spans[span].part].is_point
+    ]
     if links and system.condensed.extra.size:
         path = table_path(system, min(links))
-        message = (
-            "a train with closed loops, or grounded through rigid spans at several points, does not support a table"
-        )
+        message = "a train with closed loops, or grounded through rigid spans at several points, does not support a table"
         raise InputError([Fault(path, message, HINT)])
 
 
 def table_faults(study: Study) -> list[Fault]:
     """What a train with tables has no answer for, at the first table of its kind; and what it lacks."""
     train, operation = study.train, study.operation
-    tabled = [(spring, spring.table) for spring in reversed(train.springs) if spring.table is not None]
+    tabled = [
+        (spring, spring.table) for spring in reversed(train.springs) if spring.table is not None
+    ]
     if not tabled:
         return []
     paths = {
-        table.over: (*train.parts[spring.part].path, *([table.key] if table.key else [])) for spring, table in tabled
+        table.over: (*train.parts[spring.part].path, *([table.key] if table.key else []))
+        for spring, table in tabled
     }
     path, what = min(paths.values(), key=len), WHAT.get(tabled[-1][1].key, "table")
     every = [Fault(path, why, HINT) for why in _without_table(study, what)]
@@ -141,13 +167,22 @@ def table_faults(study: Study) -> list[Fault]:
         every.append(Fault(paths["frequency"], message, HINT))
     if "speed" in paths and "transient" in study.analyses:
         message = "the transient response does not support a pendulum, which is linear only about one speed"
-        every.append(Fault(paths["speed"], message, "leave the pendulum out of the case with `transient`"))
+        every.append(
+            Fault(paths["speed"], message, "leave the pendulum out of the case with `transient`")
+        )
     if "speed" in paths and operation.speed is None:
         hint = "for example `operation: {speeds: {from: 600 rpm, to: 1800 rpm}}`"
-        every.append(Fault(paths["speed"], "the frequencies of a train with a pendulum follow the speed", hint))
+        every.append(
+            Fault(
+                paths["speed"], "the frequencies of a train with a pendulum follow the speed", hint
+            )
+        )
     if "vibratory torque" in paths:
         path = paths["vibratory torque"]
-        for what, is_there in (("motion over time", "transient" in study.analyses), ("joints", study.has_joints)):
+        for what, is_there in (
+            ("motion over time", "transient" in study.analyses),
+            ("joints", study.has_joints),
+        ):
             if is_there:
                 message = f"{what}: only a response over speed supports a stiffness that follows the vibratory torque"
                 every.append(Fault(path, message, HINT))
@@ -155,7 +190,13 @@ def table_faults(study: Study) -> list[Fault]:
         path = paths["mean torque"]
         if not study.has_mean_torque or operation.speed is None:
             hint = "for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`"
-            every.append(Fault(path, "a stiffness over mean torque needs the mean torque, which is not known", hint))
+            every.append(
+                Fault(
+                    path,
+                    "a stiffness over mean torque needs the mean torque, which is not known",
+                    hint,
+                )
+            )
         if study.has_joints:
             message = "joints are placed by the mean twist of the train, which a stiffness over mean torque changes"
             every.append(Fault(path, message, HINT))
@@ -165,7 +206,9 @@ def table_faults(study: Study) -> list[Fault]:
 def _without_table(study: Study, what: str) -> Iterator[str]:
     """Why a table of any kind does not go with the rest of the file."""
     parts = study.train.parts
-    if study.train.has_loops and any(not parts[one.part].is_point for one in study.train.springs if one.table):
+    if study.train.has_loops and any(
+        not parts[one.part].is_point for one in study.train.springs if one.table
+    ):
         yield f"a train with closed loops does not support a {what}"
     if study.train.modal_damping:
         yield f"damping by mode is a sum over modes of one stiffness, and a {what} has many"
@@ -173,6 +216,9 @@ def _without_table(study: Study, what: str) -> Iterator[str]:
         yield f"the exact motion of couplings with backlash, friction or stages does not support a {what}"
     if study.setting("analyses", "response", "method") == "harmonic-balance":
         yield f"the exact periodic response does not support a {what}"
-    for name, takes in (("stability", "stability takes"), ("check", "the comparison of the models takes")):
+    for name, takes in (
+        ("stability", "stability takes"),
+        ("check", "the comparison of the models takes"),
+    ):
         if name in study.analyses:
             yield f"{takes} no {what}"

@@ -28,7 +28,9 @@ class Equilibrium:
     speed: float = result("rad/s", (), "reference speed")
     temperature: float = result("degC", (), "of the coupling", key="temperature_degC")
     heat: float = result("W", (), "made and given off there")
-    stiffness: float = result("N*m/rad", (), "dynamic stiffness there, in the first harmonic component")
+    stiffness: float = result(
+        "N*m/rad", (), "dynamic stiffness there, in the first harmonic component"
+    )
     loss_factor: float = result("1", (), "loss factor there, in the first harmonic component")
     is_stable: bool = result("", (), "a small change of the temperature dies out")
 
@@ -38,18 +40,28 @@ class CouplingTemperature:
     """One coupling over the speed, the others as cold as their surroundings."""
 
     coupling: str = result("", (), "its name")
-    surroundings: float = result("degC", (), "temperature of the surroundings", key="surroundings_degC")
-    permissible: float = result("degC", (), "highest permissible temperature", key="permissible_degC")
+    surroundings: float = result(
+        "degC", (), "temperature of the surroundings", key="surroundings_degC"
+    )
+    permissible: float = result(
+        "degC", (), "highest permissible temperature", key="permissible_degC"
+    )
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
-    number: IntArray = result("", ("speed",), "temperatures of equilibrium up to the permissible one; 0: it runs away")
+    number: IntArray = result(
+        "", ("speed",), "temperatures of equilibrium up to the permissible one; 0: it runs away"
+    )
     lowest: FloatArray = result(
         "degC", ("speed",), "lowest one, that of a run-up; null if there is none", key="lowest_degC"
     )
     highest: FloatArray = result(
-        "degC", ("speed",), "highest stable equilibrium, reached in a run-down; null if a warm coupling overheats",
+        "degC",
+        ("speed",),
+        "highest stable equilibrium, reached in a run-down; null if a warm coupling overheats",
         key="highest_degC",
-    )  # fmt: skip
-    equilibria: tuple[Equilibrium, ...] = result("", (), "all of them at the worst speed and at those with several")
+    )
+    equilibria: tuple[Equilibrium, ...] = result(
+        "", (), "all of them at the worst speed and at those with several"
+    )
 
     @property
     def rise(self) -> FloatArray:
@@ -75,7 +87,9 @@ class _Heat:
     w: Sequence[FloatArray]  # of each harmonic component: (speeds,) rad/s
     forces: Sequence[Sequence[Sources]]  # of each: those whose magnitudes are added
     ground: FloatArray  # (stations, speeds)
-    stiffness: Sequence[dict[int, ComplexArray]]  # of each: of spans with a table, and of the coupling, as cold
+    stiffness: Sequence[
+        dict[int, ComplexArray]
+    ]  # of each: of spans with a table, and of the coupling, as cold
 
     def power(self, case: IntArray, temperature: FloatArray) -> FloatArray:
         """(pairs,) W at pairs of a speed (its number) and a temperature (degC), all harmonic components together."""
@@ -90,20 +104,30 @@ class _Heat:
     def _component(self, k: int, case: IntArray, temperature: FloatArray) -> FloatArray:
         w, ground = self.w[k][case], self.ground[:, case]
         stiffness = {span: values[case] for span, values in self.stiffness[k].items()}
-        own = stiffness[self.span] = self.warming.complex_stiffness(stiffness[self.span], temperature)
+        own = stiffness[self.span] = self.warming.complex_stiffness(
+            stiffness[self.span], temperature
+        )
         torque = np.zeros(len(case))
         for each in self.forces[k]:
-            torque += np.abs(answer(self.system, w, each.at(case), ground, stiffness=stiffness).torque[:, self.span])
+            torque += np.abs(
+                answer(self.system, w, each.at(case), ground, stiffness=stiffness).torque[
+                    :, self.span
+                ]
+            )
         return np.asarray(0.5 * w * own.imag * (torque / np.abs(own)) ** 2)
 
 
-def coupling_temperature(study: Study, response: Response, part: Part, warming: Warming) -> CouplingTemperature:
+def coupling_temperature(
+    study: Study, response: Response, part: Part, warming: Warming
+) -> CouplingTemperature:
     """Of one coupling at the speeds of the response, under all harmonic components that it has.
 
     Raises SolveError where the train has what a warming coupling does not go with.
     """
     system, speed = response.system, response.speed
-    number = next(k for k, one in enumerate(study.train.parts) if one is part or one.name == part.name)
+    number = next(
+        k for k, one in enumerate(study.train.parts) if one is part or one.name == part.name
+    )
     span = next(k for k, one in enumerate(system.own_spans) if one.part == number)
     _refuse(study, system, span, part)
     known = steady_if_known(study, system, speed)
@@ -113,10 +137,20 @@ def coupling_temperature(study: Study, response: Response, part: Part, warming: 
     each_w = [one.line.circular_frequency(speed) for one in found]
     cold = 1.0 / system.flexibility[span] * (1.0 + 1j * system.loss_factor[span])
     stiffness = [
-        {span: cold + 1j * w * system.viscous[span], **complex_stiffness(system, w, mean, speed)} for w in each_w
+        {span: cold + 1j * w * system.viscous[span], **complex_stiffness(system, w, mean, speed)}
+        for w in each_w
     ]
     forces = [[sources(system, each, speed, known) for each in one.apart] for one in found]
-    heat = _Heat(system, warming, span, found, each_w, forces, ground_damping(system, speed, known), stiffness)
+    heat = _Heat(
+        system,
+        warming,
+        span,
+        found,
+        each_w,
+        forces,
+        ground_damping(system, speed, known),
+        stiffness,
+    )
     case, temperature = equilibria(warming, heat.power, len(speed))
     count = np.bincount(case, minlength=len(speed))
     lowest, highest = np.full((2, len(speed)), np.nan)
@@ -133,9 +167,17 @@ def coupling_temperature(study: Study, response: Response, part: Part, warming: 
     for place, made in zip(chosen.tolist(), power.tolist(), strict=True):
         at = stiffness[0][span][[case[place]]] if stiffness else np.array([cold])
         warm = complex(warming.complex_stiffness(at, temperature[[place]])[0])
-        values = float(speed[case[place]]), float(temperature[place]), made, warm.real, warm.imag / warm.real
+        values = (
+            float(speed[case[place]]),
+            float(temperature[place]),
+            made,
+            warm.real,
+            warm.imag / warm.real,
+        )
         rows.append(Equilibrium(*values, bool(order[place] % 2 == 0)))
-    return CouplingTemperature(part.name, warming.now, warming.highest, speed, count, lowest, highest, tuple(rows))
+    return CouplingTemperature(
+        part.name, warming.now, warming.highest, speed, count, lowest, highest, tuple(rows)
+    )
 
 
 def _refuse(study: Study, system: System, span: int, part: Part) -> None:
@@ -169,8 +211,9 @@ def run(work: Work) -> None:
     with work.log.step("temperatures of couplings", "a coupling has `temperature`") as step:
         each = [
             coupling_temperature(work.study, response, part, part.warming)
-            for part in work.study.train.parts if part.warming is not None
-        ]  # fmt: skip
+            for part in work.study.train.parts
+            if part.warming is not None
+        ]
         step.method = "all equilibria of heat made and given off, by scanning and halving"
         step.size = f"{len(response.speed)} speeds, up to {math.ceil(max(one.permissible for one in each))} degC"
     work.put(coupling_temperatures=CouplingTemperatures(tuple(each)))

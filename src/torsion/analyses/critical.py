@@ -26,7 +26,9 @@ class CriticalSpeed:
     speed: float = result("rad/s", (), "reference speed")
     is_inside: bool = result("", (), "within the speed range", key="is_in_range")
     margin: float | None = result(
-        "1", (), "distance from the rated speed or the nearest end of the range, relative; null if neither is given"
+        "1",
+        (),
+        "distance from the rated speed or the nearest end of the range, relative; null if neither is given",
     )
     own_orders: tuple[Fraction, ...] = result(
         "", (), "of each source per revolution of the shaft of the source, exact", default=()
@@ -42,7 +44,9 @@ class CriticalSpeed:
 class CriticalSpeeds:
     """Every crossing, by ascending speed."""
 
-    crossings: tuple[CriticalSpeed, ...] = result("", (), "crossings of an order with a mode, by speed", key="")
+    crossings: tuple[CriticalSpeed, ...] = result(
+        "", (), "crossings of an order with a mode, by speed", key=""
+    )
 
 
 def critical_speeds(
@@ -66,9 +70,20 @@ def critical_by_torque(
 ) -> tuple[CriticalSpeed, ...]:
     """The same within the speed range, of modes whose frequencies follow the speed."""
     met = [
-        CriticalSpeed(mode, line.order, line.sources, hertz, speed, True, _margin(speed, operation), line.own_orders)
-        for line in lines if line.order is not None for mode, speed, hertz in found.crossings(line.order)
-    ]  # fmt: skip
+        CriticalSpeed(
+            mode,
+            line.order,
+            line.sources,
+            hertz,
+            speed,
+            True,
+            _margin(speed, operation),
+            line.own_orders,
+        )
+        for line in lines
+        if line.order is not None
+        for mode, speed, hertz in found.crossings(line.order)
+    ]
     return tuple(sorted(met, key=lambda crossing: (crossing.speed, crossing.mode)))
 
 

@@ -8,7 +8,12 @@ import numpy as np
 
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import Steady, steady
-from torsion.analyses.undamped_modes import Modes, modes_as_discretised, modes_settings, span_torques
+from torsion.analyses.undamped_modes import (
+    Modes,
+    modes_as_discretised,
+    modes_settings,
+    span_torques,
+)
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import System
@@ -19,9 +24,13 @@ from torsion.results import reported, result
 if TYPE_CHECKING:
     from torsion.kernels.spring_law import SpringLaw
 
-MOST_STATIONS = 30_000  # rounding along more of them keeps the roots from settling to their accuracy
+MOST_STATIONS = (
+    30_000  # rounding along more of them keeps the roots from settling to their accuracy
+)
 ONLY_REAL = "a table gives stiffness and damping only at real frequencies"
-LARGEST_FOR_ALL = 150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
+LARGEST_FOR_ALL = (
+    150  # tree stations up to which all roots are found at once; beyond, those near undamped modes
+)
 
 
 @reported
@@ -41,7 +50,9 @@ class DampedModes:
         return replace(self, shape=self.shape[groups.stations], torque=self.torque[groups.spans])
 
 
-def damped(system: System, *, speed: float, steady: Steady | None = None, count: int | None = 6) -> DampedModes:
+def damped(
+    system: System, *, speed: float, steady: Steady | None = None, count: int | None = 6
+) -> DampedModes:
     """The lowest `count` oscillating modes (None: all) at a reference speed (rad/s); `steady` holds that speed.
 
     Raises SolveError for a train with closed loops, shafts of distributed inertia or more than MOST_STATIONS stations,
@@ -57,19 +68,28 @@ def damped(system: System, *, speed: float, steady: Steady | None = None, count:
     condensed = system.condensed
     if condensed.extra.size:
         message = "damped modes of a train with closed loops, or grounded through rigid spans at several points"
-        raise SolveError(f"{message}, are not built; request `modes: {{damped: false}}`, the response is right")
+        raise SolveError(
+            f"{message}, are not built; request `modes: {{damped: false}}`, the response is right"
+        )
     if condensed.tree.size > MOST_STATIONS:
         raise SolveError(too_many_stations(system))
     own = ground_damping(system, np.array([speed]), steady)[:, 0]
     ground = np.zeros(condensed.tree.size)
     ground[condensed.node] = own * system.speed_ratio**2
     start, laws = None, _laws(system)
-    if condensed.tree.size > LARGEST_FOR_ALL or any(law.exponent is not None for law in laws.values()):
+    if condensed.tree.size > LARGEST_FOR_ALL or any(
+        law.exponent is not None for law in laws.values()
+    ):
         start = 2.0 * math.pi * modes_as_discretised(system, count).frequency
     viscous, loss = condensed.viscous.copy(), condensed.loss_factor.copy()
     viscous[list(laws)], loss[list(laws)] = 0.0, 0.0
     found = damped_modes(
-        condensed.tree, ground_damping=ground, viscous=viscous, loss_factor=loss, start=start, laws=laws
+        condensed.tree,
+        ground_damping=ground,
+        viscous=viscous,
+        loss_factor=loss,
+        start=start,
+        laws=laws,
     )
     keep = np.argsort(found.eigenvalue.imag, kind="stable")[:count]
     eigenvalue = found.eigenvalue[keep]
@@ -137,8 +157,14 @@ def run(work: Work) -> None:
     with work.log.step("damped modes", "something damps") as step:
         found = damped(system, speed=speed or 0.0, steady=mean, count=settings.count)
         by_mode = bool(system.train.modal_damping)
-        step.method = "damping by mode" if by_mode else "Newton with two-sided vectors on the quadratic problem"
-        step.size = f"{found.frequency.size} modes" + ("" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm")
+        step.method = (
+            "damping by mode"
+            if by_mode
+            else "Newton with two-sided vectors on the quadratic problem"
+        )
+        step.size = f"{found.frequency.size} modes" + (
+            "" if speed is None else f" at {speed * 30 / math.pi:.6g} rpm"
+        )
     work.put(damped_modes=found)
 
 

@@ -13,7 +13,9 @@ from torsion.primitives import Spring, tabled_spring
 from torsion.results import reported, result
 from torsion.train import Train
 
-LEAST = 1e-2  # ring over inertia of the mode: below it no setting of the ring changes the mode by much
+LEAST = (
+    1e-2  # ring over inertia of the mode: below it no setting of the ring changes the mode by much
+)
 
 
 @reported
@@ -31,7 +33,9 @@ class DamperOptimum:
     damping: float = result("N*m*s/rad", (), "optimum viscous damping with that stiffness")
     tuned_peak: float = result("1", (), "peak magnification of the mode with both")
     given_peak: float | None = result(
-        "1", (), "peak magnification of the mode with the ring of the file; a frequency law is evaluated at that mode"
+        "1",
+        (),
+        "peak magnification of the mode with the ring of the file; a frequency law is evaluated at that mode",
     )
 
 
@@ -50,8 +54,14 @@ def run(work: Work) -> None:
         return
     with work.log.step("optimum of the dampers", "the train has dampers") as step:
         step.method = "closed forms of one mode, with the inertia that it has at the housing"
-        rings = [one for one in train.springs if train.parts[one.part].kind == "damper" and one.flexibility]
-        best = [one for ring in rings for one in _at_modes(found.system, ring, len(found.frequency))]
+        rings = [
+            one
+            for one in train.springs
+            if train.parts[one.part].kind == "damper" and one.flexibility
+        ]
+        best = [
+            one for ring in rings for one in _at_modes(found.system, ring, len(found.frequency))
+        ]
     work.put(dampers=Dampers(tuple(best)))
 
 
@@ -63,27 +73,43 @@ def _at_modes(system: System, ring: Spring, count: int) -> Iterator[DamperOptimu
         return
     bare = of_train(system, without(train, ring))
     found = modes(bare, count)
-    for mode, (frequency, angle) in enumerate(zip(found.frequency, found.shape[ring.driving], strict=True), start=1):
+    for mode, (frequency, angle) in enumerate(
+        zip(found.frequency, found.shape[ring.driving], strict=True), start=1
+    ):
         ratio = float(inertia * angle**2)
         if ratio < LEAST:
             continue
         omega, plain, best = 2.0 * math.pi * float(frequency), viscous(ratio), tuned(ratio)
-        given = ring if ring.table is None else tabled_spring(ring.name, 0, (0, 0), ring.table, omega)
+        given = (
+            ring if ring.table is None else tabled_spring(ring.name, 0, (0, 0), ring.table, omega)
+        )
         yield DamperOptimum(
-            train.parts[ring.part].name, mode, float(frequency), float(1.0 / angle**2), ratio,
-            2.0 * inertia * omega * plain.damping, plain.magnification,
-            inertia * (omega * best.tuning) ** 2, 2.0 * inertia * omega * best.damping, best.magnification,
+            train.parts[ring.part].name,
+            mode,
+            float(frequency),
+            float(1.0 / angle**2),
+            ratio,
+            2.0 * inertia * omega * plain.damping,
+            plain.magnification,
+            inertia * (omega * best.tuning) ** 2,
+            2.0 * inertia * omega * best.damping,
+            best.magnification,
             magnification(
-                ratio, math.sqrt(1.0 / (given.flexibility * inertia)) / omega, given.viscous / (2.0 * inertia * omega),
+                ratio,
+                math.sqrt(1.0 / (given.flexibility * inertia)) / omega,
+                given.viscous / (2.0 * inertia * omega),
                 given.loss_factor,
             ),
-        )  # fmt: skip
+        )
 
 
 def without(train: Train, ring: Spring) -> Train:
     """The train with a ring of no inertia, which then does nothing: its angle is that of the housing."""
-    held = replace(ring, table=None, flexibility=ring.flexibility if math.isfinite(ring.flexibility) else 1.0)
+    held = replace(
+        ring, table=None, flexibility=ring.flexibility if math.isfinite(ring.flexibility) else 1.0
+    )
     return replace(
-        train, inertias=tuple(one for one in train.inertias if one.station != ring.driven),
+        train,
+        inertias=tuple(one for one in train.inertias if one.station != ring.driven),
         springs=tuple(held if one is ring else one for one in train.springs),
-    )  # fmt: skip
+    )

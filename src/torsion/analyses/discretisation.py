@@ -6,7 +6,14 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.harmonic_components import excitations
-from torsion.analyses.undamped_modes import Modes, Ruled, chord_spans, condensed_modes, modes, modes_settings
+from torsion.analyses.undamped_modes import (
+    Modes,
+    Ruled,
+    chord_spans,
+    condensed_modes,
+    modes,
+    modes_settings,
+)
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import section_results
 from torsion.assembly.system import MOST_GROUPS, System, condensed
@@ -59,7 +66,13 @@ def has_inertia(system: System) -> bool:
 
 def assembled(study: Study, frequency: float = 0.0) -> System:
     """The system of a study in its model, for a highest frequency (Hz)."""
-    return assemble(study.train, study.model, frequency=frequency, degree=study.fem.degree, elements=study.fem.elements)
+    return assemble(
+        study.train,
+        study.model,
+        frequency=frequency,
+        degree=study.fem.degree,
+        elements=study.fem.elements,
+    )
 
 
 def discretisation_words(system: System) -> str:
@@ -71,7 +84,9 @@ def discretisation_words(system: System) -> str:
     error = system.bars.error if system.bars is not None else 0.0
     if error > LARGEST_ESTIMATE:
         return f"{what}: {numbers}; too few for an estimate of their error"
-    return f"{what}: {numbers}" + (f"; estimated error of the highest frequency {error:.1g}" if error else "")
+    return f"{what}: {numbers}" + (
+        f"; estimated error of the highest frequency {error:.1g}" if error else ""
+    )
 
 
 def run_assembly(work: Work) -> None:
@@ -81,10 +96,15 @@ def run_assembly(work: Work) -> None:
         highest = highest_excited(work.study, system, work.ruled)
         if highest:
             system = assembled(work.study, highest)
-        words = {"lumped": "lumped, kept in factors", "exact": "exact: shafts as continua, no error of discretisation"}
+        words = {
+            "lumped": "lumped, kept in factors",
+            "exact": "exact: shafts as continua, no error of discretisation",
+        }
         step.method = words.get(system.model, system.model)
         if system.model == "fem" and system.bars is not None:
-            step.method += f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
+            step.method += (
+                f": elements of degree {system.bars.degree}, consistent inertia (scikit-fem)"
+            )
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     if system.tables:
@@ -97,7 +117,9 @@ def run_assembly(work: Work) -> None:
                 f"its {100 * part.ratings.tolerance:.3g} % change only the frequencies; other results use the "
                 "nominal stiffness"
             )
-            why += "" if work.study.case is not None else " (`cases: {from: tolerances}` varies them)"
+            why += (
+                "" if work.study.case is not None else " (`cases: {from: tolerances}` varies them)"
+            )
             work.log.without(f"the tolerance of '{part.name}'", why)
         if part.nonlinear is not None:
             what = "all but the transient response takes" if part.is_clutch else "modes take"
@@ -106,7 +128,9 @@ def run_assembly(work: Work) -> None:
             work.log.without(f"what is nonlinear in '{part.name}'", why)
     if work.study.train.has_tables_over("mean torque") and "transient" in work.study.analyses:
         what = "the stiffness over mean torque in transient responses"
-        work.log.without(what, "the coupling has there the stiffness of the rated, else of the highest speed")
+        work.log.without(
+            what, "the coupling has there the stiffness of the rated, else of the highest speed"
+        )
     work.put(system=system)
     if system.bars is not None and system.bars.degree:
         work.log.libraries["scikit-fem"] = None
@@ -121,13 +145,23 @@ def run_modes(work: Work) -> None:
     if settings is None:
         work.log.without("natural frequencies", "`analyses` does not name modes")
         return
-    with work.log.step("natural frequencies", "requested" if "modes" in study.analyses else "the default") as step:
-        found = modes(system, settings.count, progress=lambda done, of: work.progress("natural frequencies", done / of))
+    with work.log.step(
+        "natural frequencies", "requested" if "modes" in study.analyses else "the default"
+    ) as step:
+        found = modes(
+            system,
+            settings.count,
+            progress=lambda done, of: work.progress("natural frequencies", done / of),
+        )
         system = found.system
         step.method = "tree elimination in mixed form, certified by Sturm counts"
         if chord_spans(system).size:
-            bounds = "certified by counts" if found.certified else "with the error bound of the method"
-            step.method = f"closed loops: Jacobi rotations of a factor without differences, {bounds}"
+            bounds = (
+                "certified by counts" if found.certified else "with the error bound of the method"
+            )
+            step.method = (
+                f"closed loops: Jacobi rotations of a factor without differences, {bounds}"
+            )
         if tables := system.tables_over("frequency"):
             steepest = max(table.steepest for table in tables.values())
             step.method += f"; by table one root a mode, as d ln k/d ln ω = {steepest:.3g} < 2"
@@ -135,9 +169,14 @@ def run_modes(work: Work) -> None:
 
             if not all(table.holds for table in tables.values()):
                 end = reach(system)[1] / (2.0 * math.pi)
-                work.log.without(f"modes above {end:.6g} Hz", "the table of a coupling ends there; `beyond: hold`")
+                work.log.without(
+                    f"modes above {end:.6g} Hz",
+                    "the table of a coupling ends there; `beyond: hold`",
+                )
         if system.bars is not None and not found.certified:
-            step.method = "dense problem of all unknowns, not certified: the elements are too few for counts"
+            step.method = (
+                "dense problem of all unknowns, not certified: the elements are too few for counts"
+            )
         step.size = f"{found.frequency.size} of {_size(system)}; {discretisation_words(system)}"
     work.put(system=system, modes=found)
 
@@ -147,7 +186,9 @@ def run_groups(work: Work) -> None:
     system = condensed(work.system)
     if system.groups is None:
         return
-    work.log.without("torques inside segment groups", f"of shafts of more than {MOST_GROUPS} segments")
+    work.log.without(
+        "torques inside segment groups", f"of shafts of more than {MOST_GROUPS} segments"
+    )
     modes, damped = work.get(Modes), work.get(DampedModes)
     work.put(system=system)
     if modes is not None:

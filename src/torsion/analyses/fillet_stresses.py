@@ -32,16 +32,30 @@ class Fillet:
     following: str | None = result("", (), "shaft that begins at it; null for a notch")
     radius: float = result("m", (), "its radius; of a hole half its diameter")
     diameter: float = result("m", (), "smaller diameter")
-    larger: float | None = result("m", (), "larger diameter; null for a notch", key="larger_diameter_m")
-    modulus: float = result("m**3", (), "W_p of the smaller end, without notches", key="section_modulus_m3")
-    factor: float = result("1", (), "K_t: largest shear stress in it / nominal stress, T/W_p")
-    error: float | None = result("1", (), "relative error of K_t, from two fields and the last change; null by formula")
-    peterson: float | None = result(
-        "1", (), "K_t of a fit of Peterson's charts, to be verified; null for hollow shafts and outside its range"
+    larger: float | None = result(
+        "m", (), "larger diameter; null for a notch", key="larger_diameter_m"
     )
-    endurance: float | None = result("Pa", (), "amplitude of shear that the shafts endure there, as stated")
-    speed: float | None = result("rad/s", (), "reference speed of the largest stress; null without a response")
-    nominal: float | None = result("Pa", (), "nominal vibratory stress there, amplitude (zero to peak) of all orders")
+    modulus: float = result(
+        "m**3", (), "W_p of the smaller end, without notches", key="section_modulus_m3"
+    )
+    factor: float = result("1", (), "K_t: largest shear stress in it / nominal stress, T/W_p")
+    error: float | None = result(
+        "1", (), "relative error of K_t, from two fields and the last change; null by formula"
+    )
+    peterson: float | None = result(
+        "1",
+        (),
+        "K_t of a fit of Peterson's charts, to be verified; null for hollow shafts and outside its range",
+    )
+    endurance: float | None = result(
+        "Pa", (), "amplitude of shear that the shafts endure there, as stated"
+    )
+    speed: float | None = result(
+        "rad/s", (), "reference speed of the largest stress; null without a response"
+    )
+    nominal: float | None = result(
+        "Pa", (), "nominal vibratory stress there, amplitude (zero to peak) of all orders"
+    )
     peak: float | None = result("Pa", (), "K_t times that")
     utilisation: float | None = result("1", (), "that / endurance; null without both")
     form: str = result("", (), "fillet, keyway, splines or hole")
@@ -76,9 +90,11 @@ def peterson(height: float, radius: float) -> float | None:
         return None
     root = math.sqrt(ratio)
     terms = (
-        0.905 + 0.783 * root - 0.075 * ratio, -0.437 - 1.969 * root + 0.553 * ratio,
-        1.557 + 1.073 * root - 0.578 * ratio, -1.061 + 0.171 * root + 0.086 * ratio,
-    )  # fmt: skip
+        0.905 + 0.783 * root - 0.075 * ratio,
+        -0.437 - 1.969 * root + 0.553 * ratio,
+        1.557 + 1.073 * root - 0.578 * ratio,
+        -1.061 + 0.171 * root + 0.086 * ratio,
+    )
     return sum(term * share**power for power, term in enumerate(terms))
 
 
@@ -135,7 +151,9 @@ def unjudged(train: Train) -> Iterator[tuple[Bar, str]]:
 def stated_fillets(system: System) -> Iterator[Fillet]:
     """Every stated fillet and notch, without its stress; raises SolveError where the elements have no answer."""
     if any(
-        step.round for step in (p.shaft.step for p in system.train.parts if p.shaft is not None) if step is not None
+        step.round
+        for step in (p.shaft.step for p in system.train.parts if p.shaft is not None)
+        if step is not None
     ):
         yield from _fillets(system)
     for bar in system.train.bars:
@@ -163,13 +181,28 @@ def _notch(system: System, bar: Bar, notch: Notch) -> Fillet:
     ]
     outer, modulus, (radius, factor, error, fit) = max(ends, key=lambda end: end[2][1] / end[1])
     return Fillet(
-        bar.name, None, radius, outer, None, modulus, factor, error, fit,
-        system.train.shaft(bar).endurance, None, None, None, None, notch.form,
+        bar.name,
+        None,
+        radius,
+        outer,
+        None,
+        modulus,
+        factor,
+        error,
+        fit,
+        system.train.shaft(bar).endurance,
+        None,
+        None,
+        None,
+        None,
+        notch.form,
         tuple(np.flatnonzero(system.span_part == bar.part).tolist()),
-    )  # fmt: skip
+    )
 
 
-def _concentration(notch: Notch, outer: float, bore: float) -> tuple[float, float, float | None, float | None]:
+def _concentration(
+    notch: Notch, outer: float, bore: float
+) -> tuple[float, float, float | None, float | None]:
     """Radius (m), K_t, its relative error and that of a fit, in a shaft of these diameters (m)."""
     if notch.hole is not None:
         return notch.hole / 2.0, hole_factor(notch.hole / outer), None, None
@@ -177,12 +210,16 @@ def _concentration(notch: Notch, outer: float, bore: float) -> tuple[float, floa
 
     unit, fit = outer / 2.0, None
     if (one := notch.keyway) is not None:
-        section = keyway(one.width / unit, one.depth / unit, one.fillet / unit, one.number, bore / outer)
+        section = keyway(
+            one.width / unit, one.depth / unit, one.fillet / unit, one.number, bore / outer
+        )
         if bore == 0.0 and one.number == 1 and _is_of_chart(one, outer):
             fit = keyway_fit(one.fillet / outer)
         radius = one.fillet
     elif (teeth := notch.splines) is not None:
-        section = splines(teeth.root / outer, teeth.width / unit, teeth.fillet / unit, teeth.teeth, bore / outer)
+        section = splines(
+            teeth.root / outer, teeth.width / unit, teeth.fillet / unit, teeth.teeth, bore / outer
+        )
         radius = teeth.fillet
     found = groove_stress(section)
     return radius, found.factor, found.error, fit
@@ -191,7 +228,10 @@ def _concentration(notch: Notch, outer: float, bore: float) -> tuple[float, floa
 def _is_of_chart(one: Keyway, outer: float) -> bool:
     """Within a tenth of the proportions and within the radii of Peterson's chart of keyways."""
     flank = one.depth - outer / 2.0 + math.sqrt(outer**2 - one.width**2) / 2.0
-    near = all(abs(size / part - 1.0) <= 0.1 for size, part in ((one.width, outer / 4.0), (flank, outer / 8.0)))
+    near = all(
+        abs(size / part - 1.0) <= 0.1
+        for size, part in ((one.width, outer / 4.0), (flank, outer / 8.0))
+    )
     return near and KEYWAYS[0] <= one.fillet / outer <= KEYWAYS[1]
 
 
@@ -208,28 +248,52 @@ def _fillets(system: System) -> Iterator[Fillet]:
             profile, beyond = stressed_profile(system.train, step, smaller, larger)
             stress = fillet_stress(profile, beyond=beyond)
         end = profile.smaller
-        scale = float(section_modulus(1.0, smaller.bore / unit) / section_modulus(end.outer[0], end.bore[0]))
-        factor = max(stress.factor * scale, modulus / other)  # a larger shaft of thin wall endures less beside it
+        scale = float(
+            section_modulus(1.0, smaller.bore / unit) / section_modulus(end.outer[0], end.bore[0])
+        )
+        factor = max(
+            stress.factor * scale, modulus / other
+        )  # a larger shaft of thin wall endures less beside it
         fit = None
         if step.fillet and not smaller.bore and not larger.bore:
             fit = peterson((larger.outer - unit) / 2.0 / unit, radius / unit)
         yield Fillet(
-            one.name, two.name, radius, unit, larger.outer, modulus, factor, stress.error, fit,
-            endurance(system.train, one, two), None, None, None, None, "fillet", _beside(system, one, two, smaller.bar),
-        )  # fmt: skip
+            one.name,
+            two.name,
+            radius,
+            unit,
+            larger.outer,
+            modulus,
+            factor,
+            stress.error,
+            fit,
+            endurance(system.train, one, two),
+            None,
+            None,
+            None,
+            None,
+            "fillet",
+            _beside(system, one, two, smaller.bar),
+        )
 
 
 def _beside(system: System, one: Bar, two: Bar, smaller: Bar) -> tuple[int, ...]:
     """The span of the smaller shaft that ends or begins at the step: a flange's inertia is not in its torque."""
     at_end = smaller.name == one.name
-    part, there = (one.part, system.driven == one.driven) if at_end else (two.part, system.driving == two.driving)
+    part, there = (
+        (one.part, system.driven == one.driven)
+        if at_end
+        else (two.part, system.driving == two.driving)
+    )
     return tuple(np.flatnonzero((system.span_part == part) & there).tolist())
 
 
 def run(work: Work) -> None:
     """Of every shaft whose `step` is a fillet, or which has `notches`."""
     found = []
-    with work.log.step("stress in fillets", "a `step` is a fillet, or a shaft has `notches`") as log:
+    with work.log.step(
+        "stress in fillets", "a `step` is a fillet, or a shaft has `notches`"
+    ) as log:
         for one in stated_fillets(work.system):
             speed, nominal = _worst(work, one)
             peak = None if nominal is None else one.factor * nominal

@@ -37,7 +37,9 @@ class StiffnessOverSpeed:
     """A coupling with a table over mean torque."""
 
     coupling: str = result("", (), "its name")
-    torque: FloatArray = result("N*m", ("speed",), "its mean torque, at its driving station's speed")
+    torque: FloatArray = result(
+        "N*m", ("speed",), "its mean torque, at its driving station's speed"
+    )
     stiffness: FloatArray = result("N*m/rad", ("speed",), "tangent stiffness there")
 
 
@@ -46,8 +48,12 @@ class FrequenciesOverSpeed:
     """Natural frequencies at the stiffness that each speed and its mean torque give."""
 
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
-    frequency: FloatArray = result("Hz", ("mode", "speed"), "undamped natural frequencies at each speed")
-    couplings: tuple[StiffnessOverSpeed, ...] = result("", (), "couplings by table over mean torque")
+    frequency: FloatArray = result(
+        "Hz", ("mode", "speed"), "undamped natural frequencies at each speed"
+    )
+    couplings: tuple[StiffnessOverSpeed, ...] = result(
+        "", (), "couplings by table over mean torque"
+    )
     at: Callable[[float], FloatArray]  # rad/s of the reference station to (modes,) Hz
 
     def crossings(self, order: Fraction) -> Iterator[tuple[int, float, float]]:
@@ -65,7 +71,9 @@ class FrequenciesOverSpeed:
                 yield mode + 1, speed, float(order) * speed / (2.0 * math.pi)
 
 
-def _roots(distance: Callable[[float], float], points: list[float], *, once: bool) -> Iterator[float]:
+def _roots(
+    distance: Callable[[float], float], points: list[float], *, once: bool
+) -> Iterator[float]:
     """Every root that changes of sign between the points show, or between a point and a least value beside it.
 
     once: there is one at most.
@@ -80,7 +88,9 @@ def _roots(distance: Callable[[float], float], points: list[float], *, once: boo
         if same and abs(here) <= abs(before) and abs(here) <= abs(after):
             sign = math.copysign(1.0, here)
             least = minimize_scalar(
-                lambda x, s=sign: s * distance(x), bounds=(points[k - 1], points[k + 1]), method="bounded"
+                lambda x, s=sign: s * distance(x),
+                bounds=(points[k - 1], points[k + 1]),
+                method="bounded",
             )
             marks.append((float(least.x), sign * float(least.fun)))
     marks.sort()
@@ -88,7 +98,9 @@ def _roots(distance: Callable[[float], float], points: list[float], *, once: boo
         if first == 0.0:
             yield left
         elif first * second < 0.0:
-            yield float(brentq(distance, left, right, xtol=ROUNDING * right, rtol=4.0 * np.finfo(float).eps))
+            yield float(
+                brentq(distance, left, right, xtol=ROUNDING * right, rtol=4.0 * np.finfo(float).eps)
+            )
     if marks[-1][1] == 0.0:
         yield marks[-1][0]
 
@@ -98,9 +110,13 @@ def frequencies_over_speed(study: Study, system: System, count: int) -> Frequenc
     speeds, tables = study.operation.speeds, system.tables_over("mean torque")
     if speeds is None:
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
-        raise InputError([Fault(("operation", "speeds"), "frequencies over the speed need the speeds", hint)])
+        raise InputError(
+            [Fault(("operation", "speeds"), "frequencies over the speed need the speeds", hint)]
+        )
     number = SPEEDS if tables else FEW_SPEEDS
-    grid = np.union1d(np.linspace(speeds.first, speeds.last, number), _corners(study, system, speeds.values()))
+    grid = np.union1d(
+        np.linspace(speeds.first, speeds.last, number), _corners(study, system, speeds.values())
+    )
     mean = _mean_torque(study, system, grid)
     rows = []
     for span, table in tables.items():
@@ -118,15 +134,23 @@ def frequencies_over_speed(study: Study, system: System, count: int) -> Frequenc
     return FrequenciesOverSpeed(grid, np.array([one[:number] for one in found]).T, tuple(rows), at)
 
 
-def reaching(study: Study, system: System, known: FrequenciesOverSpeed | None, highest: float) -> FrequenciesOverSpeed:
+def reaching(
+    study: Study, system: System, known: FrequenciesOverSpeed | None, highest: float
+) -> FrequenciesOverSpeed:
     """The known frequencies where they reach a highest one (rad/s) at every speed; else of as many modes as do."""
     speeds = study.operation.speeds
-    if known is not None and known.frequency.size and 2.0 * math.pi * known.frequency[-1].min() > highest:
+    if (
+        known is not None
+        and known.frequency.size
+        and 2.0 * math.pi * known.frequency[-1].min() > highest
+    ):
         return known
     count = 1
     for speed in np.linspace(speeds.first, speeds.last, COUNTED) if speeds is not None else ():
         mean = _mean_torque(study, system, np.array([speed]))[:, 0]
-        count = max(count, len(resonances(taken_under(system, mean, speed), highest, None, None).frequency))
+        count = max(
+            count, len(resonances(taken_under(system, mean, speed), highest, None, None).frequency)
+        )
     return frequencies_over_speed(study, system, count)
 
 
@@ -159,12 +183,18 @@ def at_operating_point(study: Study) -> Study:
     springs = list(study.train.springs)
     for span, table in system.tables.items():
         own, none = np.array(speed), np.zeros(())
-        x = None if table.over == "frequency" else system.followed(span, none, np.asarray(mean[span]), own)
+        x = (
+            None
+            if table.over == "frequency"
+            else system.followed(span, none, np.asarray(mean[span]), own)
+        )
         if x is None:
             continue
         refuse_beyond(system, span, x)
         one = springs[span]
-        springs[span] = tabled_spring(one.name, one.part, (one.driving, one.driven), table, float(x))
+        springs[span] = tabled_spring(
+            one.name, one.part, (one.driving, one.driven), table, float(x)
+        )
     return replace(study, train=replace(study.train, springs=tuple(springs)))
 
 
@@ -172,7 +202,10 @@ def run(work: Work) -> None:
     """Where modes were found and speeds are given."""
     modes = work.get(Modes)
     if modes is None or work.study.operation.speeds is None or not modes.frequency.size:
-        work.log.without("frequencies over the speed", "no modes" if modes is None else "`operation` has no speeds")
+        work.log.without(
+            "frequencies over the speed",
+            "no modes" if modes is None else "`operation` has no speeds",
+        )
         return
     with work.log.step("frequencies over the speed", "a stiffness follows the speed") as step:
         found = frequencies_over_speed(work.study, work.system, modes.frequency.size)

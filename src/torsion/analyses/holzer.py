@@ -22,7 +22,9 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import taken_at
 from torsion.components.shaft_details import STEP
 
-MOST_TIMES_FIRST = 1e3  # an amplitude larger than so many times the first: then the largest of a table is 1
+MOST_TIMES_FIRST = (
+    1e3  # an amplitude larger than so many times the first: then the largest of a table is 1
+)
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,9 @@ class HolzerTable:
     links: tuple[Link | None, ...]  # (rows,) None at a start
     is_chord: BoolArray  # (rows,) the link closes a loop: its station has a row of its own
     inertia: FloatArray  # (rows,) kg m2, referred, without what shafts of `transfer` carry; infinite where fixed
-    angle: FloatArray  # (rows,) rad; the first row is 1, or the largest where the first hardly moves
+    angle: (
+        FloatArray  # (rows,) rad; the first row is 1, or the largest where the first hardly moves
+    )
     inertia_torque: FloatArray  # (rows,) N m: omega^2 J angle
     torque_in: FloatArray  # (rows,) N m at the end of the link toward the row before, positive toward this row
     torque_out: FloatArray  # (rows,) N m at its other end
@@ -88,8 +92,15 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     links, is_chord = tuple(row[2] for row in rows), np.array([row[3] for row in rows], dtype=bool)
     angle = modes.shape[station, mode] / system.speed_ratio[station]
     angle[system.held[station]] = 0.0
-    torque, square = modes.torque[:, mode] * system.span_ratio, (2.0 * math.pi * float(modes.frequency[mode])) ** 2
-    at_ends, flexibility, transfer = np.zeros((len(rows), 2)), np.zeros(len(rows)), np.full((len(rows), 2, 2), np.nan)
+    torque, square = (
+        modes.torque[:, mode] * system.span_ratio,
+        (2.0 * math.pi * float(modes.frequency[mode])) ** 2,
+    )
+    at_ends, flexibility, transfer = (
+        np.zeros((len(rows), 2)),
+        np.zeros(len(rows)),
+        np.full((len(rows), 2, 2), np.nan),
+    )
     chains = _chains(system, square)
     for row, link in enumerate(links):
         if link is None:
@@ -105,12 +116,27 @@ def holzer(system: System, modes: Modes, mode: int) -> HolzerTable:
     scale = _scale(angle)
     inertia = (system.lumped_inertia * system.speed_ratio**2)[station]
     moved = np.where(np.isinf(inertia), 0.0, inertia) * square * angle
-    is_spring = np.isnan(transfer[:, 0, 0])  # its twist may be far smaller than the angles of its ends
-    twist = np.where(is_spring, flexibility * at_ends[:, 0], np.where(before >= 0, angle[before], angle) - angle)
+    is_spring = np.isnan(
+        transfer[:, 0, 0]
+    )  # its twist may be far smaller than the angles of its ends
+    twist = np.where(
+        is_spring, flexibility * at_ends[:, 0], np.where(before >= 0, angle[before], angle) - angle
+    )
     return HolzerTable(
-        float(modes.frequency[mode]), station, before, links, is_chord, inertia, angle / scale, moved / scale,
-        at_ends[:, 0] / scale, at_ends[:, 1] / scale, flexibility, twist / scale, transfer,
-    )  # fmt: skip
+        float(modes.frequency[mode]),
+        station,
+        before,
+        links,
+        is_chord,
+        inertia,
+        angle / scale,
+        moved / scale,
+        at_ends[:, 0] / scale,
+        at_ends[:, 1] / scale,
+        flexibility,
+        twist / scale,
+        transfer,
+    )
 
 
 def _scale(angle: FloatArray) -> float:
@@ -135,7 +161,9 @@ def _links(system: System) -> list[Link]:
         shafts[row.bar.part] = [first, first + row.number - 1]
         first += row.number
     for part, spans in shafts.items():
-        found.append(Link(bars[part].name, bars[part].driving, bars[part].driven, (spans[0], spans[-1])))
+        found.append(
+            Link(bars[part].name, bars[part].driving, bars[part].driven, (spans[0], spans[-1]))
+        )
     return found
 
 
@@ -157,7 +185,9 @@ def _rows(system: System) -> Iterator[tuple[int, int, Link | None, bool]]:
             used.add(leading)
             yield here, before, leading, False
             for one in reversed(near.get(here, [])):
-                stack.append((one.driven if one.driving == here else one.driving, row_of[here], one))
+                stack.append(
+                    (one.driven if one.driving == here else one.driving, row_of[here], one)
+                )
     for chord in links:
         if chord not in used:
             yield chord.driven, row_of[chord.driving], chord, True
@@ -217,7 +247,9 @@ def _chains(system: System, square: float) -> _Chains:
     pi[0] = whole.flexibility / ratio2
     if whole.bars is not None:
         own = whole.bars.span
-        laws = whole.bars.laws(np.arange(len(own)), whole.span_ratio[own], np.zeros(len(own), dtype=bool))
+        laws = whole.bars.laws(
+            np.arange(len(own)), whole.span_ratio[own], np.zeros(len(own), dtype=bool)
+        )
         pi[:, own] = [values[:, 0] for values in laws.at(np.array([square]))]
     inertia = whole.lumped_inertia * whole.speed_ratio**2
     return _Chains(system, square, system.flexibility / system.span_ratio**2, pi, inertia)

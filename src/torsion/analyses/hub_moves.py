@@ -19,9 +19,13 @@ class HubMove:
     shaft: str = result("", (), "shaft on whose end it sits")
     end: str = result("", (), "first or last")
     seat: float = result("m", (), "length of its seat")
-    twisting: float = result("m", (), "length of the shaft that twists as much as the seat and the hub")
+    twisting: float = result(
+        "m", (), "length of the shaft that twists as much as the seat and the hub"
+    )
     error: float | None = result("m", (), "its error by finite elements; null by formula")
-    frequency: FloatArray = result("Hz", ("mode",), "natural frequencies if the shaft twisted in all of this seat")
+    frequency: FloatArray = result(
+        "Hz", ("mode",), "natural frequencies if the shaft twisted in all of this seat"
+    )
     change: FloatArray = result("1", ("mode",), "of the train as computed, relative to those")
 
 
@@ -44,7 +48,8 @@ def hub_moves(found: Modes) -> HubMoves:
             own = train.materials[train.shaft(bar).material].shear_modulus
             flexible: Bar = replace(
                 bar,
-                shear_modulus=1.0 / (1.0 / bar.shear_modulus + (hub.length - left) / bar.length / own),
+                shear_modulus=1.0
+                / (1.0 / bar.shear_modulus + (hub.length - left) / bar.length / own),
                 segments=system.segments.get(bar.name, bar.segments),
             )
             bars = (*train.bars[:place], flexible, *train.bars[place + 1 :])

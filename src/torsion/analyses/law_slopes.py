@@ -20,12 +20,20 @@ SAME_TORQUE = 0.01  # relative: what the table of a drive may miss of the balanc
 
 def driven_by_law(train: Train) -> list[tuple[Part, DriveLaw]]:
     """Return the machines that drive by a law of the file, each with that law."""
-    return [(part, part.machine.drive) for part in train.parts if part.machine is not None and part.machine.drive]
+    return [
+        (part, part.machine.drive)
+        for part in train.parts
+        if part.machine is not None and part.machine.drive
+    ]
 
 
 def mean_speed_slopes(study: Study) -> dict[str, str]:
     """Return who drives or absorbs by a slope that acts on the mean speed alone, each with the key that it lacks."""
-    found = {part.name: "lag" for part, law in driven_by_law(study.train) if law.law is None and law.lag is None}
+    found = {
+        part.name: "lag"
+        for part, law in driven_by_law(study.train)
+        if law.law is None and law.lag is None
+    }
     if not study.has_mean_torque:
         return found
     damped = {damper.station for damper in study.train.dampers}
@@ -33,7 +41,8 @@ def mean_speed_slopes(study: Study) -> dict[str, str]:
         if load.law.has_slope:
             stations = (station for station, _ in load.stations if station not in damped)
             found |= {
-                study.train.parts[study.train.stations[station].part].name: "damping: law" for station in stations
+                study.train.parts[study.train.stations[station].part].name: "damping: law"
+                for station in stations
             }
     return found
 
@@ -86,8 +95,15 @@ def drive_faults(study: Study) -> list[Fault]:
     """Why a law of drive cannot stand beside the speeds and the balance of power of the file."""
     found, operation = list[Fault](), study.operation
     if not study.has_mean_torque:
-        message, hint = "the law of a drive needs the mean torque", "give the rated power, or the power of the loads"
-        return [Fault((*part.path, "drive"), message, hint) for part, law in driven_by_law(study.train) if not law.law]
+        message, hint = (
+            "the law of a drive needs the mean torque",
+            "give the rated power, or the power of the loads",
+        )
+        return [
+            Fault((*part.path, "drive"), message, hint)
+            for part, law in driven_by_law(study.train)
+            if not law.law
+        ]
     try:
         balance = power_balance(study.train, operation)
     except InputError:  # which the faults of the power report
@@ -105,7 +121,11 @@ def drive_faults(study: Study) -> list[Fault]:
             message = f"the law of the drive of '{part.name}' gives {kloss:.6g} N m at its slip at the rated speed"
             hint = "correct slip, pull-out torque or the loads; they have to agree within 1 %"
             found.append(
-                Fault((*part.path, "drive", "slip"), f"{message}, the loads take {rated_torque:.6g} N m", hint)
+                Fault(
+                    (*part.path, "drive", "slip"),
+                    f"{message}, the loads take {rated_torque:.6g} N m",
+                    hint,
+                )
             )
     transient = study.setting("analyses", "transient") is not None
     for part, law in driven_by_law(study.train):
@@ -122,7 +142,11 @@ def _table_faults(
     """Why a table of torque over own speed cannot be the law of a drive."""
     ratio = abs(float(part.ratio))
     about = Fault((*part.path, "drive", "torque"), f"the table of the drive of '{part.name}'")
-    ends = [] if operation.speeds is None else [operation.speeds.first * ratio, operation.speeds.last * ratio]
+    ends = (
+        []
+        if operation.speeds is None
+        else [operation.speeds.first * ratio, operation.speeds.last * ratio]
+    )
     rated = [] if operation.rated is None else [operation.rated.speed * ratio]
     if faults := uncovered(table, np.array([*ends, *rated]), about):
         return faults
@@ -132,8 +156,12 @@ def _table_faults(
     given = float(interpolated(table, np.array(rated), about)[0])
     if abs(given - needed) <= SAME_TORQUE * abs(needed):
         return []
-    message = f"{about.message} gives {given:.6g} N m at the rated speed, the loads take {needed:.6g} N m"
-    return [Fault(about.path, message, "correct the table or the loads; they have to agree within 1 %")]
+    message = (
+        f"{about.message} gives {given:.6g} N m at the rated speed, the loads take {needed:.6g} N m"
+    )
+    return [
+        Fault(about.path, message, "correct the table or the loads; they have to agree within 1 %")
+    ]
 
 
 def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
@@ -146,7 +174,15 @@ def slopes_without_vibration(study: Study) -> list[tuple[str, float, str]]:
         return []
     balance, speed = power_balance(study.train, operation), np.array([operation.speed])
     ratio = np.array([float(station.ratio) for station in study.train.stations])
-    slopes = drive_slopes(study.train, operation, balance, ratio, speed) + load_slopes(balance, ratio, speed)
-    stated = [part for part in study.train.parts if part.machine and (part.machine.drive or part.machine.load)]
-    found = [(part.name, float(slopes[part.stations[0], 0])) for part in stated if part.name in lacking]
+    slopes = drive_slopes(study.train, operation, balance, ratio, speed) + load_slopes(
+        balance, ratio, speed
+    )
+    stated = [
+        part
+        for part in study.train.parts
+        if part.machine and (part.machine.drive or part.machine.load)
+    ]
+    found = [
+        (part.name, float(slopes[part.stations[0], 0])) for part in stated if part.name in lacking
+    ]
     return [(name, slope, lacking[name]) for name, slope in found if slope]

@@ -83,7 +83,9 @@ class Balance:
 
     def applied(self, station: int, speed: FloatArray) -> FloatArray:
         """Return the mean torque (speeds,) N m that enters at a station, referred to the reference speed."""
-        first, *others = (load.torque_at(speed) * float(self.shares(load)[station]) for load in self.loads)
+        first, *others = (
+            load.torque_at(speed) * float(self.shares(load)[station]) for load in self.loads
+        )
         return np.asarray(sum(others, start=first))
 
     def full_torque(self, speed: FloatArray) -> FloatArray:

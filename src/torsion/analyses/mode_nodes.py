@@ -20,10 +20,14 @@ from torsion.kernels.tree import Tree
 LARGEST_BLOCK = 2**20  # stations times modes at once; 8 MB an array
 TINY = 1e-12  # of the largest amplitude (referred to one speed): an angle that may be rounding
 CANCELS = 1e-10  # of the torques on a station: a sum that is rounding of the angles around it
-UNBALANCED = 0.5  # of the torques on a station: a sum that shows the sign of its angle to be unknown
+UNBALANCED = (
+    0.5  # of the torques on a station: a sum that shows the sign of its angle to be unknown
+)
 
 
-def nodes(system: System, tree: Tree, chords: IntArray, shape: FloatArray, square: FloatArray) -> IntArray:
+def nodes(
+    system: System, tree: Tree, chords: IntArray, shape: FloatArray, square: FloatArray
+) -> IntArray:
     """(modes,) sign changes of the shape (stations, modes), rad at own speed, over the spans of the tree.
 
     tree: the undamped one with its distributed shafts; chords: spans that close loops; square: (modes,) rad2/s2.
@@ -32,7 +36,9 @@ def nodes(system: System, tree: Tree, chords: IntArray, shape: FloatArray, squar
     rigid = (tree.parent >= 0) & (tree.flexibility == 0.0)
     if tree.shafts is not None:
         rigid[tree.shafts.node] = False
-    body = _followed(np.where(rigid, tree.parent, station))  # the first of the stations that are joined rigidly
+    body = _followed(
+        np.where(rigid, tree.parent, station)
+    )  # the first of the stations that are joined rigidly
     own, held = np.flatnonzero((tree.parent >= 0) & ~rigid), tree.held[body]
     if tree.is_chain and tree.shafts is None and not chords.size:
         fixed = held[np.unique(body)]
@@ -54,13 +60,19 @@ def nodes(system: System, tree: Tree, chords: IntArray, shape: FloatArray, squar
         moves = np.abs(angle) > TINY * np.abs(angle).max(axis=0, initial=0.0)
         if not moves[~held].all():
             flexibility, inertia = tree.at(square[part])
-            stiffness = np.vstack([1.0 / flexibility[own], np.broadcast_to(of_chords, (len(chords), angle.shape[1]))])
+            stiffness = np.vstack(
+                [1.0 / flexibility[own], np.broadcast_to(of_chords, (len(chords), angle.shape[1]))]
+            )
             kinetic = np.zeros_like(angle)
             np.add.at(kinetic, body, np.where(tree.held[:, None], 0.0, inertia * square[part]))
-            still = _still((outer, inner), stiffness, kinetic, angle, (moves, ~moves & ~held[:, None]))
+            still = _still(
+                (outer, inner), stiffness, kinetic, angle, (moves, ~moves & ~held[:, None])
+            )
             sign[still & (above == station)[:, None]] = 1
             place = np.arange(sign.size).reshape(sign.shape)
-            sign = sign.ravel()[_followed(np.where(still, place[above], place).ravel())].reshape(sign.shape)
+            sign = sign.ravel()[_followed(np.where(still, place[above], place).ravel())].reshape(
+                sign.shape
+            )
         found[part] = np.count_nonzero(sign[own] * sign[above[own]] < 0, axis=0)
     return found
 
@@ -73,16 +85,21 @@ def _followed(way: IntArray) -> IntArray:
 
 
 def _still(
-    ends: tuple[IntArray, IntArray], stiffness: FloatArray, kinetic: FloatArray, angle: FloatArray,
+    ends: tuple[IntArray, IntArray],
+    stiffness: FloatArray,
+    kinetic: FloatArray,
+    angle: FloatArray,
     judged: tuple[BoolArray, BoolArray],
-) -> BoolArray:  # fmt: skip
+) -> BoolArray:
     """(stations, modes) which of the tiny angles are rounding alone.
 
     ends: (spans,) stations; stiffness: (spans, modes); kinetic: (stations, modes) w^2 J; judged: angles that are larger
     than tiny, and the tiny ones.
     """
     moves, tiny = judged
-    torque, elastic, torques, most = np.zeros((4, *angle.shape))  # sums over the spans of a station, and of magnitudes
+    torque, elastic, torques, most = np.zeros(
+        (4, *angle.shape)
+    )  # sums over the spans of a station, and of magnitudes
     for here, there in (ends, ends[::-1]):
         np.add.at(torque, here, stiffness * angle[there])
         np.add.at(elastic, here, stiffness)

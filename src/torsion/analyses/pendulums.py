@@ -24,7 +24,9 @@ class PendulumAtOrder:
 
     order: Fraction = result("", (), "cycles per revolution of the shaft that carries it, exact")
     inertia: float | None = result(
-        "kg*m**2", (), "of the bobs as that order meets it at the carrier, m (R + l)^2/(1 - n^2/q^2); null: it is fixed"
+        "kg*m**2",
+        (),
+        "of the bobs as that order meets it at the carrier, m (R + l)^2/(1 - n^2/q^2); null: it is fixed",
     )
     deflection: float | None = result(
         "rad",
@@ -39,10 +41,16 @@ class Pendulum:
     """One pendulum."""
 
     pendulum: str = result("", (), "its name")
-    tuned: float = result("", (), "order of the carrying shaft to which it is tuned, q = sqrt(R/l)", key="tuned_order")
-    inertia: float = result("kg*m**2", (), "of all bobs about the axis, m (R + l)^2, at its own speed")
+    tuned: float = result(
+        "", (), "order of the carrying shaft to which it is tuned, q = sqrt(R/l)", key="tuned_order"
+    )
+    inertia: float = result(
+        "kg*m**2", (), "of all bobs about the axis, m (R + l)^2, at its own speed"
+    )
     deflection: float | None = result(
-        "rad", (), "largest deflection of a bob from the radius by all harmonic components, magnitudes added"
+        "rad",
+        (),
+        "largest deflection of a bob from the radius by all harmonic components, magnitudes added",
     )
     speed: float | None = result("rad/s", (), "reference speed of that")
     at_orders: tuple[PendulumAtOrder, ...] = result("", (), "by order that excites")
@@ -54,7 +62,10 @@ class Pendulums:
 
     each: tuple[Pendulum, ...] = result("", (), "pendulums")
     speed: float | None = result(
-        "rad/s", (), "reference speed of modes and of other results without a speed", key="modes_at_rad_per_s"
+        "rad/s",
+        (),
+        "reference speed of modes and of other results without a speed",
+        key="modes_at_rad_per_s",
     )
 
 
@@ -70,15 +81,24 @@ def effective_inertia(record: PendulumRecord, order: Fraction) -> float | None:
     return record.inertia / (1.0 - (float(order) / record.order) ** 2)
 
 
-def deflections(system: System, response: Response, span: int, record: PendulumRecord) -> FloatArray:
+def deflections(
+    system: System, response: Response, span: int, record: PendulumRecord
+) -> FloatArray:
     """(speeds, lines) rad: the deflection of the bobs, from the torque of the span that stands for their field."""
     w = 2.0 * math.pi * response.frequency
     stiffness, loss = system.elastic(span, w, None, response.speed[:, None])
-    return np.asarray(record.lever * np.abs(response.torque[:, :, span]) / np.hypot(stiffness, loss))
+    return np.asarray(
+        record.lever * np.abs(response.torque[:, :, span]) / np.hypot(stiffness, loss)
+    )
 
 
-def _pendulum(system: System, span: int, record: PendulumRecord, response: Response | None) -> Pendulum:
-    ratio, name = system.stations[system.spans[span].driving].ratio, system.train.parts[system.spans[span].part].name
+def _pendulum(
+    system: System, span: int, record: PendulumRecord, response: Response | None
+) -> Pendulum:
+    ratio, name = (
+        system.stations[system.spans[span].driving].ratio,
+        system.train.parts[system.spans[span].part].name,
+    )
     orders = [line.order / ratio for line in lines(system) if line.order is not None]
     if response is None:
         rows = [PendulumAtOrder(n, effective_inertia(record, n), None, None) for n in orders]
@@ -93,14 +113,19 @@ def _pendulum(system: System, span: int, record: PendulumRecord, response: Respo
     worst = int(np.argmax(total))
     if total[worst] > MOST:
         degrees, rpm = math.degrees(total[worst]), response.speed[worst] * 30.0 / math.pi
-        message = (
-            f"the bobs of '{name}' would be deflected by {degrees:.4g} degrees at {rpm:.5g} rpm: that is not linear"
-        )
+        message = f"the bobs of '{name}' would be deflected by {degrees:.4g} degrees at {rpm:.5g} rpm: that is not linear"
         path = system.train.parts[system.spans[span].part].path
-        raise SolveError(message, "heavier bobs, more of them, a longer arm, or speeds that begin higher", path)
+        raise SolveError(
+            message, "heavier bobs, more of them, a longer arm, or speeds that begin higher", path
+        )
     return Pendulum(
-        name, record.order, record.inertia, float(total[worst]), float(response.speed[worst]), tuple(rows)
-    )  # fmt: skip
+        name,
+        record.order,
+        record.inertia,
+        float(total[worst]),
+        float(response.speed[worst]),
+        tuple(rows),
+    )
 
 
 def run(work: Work) -> None:
@@ -109,7 +134,8 @@ def run(work: Work) -> None:
     system = work.system if response is None else response.system
     found = [
         _pendulum(system, span, record, response)
-        for span, table in sorted(system.tables.items()) if table.over == "speed"
+        for span, table in sorted(system.tables.items())
+        if table.over == "speed"
         if (record := system.train.parts[system.spans[span].part].pendulum) is not None
-    ]  # fmt: skip
+    ]
     work.put(pendulums=Pendulums(tuple(found), work.study.operation.speed))

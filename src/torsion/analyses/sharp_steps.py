@@ -17,9 +17,13 @@ class SharpStep:
     shaft: str = result("", (), "shaft that ends at it")
     following: str = result("", (), "shaft that begins at it")
     flexibility: float | None = result(
-        "rad/(N*m)", (), "additional twist of a sharp corner between both shafts; null outside the table"
+        "rad/(N*m)",
+        (),
+        "additional twist of a sharp corner between both shafts; null outside the table",
     )
-    remark: str = result("", (), "equivalent length of the named shaft, and its error; or why there is none")
+    remark: str = result(
+        "", (), "equivalent length of the named shaft, and its error; or why there is none"
+    )
 
 
 @reported
@@ -27,8 +31,12 @@ class SharpSteps:
     """The steps between shafts that the file says nothing about, and what sharp corners there would do."""
 
     steps: tuple[SharpStep, ...] = result("", (), "the steps")
-    frequency: FloatArray = result("Hz", ("mode",), "natural frequencies with sharp corners at all of them")
-    change: FloatArray = result("1", ("mode",), "relative to those without, as the train is computed")
+    frequency: FloatArray = result(
+        "Hz", ("mode",), "natural frequencies with sharp corners at all of them"
+    )
+    change: FloatArray = result(
+        "1", ("mode",), "relative to those without, as the train is computed"
+    )
 
 
 def sharp_steps(found: Modes) -> SharpSteps | None:
@@ -72,7 +80,9 @@ def run(work: Work) -> None:
 
     if not has_unstated(work.study.train):
         return
-    with work.log.step("steps between shafts", "shafts of unlike diameter meet, and no `step` is stated") as step:
+    with work.log.step(
+        "steps between shafts", "shafts of unlike diameter meet, and no `step` is stated"
+    ) as step:
         found = sharp_steps(modes)
         step.method = "each as a spring from the table of finite elements; the modes again"
         step.size = f"{0 if found is None else len(found.steps)} steps"

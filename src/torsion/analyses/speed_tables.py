@@ -23,9 +23,13 @@ def interpolated(table: Table, speed: FloatArray, about: Fault) -> FloatArray:
 def uncovered(table: Table, speed: FloatArray, about: Fault) -> list[Fault]:
     """The fault of a table that does not cover the speeds (rad/s); none where it does."""
     first, last = table[0][0], table[-1][0]
-    if not speed.size or (speed.min() >= first * (1 - SAME_SPEED) and speed.max() <= last * (1 + SAME_SPEED)):
+    if not speed.size or (
+        speed.min() >= first * (1 - SAME_SPEED) and speed.max() <= last * (1 + SAME_SPEED)
+    ):
         return []
-    covers = f"covers {in_rpm(first)} to {in_rpm(last)}, the speeds run from {in_rpm(speed.min())} to "
+    covers = (
+        f"covers {in_rpm(first)} to {in_rpm(last)}, the speeds run from {in_rpm(speed.min())} to "
+    )
     hint = "extend the table, or narrow the speeds; nothing is extrapolated"
     return [Fault(about.path, f"{about.message} {covers}{in_rpm(speed.max())}", hint)]
 

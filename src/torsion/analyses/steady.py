@@ -45,13 +45,18 @@ def statics(system: System, applied: Shares, reference: int) -> tuple[FloatArray
     twist = np.zeros(len(system.stations))
     for station, parent, span in _from_roots(way):
         if span >= 0:
-            twist[station] = twist[parent] - _toward_leaves(system, span, station) * (finite[span] * torque[span])
+            twist[station] = twist[parent] - _toward_leaves(system, span, station) * (
+                finite[span] * torque[span]
+            )
     return torque, twist
 
 
 def _way(system: System, reference: int) -> Walk:
     """A spanning tree from the reference station, with spans without stiffness only where nothing else leads on."""
-    ends, finite = (len(system.stations), system.driving, system.driven), np.isfinite(system.flexibility)
+    ends, finite = (
+        (len(system.stations), system.driving, system.driven),
+        np.isfinite(system.flexibility),
+    )
     way = walk(*ends, finite, [reference])
     if finite.all():
         return way
@@ -61,7 +66,12 @@ def _way(system: System, reference: int) -> Walk:
 
 def _from_roots(way: Walk) -> list[tuple[int, int, int]]:
     """Station, parent and span between them, every station after its parent; -1 at a root."""
-    return list(zip(*(each.tolist() for each in (way.order, way.parent[way.order], way.above[way.order])), strict=True))
+    return list(
+        zip(
+            *(each.tolist() for each in (way.order, way.parent[way.order], way.above[way.order])),
+            strict=True,
+        )
+    )
 
 
 def _toward_leaves(system: System, span: int, station: int) -> int:
@@ -77,7 +87,9 @@ def _tree_torques(system: System, way: Walk, applied: Shares) -> Shares:
             shares[span] = -beyond[station] * _toward_leaves(system, span, station)
             beyond[parent] += beyond[station]
         elif beyond[station] != 0:
-            raise SolveError("the mean torque cannot reach the load: drive and load are not joined by any span")
+            raise SolveError(
+                "the mean torque cannot reach the load: drive and load are not joined by any span"
+            )
     return shares
 
 
@@ -86,7 +98,10 @@ def _cycles(system: System, way: Walk, loops: IntArray) -> FloatArray:
     cycle = np.zeros((len(loops), len(system.spans)))
     for row, closing in zip(cycle, loops.tolist(), strict=True):
         row[closing] = 1.0
-        for end, sense in ((int(system.driving[closing]), 1.0), (int(system.driven[closing]), -1.0)):
+        for end, sense in (
+            (int(system.driving[closing]), 1.0),
+            (int(system.driven[closing]), -1.0),
+        ):
             station = end
             while (span := int(way.above[station])) >= 0:
                 row[span] += sense * _toward_leaves(system, span, station)
@@ -106,11 +121,15 @@ class Steady:
     """The train at constant speed."""
 
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
-    torque: FloatArray = result("N*m", ("span", "speed"), "mean torque at the driving station's speed")
+    torque: FloatArray = result(
+        "N*m", ("span", "speed"), "mean torque at the driving station's speed"
+    )
     applied: FloatArray = result("N*m", ("station", "speed"), "drive positive, load negative")
     twist: FloatArray  # (stations, speeds) rad at own speed, elastic, against the reference station
     sharing: str = result("", (), "how the load was shared, in words")
-    load_slope: FloatArray | None = None  # (stations, speeds) N m s/rad at own speed: dT/dω of the laws of load
+    load_slope: FloatArray | None = (
+        None  # (stations, speeds) N m s/rad at own speed: dT/dω of the laws of load
+    )
     drive_slope: FloatArray | None = None  # the same, -dT/dω of the laws of drive without a lag
 
 
@@ -132,7 +151,9 @@ class MachinePower:
 class PowerBalance:
     """The balance of power, machine by machine."""
 
-    machines: tuple[MachinePower, ...] = result("", (), "balance of power, every machine at its own speed", key="")
+    machines: tuple[MachinePower, ...] = result(
+        "", (), "balance of power, every machine at its own speed", key=""
+    )
 
 
 def steady(train: Train, system: System, operation: Operation, speed: FloatArray) -> Steady:
@@ -148,16 +169,26 @@ def steady(train: Train, system: System, operation: Operation, speed: FloatArray
     for load in balance.loads:
         shares, mean = [*balance.shares(load), *none], load.torque_at(speed)
         torque, twist = statics(system, shares, reference)
-        applied = [float(share / station.ratio) for share, station in zip(shares, system.stations, strict=True)]
+        applied = [
+            float(share / station.ratio)
+            for share, station in zip(shares, system.stations, strict=True)
+        ]
         torques.append(np.outer(torque / system.span_ratio, mean))
         acting.append(np.outer(applied, mean))
         twists.append(np.outer(twist * system.speed_ratio, mean))
-    torque_of_all, applied_of_all, twist_of_all = (reduce(np.add, each) for each in (torques, acting, twists))
+    torque_of_all, applied_of_all, twist_of_all = (
+        reduce(np.add, each) for each in (torques, acting, twists)
+    )
     ratio = system.speed_ratio
     return Steady(
-        speed, torque_of_all, applied_of_all, twist_of_all, balance.sentence, load_slopes(balance, ratio, speed),
+        speed,
+        torque_of_all,
+        applied_of_all,
+        twist_of_all,
+        balance.sentence,
+        load_slopes(balance, ratio, speed),
         drive_slopes(train, operation, balance, ratio, speed),
-    )  # fmt: skip
+    )
 
 
 def steady_if_known(study: Study, system: System, speed: FloatArray) -> Steady | None:
@@ -180,14 +211,22 @@ def run(work: Work) -> None:
     """Mean torques over the speed range, at the rated speed and at the corners of a table of the load."""
     study, operation = work.study, work.study.operation
     if not study.has_mean_torque:
-        work.log.without("mean torque", "the file states neither the power of the loads nor a table of the load")
+        work.log.without(
+            "mean torque", "the file states neither the power of the loads nor a table of the load"
+        )
         return
     balance, speeds = power_balance(study.train, operation), operation.speeds
-    grid = speeds.values() if speeds is not None else np.array([operation.speed] if operation.speed is not None else [])
+    grid = (
+        speeds.values()
+        if speeds is not None
+        else np.array([operation.speed] if operation.speed is not None else [])
+    )
     if operation.rated is not None:
         grid = np.union1d(grid, [operation.rated.speed])
     if speeds is not None and balance.corners:
-        grid = np.union1d(grid, [speed for speed in balance.corners if speeds.first <= speed <= speeds.last])
+        grid = np.union1d(
+            grid, [speed for speed in balance.corners if speeds.first <= speed <= speeds.last]
+        )
     if not grid.size:
         work.log.without("mean torque", "`operation` says no speed")
         return
@@ -202,12 +241,22 @@ def run(work: Work) -> None:
         work.log.without(f"slope of '{name}' in vibration", why)
 
 
-def balance_of(balance: Balance, system: System, mean: Steady, speed: float) -> Iterator[MachinePower]:
+def balance_of(
+    balance: Balance, system: System, mean: Steady, speed: float
+) -> Iterator[MachinePower]:
     """Yield every machine with its power at the computed speed nearest to a reference speed (rad/s)."""
     at = int(np.argmin(np.abs(mean.speed - speed)))
     sides = [(driver.part, driver.stations, "", driver.is_free) for driver in balance.drivers]
-    sides += [(part, load.stations, load.law.words, load.is_free) for load in balance.loads for part in load.parts]
-    sides += [(None, load.stations, load.law.words, load.is_free) for load in balance.loads if not load.parts]
+    sides += [
+        (part, load.stations, load.law.words, load.is_free)
+        for load in balance.loads
+        for part in load.parts
+    ]
+    sides += [
+        (None, load.stations, load.law.words, load.is_free)
+        for load in balance.loads
+        if not load.parts
+    ]
     for number, (part, shared, law, is_free) in enumerate(sides):
         places = _places(part, shared)
         torque = float(mean.applied[places, at].sum())
@@ -244,7 +293,10 @@ def power_faults(study: Study) -> list[Fault]:
 
 def table_faults(study: Study) -> list[Fault]:
     """Tables of torques over speed, of those that the response reads, that do not cover its speeds."""
-    speeds, orders = study.operation.speeds, getattr(study.analyses.get("response"), "orders", "all")
+    speeds, orders = (
+        study.operation.speeds,
+        getattr(study.analyses.get("response"), "orders", "all"),
+    )
     if speeds is None:
         return []
     found: list[Fault] = []
@@ -255,5 +307,7 @@ def table_faults(study: Study) -> list[Fault]:
             is_read = not isinstance(orders, tuple) or torque.order * ratio in orders
         if torque.table and is_read:
             about = Fault((*torque.path, "torque"), f"the table of the torque at '{torque.name}'")
-            found += uncovered(torque.table, np.array([speeds.first, speeds.last]) * float(ratio), about)
+            found += uncovered(
+                torque.table, np.array([speeds.first, speeds.last]) * float(ratio), about
+            )
     return found

@@ -23,7 +23,9 @@ from torsion.kernels.stiffness_table import STEEPEST
 BOUNDS, SHARED = ("frequency", "lower", "upper"), ("kinetic", "elastic", "nodes")
 MOST_STEPS = 100  # of Newton, or of halving the bracket; 5 to 8 are usual
 Modes = TypeVar("Modes", bound="Found")
-ROUNDING = 16.0 * np.finfo(float).eps  # relative, of the stiffness read off a table and of a quotient of frequencies
+ROUNDING = (
+    16.0 * np.finfo(float).eps
+)  # relative, of the stiffness read off a table and of a quotient of frequencies
 
 
 class Found(Protocol):
@@ -95,11 +97,19 @@ def _refuse_steep(system: System) -> None:
             ends = " to ".join(f"{w / (2.0 * math.pi):.6g}" for w in table.at[piece : piece + 2])
             message = f"the stiffness of '{system.spans[span].name}' rises faster than the square of the frequency"
             message += f" from {ends} Hz (d ln k/d ln ω = {table.steepest:.4g}, below 2 each mode has one frequency)"
-            raise SolveError(message, "look for a slip in the table; the response is right", table_path(system, span))
+            raise SolveError(
+                message,
+                "look for a slip in the table; the response is right",
+                table_path(system, span),
+            )
 
 
 def _refuse_below(system: System, mode: int, hertz: float, low: float) -> None:
-    span = next(s for s, table in system.tables_over("frequency").items() if not table.holds and table.at[0] == low)
+    span = next(
+        s
+        for s, table in system.tables_over("frequency").items()
+        if not table.holds and table.at[0] == low
+    )
     name, begins = system.spans[span].name, low / (2.0 * math.pi)
     message = f"mode {mode + 1} lies below {begins:.6g} Hz, where the table of '{name}' begins"
     hint = f"extend the table (at its first stiffness the mode is at {hertz:.6g} Hz), or `beyond: hold`"
@@ -128,7 +138,8 @@ class _Search(Generic[Modes]):
             excess = math.log(w / (2.0 * math.pi * float(found.frequency[mode])))  # h/2
             low, high = (low, w) if excess > 0.0 else (w, high)
             rising = STEEPEST - sum(
-                float(found.elastic[span, mode]) * table.slope(w) for span, table in self.tables.items()
+                float(found.elastic[span, mode]) * table.slope(w)
+                for span, table in self.tables.items()
             )
             before, w = w, w * math.exp(-2.0 * excess / rising)
             if not low <= w <= high:
@@ -136,16 +147,25 @@ class _Search(Generic[Modes]):
             if abs(w - before) <= ROUNDING / 4.0 * before:
                 self.near = before
                 return self._enclosed(mode, before, found)
-        raise SolveError(f"mode {mode + 1} of a train with a table over frequency was not found to rounding")
+        raise SolveError(
+            f"mode {mode + 1} of a train with a table over frequency was not found to rounding"
+        )
 
     def _enclosed(self, mode: int, w: float, found: Modes) -> Modes:
         """The same with the bounds of the root: h and the least that it rises by say how far off it is."""
         least = STEEPEST - max(table.steepest for table in self.tables.values())
-        lower, upper = (math.log(w / (2.0 * math.pi * float(bound[mode]))) for bound in (found.lower, found.upper))
+        lower, upper = (
+            math.log(w / (2.0 * math.pi * float(bound[mode])))
+            for bound in (found.lower, found.upper)
+        )
         off = 2.0 * (max(lower, -upper, 0.0) + ROUNDING) / least
         bounds = np.array([found.frequency, found.lower, found.upper])
         bounds[:, mode] = np.array([1.0, math.exp(-off), math.exp(off)]) * (w / (2.0 * math.pi))
-        return _with(found, dict(zip(BOUNDS, bounds, strict=True)), {name: getattr(found, name) for name in SHARED})
+        return _with(
+            found,
+            dict(zip(BOUNDS, bounds, strict=True)),
+            {name: getattr(found, name) for name in SHARED},
+        )
 
 
 def _combined(system: System, first: Modes, found: list[tuple[Modes, int]]) -> Modes:
@@ -153,7 +173,9 @@ def _combined(system: System, first: Modes, found: list[tuple[Modes, int]]) -> M
 
     def columns(name: str) -> np.ndarray:
         none = getattr(first, name)[..., :0]
-        return np.concatenate([none, *(getattr(one, name)[..., mode : mode + 1] for one, mode in found)], axis=-1)
+        return np.concatenate(
+            [none, *(getattr(one, name)[..., mode : mode + 1] for one, mode in found)], axis=-1
+        )
 
     certified = all(one.certified for one in (first, *(one for one, _ in found)))
     values: dict[str, Any] = {name: columns(name) for name in (*BOUNDS, "shape", "torque")}

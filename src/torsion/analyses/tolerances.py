@@ -37,7 +37,9 @@ Factors = tuple[tuple[int, float], ...]  # span, its stiffness over that of the 
 class Aim(Declared):
     """A mode where it should be."""
 
-    mode: Annotated[int, Field(ge=1, le=MOST_MODES)] = required("which elastic mode, counted from 1")
+    mode: Annotated[int, Field(ge=1, le=MOST_MODES)] = required(
+        "which elastic mode, counted from 1"
+    )
     frequency: fields.Frequency = required("where it should be")
 
 
@@ -45,7 +47,8 @@ class TolerancesSettings(Declared):
     """Settings of `tolerances`."""
 
     aim: tuple[Aim, ...] = given(
-        "modes with target frequencies; the report states the stiffness of each coupling that gives the target", ()
+        "modes with target frequencies; the report states the stiffness of each coupling that gives the target",
+        (),
     )
 
 
@@ -55,10 +58,14 @@ class CouplingReach:
 
     coupling: str = result("", (), "its name")
     tolerance: float = result("1", (), "of its stiffness; 0 if the file has none")
-    lower: FloatArray = result("Hz", ("mode",), "natural frequencies at the soft end of its tolerance")
+    lower: FloatArray = result(
+        "Hz", ("mode",), "natural frequencies at the soft end of its tolerance"
+    )
     upper: FloatArray = result("Hz", ("mode",), "natural frequencies at the stiff end")
     softest: FloatArray = result("Hz", ("mode",), "natural frequencies without it")
-    stiffest: FloatArray = result("Hz", ("mode",), "natural frequencies with it rigid; null if the mode disappears")
+    stiffest: FloatArray = result(
+        "Hz", ("mode",), "natural frequencies with it rigid; null if the mode disappears"
+    )
 
 
 @reported
@@ -68,7 +75,9 @@ class AimedStiffness:
     mode: int = result("", (), "counted from 1")
     frequency: float = result("Hz", (), "where it should be")
     coupling: str = result("", (), "whose stiffness alone is changed")
-    stiffness: float | None = result("N*m/rad", (), "stiffness that gives the target; null if no stiffness does")
+    stiffness: float | None = result(
+        "N*m/rad", (), "stiffness that gives the target; null if no stiffness does"
+    )
     factor: float | None = result("1", (), "that stiffness over the one of the file")
     softest: float = result("Hz", (), "the mode without the coupling")
     stiffest: float = result("Hz", (), "the mode with the coupling rigid")
@@ -81,26 +90,42 @@ class RankedFigure:
     figure: str = result("", (), "the component and its key")
     tolerance: float = result("1", (), "relative, either way")
     sensitivity: FloatArray = result(
-        "1", ("mode",), "relative change of each natural frequency / relative change of the parameter"
+        "1",
+        ("mode",),
+        "relative change of each natural frequency / relative change of the parameter",
     )
-    change: FloatArray = result("1", ("mode",), "by how much the tolerance moves each either way, to first order")
+    change: FloatArray = result(
+        "1", ("mode",), "by how much the tolerance moves each either way, to first order"
+    )
 
 
 @reported
 class Tolerances:
     """Bands of the natural frequencies over the tolerances of the file, each independent of the others."""
 
-    frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies with the nominal parameters")
-    lower: FloatArray = result("Hz", ("mode",), "minimum natural frequency within all tolerances, a guaranteed bound")
-    upper: FloatArray = result("Hz", ("mode",), "maximum natural frequency within all tolerances, a guaranteed bound")
-    critical_lower: FloatArray = result("rad/s", ("critical speed",), "least critical speed, as `critical_speeds`")
+    frequency: FloatArray = result(
+        "Hz", ("mode",), "undamped natural frequencies with the nominal parameters"
+    )
+    lower: FloatArray = result(
+        "Hz", ("mode",), "minimum natural frequency within all tolerances, a guaranteed bound"
+    )
+    upper: FloatArray = result(
+        "Hz", ("mode",), "maximum natural frequency within all tolerances, a guaranteed bound"
+    )
+    critical_lower: FloatArray = result(
+        "rad/s", ("critical speed",), "least critical speed, as `critical_speeds`"
+    )
     critical_upper: FloatArray = result("rad/s", ("critical speed",), "greatest critical speed")
     figures: tuple[RankedFigure, ...] = result(
-        "", (), "every parameter with a tolerance, the dominant one first; none if a stiffness follows the "
-                "frequency"
-    )  # fmt: skip
+        "",
+        (),
+        "every parameter with a tolerance, the dominant one first; none if a stiffness follows the "
+        "frequency",
+    )
     couplings: tuple[CouplingReach, ...] = result("", (), "what each coupling alone does")
-    aims: tuple[AimedStiffness, ...] = result("", (), "stiffnesses that give the target frequencies")
+    aims: tuple[AimedStiffness, ...] = result(
+        "", (), "stiffnesses that give the target frequencies"
+    )
 
 
 class _Varied:
@@ -115,7 +140,9 @@ class _Varied:
 
         end: 1 with all inertias at the high end of their tolerance, -1 at the low one.
         """
-        found = modes_as_discretised(scaled(with_inertias(self.system, end), dict(factors)), self.count)
+        found = modes_as_discretised(
+            scaled(with_inertias(self.system, end), dict(factors)), self.count
+        )
         loose = max(found.rigid - self.nominal.rigid, 0)
         values = []
         for one in (found.frequency, found.lower, found.upper):
@@ -123,11 +150,15 @@ class _Varied:
             values.append(whole[: self.count])
         return values[0], values[1], values[2]
 
-    def stiffness(self, span: int, mode: int, frequency: float) -> tuple[float | None, float, float]:
+    def stiffness(
+        self, span: int, mode: int, frequency: float
+    ) -> tuple[float | None, float, float]:
         """Factor of the stiffness of a span at which the mode has a frequency (Hz), and that mode at 0 and infinity."""
         from scipy.optimize import brentq
 
-        softest, stiffest = (float(self.at(((span, factor),))[0][mode]) for factor in (0.0, math.inf))
+        softest, stiffest = (
+            float(self.at(((span, factor),))[0][mode]) for factor in (0.0, math.inf)
+        )
         if not softest < frequency < stiffest:
             return None, softest, stiffest
 
@@ -181,41 +212,62 @@ def ranked(found: Modes, spans: Mapping[str, int]) -> tuple[RankedFigure, ...]:
     parts = system.train.parts
     moved = np.zeros((len(parts), found.frequency.size))
     for one in system.train.inertias:
-        if parts[one.part].inertia_tolerance and math.isfinite(one.inertia):  # but for the ground of a disc on a spring
+        if parts[one.part].inertia_tolerance and math.isfinite(
+            one.inertia
+        ):  # but for the ground of a disc on a spring
             moved[one.part] -= 0.5 * one.inertia * np.square(found.shape[one.station])
     for number, part in enumerate(parts):
         if part.inertia_tolerance:
             wide = part.inertia_tolerance
-            figures.append(RankedFigure(f"{part.name}.inertia", wide, moved[number], np.abs(moved[number]) * wide))
+            figures.append(
+                RankedFigure(
+                    f"{part.name}.inertia", wide, moved[number], np.abs(moved[number]) * wide
+                )
+            )
         if part.stiffness_tolerance and part.name in spans:
             own = 0.5 * found.elastic[spans[part.name]]
             figures.append(
-                RankedFigure(f"{part.name}.stiffness", part.stiffness_tolerance, own, own * part.stiffness_tolerance)
+                RankedFigure(
+                    f"{part.name}.stiffness",
+                    part.stiffness_tolerance,
+                    own,
+                    own * part.stiffness_tolerance,
+                )
             )
     return tuple(sorted(figures, key=lambda one: -float(one.change.max(initial=0.0))))
 
 
-def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims: Sequence[Aim] = ()) -> Tolerances:
+def tolerances(
+    study: Study, found: Modes, critical: CriticalSpeeds | None, aims: Sequence[Aim] = ()
+) -> Tolerances:
     """Of a study with its modes. Raises InputError for an aim at a mode that was not computed."""
     train, system, varied = study.train, found.system, _Varied(found)
     spans = {
-        train.parts[span.part].name: number for number, span in enumerate(system.own_spans)
+        train.parts[span.part].name: number
+        for number, span in enumerate(system.own_spans)
         if train.parts[span.part].kind == "coupling" and 0.0 < system.flexibility[number] < math.inf
-    }  # fmt: skip
+    }
     width = {name: train.part(name).stiffness_tolerance for name in spans}
     _refuse(study, aims, found)
 
-    def at(factor: Callable[[float], float], *names: str, end: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
-        return varied.at(tuple((spans[name], factor(width[name])) for name in names if width[name]), end)
+    def at(
+        factor: Callable[[float], float], *names: str, end: int = 0
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return varied.at(
+            tuple((spans[name], factor(width[name])) for name in names if width[name]), end
+        )
 
     lower, upper = at(lambda t: 1.0 - t, *spans, end=1)[1], at(lambda t: 1.0 + t, *spans, end=-1)[2]
     each = [
         CouplingReach(
-            name, width[name], at(lambda t: 1.0 - t, name)[0], at(lambda t: 1.0 + t, name)[0],
+            name,
+            width[name],
+            at(lambda t: 1.0 - t, name)[0],
+            at(lambda t: 1.0 + t, name)[0],
             *(varied.at(((span, factor),))[0] for factor in (0.0, math.inf)),
         )
         for name, span in spans.items()
-    ]  # fmt: skip
+    ]
     aimed = []
     for aim in aims:
         for name, span in spans.items():
@@ -226,9 +278,15 @@ def tolerances(study: Study, found: Modes, critical: CriticalSpeeds | None, aims
     moved = np.array([[lower[c.mode - 1], upper[c.mode - 1]] for c in crossings]).reshape(-1, 2)
     speed = np.array([c.speed / c.frequency for c in crossings])
     return Tolerances(
-        found.frequency, lower, upper, moved[:, 0] * speed, moved[:, 1] * speed, ranked(found, spans), tuple(each),
+        found.frequency,
+        lower,
+        upper,
+        moved[:, 0] * speed,
+        moved[:, 1] * speed,
+        ranked(found, spans),
+        tuple(each),
         tuple(aimed),
-    )  # fmt: skip
+    )
 
 
 def _refuse(study: Study, aims: Sequence[Aim], found: Modes) -> None:
@@ -251,12 +309,20 @@ def run(work: Work) -> None:
     aims = settings.aim if isinstance(settings, TolerancesSettings) else ()
     follows = work.study.train.has_tables_over("mean torque")
     if follows:
-        work.log.without("bands of the critical speeds", "the stiffness of a coupling follows the mean torque")
+        work.log.without(
+            "bands of the critical speeds", "the stiffness of a coupling follows the mean torque"
+        )
     if found.system.tables_over("frequency"):
-        work.log.without("which figure matters", "the stiffness of a coupling follows the frequency")
+        work.log.without(
+            "which figure matters", "the stiffness of a coupling follows the frequency"
+        )
     with work.log.step("bands of the natural frequencies", "figures have tolerances") as step:
         made = tolerances(work.study, found, None if follows else work.get(CriticalSpeeds), aims)
-        step.method = "every frequency rises with every stiffness and falls with every inertia: two corners"
-        step.method += ", certified by counts" if found.certified else ", with the error bound of the method"
+        step.method = (
+            "every frequency rises with every stiffness and falls with every inertia: two corners"
+        )
+        step.method += (
+            ", certified by counts" if found.certified else ", with the error bound of the method"
+        )
         step.size = f"{len(made.couplings)} couplings"
     work.put(tolerances=made)

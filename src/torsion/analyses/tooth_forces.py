@@ -16,8 +16,12 @@ class ToothForce:
     """The nominal forces at the reference cylinder of one mesh (ISO 6336-1: F_t = 2 T/d), without K_A."""
 
     mesh: str = result("", (), "name of the mesh")
-    diameter: float = result("m", (), "pitch diameter d of the driving wheel", key="pitch_diameter_m")
-    driven_diameter: float = result("m", (), "pitch diameter of the driven wheel", key="driven_pitch_diameter_m")
+    diameter: float = result(
+        "m", (), "pitch diameter d of the driving wheel", key="pitch_diameter_m"
+    )
+    driven_diameter: float = result(
+        "m", (), "pitch diameter of the driven wheel", key="driven_pitch_diameter_m"
+    )
     module: float | None = result("m", (), "normal module m_n, or null")
     helix: float = result("rad", (), "helix angle beta", key="helix_angle_rad")
     pressure_angle: float = result("rad", (), "normal pressure angle alpha_n")
@@ -31,18 +35,26 @@ class ToothForce:
 class ToothForces:
     """Of every mesh that has a pitch diameter, in the order of the train."""
 
-    meshes: tuple[ToothForce, ...] = result("", (), "nominal forces of every mesh with a pitch diameter", key="")
+    meshes: tuple[ToothForce, ...] = result(
+        "", (), "nominal forces of every mesh with a pitch diameter", key=""
+    )
 
 
 @source("ISO6336-1")
-def forces(torque: float, diameter: float, helix: float, pressure_angle: float) -> tuple[float, float, float]:
+def forces(
+    torque: float, diameter: float, helix: float, pressure_angle: float
+) -> tuple[float, float, float]:
     """Tangential, radial and axial force (N) of a torque (N m) at a pitch diameter (m); angles in rad.
 
     >>> [round(force, 6) for force in forces(100.0, 0.2, 0.0, math.atan(0.25))]
     [1000.0, 250.0, 0.0]
     """
     tangential = 2.0 * torque / diameter
-    return tangential, tangential * math.tan(pressure_angle) / math.cos(helix), tangential * math.tan(helix)
+    return (
+        tangential,
+        tangential * math.tan(pressure_angle) / math.cos(helix),
+        tangential * math.tan(helix),
+    )
 
 
 def run(work: Work) -> None:
@@ -50,13 +62,18 @@ def run(work: Work) -> None:
     rated, system = work.study.operation.rated, work.system
     meshes = [mesh for mesh in system.train.constraints if mesh.toothing is not None]
     try:
-        known = None if rated is None else steady_if_known(work.study, system, np.array([rated.speed]))
+        known = (
+            None if rated is None else steady_if_known(work.study, system, np.array([rated.speed]))
+        )
     except InputError:  # the table of the load does not reach to it
         known = None
     if known is None:
         work.log.without("tooth forces", "the mean torque at the rated point is not known")
         return
-    torques = {(span.part, span.name): abs(float(known.torque[k, 0])) for k, span in enumerate(system.own_spans)}
+    torques = {
+        (span.part, span.name): abs(float(known.torque[k, 0]))
+        for k, span in enumerate(system.own_spans)
+    }
     with work.log.step("tooth forces", "the file gives pitch diameters") as step:
         each = []
         for mesh in meshes:

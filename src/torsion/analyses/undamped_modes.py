@@ -41,7 +41,9 @@ class ModesSettings(Declared):
     """Settings of `modes`."""
 
     count: Annotated[int, Field(ge=1, le=MOST_MODES)] = given("how many elastic modes", 6)
-    damped: bool | None = given("damped frequencies and damping ratios too (default: when something damps)")
+    damped: bool | None = given(
+        "damped frequencies and damping ratios too (default: when something damps)"
+    )
 
 
 def modes_settings(study: Study, ruled: Ruled) -> ModesSettings | None:
@@ -49,7 +51,9 @@ def modes_settings(study: Study, ruled: Ruled) -> ModesSettings | None:
     settings = study.analyses.get("modes")
     if isinstance(settings, ModesSettings):
         return settings
-    reads = "modes" in ruled or "transient" in study.analyses  # a motion over time is a sum of modes
+    reads = (
+        "modes" in ruled or "transient" in study.analyses
+    )  # a motion over time is a sum of modes
     return None if study.analyses and not reads else ModesSettings()
 
 
@@ -58,52 +62,83 @@ def without_mode(study: Study, mode: int, there: int, path: Path) -> Fault:
     settings = study.analyses.get("modes")
     if there < (settings if isinstance(settings, ModesSettings) else ModesSettings()).count:
         message = f"mode {mode} is none of the {there} elastic modes of the train"
-        return Fault(path, message, f"one of 1 to {there}" if there else "a train with an elastic mode")
-    return Fault(path, f"mode {mode} is none of the {there} that are computed", f"`modes: {{count: {mode}}}`")
+        return Fault(
+            path, message, f"one of 1 to {there}" if there else "a train with an elastic mode"
+        )
+    return Fault(
+        path, f"mode {mode} is none of the {there} that are computed", f"`modes: {{count: {mode}}}`"
+    )
 
 
 @reported
 class Modes(Displayed, Keyed):
     """Natural frequencies with their certificate; shapes scaled to a generalised inertia of 1 kg m2."""
 
-    frequency: FloatArray = result("Hz", ("mode",), "undamped natural frequencies of the elastic modes, ascending")
+    frequency: FloatArray = result(
+        "Hz", ("mode",), "undamped natural frequencies of the elastic modes, ascending"
+    )
     shape: FloatArray = result(
-        "rad", ("station", "mode"), "at own speed, generalised inertia 1 kg m2", printed=("mode", "station")
+        "rad",
+        ("station", "mode"),
+        "at own speed, generalised inertia 1 kg m2",
+        printed=("mode", "station"),
     )
     torque: FloatArray = result(
-        "N*m", ("span", "mode"), "at the driving station's speed, positive when the driving side pushes",
+        "N*m",
+        ("span", "mode"),
+        "at the driving station's speed, positive when the driving side pushes",
         printed=("mode", "span"),
-    )  # fmt: skip
-    lower: FloatArray = result("Hz", ("mode",), "lower bound of each: counts prove that the mode lies between both")
+    )
+    lower: FloatArray = result(
+        "Hz", ("mode",), "lower bound of each: counts prove that the mode lies between both"
+    )
     upper: FloatArray = result("Hz", ("mode",), "upper bound of each")
     rigid: int = result("", (), "number of motions of exactly 0 Hz", key="rigid_motions")
     certified: bool = result("", (), "counts prove the bounds", key="is_certified")
     system: System = field(repr=False)
-    distributed: "ShaftModes | None" = field(default=None, repr=False)  # of a train with distributed inertia
+    distributed: "ShaftModes | None" = field(
+        default=None, repr=False
+    )  # of a train with distributed inertia
 
     def __getitem__(self, name: str) -> FloatArray:
         """(modes,) rad: every mode at a component, or at one of its stations; raises KeyError with the nearest name."""
-        stations = {station.name: k for k, station in reversed(list(enumerate(self.system.stations)))}
-        points = {part.name: part.stations[0] for part in self.system.train.parts if part.is_point and part.stations}
+        stations = {
+            station.name: k for k, station in reversed(list(enumerate(self.system.stations)))
+        }
+        points = {
+            part.name: part.stations[0]
+            for part in self.system.train.parts
+            if part.is_point and part.stations
+        }
         return np.asarray(self.shape[by_name(name, {**stations, **points}, "station")])
 
     @derived(
-        "1", ("station", "mode"), "share of the kinetic energy (half of a distributed shaft at either end)",
-        key="kinetic_share", printed=("mode", "station"), is_total=True,
-    )  # fmt: skip
+        "1",
+        ("station", "mode"),
+        "share of the kinetic energy (half of a distributed shaft at either end)",
+        key="kinetic_share",
+        printed=("mode", "station"),
+        is_total=True,
+    )
     def kinetic(self) -> FloatArray:
         """(stations, modes)."""
         energy = np.square(self.shape)
         energy *= np.where(self.system.held, 0.0, self.system.lumped_inertia)[:, None]
         if self.distributed is not None and self.system.bars is not None:
             for end in (0, 1):
-                np.add.at(energy, self.system.bars.ends[:, end], self.distributed.shaft_kinetic / 2.0)
+                np.add.at(
+                    energy, self.system.bars.ends[:, end], self.distributed.shaft_kinetic / 2.0
+                )
         return shares(energy)
 
     @derived(
-        "1", ("span", "mode"), "share of the elastic energy",
-        key="elastic_share", printed=("mode", "span"), is_total=True,
-    )  # fmt: skip
+        "1",
+        ("span", "mode"),
+        "share of the elastic energy",
+        key="elastic_share",
+        printed=("mode", "span"),
+        is_total=True,
+    )
     def elastic(self) -> FloatArray:
         """(spans, modes)."""
         if self.distributed is not None:
@@ -116,7 +151,9 @@ class Modes(Displayed, Keyed):
     def nodes(self) -> IntArray:
         """(modes,)."""
         square = np.square(2.0 * math.pi * self.frequency)
-        return nodes(self.system, undamped_tree(self.system), chord_spans(self.system), self.shape, square)
+        return nodes(
+            self.system, undamped_tree(self.system), chord_spans(self.system), self.shape, square
+        )
 
     @property
     def enclosure(self) -> FloatArray:
@@ -126,7 +163,7 @@ class Modes(Displayed, Keyed):
 
 def modes(
     system: System, count: int | None = 6, *, refine: bool = True, progress: Progress | None = None
-) -> Modes:  # fmt: skip
+) -> Modes:
     """The lowest `count` elastic modes (None: as many as the system has), of a system that resolves them.
 
     Where the shafts of `system` do not resolve the last mode they are refined, and `Modes.system` is the system of
@@ -135,7 +172,9 @@ def modes(
     are found one by one (few of a long row of stations).
     """
     if count is not None and not 1 <= count <= MOST_MODES:
-        raise InputError([Fault(("count",), f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}")])
+        raise InputError(
+            [Fault(("count",), f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}")]
+        )
     ends = any(not table.holds for table in system.tables_over("frequency").values())
     if ends:  # no mode above the end of a table is sought
         system = resolving(system, _table_end(system), refine=refine)
@@ -199,7 +238,11 @@ def _refined(system: System, count: int, progress: Progress | None) -> Modes:
 def _with_all(found: Modes, count: int) -> Modes:
     """Lumped shafts in more segments until the train has `count` modes, as far as the settings allow."""
     frequency, system = 0.0, found.system
-    half_waves = [math.pi / phase(bar, 1.0) for bar in system.train.bars if bar.density > 0 and bar.segments is None]
+    half_waves = [
+        math.pi / phase(bar, 1.0)
+        for bar in system.train.bars
+        if bar.density > 0 and bar.segments is None
+    ]
     while system.bars is None and found.frequency.size < count and half_waves:
         frequency = max(2.0 * frequency, min(half_waves))
         finer = rediscretised(system, frequency)
@@ -233,7 +276,9 @@ def _discretisation(system: System) -> tuple[dict[str, int], int]:
     return system.segments, 0 if system.bars is None else system.bars.degree
 
 
-def modes_as_discretised(system: System, count: int | None = 6, *, progress: Progress | None = None) -> Modes:
+def modes_as_discretised(
+    system: System, count: int | None = 6, *, progress: Progress | None = None
+) -> Modes:
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.tables_over("frequency"):
         from torsion.analyses.tabled_modes import tabled_modes
@@ -253,7 +298,9 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
             from torsion.kernels.variant_networks import counted_modes
 
             flexibility = (system.flexibility / system.span_ratio**2)[chords]
-            found = counted_modes(tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count)
+            found = counted_modes(
+                tree, node[system.driving[chords]], node[system.driven[chords]], flexibility, count
+            )
         else:
             from torsion.kernels.natural_modes import tree_modes
 
@@ -262,9 +309,16 @@ def modes_as_discretised(system: System, count: int | None = 6, *, progress: Pro
     angle, hertz, ratio = _rows(found.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
     shape = angle if (ratio == 1.0).all() else np.asarray(angle * ratio[:, None])
     return Modes(
-        found.frequency * hertz, shape, torque, found.lower * hertz, found.upper * hertz, found.rigid, found.certified,
-        system, found.shafts,
-    )  # fmt: skip
+        found.frequency * hertz,
+        shape,
+        torque,
+        found.lower * hertz,
+        found.upper * hertz,
+        found.rigid,
+        found.certified,
+        system,
+        found.shafts,
+    )
 
 
 def condensed_modes(whole: Modes, system: System) -> Modes:
@@ -272,11 +326,14 @@ def condensed_modes(whole: Modes, system: System) -> Modes:
     groups = system.groups
     if groups is None:
         return whole
-    found = replace(whole, shape=whole.shape[groups.stations], torque=whole.torque[groups.spans], system=system)
+    found = replace(
+        whole, shape=whole.shape[groups.stations], torque=whole.torque[groups.spans], system=system
+    )
     shared = {
-        "kinetic": groups.over_stations(whole.kinetic), "elastic": groups.over_spans(whole.elastic),
+        "kinetic": groups.over_stations(whole.kinetic),
+        "elastic": groups.over_spans(whole.elastic),
         "nodes": whole.nodes,
-    }  # fmt: skip
+    }
     vars(found).update(shared)
     return found
 
@@ -299,7 +356,10 @@ def chord_spans(system: System) -> IntArray:
 
 
 def span_torques(
-    system: System, torque: np.ndarray, chords: IntArray = NONE, chord_torque: np.ndarray | float = 0.0
+    system: System,
+    torque: np.ndarray,
+    chords: IntArray = NONE,
+    chord_torque: np.ndarray | float = 0.0,
 ) -> np.ndarray:
     """(spans, columns) N m at each driving station's speed, from torques (tree stations, columns) on the tree.
 

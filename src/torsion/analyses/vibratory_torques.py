@@ -15,22 +15,32 @@ class VibratoryTorque:
     coupling: str = result("", (), "its name")
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
     torque: FloatArray = result(
-        "N*m", ("speed",), "amplitude (zero to peak) of all harmonic components; of several solutions the largest"
+        "N*m",
+        ("speed",),
+        "amplitude (zero to peak) of all harmonic components; of several solutions the largest",
     )
     smallest: FloatArray = result("N*m", ("speed",), "the smallest solution")
-    number: IntArray = result("", ("speed",), "solutions, as far as found between the points of the table")
+    number: IntArray = result(
+        "", ("speed",), "solutions, as far as found between the points of the table"
+    )
     stiffness: FloatArray = result("N*m/rad", ("speed",), "dynamic stiffness at `torque`")
     loss_factor: FloatArray = result("1", ("speed",), "loss factor at `torque`")
-    residual: FloatArray = result("1", ("speed",), "relative: amplitude at that stiffness against `torque`")
+    residual: FloatArray = result(
+        "1", ("speed",), "relative: amplitude at that stiffness against `torque`"
+    )
     rounds: IntArray = result("", ("speed",), "rounds over all such couplings")
-    settled: BoolArray = result("", ("speed",), "it is an answer; no other speed has one", key="has_settled")
+    settled: BoolArray = result(
+        "", ("speed",), "it is an answer; no other speed has one", key="has_settled"
+    )
 
 
 @reported
 class VibratoryTorques:
     """Couplings with such a table."""
 
-    each: tuple[VibratoryTorque, ...] = result("", (), "couplings by table over vibratory torque", key="")
+    each: tuple[VibratoryTorque, ...] = result(
+        "", (), "couplings by table over vibratory torque", key=""
+    )
 
 
 def vibratory_torques(response: Response) -> VibratoryTorques:
@@ -44,11 +54,18 @@ def vibratory_torques(response: Response) -> VibratoryTorques:
         smallest = (found if last is None else last).torque[:, k]
         rows.append(
             VibratoryTorque(
-                response.system.spans[span].name, response.speed, found.torque[:, k],
-                np.minimum(smallest, found.torque[:, k]), found.number[:, k], stiffness, eta, found.residual[:, k],
-                found.rounds, found.settled,
+                response.system.spans[span].name,
+                response.speed,
+                found.torque[:, k],
+                np.minimum(smallest, found.torque[:, k]),
+                found.number[:, k],
+                stiffness,
+                eta,
+                found.residual[:, k],
+                found.rounds,
+                found.settled,
             )
-        )  # fmt: skip
+        )
     return VibratoryTorques(tuple(rows))
 
 

@@ -35,7 +35,9 @@ def assemble(
     Raises InputError for an unknown model, SolveError where a model cannot take the train.
     """
     if model not in MODELS:
-        raise InputError([Fault(("model",), f"no model is called '{model}'", f"give {', '.join(MODELS)}")])
+        raise InputError(
+            [Fault(("model",), f"no model is called '{model}'", f"give {', '.join(MODELS)}")]
+        )
     from torsion.assembly.system import Discretisation
 
     if train.has_steps:
@@ -52,7 +54,9 @@ def assemble(
 
 def rediscretised(system: "System", frequency: float) -> "System":
     """The same train in the same model, its shafts discretised for another highest frequency (Hz)."""
-    return assemble(system.train, system.model, **{**vars(system.requested), "frequency": frequency})
+    return assemble(
+        system.train, system.model, **{**vars(system.requested), "frequency": frequency}
+    )
 
 
 def of_train(system: "System", train: "Train") -> "System":
@@ -62,14 +66,18 @@ def of_train(system: "System", train: "Train") -> "System":
 
 def as_divided(system: "System", train: "Train") -> "System":
     """The same, its lumped shafts in as many segments as those of the system with these names."""
-    bars = tuple(replace(bar, segments=system.segments.get(bar.name, bar.segments)) for bar in train.bars)
+    bars = tuple(
+        replace(bar, segments=system.segments.get(bar.name, bar.segments)) for bar in train.bars
+    )
     return of_train(system, replace(train, bars=bars))
 
 
 def is_as_fine(system: "System", other: "System") -> bool:
     """No shaft of the `other` system has more pieces, nor elements of a higher degree."""
     degree, least = (0 if one.bars is None else one.bars.degree for one in (system, other))
-    return degree >= least and all(system.segments[name] >= number for name, number in other.segments.items())
+    return degree >= least and all(
+        system.segments[name] >= number for name, number in other.segments.items()
+    )
 
 
 def resolving(system: "System", frequency: float, *, refine: bool = True) -> "System":

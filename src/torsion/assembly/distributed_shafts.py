@@ -22,7 +22,9 @@ FEWEST = 4  # pieces of a shaft, for the picture of its shape
 STEEPEST = 3.0  # a diameter or wall changes by at most this factor over a piece, so that its integrals converge fast
 
 
-def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, BarSpans | None, dict[str, int]]:
+def collect(
+    train: Train, number_of: Callable[[Bar], int]
+) -> tuple[Collected, BarSpans | None, dict[str, int]]:
     """Everything of a train with every shaft in `number_of` pieces, and these pieces; a massless shaft is a spring.
 
     Between the last piece and the driven station there is a rigid span with the torque there, but not where that
@@ -39,12 +41,18 @@ def collect(train: Train, number_of: Callable[[Bar], int]) -> tuple[Collected, B
         row = Row(bar, number, len(found.stations), found.stations[bar.driving])
         if not massless:
             made = (Piece(bar, position, number) for position in range(number))
-            pieces += zip(count(len(found.spans)), pairwise(row.stations.tolist()), made, strict=False)
+            pieces += zip(
+                count(len(found.spans)), pairwise(row.stations.tolist()), made, strict=False
+            )
         found.one_by_one(row, *bar_segments(bar, number))
         if tells_end:
             found.spans[-1] = replace(found.spans[-1], driven=len(found.stations))
-            found.add(Span(f"{bar.name}, driven end", bar.part, len(found.stations), bar.driven), 0.0)
-            found.stations.append(Station(f"{bar.name} end", bar.part, row.begin.ratio, row.begin.sense))
+            found.add(
+                Span(f"{bar.name}, driven end", bar.part, len(found.stations), bar.driven), 0.0
+            )
+            found.stations.append(
+                Station(f"{bar.name} end", bar.part, row.begin.ratio, row.begin.sense)
+            )
             found.inertia.append(0.0)
     if not pieces:
         return found, None, numbers

@@ -50,7 +50,11 @@ class BarSpans:
         laws: list[Law] = []
         length = np.array([piece.length for piece in self.pieces])
         if uniform:
-            laws.append(uniform_shafts(length[:uniform], *self._along(slice(uniform), np.zeros(1), ratio2)[..., 0]))
+            laws.append(
+                uniform_shafts(
+                    length[:uniform], *self._along(slice(uniform), np.zeros(1), ratio2)[..., 0]
+                )
+            )
         if uniform < len(self.pieces):
             rigidity, inertia = self._along(slice(uniform, None), profile_points(), ratio2)
             laws.append(profile_shafts(length[uniform:], 1.0 / rigidity, inertia))

@@ -31,7 +31,9 @@ def element_matrices(pieces: tuple[Piece, ...], degree: int) -> tuple[FloatArray
     Integrals of int G I u' v' dx and int rho I u v dx over each piece, exact to rounding. A cell of the mesh has the
     length 1, so that nothing of its place along the shaft enters.
     """
-    stiffness, inertia = zip(*(_of_shaft(first, degree) for first in pieces if first.position == 0), strict=True)
+    stiffness, inertia = zip(
+        *(_of_shaft(first, degree) for first in pieces if first.position == 0), strict=True
+    )
     return np.concatenate(stiffness), np.concatenate(inertia)
 
 
@@ -57,7 +59,9 @@ def _of_shaft(first: Piece, degree: int) -> tuple[FloatArray, FloatArray]:
     """Matrices of all pieces of a shaft, from its first one on."""
     bar = first.bar
     if is_uniform(bar):
-        one, two = (unit * factor for unit, factor in zip(_of_unit(degree), _factors(first), strict=True))
+        one, two = (
+            unit * factor for unit, factor in zip(_of_unit(degree), _factors(first), strict=True)
+        )
         return np.repeat(one, first.number, axis=0), np.repeat(two, first.number, axis=0)
     basis = _basis(first.number, degree)
     stiff, heavy = _integrals(basis, first.polar_area_moment(basis.default_parameters()["x"][0]))
@@ -92,7 +96,9 @@ def _basis(cells: int, degree: int) -> Any:
 
 def _integrals(basis: Any, section: FloatArray) -> tuple[FloatArray, FloatArray]:
     """int section u' v' dx and int section u v dx of every element, (elements, degree + 1, degree + 1)."""
-    stiff = skfem.BilinearForm(lambda u, v, w: w.section * u.grad[0] * v.grad[0]).elemental(basis, section=section)
+    stiff = skfem.BilinearForm(lambda u, v, w: w.section * u.grad[0] * v.grad[0]).elemental(
+        basis, section=section
+    )
     heavy = skfem.BilinearForm(lambda u, v, w: w.section * u * v).elemental(basis, section=section)
     return _symmetric(stiff.tolocal()), _symmetric(heavy.tolocal())
 

@@ -14,7 +14,9 @@ from torsion.sources import source
 from torsion.train import Train
 
 DEGREE, HIGHEST_DEGREE = 4, 10
-SHARE_OF_ERROR = 1e-6  # a frequency of a shaft is right to this share, by the estimate of `element_error`
+SHARE_OF_ERROR = (
+    1e-6  # a frequency of a shaft is right to this share, by the estimate of `element_error`
+)
 LARGEST_PHASE = 2.5  # rad along an element: the inner unknowns alone oscillate at pi or more
 FEWEST = 4  # elements of a shaft, for the picture of its shape
 
@@ -26,16 +28,22 @@ def accurate_phase(degree: int) -> float:
 
 def elements_for(bar: Bar, frequency: float, degree: int) -> int:
     """Elements that keep the error of a shaft below SHARE_OF_ERROR up to a highest frequency (Hz), at least FEWEST."""
-    number = max(math.ceil(phase(bar, frequency) / min(accurate_phase(degree), LARGEST_PHASE)), FEWEST)
+    number = max(
+        math.ceil(phase(bar, frequency) / min(accurate_phase(degree), LARGEST_PHASE)), FEWEST
+    )
     while number < MOST and (error := section_error(bar, number, degree)) > SHARE_OF_ERROR:
-        number = max(number + 1, math.ceil(number * min((error / SHARE_OF_ERROR) ** (0.5 / degree), 4.0)))
+        number = max(
+            number + 1, math.ceil(number * min((error / SHARE_OF_ERROR) ** (0.5 / degree), 4.0))
+        )
     return min(number, MOST)
 
 
 def degree_for(train: Train, frequency: float, elements: int) -> int:
     """The least degree, from DEGREE on, that keeps the error below SHARE_OF_ERROR with so many elements a shaft."""
     for degree in range(DEGREE, HIGHEST_DEGREE):
-        errors = (element_error(bar, _number(bar, elements), degree, frequency) for bar in train.bars)
+        errors = (
+            element_error(bar, _number(bar, elements), degree, frequency) for bar in train.bars
+        )
         if max(errors, default=0.0) <= SHARE_OF_ERROR:
             return degree
     return HIGHEST_DEGREE
@@ -59,7 +67,9 @@ def assemble_fem(train: Train, requested: Discretisation) -> System:
         error = max(element_error(bar, numbers[bar.name], order, frequency) for bar in moving)
         bars = replace(bars, degree=order, error=error)
     is_stated = elements is not None and (degree is not None or order == HIGHEST_DEGREE)
-    longest = accurate_phase(order) if elements is not None else min(accurate_phase(order), LARGEST_PHASE)
+    longest = (
+        accurate_phase(order) if elements is not None else min(accurate_phase(order), LARGEST_PHASE)
+    )
     resolved = (numbers[bar.name] * longest / phase(bar, 1.0) for bar in moving if not is_stated)
     return found.system("fem", numbers, requested, min(resolved, default=math.inf), bars)
 
@@ -71,7 +81,9 @@ def _number(bar: Bar, elements: int) -> int:
 
 def element_error(bar: Bar, number: int, degree: int, frequency: float) -> float:
     """Relative error of a frequency (Hz) of a shaft by so many elements of a degree."""
-    return max(phase_error(degree, phase(bar, frequency) / number), section_error(bar, number, degree))
+    return max(
+        phase_error(degree, phase(bar, frequency) / number), section_error(bar, number, degree)
+    )
 
 
 @source("Ainsworth2004", "section 3.1")
@@ -98,7 +110,10 @@ def section_error(bar: Bar, number: int, degree: int) -> float:
     energy = np.einsum("ng,gi,gj->nij", area_along(bar, at) * weight, polynomials, polynomials)
     across = np.zeros(degree)
     across[0] = 2.0
-    flexibility = np.linalg.solve(energy, np.broadcast_to(across[:, None], (number, degree, 1)))[:, 0, 0] * 2.0
+    flexibility = (
+        np.linalg.solve(energy, np.broadcast_to(across[:, None], (number, degree, 1)))[:, 0, 0]
+        * 2.0
+    )
     own = (bar.length / number / bar.shear_modulus) * flexibility / 2.0
     exact = bar_segments(bar, number)[0]
     return float(max(np.sum(exact - own) / np.sum(exact), 0.0) / 2.0)

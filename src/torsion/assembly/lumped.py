@@ -55,5 +55,5 @@ def assemble_lumped(train: Train, requested: Discretisation) -> System:
     resolved = (
         segments[bar.name] / excess(bar) * LARGEST_PHASE / phase(bar, 1.0)
         for bar in filter(is_refined, train.bars)
-    )  # fmt: skip
+    )
     return found.system("lumped", segments, requested, min(resolved, default=math.inf))

@@ -39,14 +39,26 @@ def matrices(system: System, *, ground_damping: FloatArray | None = None) -> Mat
         message = "the exact model has no constant matrices: its inertia and stiffness depend on the frequency"
         raise InputError([Fault(("analyses", "model"), message, "model: lumped, or model: fem")])
     if tables := system.tables_over("frequency") | system.tables_over("vibratory torque"):
-        message = f"a stiffness that follows the {tables[min(tables)].over} has no constant matrices"
+        message = (
+            f"a stiffness that follows the {tables[min(tables)].over} has no constant matrices"
+        )
         hint = "give a `stiffness` in its place for the matrices"
         raise InputError([Fault(table_path(system, min(tables)), message, hint)])
     if system.train.modal_damping:
         message = "damping by mode has no matrix next to the matrices of the components"
-        raise InputError([Fault(("damping",), message, "leave it out for the matrices, or give the components theirs")])
+        raise InputError(
+            [
+                Fault(
+                    ("damping",),
+                    message,
+                    "leave it out for the matrices, or give the components theirs",
+                )
+            ]
+        )
     rigid = system.flexibility == 0
-    group = connected(len(system.stations), system.driving[rigid], system.driven[rigid])  # turn together
+    group = connected(
+        len(system.stations), system.driving[rigid], system.driven[rigid]
+    )  # turn together
     fixed = np.isin(group, group[system.held])
     free = np.unique(group[~fixed])
     basis = np.where((group[:, None] == free) & ~fixed[:, None], system.speed_ratio[:, None], 0.0)

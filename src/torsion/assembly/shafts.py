@@ -9,7 +9,9 @@ from torsion.kernels.round_sections import polar_area_moment
 from torsion.primitives import Bar
 
 BLOCK = 2**14  # pieces of a cone at once; 3 MB an array
-GAUSS = np.polynomial.legendre.leggauss(24)  # points in -1..1 and weights; exact to rounding for every cone
+GAUSS = np.polynomial.legendre.leggauss(
+    24
+)  # points in -1..1 and weights; exact to rounding for every cone
 
 
 def phase(bar: Bar, frequency: float) -> float:
@@ -30,7 +32,9 @@ def uniform_area(bar: Bar) -> float:
 def area_along(bar: Bar, at: FloatArray) -> FloatArray:
     """I_p in m4 at `at`, from 0 at the driving to 1 at the driven end of a shaft."""
     outer, bore = bar.outer, bar.bore
-    return polar_area_moment(outer[0] + (outer[1] - outer[0]) * at, bore[0] + (bore[1] - bore[0]) * at)
+    return polar_area_moment(
+        outer[0] + (outer[1] - outer[0]) * at, bore[0] + (bore[1] - bore[0]) * at
+    )
 
 
 def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:

@@ -24,7 +24,9 @@ class Span:
     driving: int
     driven: int
     ratio: Fraction = Fraction(1)  # speed of the driven / speed of the driving station
-    error: tuple[tuple[int, complex], ...] = ()  # of the driven angle, over the driving station's angle
+    error: tuple[
+        tuple[int, complex], ...
+    ] = ()  # of the driven angle, over the driving station's angle
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,12 +37,16 @@ class Row:
     number: int  # of segments, or of groups of them
     inside: int  # position of the first station between segments
     begin: Station  # at the driving end
-    edges: tuple[int, ...] = ()  # of a row of segment groups: the first segment of each group, and their whole number
+    edges: tuple[
+        int, ...
+    ] = ()  # of a row of segment groups: the first segment of each group, and their whole number
 
     def station(self, k: int) -> Station:
         """The station at the end of segment, or group, k."""
         place = f"{self.edges[k + 1]}/{self.edges[-1]}" if self.edges else f"{k + 1}/{self.number}"
-        return Station(f"{self.bar.name} {place}", self.bar.part, self.begin.ratio, self.begin.sense)
+        return Station(
+            f"{self.bar.name} {place}", self.bar.part, self.begin.ratio, self.begin.sense
+        )
 
     def span(self, k: int) -> Span:
         """Segment, or group, k."""
@@ -48,7 +54,12 @@ class Row:
         place = f"{first}" if first == last else f"{first}..{last}"
         name = self.bar.name if self.number == 1 else f"{self.bar.name} [{place}]"
         driving = self.bar.driving if k == 0 else self.inside + k - 1
-        return Span(name, self.bar.part, driving, self.bar.driven if k == self.number - 1 else self.inside + k)
+        return Span(
+            name,
+            self.bar.part,
+            driving,
+            self.bar.driven if k == self.number - 1 else self.inside + k,
+        )
 
     @property
     def stations(self) -> IntArray:
@@ -112,7 +123,9 @@ class SegmentGroups:
     @property
     def ends(self) -> IntArray:
         """(spans kept, 2) driving and driven station of each span or group, as positions in `stations`."""
-        return np.array([(span.driving, span.driven) for span in self.kept], dtype=np.int64).reshape(-1, 2)
+        return np.array(
+            [(span.driving, span.driven) for span in self.kept], dtype=np.int64
+        ).reshape(-1, 2)
 
     @property
     def is_whole(self) -> bool:

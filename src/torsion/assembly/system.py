@@ -44,7 +44,9 @@ class CondensedTrain:
     tree: Tree
     node: IntArray  # (stations,) tree station of each station
     span: IntArray  # (spans,) tree station below each span; -1 where the span closes a loop or doubles another
-    sign: FloatArray  # (spans,) 1 where the driving station is the parent, -1 where the driven one is
+    sign: (
+        FloatArray  # (spans,) 1 where the driving station is the parent, -1 where the driven one is
+    )
     extra: IntArray  # (extra,) spans that close loops
     viscous: FloatArray  # (tree stations,) N m s/rad of each tree span, referred
     loss_factor: FloatArray  # (tree stations,)
@@ -60,19 +62,31 @@ class System(Displayed):
     stations: Sequence[Station]
     spans: Sequence[Span]
     inertia: FloatArray  # (stations,) kg m2 at own speed; infinite where fixed; half of each piece of a shaft included
-    flexibility: FloatArray  # (spans,) rad/(N m) at the driving station's speed; 0 rigid, inf viscous only
+    flexibility: (
+        FloatArray  # (spans,) rad/(N m) at the driving station's speed; 0 rigid, inf viscous only
+    )
     viscous: FloatArray  # (spans,) N m s/rad
     loss_factor: FloatArray  # (spans,)
     dampers: tuple[Damper, ...]
     segments: dict[str, int]  # of every shaft, by name: segments, elements or pieces
     bars: "BarSpans | None" = None  # of the models `fem` and `exact`, where a shaft has inertia
-    rows: tuple[Row, ...] = ()  # shafts in segments, whose inner stations and spans come last, row by row
+    rows: tuple[
+        Row, ...
+    ] = ()  # shafts in segments, whose inner stations and spans come last, row by row
     requested: Discretisation = Discretisation()
-    resolved_to: float = math.inf  # Hz, up to which the shafts keep the error of their model; see `assemble`
-    groups: SegmentGroups | None = None  # of a condensed system: the segments that its spans stand for
+    resolved_to: float = (
+        math.inf
+    )  # Hz, up to which the shafts keep the error of their model; see `assemble`
+    groups: SegmentGroups | None = (
+        None  # of a condensed system: the segments that its spans stand for
+    )
     uncondensed: "System | None" = None  # of a condensed system: that of all segments
-    in_tree: BoolArray | None = None  # (spans,) those of the tree; None: the stiffest that close no loop
-    tables: "Mapping[int, StiffnessTable]" = field(default_factory=dict)  # of spans that follow one: `tabled_spans`
+    in_tree: BoolArray | None = (
+        None  # (spans,) those of the tree; None: the stiffest that close no loop
+    )
+    tables: "Mapping[int, StiffnessTable]" = field(
+        default_factory=dict
+    )  # of spans that follow one: `tabled_spans`
 
     def __repr__(self) -> str:
         return f"System: {self.model}, {len(self.stations)} stations, {len(self.spans)} spans"
@@ -90,7 +104,11 @@ class System(Displayed):
     @property
     def own_spans(self) -> Sequence[Span]:
         """The spans that are no segments of a row; they come first."""
-        return self.spans[: len(self.spans) - sum(row.number for row in self.rows)] if self.rows else self.spans
+        return (
+            self.spans[: len(self.spans) - sum(row.number for row in self.rows)]
+            if self.rows
+            else self.spans
+        )
 
     @cached_property
     def speed_ratio(self) -> FloatArray:
@@ -105,7 +123,9 @@ class System(Displayed):
     @cached_property
     def span_part(self) -> IntArray:
         """(spans,) the component that made each span."""
-        return self._over_spans(lambda span: span.part, lambda row: np.full(row.number, row.bar.part))
+        return self._over_spans(
+            lambda span: span.part, lambda row: np.full(row.number, row.bar.part)
+        )
 
     @cached_property
     def span_ratio(self) -> FloatArray:
@@ -117,7 +137,9 @@ class System(Displayed):
 
         referred: (stations, columns) angles referred to the reference speed.
         """
-        return np.asarray((referred[self.driving] - referred[self.driven]) * self.span_ratio[:, None])
+        return np.asarray(
+            (referred[self.driving] - referred[self.driven]) * self.span_ratio[:, None]
+        )
 
     @cached_property
     def driving(self) -> IntArray:
@@ -154,10 +176,14 @@ class System(Displayed):
             from torsion.kernels.distributed.span_laws import Shafts
 
             span = np.flatnonzero(groups.last_span > groups.spans)
-            return Shafts(condensed.span[span], (self._chains(groups, span).turned(condensed.sign[span] < 0),))
+            return Shafts(
+                condensed.span[span], (self._chains(groups, span).turned(condensed.sign[span] < 0),)
+            )
         if bars is None:
             return None
-        return bars.laws(condensed.span[bars.span], self.span_ratio[bars.span], condensed.sign[bars.span] < 0)
+        return bars.laws(
+            condensed.span[bars.span], self.span_ratio[bars.span], condensed.sign[bars.span] < 0
+        )
 
     def _chains(self, groups: SegmentGroups, span: IntArray) -> "SegmentChains":
         """The segments of the groups that some spans stand for, referred."""
@@ -168,20 +194,31 @@ class System(Displayed):
         flexibility = self.whole.flexibility[np.minimum(segment, last)] / ratio2
         inside = self.whole.lumped_inertia[self.whole.driven[np.minimum(segment, last)]] * ratio2
         none = np.zeros(len(span), dtype=bool)
-        return SegmentChains(np.where(segment <= last, flexibility, 0.0), np.where(segment < last, inside, 0.0), none)
+        return SegmentChains(
+            np.where(segment <= last, flexibility, 0.0), np.where(segment < last, inside, 0.0), none
+        )
 
     @cached_property
     def damps(self) -> bool:
         """Anything in the train takes energy out."""
         given = any(self.train.modal_damping) or any(table.damps for table in self.tables.values())
-        return given or bool(self.dampers) or bool(np.any(self.viscous > 0)) or bool(np.any(self.loss_factor > 0))
+        return (
+            given
+            or bool(self.dampers)
+            or bool(np.any(self.viscous > 0))
+            or bool(np.any(self.loss_factor > 0))
+        )
 
     def tables_over(self, over: str) -> "dict[int, StiffnessTable]":
         """The tables over frequency, mean or vibratory torque, by span."""
         return {span: table for span, table in self.tables.items() if table.over == over}
 
     def elastic(
-        self, span: int, w: FloatArray, mean: FloatArray | None = None, speed: FloatArray | None = None
+        self,
+        span: int,
+        w: FloatArray,
+        mean: FloatArray | None = None,
+        speed: FloatArray | None = None,
     ) -> tuple[FloatArray | float, FloatArray | float]:
         """Stiffness (N m/rad) and loss modulus k eta + w c of a span at w (rad/s), any shape; by its table if any.
 
@@ -190,9 +227,13 @@ class System(Displayed):
         """
         x = self.followed(span, w, mean, speed)
         if x is None:
-            h, loss, viscous = (own[span] for own in (self.flexibility, self.loss_factor, self.viscous))
+            h, loss, viscous = (
+                own[span] for own in (self.flexibility, self.loss_factor, self.viscous)
+            )
             if h.ndim:  # a column for each point
-                h, loss, viscous = (own.reshape(-1, *(1,) * (w.ndim - 1)) for own in (h, loss, viscous))
+                h, loss, viscous = (
+                    own.reshape(-1, *(1,) * (w.ndim - 1)) for own in (h, loss, viscous)
+                )
             return 1.0 / h, loss / h + w * viscous
         found = self.tables[span].complex_stiffness(x, w)
         return found.real, found.imag
@@ -205,7 +246,9 @@ class System(Displayed):
         if table is None or table.over == "frequency":
             return None if table is None else w
         if table.over == "speed":
-            return None if speed is None else np.broadcast_to(speed * self.span_ratio[span], w.shape)
+            return (
+                None if speed is None else np.broadcast_to(speed * self.span_ratio[span], w.shape)
+            )
         return None if mean is None else np.broadcast_to(np.abs(mean), w.shape)
 
     def modal_ratios(self, modes: int) -> FloatArray:
@@ -216,7 +259,9 @@ class System(Displayed):
     def _over_stations(self, of: Callable[[Station], float]) -> np.ndarray:
         """(stations,) what is known of every station one by one, and of all those inside of a row at once."""
         own = [of(station) for station in self.stations[: self.own_stations]]
-        return np.concatenate([own, *(np.full(row.number - 1, of(row.station(0))) for row in self.rows)])
+        return np.concatenate(
+            [own, *(np.full(row.number - 1, of(row.station(0))) for row in self.rows)]
+        )
 
     def _over_spans(self, of: Callable[[Span], int], over: Callable[[Row], IntArray]) -> IntArray:
         """(spans,) what is known of every span one by one, and of every row at once."""
@@ -252,7 +297,9 @@ def _condensed_train(system: System) -> CondensedTrain:
     ends = _split_held(system)
     chosen = np.ones(len(flexibility), dtype=bool) if system.in_tree is None else system.in_tree
     way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
-    if system.in_tree is None and (ends.anchors or len(flexibility) > np.count_nonzero(way.parent >= 0)):
+    if system.in_tree is None and (
+        ends.anchors or len(flexibility) > np.count_nonzero(way.parent >= 0)
+    ):
         chosen = _spanning(system, flexibility, ends)
         way = walk(ends.number, ends.driving, ends.driven, chosen, ends.roots)
     return _layout(system, flexibility, ends, chosen, way)
@@ -267,7 +314,9 @@ class _Ends:
     driven: IntArray
     copies: tuple[int, ...]  # the fixed station that each further node copies
     roots: list[int]  # fixed stations (no ground) to walk from, in this order
-    anchors: tuple[int, ...]  # fixed stations that rigid spans join to one part, where there are several
+    anchors: tuple[
+        int, ...
+    ]  # fixed stations that rigid spans join to one part, where there are several
 
 
 def _split_held(system: System) -> _Ends:
@@ -280,7 +329,9 @@ def _split_held(system: System) -> _Ends:
     if not system.held.any():
         return _Ends(number, driving, driven, (), [], ())
     free = ~system.held[driving] & ~system.held[driven]
-    group = connected(number, driving[free], driven[free])  # stations joined without passing through a fixed one
+    group = connected(
+        number, driving[free], driven[free]
+    )  # stations joined without passing through a fixed one
     held = np.flatnonzero(system.held).tolist()
     touching = {station: _touching(system, station) for station in held}
     root, anchors = _rigidly_rooted(system, touching, group)
@@ -298,15 +349,24 @@ def _split_held(system: System) -> _Ends:
             for _, _, other in touching[station]:
                 root.setdefault(int(group[other]), station)
     first = dict.fromkeys(root.values())
-    rest = [station for station in held if station not in first and not system.stations[station].is_ground]
+    rest = [
+        station
+        for station in held
+        if station not in first and not system.stations[station].is_ground
+    ]
     return _Ends(number + len(copies), driving, driven, tuple(copies), [*first, *rest], anchors)
 
 
 def _touching(system: System, station: int) -> list[tuple[int, int, int]]:
     """(0 as its driving end or 1, span, station at the other end) of every span of a station."""
     found = []
-    for side, here, there in ((0, system.driving, system.driven), (1, system.driven, system.driving)):
-        found += [(side, span, int(there[span])) for span in np.flatnonzero(here == station).tolist()]
+    for side, here, there in (
+        (0, system.driving, system.driven),
+        (1, system.driven, system.driving),
+    ):
+        found += [
+            (side, span, int(there[span])) for span in np.flatnonzero(here == station).tolist()
+        ]
     return found
 
 
@@ -338,7 +398,9 @@ def _spanning(system: System, flexibility: FloatArray, ends: _Ends) -> BoolArray
     return chosen
 
 
-def _layout(system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk) -> CondensedTrain:
+def _layout(
+    system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolArray, way: Walk
+) -> CondensedTrain:
     """Number the tree from its roots to its leaves."""
     stations = len(system.stations)
     order, number = way.order, len(way.order)
@@ -347,14 +409,18 @@ def _layout(system: System, flexibility: FloatArray, ends: _Ends, chosen: BoolAr
     node = np.flatnonzero(above >= 0)
     span = above[node]
     flexible, viscous, loss = elastic = np.zeros((3, number))
-    elastic[:, node] = np.array([flexibility, system.viscous * system.span_ratio**2, system.loss_factor])[:, span]
+    elastic[:, node] = np.array(
+        [flexibility, system.viscous * system.span_ratio**2, system.loss_factor]
+    )[:, span]
     span_node = np.full(len(flexibility), -1, dtype=np.int64)
     span_node[span] = node
     source = order if not ends.copies else np.append(np.arange(stations), ends.copies)[order]
     inertia = (system.lumped_inertia * system.speed_ratio**2)[source]
     tree = Tree(np.where(parent >= 0, place[parent], -1), flexible, inertia, system.held[source])
     sign = np.where(place[ends.driven] == span_node, 1.0, -1.0)
-    return CondensedTrain(tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss)
+    return CondensedTrain(
+        tree, place[:stations], span_node, sign, np.flatnonzero(~chosen), viscous, loss
+    )
 
 
 MOST_GROUPS = 2000  # of a shaft: more segments than that are condensed to about so many groups
@@ -362,7 +428,12 @@ MOST_GROUPS = 2000  # of a shaft: more segments than that are condensed to about
 
 def segment_groups(system: System, most: int) -> SegmentGroups:
     """At most about `most` groups of every shaft; its last segment is one of its own."""
-    station, span, inside, longest = system.own_stations, len(system.own_spans), system.own_stations, 1
+    station, span, inside, longest = (
+        system.own_stations,
+        len(system.own_spans),
+        system.own_stations,
+        1,
+    )
     stations, spans, rows = [np.arange(station)], [np.arange(span)], list[Row]()
     for row in system.rows:
         step = 1 if row.number <= most else -(-(row.number - 1) // most)
@@ -372,10 +443,21 @@ def segment_groups(system: System, most: int) -> SegmentGroups:
         edges = (*starts.tolist(), row.number)
         whole = tuple(row.edges[edge] for edge in edges) if row.edges else edges
         rows.append(Row(row.bar, len(starts), inside, row.begin, whole))
-        station, span, inside = station + row.number - 1, span + row.number, inside + len(starts) - 1
+        station, span, inside = (
+            station + row.number - 1,
+            span + row.number,
+            inside + len(starts) - 1,
+        )
         longest = max(longest, step)
     kept = Runs(system.own_spans, [(row.number, row.span) for row in rows])
-    return SegmentGroups(np.concatenate(stations), np.concatenate(spans), kept, tuple(rows), len(system.spans), longest)
+    return SegmentGroups(
+        np.concatenate(stations),
+        np.concatenate(spans),
+        kept,
+        tuple(rows),
+        len(system.spans),
+        longest,
+    )
 
 
 def condensed(system: System, most: int = MOST_GROUPS) -> System:
@@ -386,9 +468,19 @@ def condensed(system: System, most: int = MOST_GROUPS) -> System:
     groups = segment_groups(system, most)
     if groups.is_whole or system.bars is not None or system.condensed.extra.size:
         return system
-    stations = Runs(system.stations[: system.own_stations], [(row.number - 1, row.station) for row in groups.rows])
+    stations = Runs(
+        system.stations[: system.own_stations],
+        [(row.number - 1, row.station) for row in groups.rows],
+    )
     return replace(
-        system, groups=groups, uncondensed=system, rows=groups.rows, stations=stations, spans=groups.kept,
-        inertia=groups.over_stations(system.inertia), flexibility=groups.over_spans(system.flexibility),
-        viscous=system.viscous[groups.spans], loss_factor=system.loss_factor[groups.spans],
-    )  # fmt: skip
+        system,
+        groups=groups,
+        uncondensed=system,
+        rows=groups.rows,
+        stations=stations,
+        spans=groups.kept,
+        inertia=groups.over_stations(system.inertia),
+        flexibility=groups.over_spans(system.flexibility),
+        viscous=system.viscous[groups.spans],
+        loss_factor=system.loss_factor[groups.spans],
+    )

@@ -24,10 +24,16 @@ class Collected:
     stations: list[Station]
     inertia: list[float]  # kg m2 at own speed
     spans: list[Span] = field(default_factory=list)
-    elastic: list[tuple[float, float, float]] = field(default_factory=list)  # rad/(N m), N m s/rad, loss factor
+    elastic: list[tuple[float, float, float]] = field(
+        default_factory=list
+    )  # rad/(N m), N m s/rad, loss factor
     rows: list[Row] = field(default_factory=list)  # behind all stations and spans
-    inner_inertia: list[FloatArray] = field(default_factory=list)  # of each row: (segments - 1,) kg m2
-    row_flexibility: list[FloatArray] = field(default_factory=list)  # of each row: (segments,) rad/(N m)
+    inner_inertia: list[FloatArray] = field(
+        default_factory=list
+    )  # of each row: (segments - 1,) kg m2
+    row_flexibility: list[FloatArray] = field(
+        default_factory=list
+    )  # of each row: (segments,) rad/(N m)
 
     @classmethod
     def of(cls, train: Train) -> "Collected":
@@ -39,10 +45,15 @@ class Collected:
             span = Span(spring.name, spring.part, spring.driving, spring.driven)
             found.add(span, spring.flexibility, spring.viscous, spring.loss_factor)
         for mesh in train.constraints:
-            found.add(Span(mesh.name, mesh.part, mesh.driving, mesh.driven, mesh.ratio, mesh.error), mesh.flexibility)
+            found.add(
+                Span(mesh.name, mesh.part, mesh.driving, mesh.driven, mesh.ratio, mesh.error),
+                mesh.flexibility,
+            )
         return found
 
-    def add(self, span: Span, flexibility: float, viscous: float = 0.0, loss_factor: float = 0.0) -> None:
+    def add(
+        self, span: Span, flexibility: float, viscous: float = 0.0, loss_factor: float = 0.0
+    ) -> None:
         """Add a span."""
         self.spans.append(span)
         self.elastic.append((flexibility, viscous, loss_factor))
@@ -66,9 +77,13 @@ class Collected:
         self.row_flexibility.append(flexibility)
 
     def system(
-        self, model: str, segments: dict[str, int], requested: Discretisation, resolved_to: float,
+        self,
+        model: str,
+        segments: dict[str, int],
+        requested: Discretisation,
+        resolved_to: float,
         bars: "BarSpans | None" = None,
-    ) -> System:  # fmt: skip
+    ) -> System:
         """The system of all that was collected; resolved_to: Hz.
 
         Raises SolveError for distributed shafts in a train with closed loops.
@@ -77,15 +92,30 @@ class Collected:
         flexibility, viscous, loss_factor = np.array(self.elastic, dtype=float).reshape(-1, 3).T
         loss = [np.full(row.number, row.bar.loss_factor) for row in rows]
         system = System(
-            self.train, model,
-            Runs(self.stations, [(row.number - 1, row.station) for row in rows]) if rows else tuple(self.stations),
-            Runs(self.spans, [(row.number, row.span) for row in rows]) if rows else tuple(self.spans),
+            self.train,
+            model,
+            Runs(self.stations, [(row.number - 1, row.station) for row in rows])
+            if rows
+            else tuple(self.stations),
+            Runs(self.spans, [(row.number, row.span) for row in rows])
+            if rows
+            else tuple(self.spans),
             np.concatenate([self.inertia, *self.inner_inertia]),
             np.concatenate([flexibility, *self.row_flexibility]),
-            np.concatenate([viscous, *map(np.zeros_like, loss)]), np.concatenate([loss_factor, *loss]),
-            self.train.dampers, segments, bars, tuple(rows), requested, resolved_to,
-            tables={span: spring.table for span, spring in enumerate(self.train.springs) if spring.table is not None},
-        )  # fmt: skip
+            np.concatenate([viscous, *map(np.zeros_like, loss)]),
+            np.concatenate([loss_factor, *loss]),
+            self.train.dampers,
+            segments,
+            bars,
+            tuple(rows),
+            requested,
+            resolved_to,
+            tables={
+                span: spring.table
+                for span, spring in enumerate(self.train.springs)
+                if spring.table is not None
+            },
+        )
         if bars is not None and system.condensed.extra.size:
             why = "no closed loops, and no train that rigid spans hold at several points"
             raise SolveError(f"the model {model} takes {why}; use the lumped model")

@@ -14,9 +14,11 @@ if TYPE_CHECKING:
     from torsion.kernels.stiffness_table import StiffnessTable
 
 WORDS = {
-    "frequency": ("Hz", 2.0 * np.pi), "mean torque": ("N m", 1.0), "vibratory torque": ("N m", 1.0),
+    "frequency": ("Hz", 2.0 * np.pi),
+    "mean torque": ("N m", 1.0),
+    "vibratory torque": ("N m", 1.0),
     "speed": ("rpm", np.pi / 30.0),
-}  # fmt: skip
+}
 NOTHING: Mapping[int, FloatArray] = {}
 
 
@@ -55,11 +57,15 @@ def _taken(system: System, at: dict[int, float]) -> System:
     for span, x in at.items():
         k, loss, viscous = (float(one) for one in system.tables[span].values(np.asarray(x)))
         values[span] = 1.0 / k, viscous, loss
-    return with_springs(system, values, {span: table for span, table in system.tables.items() if span not in at})
+    return with_springs(
+        system, values, {span: table for span, table in system.tables.items() if span not in at}
+    )
 
 
 def with_springs(
-    system: System, values: Mapping[int, tuple[float, float, float]], tables: "Mapping[int, StiffnessTable]"
+    system: System,
+    values: Mapping[int, tuple[float, float, float]],
+    tables: "Mapping[int, StiffnessTable]",
 ) -> System:
     """The system with other flexibility (rad/(N m)), viscous damping and loss factor of some spans, and other tables.
 
@@ -70,10 +76,16 @@ def with_springs(
     stated = [one.copy() for one in (system.flexibility, system.viscous, system.loss_factor)]
     for each, new in zip(stated, taken, strict=True):
         each[spans] = new
-    found = replace(system, flexibility=stated[0], viscous=stated[1], loss_factor=stated[2], tables=tables)
+    found = replace(
+        system, flexibility=stated[0], viscous=stated[1], loss_factor=stated[2], tables=tables
+    )
     if system.uncondensed is not None:
         vars(found)["uncondensed"] = with_springs(system.uncondensed, values, tables)
-    known, node, ratio2 = system.condensed, system.condensed.span[spans], system.span_ratio[spans] ** 2
+    known, node, ratio2 = (
+        system.condensed,
+        system.condensed.span[spans],
+        system.span_ratio[spans] ** 2,
+    )
     of_tree = (known.tree.flexibility.copy(), known.viscous.copy(), known.loss_factor.copy())
     referred, inside = (taken[0] / ratio2, taken[1] * ratio2, taken[2]), node >= 0
     if (taken[0][~inside] == 0.0).any():
@@ -86,9 +98,12 @@ def with_springs(
 
 
 def complex_stiffness(
-    system: System, w: FloatArray, mean: FloatArray | None = None, speed: FloatArray | None = None,
+    system: System,
+    w: FloatArray,
+    mean: FloatArray | None = None,
+    speed: FloatArray | None = None,
     vibratory: Mapping[int, FloatArray] = NOTHING,
-) -> dict[int, ComplexArray]:  # fmt: skip
+) -> dict[int, ComplexArray]:
     """(frequencies,) N m/rad of every span with a table, at circular frequencies w (frequencies,) rad/s.
 
     mean: (spans, frequencies) N m mean torque; without it the tables over mean torque are left out. speed:
@@ -97,7 +112,13 @@ def complex_stiffness(
     """
     found: dict[int, ComplexArray] = {}
     for span, table in system.tables.items():
-        carried = vibratory.get(span) if table.over == "vibratory torque" else None if mean is None else mean[span]
+        carried = (
+            vibratory.get(span)
+            if table.over == "vibratory torque"
+            else None
+            if mean is None
+            else mean[span]
+        )
         x = system.followed(span, w, carried, speed)
         if x is None:
             continue

@@ -25,9 +25,13 @@ class Component(Sized):
 
     keyword: ClassVar[str]  # its kind, the key of its entry in the train
     sort: ClassVar[Literal["point", "link", "line", "none"]]  # line: points and links in a row
-    unbuilt: ClassVar[tuple[str, ...]] = ()  # keys of the format that are refused because they are not built yet
+    unbuilt: ClassVar[
+        tuple[str, ...]
+    ] = ()  # keys of the format that are refused because they are not built yet
 
-    name: str | None = given("name by which excitations, links and results call it (default: kind and number)")
+    name: str | None = given(
+        "name by which excitations, links and results call it (default: kind and number)"
+    )
     note: str | None = given("free text")
     source: str | None = given("source of the data: manufacturer, drawing, estimate")
 
@@ -49,10 +53,17 @@ class Component(Sized):
         """Make this component a part of the train where that has arrived, and lower it; `path` is its entry's."""
         build.number[self.keyword] += 1
         part = Part(
-            self.name or f"{self.keyword}-{build.number[self.keyword]}", self.keyword, self.sort == "point",
-            (*path, self.keyword), ratio=build.at.ratio, depth=build.at.depth, referred_to=build.at.referred_to,
-            is_named=self.name is not None, note=self.note, source=self.source,
-        )  # fmt: skip
+            self.name or f"{self.keyword}-{build.number[self.keyword]}",
+            self.keyword,
+            self.sort == "point",
+            (*path, self.keyword),
+            ratio=build.at.ratio,
+            depth=build.at.depth,
+            referred_to=build.at.referred_to,
+            is_named=self.name is not None,
+            note=self.note,
+            source=self.source,
+        )
         build.parts.append(part)
         self.lower(build)
 
@@ -68,7 +79,9 @@ def lower_line(build: Lowering, components: Sequence[Component], path: Path) -> 
         component.enter(build, (*path, position))
 
 
-def lower_branch(build: Lowering, start: Arrival, components: Sequence[Component], path: Path) -> None:
+def lower_branch(
+    build: Lowering, start: Arrival, components: Sequence[Component], path: Path
+) -> None:
     """Lower a branch from `start`, then return to where the train had arrived."""
     main = build.at
     build.at = replace(start, depth=start.depth + 1)

@@ -8,7 +8,13 @@ from pydantic import BeforeValidator, Field
 
 from torsion import fields
 from torsion.components.component import Component
-from torsion.components.coupling_limits import MISFIRE, MisfireLimit, PowerLimit, VibratoryLimit, heat_ratings
+from torsion.components.coupling_limits import (
+    MISFIRE,
+    MisfireLimit,
+    PowerLimit,
+    VibratoryLimit,
+    heat_ratings,
+)
 from torsion.components.elastic_element import (
     DAMPINGS,
     MAGNIFIER,
@@ -32,8 +38,14 @@ Pair = Annotated[tuple[fields.Inertia, fields.Inertia], Field(min_length=2, max_
 Angle = Annotated[float, Quantity("rad", above=0, usual="clearance")]
 Torque = Annotated[float, Quantity("N*m", above=0)]
 BESIDE_NO_CAPACITY = (
-    "clearance", "hysteresis_torque", "stages", "viscous", "loss_factor", "psi", "magnifier"
-)  # fmt: skip
+    "clearance",
+    "hysteresis_torque",
+    "stages",
+    "viscous",
+    "loss_factor",
+    "psi",
+    "magnifier",
+)
 BESIDE_NO_TABLE = (*DAMPINGS, "clearance", "hysteresis_torque", "stages", "capacity")
 TABLES = ("table", "prony", "fractional")  # what gives stiffness and damping over something
 STIFFNESSES = ("stiffness", "flexibility", *TABLES)
@@ -44,15 +56,23 @@ class Play(Declared):
     """The play of a coupling, and what it is beyond it."""
 
     angle: Angle = required("total backlash, from face to face")
-    stiffness: fields.Stiffness | None = given("of the contact (default: stiffness of the coupling)")
-    viscous: fields.Damping | None = given("viscous damping of the contact (default: stiffness of the coupling)")
+    stiffness: fields.Stiffness | None = given(
+        "of the contact (default: stiffness of the coupling)"
+    )
+    viscous: fields.Damping | None = given(
+        "viscous damping of the contact (default: stiffness of the coupling)"
+    )
 
 
 class DryFriction(Declared):
     """Friction beside a spring: a spring in series with a slider."""
 
-    torque: Torque = required("torque at which it slips: half the width of the loop of torque over twist")
-    stiffness: fields.Stiffness | None = given("until it slips (default: 100 times the stiffness parallel to it)")
+    torque: Torque = required(
+        "torque at which it slips: half the width of the loop of torque over twist"
+    )
+    stiffness: fields.Stiffness | None = given(
+        "until it slips (default: 100 times the stiffness parallel to it)"
+    )
 
 
 class Stage(Declared):
@@ -65,7 +85,9 @@ class Stage(Declared):
 
 def _plain(key: str, kind: type[Declared]) -> BeforeValidator:
     """A value alone, in place of the mapping that has it under `key`."""
-    return BeforeValidator(lambda value: value if isinstance(value, dict | kind) else {key: value}, float | str | kind)
+    return BeforeValidator(
+        lambda value: value if isinstance(value, dict | kind) else {key: value}, float | str | kind
+    )
 
 
 Clearance = Annotated[Play, _plain("angle", Play)]
@@ -79,18 +101,26 @@ def _text(value: object) -> object:
 class Coupling(Component, keyword="coupling", sort="link"):
     """An elastic or rigid coupling, or any other massless spring of the train."""
 
-    file: str | None = given("CSV file of a series of couplings, whose row of that `size` gives keys", alias="from")
-    size: Annotated[str, BeforeValidator(_text, str | float)] | None = given("of the series: which row of `from`")
+    file: str | None = given(
+        "CSV file of a series of couplings, whose row of that `size` gives keys", alias="from"
+    )
+    size: Annotated[str, BeforeValidator(_text, str | float)] | None = given(
+        "of the series: which row of `from`"
+    )
     stiffness: fields.Stiffness | None = given("dynamic torsional stiffness")
     flexibility: fields.Flexibility | None = given("1/stiffness; 0 is rigid")
-    table: CouplingTable | None = given("stiffness and damping over frequency or mean torque, in place of `stiffness`")
+    table: CouplingTable | None = given(
+        "stiffness and damping over frequency or mean torque, in place of `stiffness`"
+    )
     prony: PronySpring | None = given(
         "relaxing springs parallel to a static spring, in place of `stiffness` and damping"
     )
     fractional: FractionalSpring | None = given(
         "a power of the frequency parallel to a static spring, in place of `stiffness` and damping"
     )
-    temperature: CouplingWarming | None = given("what its own heat takes of its stiffness, and how far it may warm")
+    temperature: CouplingWarming | None = given(
+        "what its own heat takes of its stiffness, and how far it may warm"
+    )
     inertia: Pair | None = given("[driving, driven] halves")
     viscous: fields.Damping | None = given("viscous damping")
     loss_factor: fields.LossFactor | None = given("loss factor eta: k (1 + i eta)")
@@ -123,13 +153,17 @@ class Coupling(Component, keyword="coupling", sort="link"):
         "one after another",
         (),
     )
-    stages: tuple[Stage, ...] = given("list of {from, stiffness, hysteresis_torque} that add to it", ())
+    stages: tuple[Stage, ...] = given(
+        "list of {from, stiffness, hysteresis_torque} that add to it", ()
+    )
     capacity: Torque | None = given("torque at which it slips; the coupling is then a clutch")
 
     def refuse_clashes(self) -> None:
         if (self.file is None) != (self.size is None):
             lacks, has = ("from", "size") if self.file is None else ("size", "from")
-            raise refuse(f"`{has}` needs `{lacks}`", 'for example {from: series.csv, size: "40"}', has)
+            raise refuse(
+                f"`{has}` needs `{lacks}`", 'for example {from: series.csv, size: "40"}', has
+            )
         named = [key for key in STIFFNESSES if getattr(self, key) is not None]
         if len(named) != 1:
             what = f"{' and '.join(f'`{key}`' for key in named)} exclude each other"
@@ -141,34 +175,55 @@ class Coupling(Component, keyword="coupling", sort="link"):
         if named[0] in TABLES:
             beside = [key for key in BESIDE_NO_TABLE if getattr(self, key) not in (None, ())]
             if beside:
-                hint = f"`{named[0]}` gives the damping" if beside[0] in DAMPINGS else "give a `stiffness` in its place"
+                hint = (
+                    f"`{named[0]}` gives the damping"
+                    if beside[0] in DAMPINGS
+                    else "give a `stiffness` in its place"
+                )
                 raise refuse(f"`{named[0]}` and `{beside[0]}` exclude each other", hint, beside[0])
         if (found := given_damping(self)) and self.flexibility == 0:
-            raise refuse("a rigid coupling has no damping", "leave it out, or give a stiffness", found[0])
+            raise refuse(
+                "a rigid coupling has no damping", "leave it out, or give a stiffness", found[0]
+            )
         if self.max_torque_rare is not None and self.max_torque is None:
             hint = "also give `max_torque`: T_Kmax1 for normal operation"
             raise refuse("`max_torque_rare` limits rare events alone", hint, "max_torque_rare")
         if self.max_torque_rare is not None and self.max_torque_rare < (self.max_torque or 0.0):
-            message = f"{self.max_torque_rare:g} N m is below the {self.max_torque:g} N m of `max_torque`"
+            message = (
+                f"{self.max_torque_rare:g} N m is below the {self.max_torque:g} N m of `max_torque`"
+            )
             raise refuse(message, "T_Kmax2 of rare events is at least T_Kmax1", "max_torque_rare")
         heat_ratings(self.heat_limit, self.heat_limit_misfire)
         _refuse_nonlinear_clashes(self)
 
     def lower(self, build: Lowering) -> None:
-        vibratory, over = (None, None) if self.vibratory_torque is None else self.vibratory_torque.lowered()
+        vibratory, over = (
+            (None, None) if self.vibratory_torque is None else self.vibratory_torque.lowered()
+        )
         ratings = CouplingRatings(
-            self.rated_torque, vibratory, self.max_torque, tolerance=self.tolerance,
-            max_torque_rare=self.max_torque_rare, max_torque_range=self.max_torque_range,
-            temperature_rise=None if self.temperature is None else self.temperature.to - self.temperature.now,
-            vibratory_over_frequency=over, **heat_ratings(self.heat_limit, self.heat_limit_misfire),
-        )  # fmt: skip
+            self.rated_torque,
+            vibratory,
+            self.max_torque,
+            tolerance=self.tolerance,
+            max_torque_rare=self.max_torque_rare,
+            max_torque_range=self.max_torque_range,
+            temperature_rise=None
+            if self.temperature is None
+            else self.temperature.to - self.temperature.now,
+            vibratory_over_frequency=over,
+            **heat_ratings(self.heat_limit, self.heat_limit_misfire),
+        )
         damping = given_damping(self)
         build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)
         given, scale = self.flexibility, build.at.scale
-        warming, factor, lost = (None, 1.0, None) if self.temperature is None else self.temperature.lowered()
+        warming, factor, lost = (
+            (None, 1.0, None) if self.temperature is None else self.temperature.lowered()
+        )
         if warming is not None:
-            build.record(warming=warming, damping=damping if lost is None else ("loss_factor", lost))
+            build.record(
+                warming=warming, damping=damping if lost is None else ("loss_factor", lost)
+            )
         if (given_table := self.table or self.prony or self.fractional) is not None:
             table = given_table.lowered(scale).times(factor)
             build.add(tabled_spring(build.name, build.part, (driving, driven), table))
@@ -180,19 +235,41 @@ class Coupling(Component, keyword="coupling", sort="link"):
         stiffness = 1.0 / flexibility if flexibility else math.inf
         nonlinear = _nonlinear_record(self, stiffness, scale)
         build.record(nonlinear=nonlinear)
-        viscous = build.own(self.viscous or 0.0) if nonlinear is None or not nonlinear.play else nonlinear.viscous
-        build.add(Spring(build.name, build.part, driving, driven, flexibility, viscous, lost or loss_factor(damping)))
+        viscous = (
+            build.own(self.viscous or 0.0)
+            if nonlinear is None or not nonlinear.play
+            else nonlinear.viscous
+        )
+        build.add(
+            Spring(
+                build.name,
+                build.part,
+                driving,
+                driven,
+                flexibility,
+                viscous,
+                lost or loss_factor(damping),
+            )
+        )
 
 
 def _refuse_beside_temperature(coupling: Coupling) -> None:
     """Refuse what does not go together with the temperature of a coupling."""
     warming, rigid = coupling.temperature, coupling.flexibility == 0
-    beside = [key for key in BESIDE_NO_TABLE[len(DAMPINGS) :] if getattr(coupling, key) not in (None, ())]
+    beside = [
+        key for key in BESIDE_NO_TABLE[len(DAMPINGS) :] if getattr(coupling, key) not in (None, ())
+    ]
     if rigid or beside:
         key = beside[0] if beside else "flexibility"
-        what = "a rigid coupling makes no heat" if rigid else f"`temperature` and `{key}` exclude each other"
+        what = (
+            "a rigid coupling makes no heat"
+            if rigid
+            else f"`temperature` and `{key}` exclude each other"
+        )
         raise refuse(what, "leave `temperature` out", key)
-    lost = [key for key in DAMPINGS[1:] if warming is not None and getattr(warming, key) is not None]
+    lost = [
+        key for key in DAMPINGS[1:] if warming is not None and getattr(warming, key) is not None
+    ]
     own = [key for key in (*DAMPINGS[1:], *TABLES) if getattr(coupling, key) is not None]
     if lost and own:
         hint = f"`temperature` gives it as `{lost[0]}`"
@@ -205,7 +282,9 @@ def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
     play, friction, stages = coupling.clearance, coupling.hysteresis_torque, coupling.stages
     if play is not None and rigid and play.stiffness is None:
         hint = "clearance: {angle: 0.5 deg, stiffness: 2 MN*m/rad}"
-        raise refuse("a clearance in a rigid coupling needs the stiffness of its contact", hint, "clearance")
+        raise refuse(
+            "a clearance in a rigid coupling needs the stiffness of its contact", hint, "clearance"
+        )
     if play is not None and stages:
         hint = "give the backlash as a first stage of low stiffness"
         raise refuse("`clearance` and `stages` exclude each other", hint, "stages")
@@ -217,18 +296,28 @@ def _refuse_nonlinear_clashes(coupling: Coupling) -> None:
         if beside:
             hint = "give the clutch and its damper as two couplings with an inertia between them"
             raise refuse(f"`capacity` and `{beside[0]}` exclude each other", hint, beside[0])
-    lost = [key for key in ("loss_factor", "psi", "magnifier") if getattr(coupling, key) is not None]
+    lost = [
+        key for key in ("loss_factor", "psi", "magnifier") if getattr(coupling, key) is not None
+    ]
     if friction and lost:
-        raise refuse(f"`{lost[0]}` and `hysteresis_torque` count the same loss twice", "keep one of them", lost[0])
+        raise refuse(
+            f"`{lost[0]}` and `hysteresis_torque` count the same loss twice",
+            "keep one of them",
+            lost[0],
+        )
     if play is not None and lost:
         hint = "give `viscous`"
-        raise refuse(f"`{lost[0]}` has no meaning for a contact that opens and closes", hint, lost[0])
+        raise refuse(
+            f"`{lost[0]}` has no meaning for a contact that opens and closes", hint, lost[0]
+        )
     total = sum(one.torque for one in friction)
     if friction and coupling.max_torque is not None and total >= coupling.max_torque:
         message = f"the friction of {total:g} N m is not below the maximum torque, {coupling.max_torque:g} N m"
         raise refuse(message, "it would never slip", "hysteresis_torque")
     if any(before.first >= after.first for before, after in pairwise(stages)):
-        raise refuse("stages come in the order of the twists at which they begin", "rising `from`", "stages")
+        raise refuse(
+            "stages come in the order of the twists at which they begin", "rising `from`", "stages"
+        )
 
 
 def _nonlinear_record(coupling: Coupling, stiffness: float, scale: float) -> NonlinearRecord | None:
@@ -237,7 +326,12 @@ def _nonlinear_record(coupling: Coupling, stiffness: float, scale: float) -> Non
     scale: (own speed / speed at which its figures are given)**2. A torque is divided by its root, an angle multiplied.
     """
     play, root = coupling.clearance, scale**0.5
-    if play is None and not coupling.hysteresis_torque and not coupling.stages and coupling.capacity is None:
+    if (
+        play is None
+        and not coupling.hysteresis_torque
+        and not coupling.stages
+        and coupling.capacity is None
+    ):
         return None
     friction = tuple(
         (one.torque / root, one.stiffness / scale if one.stiffness else STIFF * stiffness)

@@ -11,11 +11,11 @@ from torsion import fields
 from torsion.arrays import FloatArray
 from torsion.fields import Declared, Quantity, given, refuse
 
-TORQUE_ROW = "rows are [frequency, torque], the frequencies rising: [[5 Hz, 15 kN*m], [20 Hz, 9 kN*m]]"
-POWER_ROW = "rows are [frequency, power], the frequencies rising: [[5 Hz, 600 W], [20 Hz, 450 W]]"
-MISFIRE = (
-    "permissible power loss while a cylinder does not fire, in place of `heat_limit`: a power, or {power, for: 30 min}"
+TORQUE_ROW = (
+    "rows are [frequency, torque], the frequencies rising: [[5 Hz, 15 kN*m], [20 Hz, 9 kN*m]]"
 )
+POWER_ROW = "rows are [frequency, power], the frequencies rising: [[5 Hz, 600 W], [20 Hz, 450 W]]"
+MISFIRE = "permissible power loss while a cylinder does not fire, in place of `heat_limit`: a power, or {power, for: 30 min}"
 OF_TORQUE, OF_POWER = 2, 1  # power of a limit whose inverse is linear between two rows
 
 
@@ -45,7 +45,11 @@ class OverFrequency:
         given, limit = np.array(self.rows).T
         found = np.interp(frequency, given, limit**-self.power) ** (-1.0 / self.power)
         found = np.where((frequency < given[0]) | (frequency > given[-1]), limit.min(), found)
-        falls = np.sqrt(given[-1] / np.maximum(frequency, given[-1])) if self.power == OF_TORQUE else 1.0
+        falls = (
+            np.sqrt(given[-1] / np.maximum(frequency, given[-1]))
+            if self.power == OF_TORQUE
+            else 1.0
+        )
         return np.asarray(found * falls)
 
 
@@ -67,7 +71,9 @@ def _rows(quantity: Quantity, hint: str) -> BeforeValidator:
             isinstance(row, list | tuple) and len(row) == 2 for row in value
         ):
             raise refuse("this is not a table over frequency", hint)
-        rows = tuple((Quantity("Hz", at_least=0).read(row[0]), quantity.read(row[1])) for row in value)
+        rows = tuple(
+            (Quantity("Hz", at_least=0).read(row[0]), quantity.read(row[1])) for row in value
+        )
         if len(rows) < 2 or any(before[0] >= after[0] for before, after in pairwise(rows)):
             raise refuse("a table over frequency needs two rows or more, rising", hint)
         return rows
@@ -83,7 +89,9 @@ class VibratoryTorque(Declared):
 
     torque: fields.Rating | None = given("amplitude (zero to peak); with `at` up to that frequency")
     at: fields.Frequency | None = given("frequency above which it falls")
-    above: Literal["sqrt"] | None = given("how it falls above `at`: sqrt, with the root of at/f, a constant heat")
+    above: Literal["sqrt"] | None = given(
+        "how it falls above `at`: sqrt, with the root of at/f, a constant heat"
+    )
     table: Annotated[Rows, _rows(Quantity("N*m", above=0), TORQUE_ROW)] | None = given(
         "rows [frequency, torque] in place of `torque`; beyond the rows the minimum torque applies, above them it "
         "falls with the root of the frequency"
@@ -92,8 +100,14 @@ class VibratoryTorque(Declared):
     def refuse_clashes(self) -> None:
         beside = [key for key in ("torque", "at", "above") if getattr(self, key) is not None]
         if (self.table is None) == (self.torque is None):
-            words = "`torque` and `table` exclude each other" if self.table else "`torque` or `table` is missing"
-            raise refuse(words, "{torque: 15 kN*m, at: 10 Hz, above: sqrt}, or only a torque", *beside[:1])
+            words = (
+                "`torque` and `table` exclude each other"
+                if self.table
+                else "`torque` or `table` is missing"
+            )
+            raise refuse(
+                words, "{torque: 15 kN*m, at: 10 Hz, above: sqrt}, or only a torque", *beside[:1]
+            )
         if self.table is not None and beside:
             raise refuse(f"`table` and `{beside[0]}` exclude each other", TORQUE_ROW, beside[0])
         if (self.at is None) != (self.above is None):
@@ -104,9 +118,11 @@ class VibratoryTorque(Declared):
         """The torque, or what it is over frequency."""
         if self.table is not None:
             return None, OverFrequency(self.table, OF_TORQUE)
-        return (self.torque, None) if self.at is None else (
-            None, OverFrequency(((self.at, self.torque or 0.0),), OF_TORQUE)
-        )  # fmt: skip
+        return (
+            (self.torque, None)
+            if self.at is None
+            else (None, OverFrequency(((self.at, self.torque or 0.0),), OF_TORQUE))
+        )
 
 
 class HeatLimit(Declared):
@@ -119,7 +135,11 @@ class HeatLimit(Declared):
 
     def refuse_clashes(self) -> None:
         if (self.table is None) == (self.power is None):
-            words = "`power` and `table` exclude each other" if self.table else "`power` or `table` is missing"
+            words = (
+                "`power` and `table` exclude each other"
+                if self.table
+                else "`power` or `table` is missing"
+            )
             raise refuse(words, POWER_ROW, *(["table"] if self.table else []))
 
 
@@ -127,7 +147,9 @@ class MisfireHeat(Declared):
     """Permissible power loss while a cylinder does not fire."""
 
     power: fields.Power = fields.required("of the maker")
-    time: Annotated[float, Quantity("s", above=0)] | None = given("for how long (default: without an end)", alias="for")
+    time: Annotated[float, Quantity("s", above=0)] | None = given(
+        "for how long (default: without an end)", alias="for"
+    )
 
     def lowered(self) -> HeatInMisfire:
         """As a record."""
@@ -157,8 +179,11 @@ def heat_ratings(limit: HeatLimit | None, misfire: MisfireHeat | None) -> dict[s
     least = power if table is None else min(row[1] for row in table)
     if misfire is not None and least is not None and misfire.power < least:
         message = f"{misfire.power:g} W in misfire is below the {least:g} W of `heat_limit`"
-        raise refuse(message, "a limit of continuous operation holds in misfire too", "heat_limit_misfire")
+        raise refuse(
+            message, "a limit of continuous operation holds in misfire too", "heat_limit_misfire"
+        )
     return {
-        "heat_limit": power, "heat_over_frequency": None if table is None else OverFrequency(table, OF_POWER),
+        "heat_limit": power,
+        "heat_over_frequency": None if table is None else OverFrequency(table, OF_POWER),
         "heat_in_misfire": None if misfire is None else misfire.lowered(),
-    }  # fmt: skip
+    }

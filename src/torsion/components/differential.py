@@ -14,7 +14,16 @@ from torsion.fields import Declared, given, refuse, required
 from torsion.primitives import Bar, Constraint, Damper, Inertia, Primitive, Section, Spring, Torque
 
 Teeth = Annotated[int, Field(ge=1, le=1000)]
-KINDS = ("coupling", "shaft", "disc", "propeller", "damper", "gear", "branch", "planets")  # that a half may have
+KINDS = (
+    "coupling",
+    "shaft",
+    "disc",
+    "propeller",
+    "damper",
+    "gear",
+    "branch",
+    "planets",
+)  # that a half may have
 OPPOSED = " opposed"
 TOGETHER = "both halves downstream of {} together, with one angle; each carries half of the torque"
 AGAINST = "the halves downstream of {} against each other, with opposite angles; each carries half of the torque"
@@ -25,13 +34,20 @@ class Differential(Declared):
 
     train: Line = required("the train of one half, from its side gear; the other half is equal")
     side_gear: fields.Inertia = given("inertia of each side gear", 0.0)
-    planets: Annotated[int, Field(ge=1, le=100)] = given("how many planets (differential pinions)", 2)
+    planets: Annotated[int, Field(ge=1, le=100)] = given(
+        "how many planets (differential pinions)", 2
+    )
     planet_inertia: fields.Inertia = given("of one planet about its own axis", 0.0)
-    teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given("[side gear, planet]")
+    teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given(
+        "[side gear, planet]"
+    )
 
     def refuse_clashes(self) -> None:
         if self.planet_inertia and self.teeth is None:
-            raise refuse("`planet_inertia` needs `teeth: [side gear, planet]`", "they say how fast the planets turn")
+            raise refuse(
+                "`planet_inertia` needs `teeth: [side gear, planet]`",
+                "they say how fast the planets turn",
+            )
 
     def lower(self, build: Lowering, gear: Part, case: int) -> None:
         """Lower the halves twice: together, on the case, and against each other, apart from all else.
@@ -68,7 +84,11 @@ class Differential(Declared):
             doubled = _doubled(build.primitives[k])
             if isinstance(doubled, str):
                 part = build.parts[getattr(build.primitives[k], "part", -1)]
-                build.faults.append(Fault(part.path, f"the half of a differential does not support: {doubled}", HINT))
+                build.faults.append(
+                    Fault(
+                        part.path, f"the half of a differential does not support: {doubled}", HINT
+                    )
+                )
             else:
                 build.primitives[k] = doubled
 
@@ -85,7 +105,11 @@ def _fault(part: Part) -> Fault | None:
         what = f"{part.kind} with `power`, `torque` or a table of `load`"
     if part.shaft is not None and (part.shaft.role is not None or part.shaft.support):
         what = "shaft with `role` or `support`"
-    return Fault(part.path, f"the half of a differential does not support: {what}", HINT) if what else None
+    return (
+        Fault(part.path, f"the half of a differential does not support: {what}", HINT)
+        if what
+        else None
+    )
 
 
 def _doubled_part(part: Part, gear: str) -> Part:
@@ -132,11 +156,15 @@ def _doubled_bar(bar: Bar) -> Bar | str:
     modulus = 2.0 * polar / outer
     if bar.section is not None:
         return replace(
-            bar, section=replace(bar.section, **{k: 2.0 * v for k, v in vars(bar.section).items()}),
+            bar,
+            section=replace(bar.section, **{k: 2.0 * v for k, v in vars(bar.section).items()}),
             outer=(2.0**0.25 * outer,) * 2,
-        )  # fmt: skip
+        )
     return replace(
-        bar, outer=((32.0 * polar / math.pi) ** 0.25,) * 2, bore=(0.0, 0.0), section=Section(polar, polar, modulus)
+        bar,
+        outer=((32.0 * polar / math.pi) ** 0.25,) * 2,
+        bore=(0.0, 0.0),
+        section=Section(polar, polar, modulus),
     )
 
 
@@ -149,10 +177,13 @@ def _oppose(build: Lowering, begin: tuple[int, int, int], gear: str) -> None:
         own = build.parts[k]
         kind = "disc" if own.machine is not None else own.kind
         name = own.name + OPPOSED
-        build.parts[k] = replace(own, name=name, kind=kind, remark=AGAINST.format(gear), is_opposed=True, **nothing)
+        build.parts[k] = replace(
+            own, name=name, kind=kind, remark=AGAINST.format(gear), is_opposed=True, **nothing
+        )
     for k in range(stations, len(build.stations)):
         build.stations[k] = replace(build.stations[k], name=build.stations[k].name + OPPOSED)
     kept = [one for one in build.primitives[first:] if not isinstance(one, Torque)]
     build.primitives[first:] = [
-        replace(one, name=one.name + OPPOSED) if isinstance(one, Spring | Bar | Constraint) else one for one in kept
+        replace(one, name=one.name + OPPOSED) if isinstance(one, Spring | Bar | Constraint) else one
+        for one in kept
     ]

@@ -18,11 +18,17 @@ class Rotor(Component, sort="point"):
 
     def refuse_clashes(self) -> None:
         if self.held and self.inertia is not None:
-            raise refuse("`inertia` and `held: true` exclude each other", "a fixed point needs no inertia", "inertia")
+            raise refuse(
+                "`inertia` and `held: true` exclude each other",
+                "a fixed point needs no inertia",
+                "inertia",
+            )
         if not self.held and self.inertia is None:
             raise refuse("`inertia` is missing", "give `inertia`, or `held: true` for a fixed end")
         if self.held and self.tolerance is not None:
-            raise refuse("a fixed point has no inertia that could vary", "leave it out", "tolerance")
+            raise refuse(
+                "a fixed point has no inertia that could vary", "leave it out", "tolerance"
+            )
 
     def place(self, build: Lowering, what: str = "") -> int:
         """The station of this point, with its inertia; `what` says what that is where there is another one."""
@@ -35,7 +41,9 @@ class Rotor(Component, sort="point"):
 class Disc(Rotor, keyword="disc"):
     """A disc, flange, wheel or any other lumped inertia."""
 
-    damping: fields.Damping | None = given("viscous damping to ground of the deviation from the mean motion")
+    damping: fields.Damping | None = given(
+        "viscous damping to ground of the deviation from the mean motion"
+    )
     stiffness: fields.GroundStiffness | None = given("stiffness to ground")
 
     def lower(self, build: Lowering) -> None:

@@ -30,17 +30,27 @@ class DriveLaw(Declared):
         "pull-out torque, with which the slope at `slip` is that of Kloss in place of a straight line"
     )
     at_slip: Share | None = given("slip at the pull-out torque")
-    droop: Share | None = given("fall of the speed from no load to the rated torque, of the rated speed")
-    law: Literal["speed", "torque"] | None = given("speed: a controller holds the mean speed; torque: it is constant")
-    torque: Annotated[Table | None, BeforeValidator(lambda rows: rows and read_table(rows))] = given(
-        "the torque itself over own speed, [[speed, torque], ...]"
+    droop: Share | None = given(
+        "fall of the speed from no load to the rated torque, of the rated speed"
     )
-    lag: Time | None = given("time constant with which the slope acts in vibration too (default: it does not)")
+    law: Literal["speed", "torque"] | None = given(
+        "speed: a controller holds the mean speed; torque: it is constant"
+    )
+    torque: Annotated[Table | None, BeforeValidator(lambda rows: rows and read_table(rows))] = (
+        given("the torque itself over own speed, [[speed, torque], ...]")
+    )
+    lag: Time | None = given(
+        "time constant with which the slope acts in vibration too (default: it does not)"
+    )
 
     def refuse_clashes(self) -> None:
         laws = [key for key in LAWS if getattr(self, key) is not None]
         if len(laws) > 1:
-            raise refuse(f"`{laws[0]}` and `{laws[1]}` are two laws of one drive", "keep one of them", laws[1])
+            raise refuse(
+                f"`{laws[0]}` and `{laws[1]}` are two laws of one drive",
+                "keep one of them",
+                laws[1],
+            )
         if not laws and self.lag is not None:
             raise refuse("`lag` without a slope", "give `slip` or `droop` too", "lag")
         if not laws:
@@ -48,7 +58,9 @@ class DriveLaw(Declared):
         self._refuse_kloss()
         if self.lag is not None and laws[0] not in ("slip", "droop"):
             raise refuse(
-                f"`lag` without a slope that is constant: `{laws[0]}` has none", "give `slip` or `droop`", "lag"
+                f"`lag` without a slope that is constant: `{laws[0]}` has none",
+                "give `slip` or `droop`",
+                "lag",
             )
 
     def _refuse_kloss(self) -> None:
@@ -56,9 +68,17 @@ class DriveLaw(Declared):
             return
         for key, other in (("pull_out", "at_slip"), ("at_slip", "pull_out"), ("pull_out", "slip")):
             if getattr(self, other) is None:
-                raise refuse(f"`{key}` without `{other}`", "`{slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}`", key)
+                raise refuse(
+                    f"`{key}` without `{other}`",
+                    "`{slip: 1 %, pull_out: 3200 N*m, at_slip: 8 %}`",
+                    key,
+                )
         if self.lag is not None and (self.slip or 0.0) >= (self.at_slip or 0.0):
-            raise refuse("`lag` beyond the pull-out torque, where the slope damps no more", "leave `lag` out", "lag")
+            raise refuse(
+                "`lag` beyond the pull-out torque, where the slope damps no more",
+                "leave `lag` out",
+                "lag",
+            )
 
     @property
     def law_table(self) -> tuple[tuple[float, float], ...] | None:
@@ -90,7 +110,9 @@ class DriveLaw(Declared):
     def slopes(self, speed: FloatArray, rated_torque: float, rated_speed: float) -> FloatArray:
         """Return -dT/dω (speeds,) N m s/rad at own speeds (rad/s); of a table the smaller one at its knots."""
         if self.law_table is not None:
-            return segment_slopes(tuple((row_speed, -torque) for row_speed, torque in self.law_table), speed)
+            return segment_slopes(
+                tuple((row_speed, -torque) for row_speed, torque in self.law_table), speed
+            )
         return 0.0 * speed + self.slope_at_rated(rated_torque, rated_speed)
 
     @property

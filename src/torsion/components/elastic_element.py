@@ -41,13 +41,19 @@ def given_damping(component: Any, keys: tuple[str, ...] = DAMPINGS) -> tuple[str
 def loss_factor(damping: tuple[str, float] | None) -> float:
     """The loss factor eta of a damping by its key and value; 0 where it is viscous or there is none."""
     key, value = damping or ("", 0.0)
-    return {"loss_factor": value, "psi": value / (2.0 * math.pi), "magnifier": 1.0 / (value or 1.0)}.get(key, 0.0)
+    return {
+        "loss_factor": value,
+        "psi": value / (2.0 * math.pi),
+        "magnifier": 1.0 / (value or 1.0),
+    }.get(key, 0.0)
 
 
 class CouplingTable(Declared):
     """Dynamic stiffness and damping by a table; stiffness and loss factor are linear between its points."""
 
-    over: Literal["frequency", "mean torque", "vibratory torque"] = required("what the table is over")
+    over: Literal["frequency", "mean torque", "vibratory torque"] = required(
+        "what the table is over"
+    )
     at: tuple[Any, ...] = required(
         "rising frequencies, or torques of the coupling: magnitude of the mean torque, "
         "or amplitude of the vibratory torque (zero to peak)"
@@ -60,7 +66,8 @@ class CouplingTable(Declared):
     magnifier: tuple[Magnifier, ...] | None = given("dynamic magnifier at each; eta = 1/M")
     viscous: tuple[fields.Damping, ...] | None = given("viscous damping at each")
     beyond: Literal["refuse", "hold"] = given(
-        "what holds beyond the ends of the table: nothing is computed there, or their values hold", "refuse"
+        "what holds beyond the ends of the table: nothing is computed there, or their values hold",
+        "refuse",
     )
 
     @field_validator("at", mode="plain", json_schema_input_type=tuple[float | str, ...])
@@ -100,7 +107,11 @@ TERM = "terms are [stiffness, relaxation time]: [[6 kN*m/rad, 0.05 s], [9 kN*m/r
 
 
 def _pairs(value: Any) -> Any:
-    if not (isinstance(value, list | tuple) and value and all(isinstance(one, list | tuple) for one in value)):
+    if not (
+        isinstance(value, list | tuple)
+        and value
+        and all(isinstance(one, list | tuple) for one in value)
+    ):
         raise refuse("this is not a list of Prony terms", TERM)
     if any(len(one) != 2 for one in value):
         raise refuse("a term has a stiffness and a relaxation time", TERM)
@@ -111,8 +122,8 @@ class PronySpring(Declared):
     """A static spring and springs beside it that relax: k + sum k_i s tau_i/(1 + s tau_i)."""
 
     stiffness: fields.Stiffness = required("static stiffness: that at no frequency")
-    terms: Annotated[tuple[tuple[fields.Stiffness, Relaxation], ...], BeforeValidator(_pairs)] = required(
-        "list of [stiffness, relaxation time] of what stiffens it at higher frequencies"
+    terms: Annotated[tuple[tuple[fields.Stiffness, Relaxation], ...], BeforeValidator(_pairs)] = (
+        required("list of [stiffness, relaxation time] of what stiffens it at higher frequencies")
     )
 
     def lowered(self, scale: float) -> "SpringLaw":
@@ -128,7 +139,9 @@ class FractionalSpring(Declared):
     stiffness: fields.Stiffness = required("static stiffness: that at no frequency")
     k1: fields.Stiffness = required("size of what is added, at the circular frequency 1/tau")
     tau: Relaxation = required("time at whose reciprocal that size holds")
-    exponent: Annotated[float, Quantity("1", above=0, below=1)] = required("order of the derivative, between 0 and 1")
+    exponent: Annotated[float, Quantity("1", above=0, below=1)] = required(
+        "order of the derivative, between 0 and 1"
+    )
 
     def lowered(self, scale: float) -> "SpringLaw":
         """In SI at the coupling's own speed; scale: as of `CouplingTable.lowered`."""
@@ -144,7 +157,9 @@ ROW = "rows are [temperature, value], the temperatures rising: [[30 degC, 1], [1
 
 
 def _rows(value: Any) -> Any:
-    if not isinstance(value, list | tuple) or not all(isinstance(row, list | tuple) and len(row) == 2 for row in value):
+    if not isinstance(value, list | tuple) or not all(
+        isinstance(row, list | tuple) and len(row) == 2 for row in value
+    ):
         raise refuse("this is not a table over temperature", ROW)
     return tuple(tuple(row) for row in value)
 
@@ -158,25 +173,35 @@ Magnifiers = Annotated[tuple[tuple[Temperature, Magnifier], ...], BeforeValidato
 class CouplingWarming(Declared):
     """Stiffness and damping over temperature, and the rise of temperature by the heat of the vibration."""
 
-    now: Temperature = required("temperature of the surroundings; all other results are of a coupling as cold as that")
+    now: Temperature = required(
+        "temperature of the surroundings; all other results are of a coupling as cold as that"
+    )
     stiffness: Factors = required("rows [temperature, factor on the stiffness]")
-    loss_factor: LossFactors | None = given("rows [temperature, loss factor], in place of the coupling's own")
+    loss_factor: LossFactors | None = given(
+        "rows [temperature, loss factor], in place of the coupling's own"
+    )
     psi: Psis | None = given("rows [temperature, relative damping], in place of the coupling's own")
-    magnifier: Magnifiers | None = given("rows [temperature, dynamic magnifier], in place of the coupling's own")
+    magnifier: Magnifiers | None = given(
+        "rows [temperature, dynamic magnifier], in place of the coupling's own"
+    )
     rise: Rise = required("rise of temperature by the heat `at`, in proportion")
     at: Power = required("heat that warms it by `rise`")
     to: Temperature = required("highest permissible temperature")
 
     def refuse_clashes(self) -> None:
         if self.to <= self.now:
-            raise refuse(f"{self.to:g} degC is not above the {self.now:g} degC of `now`", "it warms", "to")
+            raise refuse(
+                f"{self.to:g} degC is not above the {self.now:g} degC of `now`", "it warms", "to"
+            )
         lost = given_damping(self, ("loss_factor", "psi", "magnifier"))
         for key, rows in (("stiffness", self.stiffness), lost or ("stiffness", self.stiffness)):
             if len(rows) < 2 or any(before[0] >= after[0] for before, after in pairwise(rows)):
                 raise refuse("a table over temperature needs two rows or more, rising", ROW, key)
             if rows[0][0] > self.now or rows[-1][0] < self.to:
                 message = f"the rows run from {rows[0][0]:g} to {rows[-1][0]:g} degC"
-                raise refuse(message, f"they must cover {self.now:g} to {self.to:g} degC, `now` to `to`", key)
+                raise refuse(
+                    message, f"they must cover {self.now:g} to {self.to:g} degC, `now` to `to`", key
+                )
 
     def lowered(self) -> "tuple[Warming, float, float | None]":
         """The record, the factor on the stiffness now, and the loss factor now (None: the coupling's own)."""

@@ -22,20 +22,34 @@ Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
 Pressure = Annotated[float, Quantity("rad", above=0, below=math.pi / 2)]
 Module = Annotated[float, Quantity("m", above=0, usual="module")]
 PRESSURE_ANGLE = math.radians(20.0)  # of the basic rack, ISO 53
-BESIDE_NO_PLANETARY = frozenset((
-    "ratio", "teeth", "inertia", "mesh_stiffness", "sense", "branches", "module", "pitch_diameter", "helix_angle",
-    "pressure_angle",
-))  # fmt: skip
+BESIDE_NO_PLANETARY = frozenset(
+    (
+        "ratio",
+        "teeth",
+        "inertia",
+        "mesh_stiffness",
+        "sense",
+        "branches",
+        "module",
+        "pitch_diameter",
+        "helix_angle",
+        "pressure_angle",
+    )
+)
 SAME_SIZE = 1e-3  # relative, of two diameters that drawings print to a tenth of a millimetre
 
 
 class GearBranch(Declared):
     """A further wheel that meshes with the driving gear, and the train behind it."""
 
-    teeth: Annotated[tuple[Teeth, ...], OneOrMany] | None = given("teeth of the wheel, or [driving, driven]")
+    teeth: Annotated[tuple[Teeth, ...], OneOrMany] | None = given(
+        "teeth of the wheel, or [driving, driven]"
+    )
     ratio: fields.Exact | None = given("speed of the driving gear / speed of the wheel")
     inertia: fields.Inertia = given("of the wheel", 0.0)
-    mesh_stiffness: fields.Stiffness | None = given("of this mesh, at the driving gear's speed (default: rigid)")
+    mesh_stiffness: fields.Stiffness | None = given(
+        "of this mesh, at the driving gear's speed (default: rigid)"
+    )
     sense: Literal[-1, 1] = given("-1: turns against the driving gear", -1)
     train: Line = given("the train behind the wheel", ())
 
@@ -47,10 +61,14 @@ class Gear(Component, keyword="gear", sort="link"):
     """A gear stage."""
 
     ratio: fields.Exact | None = given("speed before / speed after")
-    teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given("[driving, driven]")
+    teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given(
+        "[driving, driven]"
+    )
     planetary: Planetary | None = given("a planetary stage, in place of `ratio` or `teeth`")
     inertia: Pair | None = given("[driving, driven] wheels")
-    mesh_stiffness: fields.Stiffness | None = given("torsional, at the driving gear's speed (default: rigid)")
+    mesh_stiffness: fields.Stiffness | None = given(
+        "torsional, at the driving gear's speed (default: rigid)"
+    )
     sense: Literal[-1, 1] = given("-1: the driven shaft turns the other way", -1)
     referred: bool = given(
         "the data downstream (inertia, stiffness, flexibility, damping) are already referred to the speed of the "
@@ -61,12 +79,18 @@ class Gear(Component, keyword="gear", sort="link"):
     differential: Differential | None = given(
         "two equal halves downstream of the driven wheel, which turns at their mean speed"
     )
-    application_factor: Annotated[float, Quantity("1", at_least=1, usual="application factor")] | None = given(
-        "K_A of the gear rating"
+    application_factor: (
+        Annotated[float, Quantity("1", at_least=1, usual="application factor")] | None
+    ) = given("K_A of the gear rating")
+    max_torque: fields.Rating | None = given(
+        "maximum rated torque at the driving gear, for transient analyses"
     )
-    max_torque: fields.Rating | None = given("maximum rated torque at the driving gear, for transient analyses")
-    module: Module | None = given("normal module m_n; with `teeth` it makes the pitch diameters m_n z/cos(beta)")
-    pitch_diameter: Annotated[tuple[fields.Across, ...], Field(min_length=2, max_length=2)] | None = given(
+    module: Module | None = given(
+        "normal module m_n; with `teeth` it makes the pitch diameters m_n z/cos(beta)"
+    )
+    pitch_diameter: (
+        Annotated[tuple[fields.Across, ...], Field(min_length=2, max_length=2)] | None
+    ) = given(
         "pitch (reference) diameters d of the [driving, driven] wheels, for the forces on the teeth"
     )
     helix_angle: Helix | None = given("beta (default: 0 deg, spur teeth)")
@@ -76,12 +100,17 @@ class Gear(Component, keyword="gear", sort="link"):
         if self.planetary is None:
             _one_ratio(self)
         elif clashes := sorted(BESIDE_NO_PLANETARY & self.model_fields_set):
-            hint = "its own keys say it" if clashes[0] != "branches" else "give them a separate gear"
+            hint = (
+                "its own keys say it" if clashes[0] != "branches" else "give them a separate gear"
+            )
             raise refuse(f"`planetary` and `{clashes[0]}` exclude each other", hint, clashes[0])
         _refuse_sizes_that_clash(self)
         for branch in self.branches:
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
-                raise refuse("a branch with only the teeth of its wheel needs `teeth` of the gear", key="branches")
+                raise refuse(
+                    "a branch with only the teeth of its wheel needs `teeth` of the gear",
+                    key="branches",
+                )
 
     @classmethod
     def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
@@ -90,12 +119,16 @@ class Gear(Component, keyword="gear", sort="link"):
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)
         before, part, gear = build.at, build.part, build.parts[-1]
-        referred_to = before.ratio if self.referred and before.referred_to is None else before.referred_to
+        referred_to = (
+            before.ratio if self.referred and before.referred_to is None else before.referred_to
+        )
         stage = self.planetary
         sense, halves, half = self.sense, self.inertia, "wheel"
         if stage is not None:
             sense, halves, half = 1 if stage.speed > 0 else -1, stage.halves, "member"
-        driving, driven = build.link(self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None)
+        driving, driven = build.link(
+            self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None
+        )
         mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.at
         if stage is not None and stage.star is not None:
             mesh = _with_planets(build, gear, mesh, stage, before)
@@ -113,19 +146,32 @@ class Gear(Component, keyword="gear", sort="link"):
             lower_branch(build, replace(build.at, here=driven), branch.train, path)
         build.at = main
 
-    def _mesh(self, wheel: "Gear | GearBranch", name: str, part: int, ends: tuple[int, int], at: Arrival) -> Constraint:
+    def _mesh(
+        self, wheel: "Gear | GearBranch", name: str, part: int, ends: tuple[int, int], at: Arrival
+    ) -> Constraint:
         """The mesh of a wheel with the driving gear, whose figures are those `at` its station."""
         flexibility = 0.0 if wheel.mesh_stiffness is None else at.scale / wheel.mesh_stiffness
         if isinstance(wheel, Gear) and (stage := wheel.planetary) is not None:
             return Constraint(
-                name, part, *ends, abs(stage.speed), at.scale * stage.flexibility,
-                meshings=stage.meshings, wheel=abs(stage.speeds[stage.meshing]),
-            )  # fmt: skip
+                name,
+                part,
+                *ends,
+                abs(stage.speed),
+                at.scale * stage.flexibility,
+                meshings=stage.meshings,
+                wheel=abs(stage.speeds[stage.meshing]),
+            )
         teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
         return Constraint(
-            name, part, *ends, self._speed(wheel), flexibility, teeth=teeth, toothing=self._toothing(wheel, teeth),
+            name,
+            part,
+            *ends,
+            self._speed(wheel),
+            flexibility,
+            teeth=teeth,
+            toothing=self._toothing(wheel, teeth),
             meshings=Fraction(teeth[0] if teeth else 0),
-        )  # fmt: skip
+        )
 
     def _toothing(self, wheel: "Gear | GearBranch", teeth: tuple[int, ...]) -> Toothing | None:
         """Of a wheel on the driving gear, or on one of its own beside it, whose size follows from the module alone."""
@@ -152,7 +198,9 @@ class Gear(Component, keyword="gear", sort="link"):
         return teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
 
 
-def _with_planets(build: Lowering, gear: Part, mesh: Constraint, stage: Planetary, before: Arrival) -> Constraint:
+def _with_planets(
+    build: Lowering, gear: Part, mesh: Constraint, stage: Planetary, before: Arrival
+) -> Constraint:
     """Lower the planets of a stage as a point of their own; the mesh from, or to, where the arms of the star meet."""
     star, after, carries = stage.star, build.at, mesh.driven
     if star is None:
@@ -168,7 +216,9 @@ def _with_planets(build: Lowering, gear: Part, mesh: Constraint, stage: Planetar
         ends = (centre, carries) if star.is_mesh_driving else (carries, centre)
         build.add(Spring(f"{gear.name} carrier", build.part, *ends, arms[0] * float(own) ** 2))
     spin = stage.speeds["planet"]
-    build.at = replace(build.at, ratio=before.ratio * abs(spin), sense=before.sense if spin > 0 else -before.sense)
+    build.at = replace(
+        build.at, ratio=before.ratio * abs(spin), sense=before.sense if spin > 0 else -before.sense
+    )
     planets = build.station(build.name)
     build.record(stations=(planets,), ratio=build.at.ratio, depth=gear.depth + 1)
     build.inertia(planets, stage.planets * stage.planet_inertia, f"{stage.planets} planets")
@@ -186,25 +236,39 @@ def _refuse_sizes_that_clash(gear: Gear) -> None:
         if getattr(gear, key) is not None and sizes is None and gear.module is None:
             raise refuse(f"`{key}` says nothing alone", "give `module`, or `pitch_diameter`", key)
     if gear.module is not None and gear.teeth is None:
-        raise refuse("a `module` needs `teeth`", "or give `pitch_diameter: [driving, driven]`", "module")
+        raise refuse(
+            "a `module` needs `teeth`", "or give `pitch_diameter: [driving, driven]`", "module"
+        )
     if sizes is None or (gear.ratio is None and gear.teeth is None):
         return
-    ratio = gear.ratio if gear.ratio is not None else Fraction(gear.teeth[1], gear.teeth[0]) if gear.teeth else 0
+    ratio = (
+        gear.ratio
+        if gear.ratio is not None
+        else Fraction(gear.teeth[1], gear.teeth[0])
+        if gear.teeth
+        else 0
+    )
     if abs(sizes[1] / sizes[0] - ratio) > SAME_SIZE * ratio:
         message = f"the pitch diameters are as 1 to {sizes[1] / sizes[0]:.6g}, the speeds as {float(ratio):.6g} to 1"
-        raise refuse(message, "reference diameters d = m_n z/cos(beta), not tip diameters", "pitch_diameter")
+        raise refuse(
+            message, "reference diameters d = m_n z/cos(beta), not tip diameters", "pitch_diameter"
+        )
     for teeth, size in zip(gear.teeth or (), sizes, strict=False):
         if gear.module is None:
             return
         made = gear.module * teeth / math.cos(gear.helix_angle or 0.0)
         if abs(made - size) > SAME_SIZE * size:
-            message = (
-                f"m_n z/cos(beta) is {made * 1e3:.6g} mm for {teeth} teeth, the pitch diameter {size * 1e3:.6g} mm"
+            message = f"m_n z/cos(beta) is {made * 1e3:.6g} mm for {teeth} teeth, the pitch diameter {size * 1e3:.6g} mm"
+            raise refuse(
+                message, "mend one of module, teeth, helix angle and diameter", "pitch_diameter"
             )
-            raise refuse(message, "mend one of module, teeth, helix angle and diameter", "pitch_diameter")
 
 
 def _one_ratio(gear: Gear | GearBranch) -> None:
     if (gear.ratio is None) == (gear.teeth is None):
-        what = "`ratio` or `teeth` is missing" if gear.ratio is None else "`ratio` and `teeth` exclude each other"
+        what = (
+            "`ratio` or `teeth` is missing"
+            if gear.ratio is None
+            else "`ratio` and `teeth` exclude each other"
+        )
         raise refuse(what, "`teeth: [driving, driven]`, or `ratio: speed before / speed after`")

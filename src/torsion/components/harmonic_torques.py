@@ -38,7 +38,9 @@ class Harmonic(Declared):
 
     def refuse_clashes(self) -> None:
         if self.order is not None and self.frequency is not None:
-            raise refuse("`order` and `frequency` exclude each other", "keep one of them", "frequency")
+            raise refuse(
+                "`order` and `frequency` exclude each other", "keep one of them", "frequency"
+            )
 
     def primitive(self, name: str, station: int, path: Path, source: str | None) -> Torque:
         """The torque at a station; `path` is where the file states it, `source` where its figures come from."""
@@ -64,7 +66,9 @@ class Excitation(Harmonic, Sized):
 
     model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in AMOUNTS]})
 
-    at: str = required("name of the component on which it acts: a point, or a gear whose mesh excites")
+    at: str = required(
+        "name of the component on which it acts: a point, or a gear whose mesh excites"
+    )
     torque: fields.TorqueAmount | tuple[tuple[float, float], ...] | None = given(
         "amplitude (zero to peak): N m, {of_mean: %}, or a table [[speed, torque], ...] over the speed of the "
         "component's own shaft (not of the reference). At a gear: torque k e of the blocked mesh, at the driving "
@@ -79,7 +83,8 @@ class Excitation(Harmonic, Sized):
         "(default: from `module` or `pitch_diameter` of the gear)"
     )
     harmonic: Annotated[int, Field(ge=1, le=100)] = given(
-        "at a gear: multiple of its tooth meshings per revolution of the driving gear, where `order` is not given", 1
+        "at a gear: multiple of its tooth meshings per revolution of the driving gear, where `order` is not given",
+        1,
     )
     note: str | None = given("free text")
     source: str | None = given("where the figure comes from")
@@ -94,9 +99,13 @@ class Excitation(Harmonic, Sized):
         if self.torque is None and self.transmission_error is None:
             raise refuse("`torque` is missing", "at a gear `torque` or `transmission_error`")
         if self.torque is not None and self.transmission_error is not None:
-            raise refuse("`torque` and `transmission_error` exclude each other", "keep one of them", "torque")
+            raise refuse(
+                "`torque` and `transmission_error` exclude each other", "keep one of them", "torque"
+            )
         if self.base_radius is not None and self.transmission_error is None:
-            raise refuse("`base_radius` belongs to a `transmission_error`", "leave it out", "base_radius")
+            raise refuse(
+                "`base_radius` belongs to a `transmission_error`", "leave it out", "base_radius"
+            )
 
 
 def read_table(rows: list[object] | tuple[object, ...]) -> tuple[tuple[float, float], ...]:
@@ -105,7 +114,9 @@ def read_table(rows: list[object] | tuple[object, ...]) -> tuple[tuple[float, fl
     table = []
     for row in rows:
         if not isinstance(row, list | tuple) or len(row) != 2:
-            raise refuse("a row of a table over speed is [speed, torque]", "for example [1500 rpm, 120 N*m]")
+            raise refuse(
+                "a row of a table over speed is [speed, torque]", "for example [1500 rpm, 120 N*m]"
+            )
         table.append((speed.read(row[0]), torque.read(row[1])))
     if len(table) < 2 or any(a[0] >= b[0] for a, b in pairwise(table)):
         raise refuse("a table over speed needs two rows or more with rising speeds")

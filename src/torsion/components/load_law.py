@@ -13,8 +13,12 @@ from torsion.fields import Declared, Quantity, given, refuse, required, shown
 
 LawWord = Literal["quadratic", "propeller", "linear", "constant", "constant-power"]
 EXPONENTS: dict[str, float] = {
-    "quadratic": 2.0, "propeller": 2.0, "linear": 1.0, "constant": 0.0, "constant-power": -1.0,
-}  # fmt: skip
+    "quadratic": 2.0,
+    "propeller": 2.0,
+    "linear": 1.0,
+    "constant": 0.0,
+    "constant-power": -1.0,
+}
 POSSIBLE = "propeller or quadratic, linear, constant, constant-power, {exponent: 1.8}, a table [[speed, torque], ...]"
 SAME_SPEED = 1e-9  # relative: a speed that is a knot of a table but for the rounding of its unit
 Exponent = Annotated[float, Quantity("1", usual="exponent of a load")]
@@ -24,12 +28,18 @@ AtRest = Annotated[float, Quantity("1", at_least=0, at_most=1, usual="tolerance"
 class PowerLaw(Declared):
     """T = T_r (a + (1 - a) (n/n_r)^e)."""
 
-    exponent: Exponent = required("e of T ~ n**e: 2 quadratic, 1 linear, 0 constant, -1 constant power")
-    at_rest: AtRest = given("a, torque at rest / torque at the rated speed: static head, friction", 0.0)
+    exponent: Exponent = required(
+        "e of T ~ n**e: 2 quadratic, 1 linear, 0 constant, -1 constant power"
+    )
+    at_rest: AtRest = given(
+        "a, torque at rest / torque at the rated speed: static head, friction", 0.0
+    )
 
     def refuse_clashes(self) -> None:
         if self.at_rest and self.exponent <= 0:
-            raise refuse("a torque at rest needs a torque that rises with speed", "exponent: 2", "at_rest")
+            raise refuse(
+                "a torque at rest needs a torque that rises with speed", "exponent: 2", "at_rest"
+            )
 
 
 @dataclass(frozen=True)
@@ -80,7 +90,9 @@ def segment_slopes(table: tuple[tuple[float, float], ...], speed: FloatArray) ->
     rows = np.array(table)
     slopes = np.diff(rows[:, 1]) / np.diff(rows[:, 0])
     at = np.asarray(speed, dtype=float)
-    below, above = (np.searchsorted(rows[1:-1, 0], at * (1.0 + part)) for part in (-SAME_SPEED, SAME_SPEED))
+    below, above = (
+        np.searchsorted(rows[1:-1, 0], at * (1.0 + part)) for part in (-SAME_SPEED, SAME_SPEED)
+    )
     return np.asarray(np.minimum(slopes[below], slopes[above]))
 
 

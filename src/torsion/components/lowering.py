@@ -32,17 +32,27 @@ class Support(Declared):
     """A bearing on springs: y lies along the normal of the joint's plane, z in the plane, square to the shaft."""
 
     at: Distance = required("distance along this shaft from its end that faces the joint")
-    stiffness: Annotated[tuple[LateralStiffness, ...], OneOrMany] = required("stiffness, one or [y, z]")
-    damping: Annotated[tuple[LateralDamping, ...], OneOrMany] = given("damping, one or [y, z]", (0.0,))
+    stiffness: Annotated[tuple[LateralStiffness, ...], OneOrMany] = required(
+        "stiffness, one or [y, z]"
+    )
+    damping: Annotated[tuple[LateralDamping, ...], OneOrMany] = given(
+        "damping, one or [y, z]", (0.0,)
+    )
     mass: Mass = given("mass that moves with the shaft there", 0.0)
     source: str | None = given("source of the data: manufacturer, drawing, estimate")
 
     def refuse_clashes(self) -> None:
         for key in ("stiffness", "damping"):
             if len(getattr(self, key)) not in (1, 2):
-                raise refuse(f"`{key}` is one value or [y, z]", "y: along the normal of the joint's plane", key)
+                raise refuse(
+                    f"`{key}` is one value or [y, z]",
+                    "y: along the normal of the joint's plane",
+                    key,
+                )
         if not any(self.stiffness):
-            raise refuse("a support of no stiffness holds nothing", "give a stiffness above 0", "stiffness")
+            raise refuse(
+                "a support of no stiffness holds nothing", "give a stiffness above 0", "stiffness"
+            )
 
     @property
     def stiffness_of_planes(self) -> tuple[float, float]:
@@ -66,7 +76,9 @@ class CouplingRatings:
     tolerance: float | None = None  # of the stiffness
     max_torque_rare: float | None = None  # N m, T_Kmax2
     max_torque_range: float | None = None  # N m, dT_max
-    temperature_rise: float | None = None  # K, from the surroundings to the highest permissible temperature
+    temperature_rise: float | None = (
+        None  # K, from the surroundings to the highest permissible temperature
+    )
     vibratory_over_frequency: "OverFrequency | None" = None  # T_KW in place of `vibratory_torque`
     heat_over_frequency: "OverFrequency | None" = None  # P_KW in place of `heat_limit`
     heat_in_misfire: "HeatInMisfire | None" = None  # while a cylinder does not fire
@@ -77,7 +89,9 @@ class CouplingRatings:
         for one in fields(self):
             limit = getattr(self, one.name)
             if limit is not None and one.name not in ("tolerance", "temperature_rise"):
-                found[one.name] = factor * limit if isinstance(limit, float) else limit.times(factor)
+                found[one.name] = (
+                    factor * limit if isinstance(limit, float) else limit.times(factor)
+                )
         return replace(self, **found)
 
     @property
@@ -88,7 +102,12 @@ class CouplingRatings:
     @property
     def limit_vibration(self) -> bool:
         """There is a limit of the vibratory or the greatest torque, of the heat, or of the temperature."""
-        limits = self.vibratory_torque, self.vibratory_over_frequency, self.max_torque, self.temperature_rise
+        limits = (
+            self.vibratory_torque,
+            self.vibratory_over_frequency,
+            self.max_torque,
+            self.temperature_rise,
+        )
         return self.limit_heat or any(limit is not None for limit in limits)
 
     @property
@@ -105,7 +124,9 @@ class NonlinearRecord:
     play: float = 0.0  # rad, half of it
     viscous: float = 0.0  # N m s/rad of the contact
     friction: tuple[tuple[float, float], ...] = ()  # N m, N m/rad
-    stages: tuple[tuple[float, float, tuple[float, float]], ...] = ()  # rad, N m/rad, friction of it
+    stages: tuple[
+        tuple[float, float, tuple[float, float]], ...
+    ] = ()  # rad, N m/rad, friction of it
     capacity: float | None = None  # N m, of a clutch
 
     @property
@@ -117,9 +138,11 @@ class NonlinearRecord:
     def words(self) -> str:
         """How modes take it; the response takes all but a clutch by harmonic balance."""
         taken = {
-            "its play closed": self.play, "without its friction": self.friction, "in its first stage": self.stages,
+            "its play closed": self.play,
+            "without its friction": self.friction,
+            "in its first stage": self.stages,
             "as a clutch that is stuck": self.capacity is not None,
-        }  # fmt: skip
+        }
         return ", ".join(word for word, there in taken.items() if there)
 
 
@@ -132,7 +155,9 @@ class ShaftRecord:
     features: tuple[str, ...]
     support: tuple[Support, ...]
     endurance: float | None = None  # Pa, amplitude of shear that it endures at a fillet
-    journal: tuple[float, float] | None = None  # m, diameter and bore of a crank span, which has no `Bar`
+    journal: tuple[float, float] | None = (
+        None  # m, diameter and bore of a crank span, which has no `Bar`
+    )
     step: "Step | None" = None  # to the shaft after it; None: as `steps` of the train says
     notches: "tuple[Notch, ...]" = ()
     hubs: "tuple[Hub, ...]" = ()
@@ -171,13 +196,19 @@ class Part:
     is_point: bool  # else a link between points, or a branch
     path: Path  # where it stands in the file
     stations: tuple[int, ...] = ()  # the stations it made or took
-    ratio: Fraction = Fraction(1)  # its speed (of a gear: of the driving side) / the reference speed
+    ratio: Fraction = Fraction(
+        1
+    )  # its speed (of a gear: of the driving side) / the reference speed
     depth: int = 0  # 0 on the main line, 1 on a branch, 2 on a branch of a branch
-    referred_to: Fraction | None = None  # ratio of the speed at which its figures are given; None: its own
+    referred_to: Fraction | None = (
+        None  # ratio of the speed at which its figures are given; None: its own
+    )
     is_named: bool = False  # by the file, not by its kind and number
     note: str | None = None
     source: str | None = None  # where its figures come from
-    damping: tuple[str, float] | None = None  # key and value of its internal damping as given in the file
+    damping: tuple[str, float] | None = (
+        None  # key and value of its internal damping as given in the file
+    )
     machine: "MachineRecord | None" = None  # what it drives or absorbs; of an engine too
     application_factor: float | None = None  # K_A, of a gear
     max_torque: float | None = None  # N m, greatest of a gear, at its driving side
@@ -202,7 +233,11 @@ class Part:
     def whole(self) -> str:
         """Of a section of a shaft, as `line [2]`, the shaft, `line`; of all else its own name."""
         whole, _, number = self.name.removesuffix("]").rpartition(" [")
-        return whole if self.kind == "shaft" and self.name.endswith("]") and number.isdecimal() else self.name
+        return (
+            whole
+            if self.kind == "shaft" and self.name.endswith("]") and number.isdecimal()
+            else self.name
+        )
 
     def greatest_torque(self, *, is_rare: bool) -> tuple[str, float] | None:
         """What its maker calls the greatest torque of a motion that is rare or not, and that (N m); None: no limit."""
@@ -244,8 +279,12 @@ class Arrival:
     is_open: bool = False  # no point has taken that station yet
     ratio: Fraction = Fraction(1)
     sense: int = 1
-    referred_to: Fraction | None = None  # the ratio of the speed at which figures that follow are given; None: own
-    yoke: float | None = None  # rad from its plane of the last joint's driven yoke at angle zero; None behind a gear
+    referred_to: Fraction | None = (
+        None  # the ratio of the speed at which figures that follow are given; None: own
+    )
+    yoke: float | None = (
+        None  # rad from its plane of the last joint's driven yoke at angle zero; None behind a gear
+    )
     joint: int | None = None  # part of that joint
     depth: int = 0
 
@@ -281,9 +320,18 @@ class Lowering:
     def member(self, of: Part, name: str, kind: str, *, is_point: bool) -> None:
         """Begin a piece of a component that is itself a point or a link, as every other component is."""
         named = f"{of.name} {name}"
-        self.parts.append(replace(
-            of, name=named, kind=kind, is_point=is_point, stations=(), is_named=False, note=None, ratio=self.at.ratio,
-        ))  # fmt: skip
+        self.parts.append(
+            replace(
+                of,
+                name=named,
+                kind=kind,
+                is_point=is_point,
+                stations=(),
+                is_named=False,
+                note=None,
+                ratio=self.at.ratio,
+            )
+        )
 
     def material(self, name: str, *keys: str | int) -> Material | None:
         """The material of that name; None, with a fault at `material` behind these keys, where there is none."""
@@ -293,7 +341,10 @@ class Lowering:
             figures = "{shear_modulus: 79.3 GPa, density: 7850, tensile_strength: 600 MPa}"  # of an example
             hint = f"declare it with its figures, as `materials: {{{name}: {figures}}}`; {known}"
             self.fault(
-                f"no material is called '{name}'", f"did you mean '{near}'?" if near else hint, *keys, "material"
+                f"no material is called '{name}'",
+                f"did you mean '{near}'?" if near else hint,
+                *keys,
+                "material",
             )
         return found
 
@@ -322,9 +373,13 @@ class Lowering:
         return here
 
     def link(
-        self, ratio: Fraction = Fraction(1), sense: int = 1, halves: tuple[float, float] | None = None,
-        half: str = "half", **behind: Any,
-    ) -> tuple[int, int]:  # fmt: skip
+        self,
+        ratio: Fraction = Fraction(1),
+        sense: int = 1,
+        halves: tuple[float, float] | None = None,
+        half: str = "half",
+        **behind: Any,
+    ) -> tuple[int, int]:
         """The driving and the driven station of a link with the inertias of its `halves`; a point may take the driven.
 
         behind: what changes of the arrival, beside speed and sense.
@@ -332,7 +387,9 @@ class Lowering:
         driving = self.at.here if self.at.here is not None else self.station(f"{self.name} start")
         at_driving, at_driven = halves or (0.0, 0.0)
         self.inertia(driving, at_driving, f"driving {half}")
-        self.at = replace(self.at, ratio=self.at.ratio * ratio, sense=self.at.sense * sense, **behind)
+        self.at = replace(
+            self.at, ratio=self.at.ratio * ratio, sense=self.at.sense * sense, **behind
+        )
         driven = self.station(f"{self.name} end")
         self.inertia(driven, at_driven, f"driven {half}")
         self.at = replace(self.at, here=driven, is_open=True)
@@ -346,7 +403,9 @@ class Lowering:
     def inertia(self, station: int, given: float, what: str = "", part: int | None = None) -> None:
         """Collect an inertia (kg m2) as the component gives it; nothing is left out."""
         if given:
-            self.add(Inertia(station, self.own(given), self.part if part is None else part, what, given))
+            self.add(
+                Inertia(station, self.own(given), self.part if part is None else part, what, given)
+            )
 
     def own(self, value: float) -> float:
         """An inertia, stiffness or damping as given, brought to the station's own speed (`gear: referred`)."""

@@ -17,7 +17,11 @@ from torsion.primitives import Damper, Spring
 from torsion.sources import note
 
 SEA_WATER = 1025.0  # kg/m3
-USUAL_FACTOR = {"archer": "30", "frahm": "3", "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve"}
+USUAL_FACTOR = {
+    "archer": "30",
+    "frahm": "3",
+    "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve",
+}
 
 
 class MachineDamping(Declared):
@@ -27,26 +31,42 @@ class MachineDamping(Declared):
         "the model; `law`: the slope of its law of load acts in vibration"
     )
     value: fields.Damping | None = given("of `viscous`: the damping itself")
-    factor: fields.Number | None = given("of archer (20..40 with n in rpm), frahm (2..4), quasi-steady: the factor")
+    factor: fields.Number | None = given(
+        "of archer (20..40 with n in rpm), frahm (2..4), quasi-steady: the factor"
+    )
 
     def refuse_clashes(self) -> None:
         if self.model in USUAL_FACTOR and self.factor is None:
-            raise refuse(f"`factor` is missing for {self.model}", f"usual: {USUAL_FACTOR[self.model]}")
+            raise refuse(
+                f"`factor` is missing for {self.model}", f"usual: {USUAL_FACTOR[self.model]}"
+            )
         if self.model == "law" and (self.value is not None or self.factor is not None):
             key = "factor" if self.value is None else "value"
-            raise refuse(f"`damping: law` beside a `{key}`", "the law of load gives the damping; keep one of them", key)
+            raise refuse(
+                f"`damping: law` beside a `{key}`",
+                "the law of load gives the damping; keep one of them",
+                key,
+            )
         if self.model == "viscous" and self.value is None:
             raise refuse("`value` is missing", "damping in N*m*s/rad")
         if self.model == "schwanecke" and self.factor is not None:
-            raise refuse("schwanecke has no `factor`", "it follows from diameter, pitch_ratio and area_ratio", "factor")
+            raise refuse(
+                "schwanecke has no `factor`",
+                "it follows from diameter, pitch_ratio and area_ratio",
+                "factor",
+            )
         if self.model != "viscous" and self.value is not None:
-            raise refuse(f"{self.model} has no `value`", "give `factor`, or only the value", "value")
+            raise refuse(
+                f"{self.model} has no `value`", "give `factor`, or only the value", "value"
+            )
 
 
 def _plain_value(value: Any) -> Any:
     if value == "law":
         return {"model": "law"}
-    return value if isinstance(value, dict | MachineDamping) else {"model": "viscous", "value": value}
+    return (
+        value if isinstance(value, dict | MachineDamping) else {"model": "viscous", "value": value}
+    )
 
 
 class Machine(Rotor):
@@ -55,12 +75,19 @@ class Machine(Rotor):
     drives_train: ClassVar[bool] = False
     usual_load: ClassVar[str] = ""  # law of load of its kind; empty: as `operation.load` says
 
-    damping: Annotated[MachineDamping, BeforeValidator(_plain_value, float | str | MachineDamping)] | None = given(
+    damping: (
+        Annotated[MachineDamping, BeforeValidator(_plain_value, float | str | MachineDamping)]
+        | None
+    ) = given(
         "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}, or `law`: slope of its law of load"
     )
     power: fields.Power | None = given("power that it absorbs or delivers at `speed`")
-    torque: Annotated[float, Quantity("N*m", above=0)] | None = given("the torque there, in place of `power`")
-    speed: fields.Speed | None = given("its own speed at that power (default: at `operation.rated.speed`)")
+    torque: Annotated[float, Quantity("N*m", above=0)] | None = given(
+        "the torque there, in place of `power`"
+    )
+    speed: fields.Speed | None = given(
+        "its own speed at that power (default: at `operation.rated.speed`)"
+    )
     load: Load | None = given(
         "law of load over its own speed: constant, linear, quadratic (or propeller), constant-power, "
         "{exponent, at_rest}, or [[speed, torque], ...]"
@@ -97,15 +124,23 @@ class Machine(Rotor):
         has_size = self.power is not None or self.torque is not None
         if self.load is not None and self.load.table and has_size:
             key = "power" if self.torque is None else "torque"
-            raise refuse(f"`{key}` and a table of `load` exclude each other", "the table states the torque", key)
+            raise refuse(
+                f"`{key}` and a table of `load` exclude each other",
+                "the table states the torque",
+                key,
+            )
         if self.speed is not None and not has_size:
-            raise refuse("`speed` belongs to a `power` or `torque`", "give one of them too", "speed")
+            raise refuse(
+                "`speed` belongs to a `power` or `torque`", "give one of them too", "speed"
+            )
         super().refuse_clashes()
 
     def _refuse_drive(self, drive: DriveLaw) -> None:
         if not self.is_driver:
             raise refuse("`drive` on a machine that absorbs", "give `load`", "drive")
-        if drive.lag is not None and (self.speed is None or (self.power is None and self.torque is None)):
+        if drive.lag is not None and (
+            self.speed is None or (self.power is None and self.torque is None)
+        ):
             message = "`lag` needs the `power` or `torque` of the machine and its `speed`, from which its slope follows"
             raise refuse(message, "for example `power: 200 kW, speed: 1500 rpm`", "drive")
 
@@ -115,8 +150,11 @@ class Machine(Rotor):
                 raise refuse("a `held` machine takes what is left: leave out its power", "", key)
         if self.periodic_torques:
             key = self.periodic_torques[0][0]
-            raise refuse(f"a fixed {self.keyword} cannot be moved by its {key}",
-                         "give its `inertia` in place of `held`", key)  # fmt: skip
+            raise refuse(
+                f"a fixed {self.keyword} cannot be moved by its {key}",
+                "give its `inertia` in place of `held`",
+                key,
+            )
 
     def _refuse_schwanecke(self) -> None:
         needed = ("diameter", "pitch_ratio", "area_ratio")
@@ -124,11 +162,23 @@ class Machine(Rotor):
             raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
 
     def place(self, build: Lowering, what: str = "") -> int:
-        model, factor = ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
-        build.record(machine=MachineRecord(
-            self.is_driver, self.power, self.torque, self.speed, self.load,
-            LoadLaw(EXPONENTS[self.usual_load]) if self.usual_load else None, self.held, self.drive, model, factor,
-        ))  # fmt: skip
+        model, factor = (
+            ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
+        )
+        build.record(
+            machine=MachineRecord(
+                self.is_driver,
+                self.power,
+                self.torque,
+                self.speed,
+                self.load,
+                LoadLaw(EXPONENTS[self.usual_load]) if self.usual_load else None,
+                self.held,
+                self.drive,
+                model,
+                factor,
+            )
+        )
         station = super().place(build, what)
         if self.drive is not None and self.drive.lag is not None:
             self._add_lagged(self.drive, self.drive.lag, station, build)
@@ -142,7 +192,10 @@ class Machine(Rotor):
         torque = self.torque if self.torque is not None else (self.power or 0.0) / self.speed
         slope = build.own(drive.slope_at_rated(torque, self.speed))
         field = build.station(f"{build.name} drive")
-        build.add(Spring(f"{build.name} drive", build.part, station, field, lag / slope), Damper(field, slope))
+        build.add(
+            Spring(f"{build.name} drive", build.part, station, field, lag / slope),
+            Damper(field, slope),
+        )
 
     def lower(self, build: Lowering) -> None:
         station, places = self.place(build), dict[str, int]()
@@ -161,20 +214,29 @@ class Machine(Rotor):
         if damping.model == "viscous":
             return Damper(station, constant=build.own(damping.value or 0.0))
         if damping.model == "schwanecke":
-            diameter, pitch, area = (getattr(self, key) for key in ("diameter", "pitch_ratio", "area_ratio"))
+            diameter, pitch, area = (
+                getattr(self, key) for key in ("diameter", "pitch_ratio", "area_ratio")
+            )
             note("Schwanecke")
-            return Damper(station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi)
+            return Damper(
+                station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi
+            )
         factor = damping.factor or 0.0
         if damping.model in ("archer", "frahm"):
             note(damping.model.capitalize())
-        return Damper(station, torque_factor=factor * 2.0 * math.pi / 60.0 if damping.model == "archer" else factor)
+        return Damper(
+            station,
+            torque_factor=factor * 2.0 * math.pi / 60.0 if damping.model == "archer" else factor,
+        )
 
 
 class GeneralMachine(Machine, keyword="machine"):
     """Any other machine that absorbs power: a roll, mill, crusher, winch or test brake; or one that drives."""
 
     drives: bool = given("true: it drives the train", False)
-    excitation: tuple[Ripple, ...] = given("its periodic torque: list of {order or frequency, torque, phase}", ())
+    excitation: tuple[Ripple, ...] = given(
+        "its periodic torque: list of {order or frequency, torque, phase}", ()
+    )
 
     @property
     def is_driver(self) -> bool:

@@ -17,12 +17,24 @@ class Material(Sized):
         "rho; 0 makes a massless shaft"
     )
     tensile_strength: Strength | None = given("sigma_B, needed by the class rules")
-    yield_strength: Strength | None = given("R_eH or R_p0.2, needed by the rule `ice`; `kr` and `nk` use it")
-    loss_factor: fields.LossFactor = given("energy lost in a cycle / (2 pi peak elastic energy)", 0.0)
+    yield_strength: Strength | None = given(
+        "R_eH or R_p0.2, needed by the rule `ice`; `kr` and `nk` use it"
+    )
+    loss_factor: fields.LossFactor = given(
+        "energy lost in a cycle / (2 pi peak elastic energy)", 0.0
+    )
 
     def refuse_clashes(self) -> None:
-        if self.yield_strength and self.tensile_strength and self.yield_strength > self.tensile_strength:
-            raise refuse("the yield strength is above the tensile strength", "are they interchanged?", "yield_strength")
+        if (
+            self.yield_strength
+            and self.tensile_strength
+            and self.yield_strength > self.tensile_strength
+        ):
+            raise refuse(
+                "the yield strength is above the tensile strength",
+                "are they interchanged?",
+                "yield_strength",
+            )
 
 
 STEEL = Material(shear_modulus=79.3e9, youngs_modulus=206e9, density=7850.0)

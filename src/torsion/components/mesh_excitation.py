@@ -15,9 +15,13 @@ def mesh_torque(given: Excitation, mesh: Constraint, path: Path) -> Torque | Fau
     k (twist - e), a rigid one has the twist e. A torque of the mesh is k e.
     """
     if given.frequency is not None:
-        return Fault((*path, "frequency"), "a mesh excites by its teeth", "give `order`, or leave both out")
+        return Fault(
+            (*path, "frequency"), "a mesh excites by its teeth", "give `order`, or leave both out"
+        )
     if given.order is not None and given.harmonic != 1:
-        return Fault((*path, "harmonic"), "`order` and `harmonic` exclude each other", "keep one of them")
+        return Fault(
+            (*path, "harmonic"), "`order` and `harmonic` exclude each other", "keep one of them"
+        )
     if given.order is None and not mesh.meshings:
         hint = "give `order`: the number of teeth of the driving gear, or 1 for its run-out"
         return Fault((*path, "at"), f"'{mesh.name}' has no `teeth` that say the order", hint)
@@ -25,7 +29,15 @@ def mesh_torque(given: Excitation, mesh: Constraint, path: Path) -> Torque | Fau
     if isinstance(angle, Fault):
         return angle
     order, name = given.order or given.harmonic * mesh.meshings, f"mesh of {mesh.name}"
-    return Torque(name, mesh.driving, order, phase=given.phase, path=path, source=given.source, mesh=(mesh.name, angle))
+    return Torque(
+        name,
+        mesh.driving,
+        order,
+        phase=given.phase,
+        path=path,
+        source=given.source,
+        mesh=(mesh.name, angle),
+    )
 
 
 def _angle(given: Excitation, mesh: Constraint, path: Path) -> float | Fault:
@@ -51,8 +63,16 @@ def _of_torque(torque: object, mesh: Constraint, path: Path) -> float | Fault:
     if not isinstance(torque, Amount) or torque.of_mean:
         return Fault(path, "the torque of a mesh is one amplitude", "for example `torque: 120 N*m`")
     if mesh.meshings and not mesh.teeth:
-        return Fault(path, f"'{mesh.name}' is a planetary stage, of several meshes", "give `transmission_error`")
+        return Fault(
+            path,
+            f"'{mesh.name}' is a planetary stage, of several meshes",
+            "give `transmission_error`",
+        )
     if mesh.flexibility == 0:
         hint = "give `transmission_error`, or the gear its `mesh_stiffness`"
-        return Fault(path, f"a torque between the teeth of '{mesh.name}', which are rigid, moves nothing", hint)
+        return Fault(
+            path,
+            f"a torque between the teeth of '{mesh.name}', which are rigid, moves nothing",
+            hint,
+        )
     return torque.torque * mesh.flexibility

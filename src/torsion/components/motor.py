@@ -8,7 +8,9 @@ from torsion.fields import given
 class RippleMachine(Machine):
     """A machine whose torque has a ripple by order or frequency."""
 
-    ripple: tuple[Ripple, ...] = given("torque ripple: list of {order or frequency, torque, phase}", ())
+    ripple: tuple[Ripple, ...] = given(
+        "torque ripple: list of {order or frequency, torque, phase}", ()
+    )
 
     @property
     def periodic_torques(self) -> tuple[tuple[str, Harmonic], ...]:

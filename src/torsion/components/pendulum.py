@@ -31,17 +31,29 @@ class Pendulum(Component, keyword="pendulum", sort="point"):
     """
 
     mass: Mass = required("mass of one bob")
-    arm: Length = required("R, from the axis of the shaft to the pivot (bifilar: to the centre of the bob's path)")
+    arm: Length = required(
+        "R, from the axis of the shaft to the pivot (bifilar: to the centre of the bob's path)"
+    )
     length: Length | None = given("l, from the pivot to the centre of the bob")
-    order: fields.Exact | None = given("order to which it is tuned, cycles per revolution of the shaft that carries it")
+    order: fields.Exact | None = given(
+        "order to which it is tuned, cycles per revolution of the shaft that carries it"
+    )
     number: Annotated[int, Field(ge=1, le=100)] = given("how many bobs", 1)
-    inertia: fields.Inertia = given("of the carrier, and of bifilar bobs about their own centres", 0.0)
-    damping: fields.Damping | None = given("viscous damping at the pivot of one bob, of its deflection")
+    inertia: fields.Inertia = given(
+        "of the carrier, and of bifilar bobs about their own centres", 0.0
+    )
+    damping: fields.Damping | None = given(
+        "viscous damping at the pivot of one bob, of its deflection"
+    )
     heat_limit: fields.Power | None = given("permissible power loss of all bobs")
 
     def refuse_clashes(self) -> None:
         if (self.length is None) == (self.order is None):
-            both = "`length` and `order` exclude each other" if self.length else "`length` or `order` is missing"
+            both = (
+                "`length` and `order` exclude each other"
+                if self.length
+                else "`length` or `order` is missing"
+            )
             raise refuse(both, "order^2 = arm/length", *(["order"] if self.length else []))
 
     def lower(self, build: Lowering) -> None:
@@ -56,6 +68,9 @@ class Pendulum(Component, keyword="pendulum", sort="point"):
         ring = build.station(f"{build.name} bobs")
         build.inertia(here, self.inertia, "carrier")
         build.inertia(ring, bobs, "bobs")
-        stiffness, damping = build.own(bobs) * square, build.own(self.number * (self.damping or 0.0)) * lever**2
+        stiffness, damping = (
+            build.own(bobs) * square,
+            build.own(self.number * (self.damping or 0.0)) * lever**2,
+        )
         law = power_law("speed", REACH, (stiffness, 2.0), (damping, 0.0), key="")
         build.add(tabled_spring(f"{build.name} bobs", build.part, (here, ring), law, REACH[0]))

@@ -15,7 +15,10 @@ from torsion.sources import source
 Member = Literal["sun", "ring", "carrier"]
 Teeth = Annotated[int, Field(ge=1, le=100_000)]
 Radius = Annotated[float, Quantity("m", above=0, usual="size of a gear")]
-PROFILE_SHIFT = 2, 0.1  # teeth, and share of the teeth that fit, by which profile shift may change those of a planet
+PROFILE_SHIFT = (
+    2,
+    0.1,
+)  # teeth, and share of the teeth that fit, by which profile shift may change those of a planet
 Mass = Annotated[float, Quantity("kg", at_least=0)]
 ROUNDING = 2.0**-50  # relative, of the difference of two flexibilities of a few roundings each
 
@@ -47,7 +50,8 @@ class Planetary(Declared):
     driving: Member = given("the member at the end before it", "sun")
     planets: Annotated[int, Field(ge=1, le=100)] = given("how many planets", 3)
     planet: Annotated[tuple[Teeth, ...], OneOrMany] = given(
-        "teeth of a planet, of a stepped one [with the sun, with the ring] (default: (ring - sun)/2)", ()
+        "teeth of a planet, of a stepped one [with the sun, with the ring] (default: (ring - sun)/2)",
+        (),
     )
     sun_inertia: fields.Inertia = given("of the sun", 0.0)
     ring_inertia: fields.Inertia = given("of the ring", 0.0)
@@ -55,30 +59,53 @@ class Planetary(Declared):
     planet_inertia: fields.Inertia = given("of one planet about its own axis", 0.0)
     planet_mass: Mass = given("of one planet", 0.0)
     radius: Radius | None = given("of the circle of the planets' axes, for their mass")
-    sun_mesh: fields.Stiffness | None = given("of the sun's meshes together, torsional at the sun (default: rigid)")
-    ring_mesh: fields.Stiffness | None = given("of the ring's meshes together, torsional at the ring (default: rigid)")
+    sun_mesh: fields.Stiffness | None = given(
+        "of the sun's meshes together, torsional at the sun (default: rigid)"
+    )
+    ring_mesh: fields.Stiffness | None = given(
+        "of the ring's meshes together, torsional at the ring (default: rigid)"
+    )
 
     def refuse_clashes(self) -> None:
         if self.fixed == self.driving:
             raise refuse(
-                f"the {self.fixed} is fixed and cannot drive", "choose another `driving` or `fixed`", "driving"
+                f"the {self.fixed} is fixed and cannot drive",
+                "choose another `driving` or `fixed`",
+                "driving",
             )
         if len(self.planet) > 2:
-            raise refuse("a planet has one number of teeth, or [with the sun, with the ring]", key="planet")
+            raise refuse(
+                "a planet has one number of teeth, or [with the sun, with the ring]", key="planet"
+            )
         if self.ring <= self.sun and len(self.planet) < 2:
-            raise refuse(f"a ring of {self.ring} teeth has no room for a sun of {self.sun}", key="ring")
+            raise refuse(
+                f"a ring of {self.ring} teeth has no room for a sun of {self.sun}", key="ring"
+            )
         if not self.planet and (self.ring - self.sun) % 2:
             hint = f"ring - sun = {self.ring - self.sun} is odd: give `planet`"
             raise refuse("the teeth of the planets do not follow", hint, "ring")
         between = (self.ring - self.sun) / 2.0
-        if len(self.planet) == 1 and abs(self.planet[0] - between) > max(PROFILE_SHIFT[0], PROFILE_SHIFT[1] * between):
+        if len(self.planet) == 1 and abs(self.planet[0] - between) > max(
+            PROFILE_SHIFT[0], PROFILE_SHIFT[1] * between
+        ):
             hint = f"near (ring - sun)/2 = {between:g}; of a stepped planet [with the sun, with the ring]"
-            raise refuse(f"a planet of {self.planet[0]} teeth does not fit between sun and ring", hint, "planet")
+            raise refuse(
+                f"a planet of {self.planet[0]} teeth does not fit between sun and ring",
+                hint,
+                "planet",
+            )
         if self.planet and self.planet[-1] >= self.ring:
-            raise refuse(f"a planet of {self.planet[-1]} teeth does not turn in a ring of {self.ring}", key="planet")
+            raise refuse(
+                f"a planet of {self.planet[-1]} teeth does not turn in a ring of {self.ring}",
+                key="planet",
+            )
         self._refuse_overlap()
         if self.planet_mass and self.radius is None:
-            raise refuse("`planet_mass` moves on a circle whose `radius` is missing", "give `radius`", "planet_mass")
+            raise refuse(
+                "`planet_mass` moves on a circle whose `radius` is missing",
+                "give `radius`",
+                "planet_mass",
+            )
         self._refuse_soft_fixed_mesh()
 
     def _refuse_soft_fixed_mesh(self) -> None:
@@ -114,7 +141,9 @@ class Planetary(Declared):
         with_sun, with_ring = (float(teeth) for teeth in self.teeth)
         share = max(with_sun / (self.sun + with_sun), with_ring / max(self.ring - with_ring, 1.0))
         most = math.pi / math.asin(share) if share < 1.0 else 1.0
-        room = max(math.ceil(most * (1.0 - ROUNDING)) - 1, 1)  # where most is whole, so many circles touch
+        room = max(
+            math.ceil(most * (1.0 - ROUNDING)) - 1, 1
+        )  # where most is whole, so many circles touch
         if self.planets > room:
             message = f"{self.planets} planets of these teeth overlap"
             raise refuse(message, f"at most {room} on their circle", "planets")
@@ -122,7 +151,9 @@ class Planetary(Declared):
     @property
     def driven(self) -> Member:
         """The member at the end behind it."""
-        return next(one for one in ("sun", "ring", "carrier") if one not in (self.fixed, self.driving))
+        return next(
+            one for one in ("sun", "ring", "carrier") if one not in (self.fixed, self.driving)
+        )
 
     @cached_property
     def teeth(self) -> tuple[Fraction, Fraction]:
@@ -154,7 +185,11 @@ class Planetary(Declared):
     @property
     def meshing(self) -> Literal["sun", "ring"]:
         """The member whose mesh with the planets is that of the stage."""
-        return "ring" if self.fixed == "sun" or (self.fixed == "carrier" and self.driving == "ring") else "sun"
+        return (
+            "ring"
+            if self.fixed == "sun" or (self.fixed == "carrier" and self.driving == "ring")
+            else "sun"
+        )
 
     @property
     def meshings(self) -> Fraction:
@@ -174,7 +209,9 @@ class Planetary(Declared):
     @property
     def has_moving_planets(self) -> bool:
         """The planets have an inertia between elastic meshes: they move against the members."""
-        return bool(self.planet_inertia) and (self.sun_mesh is not None or self.ring_mesh is not None)
+        return bool(self.planet_inertia) and (
+            self.sun_mesh is not None or self.ring_mesh is not None
+        )
 
     @cached_property
     def _coefficients(self) -> tuple[Fraction, Fraction, Fraction]:
@@ -185,7 +222,11 @@ class Planetary(Declared):
         speeds, (with_sun, with_ring) = self.speeds, self.teeth
         steps = {"sun": with_sun / self.sun, "ring": -with_ring / self.ring}
         step = steps[self.meshing]
-        return step * speeds["planet"], -(1 + step) * speeds["carrier"], steps[self.fixed] * speeds["planet"]
+        return (
+            step * speeds["planet"],
+            -(1 + step) * speeds["carrier"],
+            steps[self.fixed] * speeds["planet"],
+        )
 
     @property
     def _mesh_ratio(self) -> float:
@@ -196,7 +237,10 @@ class Planetary(Declared):
     @property
     def _yields(self) -> dict[str, float]:
         """Flexibilities (rad/(N m)) of the meshes at their own members, 0 where they are rigid."""
-        return {"sun": 1.0 / (self.sun_mesh or float("inf")), "ring": 1.0 / (self.ring_mesh or float("inf"))}
+        return {
+            "sun": 1.0 / (self.sun_mesh or float("inf")),
+            "ring": 1.0 / (self.ring_mesh or float("inf")),
+        }
 
     @property
     def _softness_of_mesh(self) -> float:
@@ -225,7 +269,8 @@ class Planetary(Declared):
             return Star(yields[self.driving], other, 0.0, is_mesh_driving=True)
         planets, carrier, fixed = self._coefficients
         to_carrier, to_planets = (
-            float(-share / (speeds[self.meshing] * fixed**2)) * yields[self.fixed] for share in (planets, carrier)
+            float(-share / (speeds[self.meshing] * fixed**2)) * yields[self.fixed]
+            for share in (planets, carrier)
         )
         mesh = self._softness_of_mesh / float(speeds[self.meshing]) ** 2
         return Star(mesh, to_carrier, to_planets, is_mesh_driving=self.driving == self.meshing)
@@ -241,6 +286,7 @@ class Planetary(Declared):
         spinning = 0.0 if self.star is not None else self.planet_inertia
         own[place] += self.planets * (
             spinning * float(speeds["planet"] / speeds[place]) ** 2
-            + self.planet_mass * ((self.radius or 0.0) * float(speeds["carrier"] / speeds[place])) ** 2
+            + self.planet_mass
+            * ((self.radius or 0.0) * float(speeds["carrier"] / speeds[place])) ** 2
         )
         return own[self.driving], own[self.driven]

@@ -31,25 +31,38 @@ def _read_entrained(value: Any) -> tuple[str, float]:
 class BladedMachine(Machine, usual_load="quadratic"):
     """A machine with blades or vanes in a fluid."""
 
-    entrained: Annotated[Any, BeforeValidator(_read_entrained, json_schema_input_type=float | str)] = given(
-        "entrained water: % of dry, or kg*m**2"
-    )
+    entrained: Annotated[
+        Any, BeforeValidator(_read_entrained, json_schema_input_type=float | str)
+    ] = given("entrained water: % of dry, or kg*m**2")
     blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades or vanes")
-    diameter: Annotated[float, Quantity("m", above=0, usual="diameter of a propeller")] | None = given("diameter")
+    diameter: Annotated[float, Quantity("m", above=0, usual="diameter of a propeller")] | None = (
+        given("diameter")
+    )
     excitation: tuple[BladeTorque, ...] = given("list of {blade_order, torque, phase}", ())
 
     def refuse_clashes(self) -> None:
         if self.excitation and self.blades is None:
-            raise refuse("`blades` is missing; blade orders need the number of blades", key="excitation")
+            raise refuse(
+                "`blades` is missing; blade orders need the number of blades", key="excitation"
+            )
         if self.held and (self.entrained is not None or self.excitation):
             key = "excitation" if self.excitation else "entrained"
-            raise refuse(f"a fixed {self.keyword} has no `{key}`", "give its `inertia` in place of `held`", key)
+            raise refuse(
+                f"a fixed {self.keyword} has no `{key}`",
+                "give its `inertia` in place of `held`",
+                key,
+            )
         if self.entrained and self.inertia:
             (unit, amount), whole = self.entrained, 1.0
-            words, hint = f"the entrained water has {{}} times the inertia of the {self.keyword}", ""
+            words, hint = (
+                f"the entrained water has {{}} times the inertia of the {self.keyword}",
+                "",
+            )
             if unit != "1":
                 whole, hint = self.inertia, f"{amount:g} %?"
-            self.refuse_unusual("entrained water over inertia", amount / whole, words, hint, "entrained")
+            self.refuse_unusual(
+                "entrained water over inertia", amount / whole, words, hint, "entrained"
+            )
         super().refuse_clashes()
 
     @property
@@ -67,11 +80,25 @@ class BladedMachine(Machine, usual_load="quadratic"):
             build.record(impeller=impeller)
         build.inertia(station, impeller.water or 0.0, "entrained water")
         for number, blade_torque in enumerate(self.excitation):
-            order, size = Fraction(blade_torque.blade_order * (self.blades or 0)), blade_torque.torque
+            order, size = (
+                Fraction(blade_torque.blade_order * (self.blades or 0)),
+                blade_torque.torque,
+            )
             path = (*build.parts[-1].path, "excitation", number)
-            build.add(Torque(
-                build.name, station, order, None, size.torque, size.of_mean, (), blade_torque.phase, path, self.source,
-            ))  # fmt: skip
+            build.add(
+                Torque(
+                    build.name,
+                    station,
+                    order,
+                    None,
+                    size.torque,
+                    size.of_mean,
+                    (),
+                    blade_torque.phase,
+                    path,
+                    self.source,
+                )
+            )
 
 
 class Pump(BladedMachine, keyword="pump"):
@@ -86,14 +113,16 @@ class Propeller(BladedMachine, keyword="propeller"):
     """A propeller; it absorbs power."""
 
     inertia: fields.Inertia | None = given("dry polar mass moment of inertia")
-    tolerance: fields.Tolerance | None = given("tolerance of the inertia and of the entrained water, for example 10 %")
+    tolerance: fields.Tolerance | None = given(
+        "tolerance of the inertia and of the entrained water, for example 10 %"
+    )
     pitch: Literal["fixed", "controllable"] | None = given(
         "kind of the propeller: with a controllable pitch class rules demand zero pitch too, as a case"
     )
     pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
-    hub_ratio: Annotated[float, Quantity("1", above=0, below=1, usual="ratio of a propeller")] | None = given(
-        "diameter of the hub / diameter; for the ice torque of a class"
-    )
+    hub_ratio: (
+        Annotated[float, Quantity("1", above=0, below=1, usual="ratio of a propeller")] | None
+    ) = given("diameter of the hub / diameter; for the ice torque of a class")
     ducted: bool = given("it turns in a duct; for the ice torque of a class", False)
     area_ratio: Ratio | None = given("expanded blade area / disc area")
 
@@ -101,7 +130,16 @@ class Propeller(BladedMachine, keyword="propeller"):
         super().lower(build)
         if not self.held:
             impeller = self.impeller
-            build.record(propeller=PropellerRecord(
-                impeller.inertia, impeller.water, self.blades, self.diameter, self.pitch_ratio, self.area_ratio,
-                self.hub_ratio, self.ducted, self.pitch,
-            ))  # fmt: skip
+            build.record(
+                propeller=PropellerRecord(
+                    impeller.inertia,
+                    impeller.water,
+                    self.blades,
+                    self.diameter,
+                    self.pitch_ratio,
+                    self.area_ratio,
+                    self.hub_ratio,
+                    self.ducted,
+                    self.pitch,
+                )
+            )

@@ -41,8 +41,12 @@ class Step(Declared):
     form: StepForm | None = given("sharp; by the handbook's table; or none: no additional twist")
     fillet: Small | None = given("radius of the fillet on the smaller shaft")
     chamfer: Small | None = given("leg of a chamfer of 45 degrees in the corner")
-    undercut: Undercut | None = given("{depth, width, fillet}: groove in the smaller shaft before the face")
-    flange: Flange | None = given("{diameter, thickness, fillet}: disc between the shafts, of their material")
+    undercut: Undercut | None = given(
+        "{depth, width, fillet}: groove in the smaller shaft before the face"
+    )
+    flange: Flange | None = given(
+        "{diameter, thickness, fillet}: disc between the shafts, of their material"
+    )
 
     def refuse_clashes(self) -> None:
         if sum(getattr(self, key) is not None for key in type(self).model_fields) != 1:
@@ -64,9 +68,13 @@ class Step(Declared):
     def words(self) -> str:
         """What it is, in words."""
         if self.undercut is not None:
-            return f"undercut of {1e3 * self.undercut.depth:g} mm by {1e3 * self.undercut.width:g} mm"
+            return (
+                f"undercut of {1e3 * self.undercut.depth:g} mm by {1e3 * self.undercut.width:g} mm"
+            )
         if self.flange is not None:
-            return f"flange of {1e3 * self.flange.diameter:g} mm by {1e3 * self.flange.thickness:g} mm"
+            return (
+                f"flange of {1e3 * self.flange.diameter:g} mm by {1e3 * self.flange.thickness:g} mm"
+            )
         return self.form or f"{'fillet' if self.fillet else 'chamfer'} of {1e3 * self.size:g} mm"
 
 
@@ -80,9 +88,15 @@ class Keyway(Declared):
 
     def refuse_clashes(self) -> None:
         if self.fillet >= self.depth:
-            raise refuse("the fillet is not smaller than the depth", "a fillet lies in its keyway", "fillet")
+            raise refuse(
+                "the fillet is not smaller than the depth", "a fillet lies in its keyway", "fillet"
+            )
         if 2.0 * self.fillet > self.width:
-            raise refuse("the fillet is larger than half the width", "two fillets fit into the floor", "fillet")
+            raise refuse(
+                "the fillet is larger than half the width",
+                "two fillets fit into the floor",
+                "fillet",
+            )
 
     def lacks(self, outer: float, bore: float) -> str:
         """Why a round shaft of these diameters (m) has no room for it; empty where it has."""
@@ -129,7 +143,9 @@ class Notch(Declared):
 
     def refuse_clashes(self) -> None:
         if sum(one is not None for one in (self.keyway, self.splines, self.hole)) != 1:
-            raise refuse("a notch has one form", "`keyway`, `splines` or `hole`; a list has several notches")
+            raise refuse(
+                "a notch has one form", "`keyway`, `splines` or `hole`; a list has several notches"
+            )
 
     @property
     def form(self) -> str:
@@ -140,7 +156,11 @@ class Notch(Declared):
         """Why a round shaft of these diameters (m) has no room for it; empty where it has."""
         if self.hole is not None:
             large = self.hole > LARGEST_HOLE * outer
-            return f"it is larger than {LARGEST_HOLE:g} of the diameter, up to which its factor holds" if large else ""
+            return (
+                f"it is larger than {LARGEST_HOLE:g} of the diameter, up to which its factor holds"
+                if large
+                else ""
+            )
         grooves = self.keyway or self.splines
         return grooves.lacks(outer, bore) if grooves else ""
 
@@ -153,9 +173,12 @@ class Hub(Declared):
     fit: Literal["shrink", "key"] = required(
         "shrink: joined to the shaft all along, by finite elements; key: torque handed over evenly along it"
     )
-    material: str | None = given("name of one of `materials`; of a shrink fit (default: the shaft's)")
+    material: str | None = given(
+        "name of one of `materials`; of a shrink fit (default: the shaft's)"
+    )
     torque: Literal["rim", "face"] = given(
-        "where the torque of a shrink fit leaves the hub: over its outer surface, or its face at the shaft's end", "rim"
+        "where the torque of a shrink fit leaves the hub: over its outer surface, or its face at the shaft's end",
+        "rim",
     )
     pressure: Annotated[float, Quantity("Pa", above=0, usual="pressure of a fit")] | None = given(
         "smallest mean pressure in a shrink fit, for the rule `shrink-fits`; the finite elements do not know it"
@@ -169,36 +192,59 @@ class Hub(Declared):
         if (self.fit == "shrink") != (self.diameter is not None):
             wrong = "lacks its `diameter`" if self.diameter is None else "has no `diameter`"
             raise refuse(
-                f"a hub with `fit: {self.fit}` {wrong}", "finite elements need it; a key counts as rigid", "fit"
+                f"a hub with `fit: {self.fit}` {wrong}",
+                "finite elements need it; a key counts as rigid",
+                "fit",
             )
         if self.fit == "key" and self.material is not None:
-            raise refuse("a hub with `fit: key` has no `material`", "a key counts as rigid", "material")
+            raise refuse(
+                "a hub with `fit: key` has no `material`", "a key counts as rigid", "material"
+            )
         if (self.pressure is None) != (self.friction is None):
-            raise refuse("`pressure` and `friction` of a hub belong together", "the fit carries their product")
+            raise refuse(
+                "`pressure` and `friction` of a hub belong together",
+                "the fit carries their product",
+            )
         if self.fit == "key" and self.pressure is not None:
-            raise refuse("a hub with `fit: key` has no `pressure`", "a key carries the torque", "pressure")
+            raise refuse(
+                "a hub with `fit: key` has no `pressure`", "a key carries the torque", "pressure"
+            )
 
 
 def faults_of(shaft: Any) -> None:
     """Raise what does not go together with the shaft's own dimensions."""
     for key, value in (("notches", shaft.notches), ("hub", shaft.hub)):
         if value and shaft.section is not None:
-            raise refuse(f"a shaft with a `section` has no `{key}`", "they belong to a round shaft", key)
+            raise refuse(
+                f"a shaft with a `section` has no `{key}`", "they belong to a round shaft", key
+            )
     sizes = sorted(set(zip(_ends(shaft.diameter), _ends(shaft.bore), strict=True)))
     for (number, notch), (outer, bore) in product(enumerate(shaft.notches), sizes):
         if wrong := notch.lacks(outer, bore):
             hint = f"compare its dimensions with the diameter of {1e3 * outer:g} mm"
-            raise refuse(f"the shaft has no room for {notch.form}: {wrong}", hint, ("notches", number))
+            raise refuse(
+                f"the shaft has no room for {notch.form}: {wrong}", hint, ("notches", number)
+            )
     ends = [hub.end for hub in shaft.hub]
     if len(set(ends)) < len(ends):
-        raise refuse("two hubs sit on one end", "`end: first` and `end: last` are the two ends", "hub")
+        raise refuse(
+            "two hubs sit on one end", "`end: first` and `end: last` are the two ends", "hub"
+        )
     if sum(hub.length for hub in shaft.hub) > shaft.length * (1.0 + 1e-12):
-        raise refuse("the hub is longer than its shaft", "the shaft's length has the seat of the hub in it", "hub")
+        raise refuse(
+            "the hub is longer than its shaft",
+            "the shaft's length has the seat of the hub in it",
+            "hub",
+        )
     for hub in shaft.hub:
         if len(set(_ends(shaft.diameter))) + len(set(_ends(shaft.bore))) > 2:
-            raise refuse("a hub on a conical shaft", "give its seat as a separate cylindrical shaft", "hub")
+            raise refuse(
+                "a hub on a conical shaft", "give its seat as a separate cylindrical shaft", "hub"
+            )
         if hub.diameter is not None and hub.diameter <= shaft.diameter[0]:
-            raise refuse("the hub is not larger than its shaft", "`diameter` is its outer one", "hub")
+            raise refuse(
+                "the hub is not larger than its shaft", "`diameter` is its outer one", "hub"
+            )
         if hub.end == "last" and shaft.step is not None:
             raise refuse("a hub sits at the place of a `step`", "`end: first`, or no `step`", "hub")
 

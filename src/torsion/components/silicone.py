@@ -12,7 +12,9 @@ PRINTED = (10.0, 20.0, 50.0, 100.0, 200.0, 400.0)  # Hz
 STATED = (55.0, 115.0)  # degC between which the source of the known coefficients prints figures
 Viscosity = Annotated[float, Quantity("m**2/s", above=0)]
 Shape = Annotated[float, Quantity("m**3", above=0)]
-SiliconeTemperature = Annotated[float, Quantity("degC", at_least=-60.0, usual="temperature of silicone")]
+SiliconeTemperature = Annotated[
+    float, Quantity("degC", at_least=-60.0, usual="temperature of silicone")
+]
 Number = Annotated[float, Quantity("1")]
 
 
@@ -26,33 +28,47 @@ class ModulusLaw(Declared):
 
     def at(self, temperature: float) -> tuple[float, float]:
         """Pa at 1 Hz and the power of the frequency at a temperature (K)."""
-        return self.factor * math.exp(self.activation / temperature), self.power - self.power_slope / temperature
+        return self.factor * math.exp(
+            self.activation / temperature
+        ), self.power - self.power_slope / temperature
 
 
 def _law(factor: float, activation: float, power: float, power_slope: float) -> ModulusLaw:
     return ModulusLaw(factor=factor, activation=activation, power=power, power_slope=power_slope)
 
 
-KNOWN = {0.15: (_law(21e-4, 3791.0, 2.35, 504.0), _law(1.01, 2353.0, 1.50, 321.0))}  # m2/s: Navitorq, manual
+KNOWN = {
+    0.15: (_law(21e-4, 3791.0, 2.35, 504.0), _law(1.01, 2353.0, 1.50, 321.0))
+}  # m2/s: Navitorq, manual
 
 
 class Silicone(Declared):
     """Silicone; coefficients of 0.15 m2/s (150 000 cSt) are known, those of others are the maker's."""
 
-    shape: Shape = required("sum over all gaps of the integral of r^2 dA/gap: stiffness = shape * storage modulus")
+    shape: Shape = required(
+        "sum over all gaps of the integral of r^2 dA/gap: stiffness = shape * storage modulus"
+    )
     temperature: SiliconeTemperature = required("of the silicone, all over")
-    viscosity: Viscosity | None = given("nominal kinematic viscosity, whose coefficients are known: 0.15 m2/s")
-    storage: ModulusLaw | None = given("storage modulus, a law of the maker in place of `viscosity`")
+    viscosity: Viscosity | None = given(
+        "nominal kinematic viscosity, whose coefficients are known: 0.15 m2/s"
+    )
+    storage: ModulusLaw | None = given(
+        "storage modulus, a law of the maker in place of `viscosity`"
+    )
     loss: ModulusLaw | None = given("loss modulus, with the keys of `storage`")
 
     def refuse_clashes(self) -> None:
         own = [key for key in ("storage", "loss") if getattr(self, key) is not None]
         if self.viscosity is not None and own:
-            raise refuse(f"`viscosity` and `{own[0]}` exclude each other", "keep one of them", own[0])
+            raise refuse(
+                f"`viscosity` and `{own[0]}` exclude each other", "keep one of them", own[0]
+            )
         if self.viscosity is None and len(own) < 2:
             hint = "give `viscosity: 0.15 m**2/s`, whose coefficients are known, or `storage` and `loss`"
             raise refuse("the moduli of the silicone are not given", hint)
-        if self.viscosity is not None and not any(math.isclose(self.viscosity, one) for one in KNOWN):
+        if self.viscosity is not None and not any(
+            math.isclose(self.viscosity, one) for one in KNOWN
+        ):
             message = f"the coefficients of {self.viscosity:g} m2/s are not known"
             raise refuse(
                 message,
@@ -78,10 +94,18 @@ class Silicone(Declared):
         silicone = "silicone" if self.viscosity is None else f"silicone of {self.viscosity:g} m²/s"
         words = f"{silicone} at {self.temperature:g} °C, shape {self.shape:g} m³; "
         if self.viscosity is not None and not STATED[0] <= self.temperature <= STATED[1]:
-            words += f"outside the {STATED[0]:g} to {STATED[1]:g} °C that the source of its law covers; "
-        words += f"k = {k:.6g} f^({p:.6g}) N m/rad, c = {c:.6g} f^({q - 1.0:.6g}) N m s/rad, f in Hz"
+            words += (
+                f"outside the {STATED[0]:g} to {STATED[1]:g} °C that the source of its law covers; "
+            )
+        words += (
+            f"k = {k:.6g} f^({p:.6g}) N m/rad, c = {c:.6g} f^({q - 1.0:.6g}) N m s/rad, f in Hz"
+        )
         return power_law(
-            "frequency", (REACH[0] * of_hertz, REACH[1] * of_hertz),
-            (k / of_hertz**p, p), (c / of_hertz ** (q - 1.0), q - 1.0),
-            key="silicone", printed=tuple(one * of_hertz for one in PRINTED), words=words,
-        )  # fmt: skip
+            "frequency",
+            (REACH[0] * of_hertz, REACH[1] * of_hertz),
+            (k / of_hertz**p, p),
+            (c / of_hertz ** (q - 1.0), q - 1.0),
+            key="silicone",
+            printed=tuple(one * of_hertz for one in PRINTED),
+            words=words,
+        )

@@ -84,7 +84,10 @@ class CheckChange:
     @property
     def severity(self) -> tuple[int, float]:
         """Sort key: a verdict that worsens first, then the largest rise of the utilisation."""
-        before, after = (-1 if v is None else SEVERITY.index(v) for v in (self.verdict_before, self.verdict_after))
+        before, after = (
+            -1 if v is None else SEVERITY.index(v)
+            for v in (self.verdict_before, self.verdict_after)
+        )
         rise = (self.utilisation_after or 0.0) - (self.utilisation_before or 0.0)
         return before - after, -rise
 
@@ -104,7 +107,11 @@ class CaseComparison:
     def is_changed(self) -> bool:
         """Anything differs."""
         is_other = self.verdict_before != self.verdict_after
-        return is_other or bool(self.inputs or self.checks) or any(pair.is_changed for pair in self.modes)
+        return (
+            is_other
+            or bool(self.inputs or self.checks)
+            or any(pair.is_changed for pair in self.modes)
+        )
 
 
 @dataclass(frozen=True)
@@ -129,13 +136,18 @@ def read_results(path: str | Path) -> dict[str, Any]:
     try:
         data = json.loads(read_file(file, LARGEST_RESULTS).decode())
     except (OSError, UnicodeDecodeError) as error:
-        raise _refused(file, f"cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8 text'}") from None
+        raise _refused(
+            file, f"cannot be read: {getattr(error, 'strerror', None) or 'not UTF-8 text'}"
+        ) from None
     except (ValueError, RecursionError):
         raise _refused(file, "is not JSON") from None
     if not isinstance(data, dict) or not {"scene", "stations", "spans", "checks"} <= data.keys():
         raise _refused(file, "does not hold the results of `torsion solve`")
     if data.get("format") != FORMAT:
-        raise _refused(file, f"has format {printable(str(data.get('format')))}; this version reads format {FORMAT}")
+        raise _refused(
+            file,
+            f"has format {printable(str(data.get('format')))}; this version reads format {FORMAT}",
+        )
     return data
 
 
@@ -154,7 +166,10 @@ def compare(before: str | Path | Findings, after: str | Path | Findings) -> Comp
 
     Raises InputError if a file cannot be read.
     """
-    contents = (results(side) if isinstance(side, Findings) else read_results(side) for side in (before, after))
+    contents = (
+        results(side) if isinstance(side, Findings) else read_results(side)
+        for side in (before, after)
+    )
     return compare_results(*contents)
 
 
@@ -170,15 +185,22 @@ def compare_results(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comp
     return Comparison(names[0], names[1], checksums[0], checksums[1], tuple(cases))
 
 
-def _compare_case(name: str, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None) -> CaseComparison:
+def _compare_case(
+    name: str, before: Mapping[str, Any] | None, after: Mapping[str, Any] | None
+) -> CaseComparison:
     comparison = CaseComparison(
-        name, None if before is None else _verdict(before), None if after is None else _verdict(after)
+        name,
+        None if before is None else _verdict(before),
+        None if after is None else _verdict(after),
     )
     if before is None or after is None or not all("checks" in data for data in (before, after)):
         return comparison
     checks = sorted(_checks(before, after), key=lambda change: change.severity)
     return replace(
-        comparison, inputs=tuple(_inputs(before, after)), modes=tuple(_modes(before, after)), checks=tuple(checks)
+        comparison,
+        inputs=tuple(_inputs(before, after)),
+        modes=tuple(_modes(before, after)),
+        checks=tuple(checks),
     )
 
 
@@ -203,12 +225,18 @@ def _inputs(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Inp
             yield InputChange("", words, *values, unit)
 
     # Lumped segments give part of a shaft's inertia to its neighbours: other segments, other shares.
-    is_alike = [row["name"] for row in before["stations"]] == [row["name"] for row in after["stations"]]
+    is_alike = [row["name"] for row in before["stations"]] == [
+        row["name"] for row in after["stations"]
+    ]
     properties = [_properties(data, has_inertia=is_alike) for data in (before, after)]
     for component in dict.fromkeys((*properties[0], *properties[1])):
         old, new = (known.get(component) for known in properties)
         if old is None or new is None:
-            yield InputChange(component, "component", *("-" if known is None else "present" for known in (old, new)))
+            yield InputChange(
+                component,
+                "component",
+                *("-" if known is None else "present" for known in (old, new)),
+            )
             continue
         for what, unit in dict.fromkeys((*old, *new)):
             value, other = old.get((what, unit)), new.get((what, unit))
@@ -216,13 +244,17 @@ def _inputs(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Inp
                 yield InputChange(component, what, value, other, unit)
 
 
-def _properties(data: Mapping[str, Any], *, has_inertia: bool) -> dict[str, dict[tuple[str, str], Any]]:
+def _properties(
+    data: Mapping[str, Any], *, has_inertia: bool
+) -> dict[str, dict[tuple[str, str], Any]]:
     """Return inertia and stiffness of every component from the sums over its segments, whatever their number."""
     known: dict[str, dict[tuple[str, str], Any]] = {}
     for row in data["stations"]:
         values = known.setdefault(str(row.get("component") or row["name"]), {})
         sums = values if has_inertia else known.setdefault("whole train", {})
-        sums["inertia", "kg m2"] = sums.get(("inertia", "kg m2"), 0.0) + (row.get("inertia_kg_m2") or 0.0)
+        sums["inertia", "kg m2"] = sums.get(("inertia", "kg m2"), 0.0) + (
+            row.get("inertia_kg_m2") or 0.0
+        )
         values["speed ratio", ""] = row.get("speed_ratio")
     for row in data["spans"]:
         values = known.setdefault(str(row.get("component") or row["name"]), {})
@@ -255,11 +287,21 @@ def _modes(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Mode
         return
     frequencies = [data["modes"]["frequency_Hz"] for data in (before, after)]
     criterion = _assurance(before, after)
-    partners = _partners(criterion) if criterion is not None else {k: k for k in range(min(map(len, frequencies)))}
+    partners = (
+        _partners(criterion)
+        if criterion is not None
+        else {k: k for k in range(min(map(len, frequencies)))}
+    )
     for mode, frequency in enumerate(frequencies[0]):
         partner = partners.get(mode)
         other = None if partner is None else frequencies[1][partner]
-        value = np.nan if criterion is None else 0.0 if partner is None else float(criterion[mode, partner])
+        value = (
+            np.nan
+            if criterion is None
+            else 0.0
+            if partner is None
+            else float(criterion[mode, partner])
+        )
         yield ModePair(mode + 1, None if partner is None else partner + 1, frequency, other, value)
     for mode in sorted(set(range(len(frequencies[1]))) - set(partners.values())):
         yield ModePair(None, mode + 1, None, frequencies[1][mode], 0.0)
@@ -284,7 +326,9 @@ def _assurance(before: Mapping[str, Any], after: Mapping[str, Any]) -> FloatArra
     common = [name for name in names[0] if name in set(names[1])]
     if not common or not all(isinstance(shape, list) for shape in shapes):
         return None
-    inertia = dict(zip(names[0], (row.get("inertia_kg_m2") or 0.0 for row in before["stations"]), strict=True))
+    inertia = dict(
+        zip(names[0], (row.get("inertia_kg_m2") or 0.0 for row in before["stations"]), strict=True)
+    )
     weight = np.sqrt([inertia[name] for name in common])
     scaled = []
     for shape, known in zip(shapes, names, strict=True):

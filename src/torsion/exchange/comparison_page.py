@@ -5,7 +5,13 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from torsion.exchange.comparison import CaseComparison, CheckChange, Comparison, InputChange, ModePair
+from torsion.exchange.comparison import (
+    CaseComparison,
+    CheckChange,
+    Comparison,
+    InputChange,
+    ModePair,
+)
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.document import Cover, Document, numbered
 from torsion.output.numbers import NONE, number
@@ -40,7 +46,9 @@ def comparison_data(comparison: Comparison) -> dict[str, Any]:
 def _case_blocks(case: CaseComparison) -> Iterator[Block]:
     """The chapter of one case: verdict, then every table with a change."""
     yield Heading(f"Case {case.name}" if case.name else "Model file")
-    verdicts = [verdict or "case not present" for verdict in (case.verdict_before, case.verdict_after)]
+    verdicts = [
+        verdict or "case not present" for verdict in (case.verdict_before, case.verdict_after)
+    ]
     head = f"Case {case.name}: " if case.name else "Verdict: "
     yield Paragraph(f"{head}checks of A {verdicts[0]}, of B {verdicts[1]}.", brief=True)
     if not case.is_changed:
@@ -48,32 +56,52 @@ def _case_blocks(case: CaseComparison) -> Iterator[Block]:
         return
     if case.inputs:
         titles = "< Component -> | < Input -> | A -> | B -> | < Unit -> | Change [%] -> %"
-        yield table(titles, map(_input_row, case.inputs), "Input that differs", short="Input that differs")
+        yield table(
+            titles, map(_input_row, case.inputs), "Input that differs", short="Input that differs"
+        )
     if any(pair.is_changed for pair in case.modes):
-        titles = "Mode of A -> A | Mode of B -> B | Frequency A [Hz] -> Hz A | Frequency B [Hz] -> Hz B "
+        titles = (
+            "Mode of A -> A | Mode of B -> B | Frequency A [Hz] -> Hz A | Frequency B [Hz] -> Hz B "
+        )
         titles += "| Change [%] -> % | MAC -> MAC"
-        yield table(titles, map(_mode_row, case.modes), "Natural frequencies", short="Natural frequencies")
+        yield table(
+            titles, map(_mode_row, case.modes), "Natural frequencies", short="Natural frequencies"
+        )
     if case.checks:
         titles = "< Check -> | < Component -> | < Rule -> | < Verdict A -> A | < Verdict B -> B "
         titles += "| Utilisation A [%] -> % A | Utilisation B [%] -> % B"
-        yield table(titles, map(_check_row, case.checks), "Checks that differ", short="Checks that differ")
+        yield table(
+            titles, map(_check_row, case.checks), "Checks that differ", short="Checks that differ"
+        )
 
 
 def _input_row(change: InputChange) -> tuple[str, ...]:
     before, after, relative = change.before, change.after, ""
     if isinstance(before, int | float) and isinstance(after, int | float) and before:
         relative = number(100.0 * (after / before - 1.0), 3)
-    return change.component or NONE, change.what, _value(before), _value(after), change.unit, relative or NONE
+    return (
+        change.component or NONE,
+        change.what,
+        _value(before),
+        _value(after),
+        change.unit,
+        relative or NONE,
+    )
 
 
 def _value(value: Any) -> str:
     if isinstance(value, list):
         return ", ".join(map(_value, value)) or NONE
-    return number(value) if isinstance(value, int | float) else NONE if value is None else str(value)
+    return (
+        number(value) if isinstance(value, int | float) else NONE if value is None else str(value)
+    )
 
 
 def _mode_row(pair: ModePair) -> tuple[str, ...]:
-    modes = ["new" if pair.before is None else str(pair.before), "gone" if pair.after is None else str(pair.after)]
+    modes = [
+        "new" if pair.before is None else str(pair.before),
+        "gone" if pair.after is None else str(pair.after),
+    ]
     change = NONE if pair.change is None else number(100.0 * pair.change, 3)
     frequencies = [number(frequency) for frequency in (pair.frequency_before, pair.frequency_after)]
     return *modes, *frequencies, change, number(pair.criterion, 3)

@@ -28,8 +28,14 @@ def export(
     """Write a train to `out`, in the form of its suffix; return what was written in words. Raises InputError."""
     form = out.suffix.lower()
     if form not in (".mo", ".npz", ".mat"):
-        raise refusal(f"'{printable(str(out))}' has no known form", f"write a name with the suffix {FORMS}")
-    given = {"--order": order} if form != ".mo" else {"--at": at, "--inputs": inputs, "--outputs": outputs}
+        raise refusal(
+            f"'{printable(str(out))}' has no known form", f"write a name with the suffix {FORMS}"
+        )
+    given = (
+        {"--order": order}
+        if form != ".mo"
+        else {"--at": at, "--inputs": inputs, "--outputs": outputs}
+    )
     if unused := [option for option, value in given.items() if value]:
         raise refusal(f"{' and '.join(unused)} cannot be used for {form}")
     if not all(math.isfinite(value) and value > 0 for value in (rpm, at) if value is not None):
@@ -41,18 +47,28 @@ def export(
         system = assembled(study)
         if form == ".mo":
             if not speed:
-                raise InputError([Fault(("operation",), "the speed of the vibration is not known", "--rpm 1500")])
+                raise InputError(
+                    [Fault(("operation",), "the speed of the vibration is not known", "--rpm 1500")]
+                )
             text = modelica(study, system, speed, None if order is None else _order(order))
             out.write_text(text, encoding="utf-8")
         else:
             loss_at = None if at is None else 2.0 * math.pi * at
-            stations = [[name.strip() for name in names.split(",") if name.strip()] for names in (inputs, outputs)]
-            model = state_space(study, system, speed=speed, inputs=stations[0], outputs=stations[1], loss_at=loss_at)
+            stations = [
+                [name.strip() for name in names.split(",") if name.strip()]
+                for names in (inputs, outputs)
+            ]
+            model = state_space(
+                study, system, speed=speed, inputs=stations[0], outputs=stations[1], loss_at=loss_at
+            )
             write_state_space(model, out)
     except InputError as error:
         if any(fault.path for fault in error.faults):
             raise located(error, study) from None
-        reasons = (f"{fault.message} ({fault.hint})" if fault.hint else fault.message for fault in error.faults)
+        reasons = (
+            f"{fault.message} ({fault.hint})" if fault.hint else fault.message
+            for fault in error.faults
+        )
         raise refusal("\n".join(f"{file}: {reason}" for reason in reasons)) from None
     except OSError as error:
         raise refusal(f"{printable(str(out))} cannot be written: {error.strerror}") from None
@@ -63,4 +79,6 @@ def _order(text: str) -> Fraction:
     try:
         return Fraction(text)
     except (ValueError, ZeroDivisionError):
-        raise refusal(f"--order {printable(text)} is not an order", "--order 2, or --order 1/2") from None
+        raise refusal(
+            f"--order {printable(text)} is not an order", "--order 2, or --order 1/2"
+        ) from None

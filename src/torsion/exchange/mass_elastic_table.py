@@ -69,7 +69,9 @@ class _Reading:
     faults: list[Fault] = field(default_factory=list)
 
     def fault(self, cell: Cell, message: str, hint: str = "") -> None:
-        self.faults.append(Fault((), printable(message, 200), hint, line=cell.line, column=cell.column))
+        self.faults.append(
+            Fault((), printable(message, 200), hint, line=cell.line, column=cell.column)
+        )
 
 
 def import_table(path: str | Path, *, referred: bool = False) -> str:
@@ -95,7 +97,9 @@ def _table_masses(source: Source) -> list[Mass]:
     separator, rows = rows_of(source, reading.faults)
     if len(rows) < 2:
         place = rows[0][0] if rows else Cell("", 1, 1)
-        reading.fault(place, "the table has no masses", "write a row of titles, then a row for each mass")
+        reading.fault(
+            place, "the table has no masses", "write a row of titles, then a row for each mass"
+        )
         raise input_error(reading.faults, source)
     columns = [_column(cell, reading) for cell in rows[0]]
     numbers, slip = numbers_of(separator, (cell for row in rows[1:] for cell in row))
@@ -116,17 +120,28 @@ def _column(cell: Cell, reading: _Reading) -> tuple[str, str, str]:
     spelled = SPELLINGS.get(spelled, spelled)
     if key in UNITS:
         fault = unit_fault(spelled, UNITS[key]) if spelled else None
-        weight = spelled.replace("kgf", "kg").replace("kp", "kg")  # GD2 of kgf m2: the same number in kg m2
+        weight = spelled.replace("kgf", "kg").replace(
+            "kp", "kg"
+        )  # GD2 of kgf m2: the same number in kg m2
         if fault is not None and key == "gd2" and unit_fault(weight, UNITS[key]) is None:
             fault, spelled = None, weight
         if fault is not None:
             reading.fault(cell, fault.message, fault.hint)
-    elif bracket and key in ("psi", "loss_factor", "magnifier", "ratio") and spelled not in ("", "1", "%"):
+    elif (
+        bracket
+        and key in ("psi", "loss_factor", "magnifier", "ratio")
+        and spelled not in ("", "1", "%")
+    ):
         reading.fault(cell, f"`{title}` has no unit", f"write `{title}`")
     return key, spelled or UNITS.get(key, ""), title.strip()
 
 
-def _mass(row: list[Cell], columns: list[tuple[str, str, str]], plain: Callable[[str], str], reading: _Reading) -> Mass:
+def _mass(
+    row: list[Cell],
+    columns: list[tuple[str, str, str]],
+    plain: Callable[[str], str],
+    reading: _Reading,
+) -> Mass:
     """Read one row."""
     values, unread, ratio = dict[str, str](), list[str](), Fraction(1)
     if len(row) > len(columns) and any(cell.text for cell in row[len(columns) :]):
@@ -141,12 +156,16 @@ def _mass(row: list[Cell], columns: list[tuple[str, str, str]], plain: Callable[
         elif key == "ratio":
             ratio = _ratio(cell, plain(cell.text), reading)
         elif not is_number(plain(cell.text)):
-            reading.fault(cell, f"`{cell.text}` is not a number", "write a number, or leave the cell empty")
+            reading.fault(
+                cell, f"`{cell.text}` is not a number", "write a number, or leave the cell empty"
+            )
         else:
             values[key] = f"{plain(cell.text)} {unit}".strip()
     name = values.pop("name", "") or (f"mass {values['no']}" if "no" in values else "")
     if not name:
-        reading.fault(row[0], "the row has neither a name nor a number", "add a column `name` or `no`")
+        reading.fault(
+            row[0], "the row has neither a name nor a number", "add a column `name` or `no`"
+        )
     values.pop("no", None)
     return Mass(name, row[0].line, values, ratio, tuple(unread))
 
@@ -159,7 +178,9 @@ def _ratio(cell: Cell, text: str, reading: _Reading) -> Fraction:
         ratio = Fraction(0)
     if ratio <= 0:
         reading.fault(
-            cell, f"`{cell.text}` is not a speed ratio", "write speed of the mass / speed of the first: 23/71"
+            cell,
+            f"`{cell.text}` is not a speed ratio",
+            "write speed of the mass / speed of the first: 23/71",
         )
         return Fraction(1)
     return ratio
@@ -171,24 +192,37 @@ def _check_links(masses: list[Mass], rows: list[list[Cell]], reading: _Reading) 
         elastic = [key for key in ("stiffness", "flexibility") if key in mass.values]
         is_last = place + 1 == len(masses)
         if len(elastic) > 1:
-            reading.fault(row[0], f"'{mass.name}' has a stiffness and a flexibility", "leave one of them empty")
+            reading.fault(
+                row[0],
+                f"'{mass.name}' has a stiffness and a flexibility",
+                "leave one of them empty",
+            )
         if is_last and any(key in mass.values for key in LINK):
             reading.fault(
-                row[0], f"'{mass.name}' is the last mass and has a shaft to the next", "leave its cells empty"
+                row[0],
+                f"'{mass.name}' is the last mass and has a shaft to the next",
+                "leave its cells empty",
             )
         if not is_last and not elastic and masses[place + 1].ratio == mass.ratio:
             hint = "write it, or 0 in a column `flexibility` for a rigid connection"
             reading.fault(row[0], f"'{mass.name}' has no stiffness to the next mass", hint)
         if len([key for key in ("inertia", "gd2", "wr2") if key in mass.values]) > 1:
-            reading.fault(row[0], f"'{mass.name}' states its inertia twice", "leave one of the cells empty")
+            reading.fault(
+                row[0], f"'{mass.name}' states its inertia twice", "leave one of the cells empty"
+            )
 
 
 def _editor_masses(source: Source) -> list[Mass]:
     """Read the disks and discrete shafts of an openTorsion-Editor file in their order."""
     try:
         data = json.loads(source.text)
-        elements = [(part["name"], element) for part in data["components"] for element in part["elements"]]
-        kinds = [(f"{component}.{element['name']}", element["type"], element) for component, element in elements]
+        elements = [
+            (part["name"], element) for part in data["components"] for element in part["elements"]
+        ]
+        kinds = [
+            (f"{component}.{element['name']}", element["type"], element)
+            for component, element in elements
+        ]
     except (ValueError, KeyError, TypeError, RecursionError):
         hint = "expected: components: [{name, elements: [{name, type: Disk, inertia: 1.0}, ...]}]"
         raise input_error(
@@ -200,7 +234,9 @@ def _editor_masses(source: Source) -> list[Mass]:
             values = _editor_values(element, {"inertia": "inertia", "damping": "ground"})
             masses.append(Mass(name, 1, values, unread=_unread(element, ("inertia", "damping"))))
         elif kind == "ShaftDiscrete" and masses:
-            masses[-1].values.update(_editor_values(element, {"stiffness": "stiffness", "damping": "viscous"}))
+            masses[-1].values.update(
+                _editor_values(element, {"stiffness": "stiffness", "damping": "viscous"})
+            )
         else:
             hint = "elements that are read: Disk, and ShaftDiscrete after a Disk"
             faults.append(Fault((), f"'{name}' of type {kind} is not read", hint, line=1, column=1))
@@ -223,7 +259,11 @@ def _editor_values(element: dict[str, object], keys: dict[str, str]) -> dict[str
 
 def _unread(element: dict[str, object], keys: Iterable[str]) -> tuple[str, ...]:
     known = {"name", "type", *keys}
-    return tuple(f"{key}: {json.dumps(value)}" for key, value in element.items() if key not in known and value)
+    return tuple(
+        f"{key}: {json.dumps(value)}"
+        for key, value in element.items()
+        if key not in known and value
+    )
 
 
 def _model_file(masses: list[Mass], title: str, *, referred: bool) -> str:
@@ -236,7 +276,9 @@ def _model_file(masses: list[Mass], title: str, *, referred: bool) -> str:
         names.append(name)
     for place, (mass, name) in enumerate(zip(masses, names, strict=True)):
         lines += [f"  # not read of {name}: {words}" for words in mass.unread]
-        lines.append(f"  - disc: {{name: {_quoted(name)}{_inertia(mass)}{_key('damping', mass.values.get('ground'))}}}")
+        lines.append(
+            f"  - disc: {{name: {_quoted(name)}{_inertia(mass)}{_key('damping', mass.values.get('ground'))}}}"
+        )
         if place + 1 == len(masses):
             break
         following = names[place + 1]
@@ -246,7 +288,9 @@ def _model_file(masses: list[Mass], title: str, *, referred: bool) -> str:
         ratio = mass.ratio / masses[place + 1].ratio
         if ratio != 1:
             extra = ", referred: true" if referred else ""
-            lines.append(f"  - gear: {{name: {_quoted(f'gear before {following}')}, ratio: {ratio}{extra}}}")
+            lines.append(
+                f"  - gear: {{name: {_quoted(f'gear before {following}')}, ratio: {ratio}{extra}}}"
+            )
     return "\n".join(lines) + "\n"
 
 
@@ -255,7 +299,9 @@ def _inertia(mass: Mass) -> str:
     if "gd2" in mass.values:
         number, unit = units.amount(mass.values["gd2"])
         return _key("inertia", f"{float(number / 4)!r} {unit}")
-    return _key("inertia", mass.values.get("inertia") or mass.values.get("wr2") or f"0 {UNITS['inertia']}")
+    return _key(
+        "inertia", mass.values.get("inertia") or mass.values.get("wr2") or f"0 {UNITS['inertia']}"
+    )
 
 
 def _key(key: str, value: str | None) -> str:

@@ -67,11 +67,19 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
     """
     _check(system)
     grid = np.array([speed])
-    acting = [one for one in excitations(system) if one.line.order is not None and order in (None, one.line.order)]
+    acting = [
+        one
+        for one in excitations(system)
+        if one.line.order is not None and order in (None, one.line.order)
+    ]
     if not acting:
-        known = ", ".join(str(one.line.order) for one in excitations(system) if one.line.order is not None)
+        known = ", ".join(
+            str(one.line.order) for one in excitations(system) if one.line.order is not None
+        )
         raise refusal(f"order {order} does not excite the train", f"orders: {known or 'none'}")
-    response = response_of_orders(study, system, [one.line.order for one in acting if one.line.order], grid)
+    response = response_of_orders(
+        study, system, [one.line.order for one in acting if one.line.order], grid
+    )
     system = response.system
     steady = steady_if_known(study, system, grid)
     frequencies = np.array([float(one.line.circular_frequency(grid)[0]) for one in acting])  # rad/s
@@ -85,7 +93,14 @@ def modelica(study: Study, system: System, speed: float, order: Fraction | None 
     title = _safe(f"{study.name}: vibration at {speed * 30.0 / np.pi:.6g} rpm")
     end = 2.0 * np.pi * PERIODS / float(frequencies.min())
     experiment = f'annotation(uses(Modelica(version="4.0.0")), experiment(StopTime={end!r}, Tolerance=1e-9));'
-    lines = [f'model Train "{title}"', *text.declared, "equation", *text.connections, f"  {experiment}", "end Train;"]
+    lines = [
+        f'model Train "{title}"',
+        *text.declared,
+        "equation",
+        *text.connections,
+        f"  {experiment}",
+        "end Train;",
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -97,18 +112,25 @@ def _safe(text: str) -> str:
 def _check(system: System) -> None:
     """Refuse what has no counterpart in the library."""
     reasons = {
-        f"the model {system.model} has no discrete components (write `model: lumped`)": system.bars is not None,
-        "a universal joint has no counterpart in Modelica.Mechanics.Rotational": any(s.error for s in system.own_spans),
+        f"the model {system.model} has no discrete components (write `model: lumped`)": system.bars
+        is not None,
+        "a universal joint has no counterpart in Modelica.Mechanics.Rotational": any(
+            s.error for s in system.own_spans
+        ),
         "a coupling that follows its amplitude has no linear counterpart": (
             system.train.has_nonlinear_couplings or system.train.has_tables_over("vibratory torque")
         ),
-        "damping by mode has no counterpart; give the components their damping": bool(system.train.modal_damping),
+        "damping by mode has no counterpart; give the components their damping": bool(
+            system.train.modal_damping
+        ),
     }
     if faults := [Fault((), reason) for reason, is_so in reasons.items() if is_so]:
         raise InputError(faults)
 
 
-def _stiffness_and_damping(study: Study, system: System, speed: float, frequencies: FloatArray) -> FloatArray:
+def _stiffness_and_damping(
+    study: Study, system: System, speed: float, frequencies: FloatArray
+) -> FloatArray:
     """(spans, 2) N m/rad and N m s/rad; zero for a rigid span. Raises InputError for a loss at several frequencies."""
     grid = np.array([speed])
     steady = steady_if_known(study, system, grid)
@@ -119,7 +141,9 @@ def _stiffness_and_damping(study: Study, system: System, speed: float, frequenci
             [
                 [
                     float(np.ravel(part)[0])
-                    for part in system.elastic(span, np.array([[frequency]]), mean[span][:, None], grid[:, None])
+                    for part in system.elastic(
+                        span, np.array([[frequency]]), mean[span][:, None], grid[:, None]
+                    )
                 ]
                 for frequency in frequencies
             ]
@@ -130,13 +154,17 @@ def _stiffness_and_damping(study: Study, system: System, speed: float, frequenci
             np.ptp(damping) / max(abs(damping).max(), 1e-300),
         ]
         if max(spread) > SAME_DAMPING:
-            message = f"stiffness and damping of '{system.spans[span].name}' differ from order to order"
+            message = (
+                f"stiffness and damping of '{system.spans[span].name}' differ from order to order"
+            )
             raise refusal(message, "write one order at a time: --order 1/2")
         values[span] = (0.0 if np.isinf(system.flexibility[span]) else pairs[0, 0]), damping[0]
     return values
 
 
-def _declare_stations(text: _Text, system: System, response: Response, frequencies: FloatArray) -> None:
+def _declare_stations(
+    text: _Text, system: System, response: Response, frequencies: FloatArray
+) -> None:
     """Declare inertias and fixed stations; the first inertia of every rigid group has the start values."""
     angles = response.angle[0]  # (orders, stations) complex
     angle, velocity = angles.real.sum(0), (1j * frequencies[:, None] * angles).real.sum(0)
@@ -153,7 +181,10 @@ def _declare_stations(text: _Text, system: System, response: Response, frequenci
                 started.add(int(groups[number]))
                 modifiers += f", phi(start={float(angle[number])!r}, fixed=true)"
                 modifiers += f", w(start={float(velocity[number])!r}, fixed=true)"
-            text.join(number, f"{text.declare(f'{ROTATIONAL}.Components.Inertia', station.name, modifiers)}.flange_a")
+            text.join(
+                number,
+                f"{text.declare(f'{ROTATIONAL}.Components.Inertia', station.name, modifiers)}.flange_a",
+            )
 
 
 def _declare_spans(text: _Text, system: System, values: FloatArray) -> None:
@@ -171,7 +202,9 @@ def _declare_spans(text: _Text, system: System, values: FloatArray) -> None:
             part = text.declare(f"{ROTATIONAL}.Sensors.TorqueSensor", span.name)
             ends.append((f"{part}.flange_a", f"{part}.flange_b"))
         if ratio != 1:
-            gear = text.declare(f"{ROTATIONAL}.Components.IdealGear", f"{span.name} gear", f"ratio={1.0 / ratio!r}")
+            gear = text.declare(
+                f"{ROTATIONAL}.Components.IdealGear", f"{span.name} gear", f"ratio={1.0 / ratio!r}"
+            )
             ends.append((f"{gear}.flange_a", f"{gear}.flange_b"))
         text.join(span.driving, ends[0][0])
         if len(ends) == 2:
@@ -185,12 +218,16 @@ def _declare_ground_damping(text: _Text, system: System, damping: FloatArray) ->
     ground = text.declare(f"{ROTATIONAL}.Components.Fixed", "ground") if stations else ""
     for station in stations:
         label = f"{system.stations[station].name} to ground"
-        damper = text.declare(f"{ROTATIONAL}.Components.Damper", label, f"d={float(damping[station])!r}")
+        damper = text.declare(
+            f"{ROTATIONAL}.Components.Damper", label, f"d={float(damping[station])!r}"
+        )
         text.join(station, f"{damper}.flange_a")
         text.connect(f"{damper}.flange_b", f"{ground}.flange")
 
 
-def _declare_torques(text: _Text, study: Study, system: System, acting: list[Excitation], speed: float) -> None:
+def _declare_torques(
+    text: _Text, study: Study, system: System, acting: list[Excitation], speed: float
+) -> None:
     """Declare a sine and a torque for every harmonic component at every station; cos(wt + p) = sin(wt + p + pi/2)."""
     grid = np.array([speed])
     steady = steady_if_known(study, system, grid)
@@ -202,6 +239,8 @@ def _declare_torques(text: _Text, study: Study, system: System, acting: list[Exc
             phase = float(np.angle(phasor)) + np.pi / 2.0
             modifiers = f"amplitude={abs(phasor)!r}, f={frequency!r}, phase={phase!r}"
             sine = text.declare("Modelica.Blocks.Sources.Sine", label, modifiers)
-            source = text.declare(f"{ROTATIONAL}.Sources.Torque", f"{label} torque", "useSupport=false")
+            source = text.declare(
+                f"{ROTATIONAL}.Sources.Torque", f"{label} torque", "useSupport=false"
+            )
             text.connect(f"{sine}.y", f"{source}.tau")
             text.join(torque.station, f"{source}.flange")

@@ -52,7 +52,11 @@ def state_space(
     grid = np.array([speed])
     steady = steady_if_known(study, system, grid) if speed else None
     view = matrices(system, ground_damping=ground_damping(system, grid, steady)[:, 0])
-    massless = [name for name, inertia in zip(view.names, np.diag(view.inertia), strict=True) if not inertia > 0]
+    massless = [
+        name
+        for name, inertia in zip(view.names, np.diag(view.inertia), strict=True)
+        if not inertia > 0
+    ]
     if massless:
         hint = "give it an inertia, or join the shafts on both sides into one"
         raise refusal(f"'{massless[0]}' has no inertia, and its angle is no state", hint)
@@ -105,7 +109,13 @@ def write_state_space(model: StateSpace, file: Path) -> None:
     if file.suffix.lower() == ".mat":
         from scipy.io import savemat
 
-        savemat(file, {key: one if one.dtype.kind == "f" else one.astype(object) for key, one in arrays.items()})
+        savemat(
+            file,
+            {
+                key: one if one.dtype.kind == "f" else one.astype(object)
+                for key, one in arrays.items()
+            },
+        )
         return
     with file.open("wb") as target:
         np.savez(target, allow_pickle=True, **arrays)

@@ -18,7 +18,9 @@ TOLERANCE = 2e-16  # of the logarithm of an amplitude
 GOLDEN = 0.3819660112501051  # (3 - sqrt 5)/2
 NARROWED = 45  # times by 0.618: to 4e-10 of two samples, where a minimum is flat to rounding
 LARGEST = 1e4  # rad: no twist of a shaft; beyond it a solution is taken as unbounded
-Ratio = Callable[[FloatArray, IntArray], FloatArray]  # amplitude (any,) rad of columns (any,) to A / twist(A)
+Ratio = Callable[
+    [FloatArray, IntArray], FloatArray
+]  # amplitude (any,) rad of columns (any,) to A / twist(A)
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,11 @@ def amplitudes(
 ) -> Amplitudes:
     """Every solution between `bottom` and `top` (columns,) rad, which the samples divide evenly in the logarithm."""
     column, roots = solutions(ratio, bottom, top, samples)
-    largest, smallest, number = np.zeros(len(bottom)), np.full(len(bottom), np.inf), np.zeros(len(bottom), dtype=int)
+    largest, smallest, number = (
+        np.zeros(len(bottom)),
+        np.full(len(bottom), np.inf),
+        np.zeros(len(bottom), dtype=int),
+    )
     np.maximum.at(largest, column, roots)
     np.minimum.at(smallest, column, roots)
     np.add.at(number, column, 1)
@@ -54,18 +60,24 @@ def amplitudes(
     return Amplitudes(largest, np.where(number > 0, smallest, 0.0), nearest, number)
 
 
-def solutions(ratio: Ratio, bottom: FloatArray, top: FloatArray, samples: int = SAMPLES) -> tuple[IntArray, FloatArray]:
+def solutions(
+    ratio: Ratio, bottom: FloatArray, top: FloatArray, samples: int = SAMPLES
+) -> tuple[IntArray, FloatArray]:
     """Column and amplitude of every solution, as of `amplitudes`."""
     columns = np.arange(len(bottom))
     steps = np.linspace(0.0, 1.0, samples)[:, None]
     at = np.exp(np.log(bottom) * (1.0 - steps) + np.log(top) * steps)
     rows = max(VALUES // max(len(bottom), 1), 1)
     parts = [at[begin : begin + rows] for begin in range(0, samples, rows)]
-    found = np.concatenate([ratio(part.ravel(), np.tile(columns, len(part))).reshape(part.shape) for part in parts])
+    found = np.concatenate(
+        [ratio(part.ravel(), np.tile(columns, len(part))).reshape(part.shape) for part in parts]
+    )
     step, column = np.nonzero((found[:-1] < 1.0) != (found[1:] < 1.0))
     low, high = at[step, column], at[step + 1, column]
     first, second, of = _dips(ratio, at, found)
-    column, low, high = (np.concatenate(each) for each in ([column, of, of], [low, *first], [high, *second]))
+    column, low, high = (
+        np.concatenate(each) for each in ([column, of, of], [low, *first], [high, *second])
+    )
     return column, _roots(ratio, column, low, high)
 
 
@@ -73,7 +85,9 @@ def _dips(
     ratio: Ratio, at: FloatArray, found: FloatArray
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], IntArray]:
     """Brackets of the two solutions in every dip below 1 between samples that all lie above: lows, highs, columns."""
-    step, column = np.nonzero((found[1:-1] >= 1.0) & (found[1:-1] <= found[:-2]) & (found[1:-1] <= found[2:]))
+    step, column = np.nonzero(
+        (found[1:-1] >= 1.0) & (found[1:-1] <= found[:-2]) & (found[1:-1] <= found[2:])
+    )
     begin, end = at[step, column], at[step + 2, column]
     if not step.size:
         return (begin, begin), (end, end), column
@@ -115,7 +129,11 @@ def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) ->
                 break
             part, rise = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
             smooth = (rise**2 < part) & ((1.0 - rise) ** 2 < 1.0 - part)
-            inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
-            step = np.where(smooth & np.isfinite(inverse), np.clip(inverse, least, 1.0 - least), 0.5)
+            inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (
+                f3 - f1
+            ) * f2 / (f3 - f2)
+            step = np.where(
+                smooth & np.isfinite(inverse), np.clip(inverse, least, 1.0 - least), 0.5
+            )
             step = np.where((least > 0.5) | (f == 0.0), 0.0, step)
     return low * np.exp(np.where(np.abs(f1) <= np.abs(f2), x1, x2))

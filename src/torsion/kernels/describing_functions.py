@@ -27,7 +27,9 @@ def ramp(offset: FloatArray, amplitude: FloatArray) -> tuple[FloatArray, FloatAr
     >>> [float(one.round(15)) for one in ramp(np.array(0.0), np.array(2.0))]
     [0.636619772367581, 0.5, 0.5]
     """
-    below, above = (np.clip((amplitude + side * offset) / amplitude, 0.0, 2.0) for side in (1.0, -1.0))
+    below, above = (
+        np.clip((amplitude + side * offset) / amplitude, 0.0, 2.0) for side in (1.0, -1.0)
+    )
     moment, share, time = _above_zero(below, above)
     whole = above == 0.0
     mean = np.where(whole, offset, amplitude * moment)
@@ -45,7 +47,9 @@ def _above_zero(below: FloatArray, above: FloatArray) -> tuple[FloatArray, Float
 
 
 @source("Caughey1960")
-def slider(amplitude: FloatArray, torque: float, stiffness: float, half: float = 0.0) -> ComplexArray:
+def slider(
+    amplitude: FloatArray, torque: float, stiffness: float, half: float = 0.0
+) -> ComplexArray:
     """(amplitudes,) N m/rad of a spring in series with a slider, behind a play of `half` rad to either side.
 
     Half a cycle from the largest twist on is torque - k (min(d, e1) - min(d, e2) + min(d, e3)), d = A (1 - cos(phi)).
@@ -103,13 +107,17 @@ class PiecewiseCoupling:
     def scale(self) -> float:
         """rad, the largest twist at which something begins."""
         return max(
-            *(begin for begin, _ in self.springs), *(one.half + one.torque / one.stiffness for one in self.sliders), 0.0
+            *(begin for begin, _ in self.springs),
+            *(one.half + one.torque / one.stiffness for one in self.sliders),
+            0.0,
         )
 
     @property
     def whole(self) -> float:
         """N m/rad of all together."""
-        return sum(stiffness for _, stiffness in self.springs) + sum(one.stiffness for one in self.sliders)
+        return sum(stiffness for _, stiffness in self.springs) + sum(
+            one.stiffness for one in self.sliders
+        )
 
     @property
     def stuck(self) -> float:
@@ -134,7 +142,9 @@ class PiecewiseCoupling:
     def first(self, mean: FloatArray) -> FloatArray:
         """(columns,) rad, the smallest amplitude at which the coupling ceases to be linear about its mean twist."""
         at = self.static(mean)
-        near = [np.abs(begin - at) if begin else np.full(len(at), np.inf) for begin, _ in self.springs]
+        near = [
+            np.abs(begin - at) if begin else np.full(len(at), np.inf) for begin, _ in self.springs
+        ]
         slips = [np.full(len(at), one.half or one.torque / one.stiffness) for one in self.sliders]
         return np.asarray(np.min([*near, *slips], axis=0))
 
@@ -147,14 +157,19 @@ class PiecewiseCoupling:
         if not (self.half or self.stages):
             return np.asarray(mean / total)
         at = np.where(
-            mean > 0.0, np.where(amplitude < mean / self.stiffness, self.half + mean / self.stiffness, rest), 0.0
+            mean > 0.0,
+            np.where(amplitude < mean / self.stiffness, self.half + mean / self.stiffness, rest),
+            0.0,
         )
         at = np.clip(at, low, high)
         todo = np.flatnonzero(mean > 0.0)
         for _ in range(STEPS):
             carried, slope = self._carried(at[todo], amplitude[todo])
             over = carried - mean[todo]
-            low[todo], high[todo] = np.where(over <= 0, at[todo], low[todo]), np.where(over > 0, at[todo], high[todo])
+            low[todo], high[todo] = (
+                np.where(over <= 0, at[todo], low[todo]),
+                np.where(over > 0, at[todo], high[todo]),
+            )
             with np.errstate(divide="ignore", invalid="ignore"):
                 step = at[todo] - over / slope
             inside = (step > low[todo]) & (step < high[todo])
@@ -185,13 +200,17 @@ class PiecewiseCoupling:
         carried, slope = np.zeros((2, len(at)))
         later = [one for one in self.springs if one[0]]
         means, _, times = ramp(
-            np.array([_sides(at, begin) for begin, _ in later]).reshape(len(later), 2, len(at)), amplitude
+            np.array([_sides(at, begin) for begin, _ in later]).reshape(len(later), 2, len(at)),
+            amplitude,
         )
         for begin, stiffness in self.springs:
             if not begin:
                 carried, slope = carried + stiffness * at, slope + stiffness
         for (_, stiffness), mean, time in zip(later, means, times, strict=True):
-            carried, slope = carried + stiffness * (mean[0] - mean[1]), slope + stiffness * (time[0] + time[1])
+            carried, slope = (
+                carried + stiffness * (mean[0] - mean[1]),
+                slope + stiffness * (time[0] + time[1]),
+            )
         return carried, slope
 
 

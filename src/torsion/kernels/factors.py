@@ -12,9 +12,13 @@ from torsion.kernels.lapack import bidiagonal_singular_values, call, jacobi_svd
 from torsion.kernels.reduction import ReducedTrain
 from torsion.kernels.tree import Tree, rerooted_at_middle
 
-_BODIES_FOR_JACOBI = 30  # above, rotations are slower than a plain decomposition followed by a correction (measured)
+_BODIES_FOR_JACOBI = (
+    30  # above, rotations are slower than a plain decomposition followed by a correction (measured)
+)
 _BODIES_FOR_SQUARE = 150  # above, the eigenvalues of the square take a third of the time of a decomposition (measured)
-_BODIES_FOR_BAND = 150  # above, rotations within a narrow band take a third to a tenth of the time (measured)
+_BODIES_FOR_BAND = (
+    150  # above, rotations within a narrow band take a third to a tenth of the time (measured)
+)
 _SPREAD = 1e6  # of singular values that a plain decomposition leaves right to about 1e-10
 _SPREAD_OF_COLUMNS = 1e3  # beyond which that of the singular values is not worth finding first
 _SPREAD_OF_SQUARE = 1e5  # whose squares are right to about 1e-5
@@ -31,7 +35,9 @@ def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
     ends = _chain_grounds(train)
     if ends is not None:
         way = slice(None, None, -1 if ends[0] > 0.0 else 1)
-        factor = bidiagonal_factor(train.inertia[way], train.stiffness[way], ends[0] if ends[0] > 0.0 else ends[1])
+        factor = bidiagonal_factor(
+            train.inertia[way], train.stiffness[way], ends[0] if ends[0] > 0.0 else ends[1]
+        )
         return bidiagonal_singular_values(*factor)[:elastic][::-1]
     values = banded_values(train) if len(train.inertia) > _BODIES_FOR_BAND else None
     if values is not None or len(train.inertia) > _BODIES_FOR_DENSE:
@@ -43,7 +49,9 @@ def start_frequencies(train: ReducedTrain, elastic: int) -> FloatArray | None:
 
 def _singular_values(factor: FloatArray) -> FloatArray:
     """Singular values (columns,), ascending, by the cheapest way that is accurate enough for how far apart they are."""
-    size = np.linalg.norm(factor, axis=0)  # of the columns; singular values are at least as far apart
+    size = np.linalg.norm(
+        factor, axis=0
+    )  # of the columns; singular values are at least as far apart
     if len(factor) > _BODIES_FOR_SQUARE and size.min() * _SPREAD_OF_SQUARE > size.max():
         square: FloatArray = np.linalg.eigvalsh(factor.T @ factor).astype(np.float64, copy=False)
         if square[0] * _SPREAD_OF_SQUARE**2 > square[-1]:
@@ -51,7 +59,9 @@ def _singular_values(factor: FloatArray) -> FloatArray:
     is_small = len(factor) <= _BODIES_FOR_JACOBI
     if is_small and not size.min() * _SPREAD_OF_COLUMNS > size.max():
         return jacobi_svd(factor)[1][::-1]
-    values: FloatArray = np.linalg.svd(factor, compute_uv=False)[::-1].astype(np.float64, copy=False)
+    values: FloatArray = np.linalg.svd(factor, compute_uv=False)[::-1].astype(
+        np.float64, copy=False
+    )
     if is_small and not values[0] * _SPREAD > values[-1]:
         return jacobi_svd(factor)[1][::-1]
     return values
@@ -101,14 +111,18 @@ def _chain_grounds(train: ReducedTrain) -> tuple[float, float] | None:
     """Ties to ground of the first and the last body, if the train is a chain in its numbering tied at most at one."""
     bodies, ground = len(train.inertia), train.ground.tolist()
     along = list(range(bodies))
-    if not (train.acyclic and train.inner.tolist() == along[:-1] and train.outer.tolist() == along[1:]):
+    if not (
+        train.acyclic and train.inner.tolist() == along[:-1] and train.outer.tolist() == along[1:]
+    ):
         return None
     if any(ground[1:-1]) or (bodies > 1 and ground[0] > 0.0 and ground[-1] > 0.0):
         return None
     return (0.0, ground[0]) if bodies == 1 else (ground[0], ground[-1])
 
 
-def bidiagonal_factor(inertia: FloatArray, stiffness: FloatArray, ground: float) -> tuple[FloatArray, FloatArray]:
+def bidiagonal_factor(
+    inertia: FloatArray, stiffness: FloatArray, ground: float
+) -> tuple[FloatArray, FloatArray]:
     """Diagonal (n,) and superdiagonal (n - 1,) of diag(k)^1/2 B diag(J)^-1/2, last row for the tie to ground."""
     diagonal = np.empty(len(inertia))
     diagonal[:-1] = np.sqrt(stiffness / inertia[:-1])
@@ -128,12 +142,16 @@ def banded_values(train: ReducedTrain) -> FloatArray | None:
     parent, soft = np.append(-1, train.inner[order]), np.append(0.0, 1.0 / train.stiffness[order])
     if not (train.acyclic and (parent[1:] < train.outer[order]).all()):
         return None
-    tree = rerooted_at_middle(Tree(parent, soft, train.inertia, np.zeros(bodies, dtype=np.bool_))).tree
+    tree = rerooted_at_middle(
+        Tree(parent, soft, train.inertia, np.zeros(bodies, dtype=np.bool_))
+    ).tree
     above = np.arange(bodies - 1) - tree.parent[1:]
     if above.max() > _WIDEST_BAND * bodies:
         return None
     root, strength = 1.0 / np.sqrt(tree.inertia), 1.0 / np.sqrt(tree.flexibility[1:])
-    band = np.zeros((int(above.max()) + 2, bodies - 1), order="F")  # the main diagonal is the last row but one
+    band = np.zeros(
+        (int(above.max()) + 2, bodies - 1), order="F"
+    )  # the main diagonal is the last row but one
     band[-1] = -strength * root[1:]
     band[-2 - above, np.arange(bodies - 1)] = strength * root[tree.parent[1:]]
     two = _two_diagonals(band)
@@ -147,9 +165,32 @@ def _two_diagonals(band: FloatArray) -> tuple[FloatArray, FloatArray] | None:
     Rotations within the band: dgbbrd.
     """
     rows, columns = band.shape
-    diagonal, off, work, none = np.empty(columns), np.empty(columns), np.empty(2 * columns + 2), np.empty(1)
+    diagonal, off, work, none = (
+        np.empty(columns),
+        np.empty(columns),
+        np.empty(2 * columns + 2),
+        np.empty(1),
+    )
     found = call(
-        "dgbbrd", "v ciiiiididddidididi", b"N", columns + 1, columns, 0, 1, rows - 2,
-        band, rows, diagonal, off, none, 1, none, 1, none, 1, work, 0,
-    )  # fmt: skip
+        "dgbbrd",
+        "v ciiiiididddidididi",
+        b"N",
+        columns + 1,
+        columns,
+        0,
+        1,
+        rows - 2,
+        band,
+        rows,
+        diagonal,
+        off,
+        none,
+        1,
+        none,
+        1,
+        none,
+        1,
+        work,
+        0,
+    )
     return None if found is None or found[-1] != 0 else (np.abs(diagonal), np.abs(off[:-1]))

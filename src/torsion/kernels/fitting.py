@@ -19,7 +19,9 @@ FARTHEST = 3.7  # deviations beforehand that a value may move: 1 of 4600 by chan
 START = 1.5  # deviations beforehand at which further searches begin
 DISTINCT = 0.05  # deviations beforehand by which one value at least differs between two minima
 SAME = 1e-6  # of the sum of squares: by as much rounding moves a minimum
-AS_WELL = 6.0  # of the sum of squares, by which data and prior make a minimum 1/20 as likely as the best
+AS_WELL = (
+    6.0  # of the sum of squares, by which data and prior make a minimum 1/20 as likely as the best
+)
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,9 @@ class Identified:
     singular: FloatArray  # (values,) descending; 0 where there are fewer measurements
     directions: FloatArray  # (values, values) a row for each, in prior deviations
     unseen: BoolArray  # (values,) directions that leave every measured value as it is
-    covariance: FloatArray  # (values, values) of the values in prior deviations, data and prior together
+    covariance: (
+        FloatArray  # (values, values) of the values in prior deviations, data and prior together
+    )
 
     @property
     def rank(self) -> int:
@@ -99,7 +103,9 @@ class Fitted:
 
     def interval(self, half: float) -> tuple[FloatArray, FloatArray]:
         """Ends (values,) so many deviations below and above, over this minimum and all others."""
-        each = half * np.array([np.sqrt(np.diag(identified(one.jacobian).covariance)) for one in self.minima])
+        each = half * np.array(
+            [np.sqrt(np.diag(identified(one.jacobian).covariance)) for one in self.minima]
+        )
         middle = np.array([one.values for one in self.minima])
         return (middle - each).min(axis=0), (middle + each).max(axis=0)
 
@@ -109,9 +115,11 @@ class _KnownMinimum(Exception):
 
 
 def fitted(
-    residual: Callable[[FloatArray], FloatArray], jacobian: Callable[[FloatArray], FloatArray], count: int,
+    residual: Callable[[FloatArray], FloatArray],
+    jacobian: Callable[[FloatArray], FloatArray],
+    count: int,
     beyond: Callable[[FloatArray], Iterable[FloatArray]] = lambda _: (),
-) -> Fitted:  # fmt: skip
+) -> Fitted:
     """The best of searches from 0, the values beforehand, and from each of them moved by `START` deviations of 1.
 
     Where a measurement passes from one value to another, as a frequency does where modes cross, each side has a least
@@ -149,16 +157,20 @@ def fitted(
         except (SolveError, _KnownMinimum):
             continue
     least = min(one.squares for one in found)
-    best = next(one for one in found if one.squares <= least + SAME)  # the first, where it is as good
+    best = next(
+        one for one in found if one.squares <= least + SAME
+    )  # the first, where it is as good
     rest = sorted((one for one in found if one is not best), key=lambda one: one.squares)
     others = (one for one in rest if one.converged and one.squares < least + AS_WELL)
     return replace(best, steps=steps, searches=searches, others=tuple(others))
 
 
 def _searched(
-    residual: Callable[[FloatArray], FloatArray], jacobian: Callable[[FloatArray], FloatArray], start: FloatArray,
+    residual: Callable[[FloatArray], FloatArray],
+    jacobian: Callable[[FloatArray], FloatArray],
+    start: FloatArray,
     tolerance: float,
-) -> Fitted:  # fmt: skip
+) -> Fitted:
     from scipy.optimize import least_squares
 
     def both(values: FloatArray) -> FloatArray:
@@ -168,8 +180,17 @@ def _searched(
         return np.vstack([jacobian(values), np.eye(len(start))])
 
     found: Any = least_squares(
-        both, start, jac=slopes, bounds=(-FARTHEST, FARTHEST), method="trf",
-        xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=MOST_STEPS,
-    )  # fmt: skip
+        both,
+        start,
+        jac=slopes,
+        bounds=(-FARTHEST, FARTHEST),
+        method="trf",
+        xtol=tolerance,
+        ftol=tolerance,
+        gtol=tolerance,
+        max_nfev=MOST_STEPS,
+    )
     data = slice(None, -len(start))
-    return Fitted(found.x, found.fun[data], found.jac[data], int(found.njev), bool(found.status > 0))
+    return Fitted(
+        found.x, found.fun[data], found.jac[data], int(found.njev), bool(found.status > 0)
+    )

@@ -14,7 +14,10 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 
-LOWEST, HIGHEST = (0.0, 0.01, 0.0), (0.8, 1.5, 1.0)  # bore, height of the step (both / diameter); radius / height
+LOWEST, HIGHEST = (
+    (0.0, 0.01, 0.0),
+    (0.8, 1.5, 1.0),
+)  # bore, height of the step (both / diameter); radius / height
 SIZES = (7, 16, 8)
 FILE = "junction_table.txt"
 
@@ -53,7 +56,8 @@ def table_places() -> list[FloatArray]:
     """Of bore, height and radius: where the table has values."""
     low, high = _smooth(LOWEST), _smooth(HIGHEST)
     bore, height, fillet = (
-        a + (b - a) * (1.0 + _nodes(size)) / 2.0 for a, b, size in zip(low, high, SIZES, strict=True)
+        a + (b - a) * (1.0 + _nodes(size)) / 2.0
+        for a, b, size in zip(low, high, SIZES, strict=True)
     )
     return [bore, np.exp(height), fillet**1.5]
 

@@ -56,7 +56,9 @@ def routine(name: str, kinds: str) -> Callable[..., Any] | None:
     capsule = getattr(cython_lapack, "__pyx_capi__", {}).get(name)
     if capsule is None:
         return None
-    name_of = ctypes.PYFUNCTYPE(ctypes.c_char_p, ctypes.py_object)(("PyCapsule_GetName", ctypes.pythonapi))
+    name_of = ctypes.PYFUNCTYPE(ctypes.c_char_p, ctypes.py_object)(
+        ("PyCapsule_GetName", ctypes.pythonapi)
+    )
     address_of = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)(
         ("PyCapsule_GetPointer", ctypes.pythonapi)
     )
@@ -76,7 +78,11 @@ def is_expected(signature: str, kinds: str) -> bool:
     head, _, rest = signature.partition(" (")
     letters = {"void": "v", "int": "i", "char *": "c", "int *": "i", "double *": "d"}
     given = [kind.strip() for kind in rest.rstrip(")").split(",")]
-    found = [letters.get(head, "?"), " ", *("d" if kind.endswith("_d *") else letters.get(kind, "?") for kind in given)]
+    found = [
+        letters.get(head, "?"),
+        " ",
+        *("d" if kind.endswith("_d *") else letters.get(kind, "?") for kind in given),
+    ]
     return "".join(found) == kinds
 
 
@@ -90,7 +96,11 @@ def bidiagonal_singular_values(diagonal: FloatArray, off_diagonal: FloatArray) -
     values, off, work = np.array(diagonal, dtype=np.float64), np.zeros(size), np.empty(4 * size)
     off[: size - 1] = off_diagonal
     found = call("dlasq1", "v idddi", size, values, off, work, 0)
-    return golub_kahan_singular_values(diagonal, off_diagonal) if found is None or found[-1] != 0 else values
+    return (
+        golub_kahan_singular_values(diagonal, off_diagonal)
+        if found is None or found[-1] != 0
+        else values
+    )
 
 
 def golub_kahan_singular_values(diagonal: FloatArray, off_diagonal: FloatArray) -> FloatArray:
@@ -101,7 +111,9 @@ def golub_kahan_singular_values(diagonal: FloatArray, off_diagonal: FloatArray) 
     off = np.empty(2 * size - 1)
     off[0::2] = diagonal
     off[1::2] = off_diagonal
-    values = eigh_tridiagonal(np.zeros(2 * size), off, eigvals_only=True, lapack_driver="stebz", tol=_STEBZ_TOLERANCE)
+    values = eigh_tridiagonal(
+        np.zeros(2 * size), off, eigvals_only=True, lapack_driver="stebz", tol=_STEBZ_TOLERANCE
+    )
     return np.maximum(np.asarray(values, dtype=np.float64)[size:][::-1], 0.0)
 
 
@@ -115,18 +127,39 @@ def jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, Float
     if rows < columns:
         raise ValueError(f"jacobi_svd needs rows >= columns, got {rows} x {columns}")
     left = np.array(matrix, dtype=np.float64, order="F")
-    values, right = np.empty(columns), np.empty((columns, columns) if "V" in vectors else (1, 1), order="F")
-    work, jobs = np.zeros(max(6, rows + columns)), (b"U" if "U" in vectors else b"N", b"V" if "V" in vectors else b"N")
+    values, right = (
+        np.empty(columns),
+        np.empty((columns, columns) if "V" in vectors else (1, 1), order="F"),
+    )
+    work, jobs = (
+        np.zeros(max(6, rows + columns)),
+        (b"U" if "U" in vectors else b"N", b"V" if "V" in vectors else b"N"),
+    )
     found = columns and call(
-        "dgesvj", "v ccciididididii", b"G", *jobs, rows, columns,
-        left, rows, values, 0, right, max(len(right), 1), work, len(work), 0,
-    )  # fmt: skip
+        "dgesvj",
+        "v ccciididididii",
+        b"G",
+        *jobs,
+        rows,
+        columns,
+        left,
+        rows,
+        values,
+        0,
+        right,
+        max(len(right), 1),
+        work,
+        len(work),
+        0,
+    )
     if not found or found[-1] != 0:
         return preconditioned_jacobi_svd(matrix, vectors)
     return left, values * work[0], right
 
 
-def preconditioned_jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[FloatArray, FloatArray, FloatArray]:
+def preconditioned_jacobi_svd(
+    matrix: FloatArray, vectors: str = ""
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Like `jacobi_svd`, through the public dgejsv (joba=2: its default loses the small values)."""
     from scipy.linalg import lapack
 
@@ -138,7 +171,9 @@ def preconditioned_jacobi_svd(matrix: FloatArray, vectors: str = "") -> tuple[Fl
         matrix, joba=_DGEJSV_FULL_ACCURACY, jobr=1, jobt=0, jobp=0, **jobs
     )
     if info != 0:
-        raise SolveError(f"dgejsv did not converge (info {info}); check the train for spans of 0 or infinite stiffness")
+        raise SolveError(
+            f"dgejsv did not converge (info {info}); check the train for spans of 0 or infinite stiffness"
+        )
     return left[:, :columns], values * (work[0] / work[1]), right
 
 
@@ -146,5 +181,7 @@ def _at(array: FloatArray) -> int:
     """Address of an array that LAPACK may write to."""
     if array.dtype != np.float64 or not (array.flags.c_contiguous or array.flags.f_contiguous):
         raise ValueError("LAPACK needs contiguous float64")
-    address: int = array.__array_interface__["data"][0]  # a quarter of the time of `array.ctypes.data`
+    address: int = array.__array_interface__["data"][
+        0
+    ]  # a quarter of the time of `array.ctypes.data`
     return address

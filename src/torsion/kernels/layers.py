@@ -18,7 +18,9 @@ class Layer(NamedTuple):
 
     stations: slice
     above: slice
-    is_in_line: bool  # each of those above has one child, in the same order; then the rest is not needed
+    is_in_line: (
+        bool  # each of those above has one child, in the same order; then the rest is not needed
+    )
     parent: IntArray  # (stations,) position among those above
     children: IntArray  # (ranks, above) station of each child; no ranks in large families
     siblings: IntArray  # (distances, stations) station at each distance round the family; none in large ones
@@ -57,13 +59,21 @@ def layers_of(parent: IntArray) -> tuple[Layer, ...] | None:
         else:
             few = most if most <= _MOST_AT_ONCE else 0
             near = siblings[: max(few - 1, 0), stations]
-            families = () if few else tuple(slice(e - n, e) for e, n in zip(sums[above], number[above], strict=True))
+            families = (
+                ()
+                if few
+                else tuple(slice(e - n, e) for e, n in zip(sums[above], number[above], strict=True))
+            )
             parents = parent[stations] - begin
-            layers.append(Layer(stations, above, False, parents, children[:few, above], near, families))
+            layers.append(
+                Layer(stations, above, False, parents, children[:few, above], near, families)
+            )
     return tuple(layers)
 
 
-def _round_families(parent: IntArray, number: IntArray, end: IntArray, distance: IntArray) -> IntArray:
+def _round_families(
+    parent: IntArray, number: IntArray, end: IntArray, distance: IntArray
+) -> IntArray:
     """The siblings (distances, stations) that stand `distance` (distances, 1) on, beginning anew after the last."""
     there, size = np.arange(len(parent)) + distance, number[parent]
     there -= np.where(there >= end[parent], size, 0)
@@ -115,12 +125,17 @@ def of_the_rest(layer: Layer, above: FloatArray, passed: FloatArray, out: FloatA
         for sibling in passed.take(layer.siblings, 0):
             np.add(out, sibling, out)
     for family in layer.families:
-        own, rows = passed[family], out[family.start - layer.stations.start : family.stop - layer.stations.start]
+        own, rows = (
+            passed[family],
+            out[family.start - layer.stations.start : family.stop - layer.stations.start],
+        )
         rows[1:] += np.add.accumulate(own[:-1], axis=0)
         rows[:-1] += np.add.accumulate(own[:0:-1], axis=0)[::-1]
 
 
-def share(children: Sequence[int], through: list[Any], rest: list[Any], remainder: Any, add: Any = np.add) -> None:
+def share(
+    children: Sequence[int], through: list[Any], rest: list[Any], remainder: Any, add: Any = np.add
+) -> None:
     """Give every child the sum of all the others: by sums from both ends, never as the total minus its own."""
     if len(children) == 1:
         rest[children[0]] = remainder

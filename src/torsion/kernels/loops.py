@@ -12,7 +12,14 @@ from torsion.kernels.factors import star_mesh_factor
 from torsion.kernels.lapack import jacobi_svd
 from torsion.kernels.mode_shapes import Shapes, TreeModes, shape_sign
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, rigidity, with_reactions
+from torsion.kernels.reduction import (
+    Rigidity,
+    cut,
+    reduce_tree,
+    rigid_shapes,
+    rigidity,
+    with_reactions,
+)
 from torsion.kernels.repeated import orthogonalise, orthonormal, repeated_groups
 from torsion.kernels.spanning_forest import closing_no_loop, walk
 from torsion.kernels.tree import Rerooted, Tree
@@ -23,8 +30,12 @@ from torsion.sources import source
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 _ROUNDING = 2.0**-52
-_ROUNDING_PER_BODY = 4.0  # half width of the enclosure in rounding units a body; measured errors are below 4 in all
-_SHIFTS = 0.3 ** np.arange(1.0, 25.0)  # relative distances at which a response may be taken; far ones round the least
+_ROUNDING_PER_BODY = (
+    4.0  # half width of the enclosure in rounding units a body; measured errors are below 4 in all
+)
+_SHIFTS = 0.3 ** np.arange(
+    1.0, 25.0
+)  # relative distances at which a response may be taken; far ones round the least
 _STEPS = 3  # of inverse iteration; the Jacobi shapes it starts from are right to rounding already
 
 
@@ -40,7 +51,13 @@ class LoopedTrain(Rerooted):
         """Modes with torques in stations and chords, at the given stations, spans and chords."""
         torque, size = self.torques(found.torque), len(self.station)
         angle, rigid_angle = self.angles(found.angle), self.angles(found.rigid_angle)
-        return replace(found, angle=angle, rigid_angle=rigid_angle, torque=torque[:size], loop_torque=torque[size:])
+        return replace(
+            found,
+            angle=angle,
+            rigid_angle=rigid_angle,
+            torque=torque[:size],
+            loop_torque=torque[size:],
+        )
 
 
 @dataclass(frozen=True)
@@ -85,16 +102,18 @@ def graph_modes(
     torque = _with_all_reactions(train, solved, known, torque)
     frequency = frequency[:wanted]
     margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(known.elastic, 1))
-    return train.given(TreeModes(
-        frequency=frequency,
-        lower=frequency - margin,
-        upper=frequency + margin,
-        angle=angle,
-        torque=torque,
-        rigid=len(known.free_roots),
-        rigid_angle=rigid_shapes(train.tree, known),
-        certified=False,
-    ))  # fmt: skip
+    return train.given(
+        TreeModes(
+            frequency=frequency,
+            lower=frequency - margin,
+            upper=frequency + margin,
+            angle=angle,
+            torque=torque,
+            rigid=len(known.free_roots),
+            rigid_angle=rigid_shapes(train.tree, known),
+            certified=False,
+        )
+    )
 
 
 def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, FloatArray]:
@@ -107,7 +126,9 @@ def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, Floa
     return values[::-1], angle[known.body]
 
 
-def _shapes(tree: Tree, train: LoopedTrain, frequency: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _shapes(
+    tree: Tree, train: LoopedTrain, frequency: FloatArray, start: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Angles (stations, m), torques (stations + chords, m), mass-normalised, by inverse iteration from `start`."""
     inertia = tree.moving_inertia[:, None]
     root = np.sqrt(inertia)
@@ -142,7 +163,9 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
     acting = np.where(tree.held, 0.0, pairs(tree.size, *ends))
     units = [forced(tree, sides, np.repeat(row[:, None], len(w), axis=1)) for row in acting]
     twist = around(tree, *ends) * tree.flexibility
-    system = np.stack([-(twist @ torque).T for _, torque in units], axis=2) + np.diag(train.flexibility)
+    system = np.stack([-(twist @ torque).T for _, torque in units], axis=2) + np.diag(
+        train.flexibility
+    )
 
     def respond(load: FloatArray) -> tuple[FloatArray, FloatArray]:
         angle, torque = forced(tree, sides, load)
@@ -154,7 +177,9 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
     return respond
 
 
-def _with_all_reactions(train: LoopedTrain, solved: Tree, known: Rigidity, torque: FloatArray) -> FloatArray:
+def _with_all_reactions(
+    train: LoopedTrain, solved: Tree, known: Rigidity, torque: FloatArray
+) -> FloatArray:
     """Torques (stations + chords, m) with those of rigid spans between fixed stations."""
     if solved is train.tree:
         return torque
@@ -193,7 +218,10 @@ def looped_response(
         for part, row in zip(opened[1:], torque, strict=True):
             angles += part.angle * row
             torques += part.torque * row
-        loss[~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0)) | np.isnan(loss)] = np.inf
+        loss[
+            ~np.isfinite(angles.sum(axis=0) + torques.sum(axis=0) + torque.sum(axis=0))
+            | np.isnan(loss)
+        ] = np.inf
         result = TreeResponse(angles, torques, torques, np.empty_like(loss), loss, torque)
         problem = pose(tree, w, _rows(force) + pair.T @ torque, twist=twist, **given)
         result.residual[:] = np.fmax(residual_of(problem, result), _chord_residual(chords, result))
@@ -206,14 +234,20 @@ def _rows(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _loop_torques(
-    chords: Chords, sign: FloatArray, opened: list[TreeResponse], hc: NDArray[Any], twist: NDArray[Any] | None
+    chords: Chords,
+    sign: FloatArray,
+    opened: list[TreeResponse],
+    hc: NDArray[Any],
+    twist: NDArray[Any] | None,
 ) -> tuple[ComplexArray, FloatArray]:
     """Torques (chords, frequencies), and the loss of digits (frequencies,) of the equations they solve."""
     own = np.broadcast_to(_rows(chords.compliance), (len(sign), opened[0].torque.shape[1]))
     open_twist = _rows(chords.twist) + sign @ (hc * opened[0].torque)
     if twist is not None:
         open_twist = open_twist - sign @ _rows(twist)
-    matrix = np.stack([-(sign @ (hc * part.torque)).T for part in opened[1:]], axis=-1)  # (frequencies, chords, chords)
+    matrix = np.stack(
+        [-(sign @ (hc * part.torque)).T for part in opened[1:]], axis=-1
+    )  # (frequencies, chords, chords)
     terms = sum(np.abs(sign) @ np.abs(hc * part.torque) for part in opened[1:]) + np.abs(own)
     chord, one = np.arange(len(sign)), np.eye(len(sign))
     matrix[:, chord, chord] += own.T
@@ -223,7 +257,9 @@ def _loop_torques(
     least = np.linalg.svd(scaled, compute_uv=False)[:, -1]
     lost |= least == 0
     scaled[lost] = one
-    torque: ComplexArray = np.linalg.solve(scaled, right[:, :, None])[:, :, 0].T.astype(np.complex128)
+    torque: ComplexArray = np.linalg.solve(scaled, right[:, :, None])[:, :, 0].T.astype(
+        np.complex128
+    )
     torque[:, lost] = np.nan
     return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / least))
 
@@ -232,13 +268,17 @@ def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
     """Worst residual (frequencies,) of the equation of any chord, relative to the terms in it."""
     wound, twist = _rows(chords.compliance) * answer.chord_torque, _rows(chords.twist)
     begin, end = answer.angle[chords.begin], answer.angle[chords.end]
-    error = np.abs(end - begin + wound - twist) / (np.abs(end) + np.abs(begin) + np.abs(wound) + np.abs(twist))
+    error = np.abs(end - begin + wound - twist) / (
+        np.abs(end) + np.abs(begin) + np.abs(wound) + np.abs(twist)
+    )
     worst: FloatArray = np.fmax.reduce(error, axis=0, initial=0.0)
     return worst
 
 
 @source("Kruskal1956")
-def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray) -> LoopedTrain:
+def stiffest_tree(
+    tree: Tree, first: IntArray, second: IntArray, flexibility: FloatArray
+) -> LoopedTrain:
     """Tear every loop at its softest span (Kruskal 1956): what is torn is then a correction, not the main path.
 
     The root of a part is a fixed station wherever there is one, so that angles are sums of twists from the ground.
@@ -259,7 +299,9 @@ def stiffest_tree(tree: Tree, first: IntArray, second: IntArray, flexibility: Fl
     source[span[inside]] = inside
     sign[span[inside], 0] = np.where(station[far[span[inside]]] == inside, 1.0, -1.0)
     source[torn], sign[torn] = tree.size + np.arange(len(torn)), 1.0
-    return LoopedTrain(new, station, source, sign, station[near[torn]], station[far[torn]], soft[torn])
+    return LoopedTrain(
+        new, station, source, sign, station[near[torn]], station[far[torn]], soft[torn]
+    )
 
 
 def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
@@ -275,7 +317,9 @@ def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
                 sign[chord, here[side]] += direction
                 here[side] = tree.parents[here[side]]
         if here[0] != here[1] and not tree.held[here].all():
-            raise ValueError(f"chord {chord} is the only connection of two parts; expected it in the tree")
+            raise ValueError(
+                f"chord {chord} is the only connection of two parts; expected it in the tree"
+            )
     return sign
 
 

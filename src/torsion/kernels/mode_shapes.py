@@ -17,7 +17,9 @@ from torsion.kernels.two_sides import TwoSides, sides_of, spread
 _LARGEST_BLOCK = 2**20  # stations times columns of shapes at once; 8 MB an array (measured)
 _LEAST_COLUMNS = 64  # at once, however many stations
 _NUDGES = (2.0**-51, -(2.0**-51), 2.0**-50)  # relative changes of a frequency that do not matter
-_EQUAL_SIZE = 1e-6  # relative; components that near count as equal when the sign of a shape is chosen
+_EQUAL_SIZE = (
+    1e-6  # relative; components that near count as equal when the sign of a shape is chosen
+)
 _OF_STATIONS, _OF_MODES = ("angle", "torque", "inner", "outer"), ("correction", "passed")
 
 
@@ -36,7 +38,9 @@ class Shapes:
     def empty(cls, tree: Tree, columns: int) -> "Shapes":
         """Shapes yet to be put in."""
         angle, torque = np.empty((2, tree.size, columns))
-        return cls(angle, torque, *np.empty((2, len(tree.shaft_parent), columns)), *np.empty((2, columns)))
+        return cls(
+            angle, torque, *np.empty((2, len(tree.shaft_parent), columns)), *np.empty((2, columns))
+        )
 
     @classmethod
     def of_springs(cls, angle: FloatArray, torque: FloatArray) -> "Shapes":
@@ -91,9 +95,13 @@ class TreeModes:
     angle: FloatArray  # (stations, m) rad; the first of the largest components positive
     torque: FloatArray  # (stations, m) N m, at the root end of span i as it acts on the side of the leaves; 0 at a root
     rigid: int  # number of rigid motions, known from the graph
-    rigid_angle: FloatArray  # (stations, rigid) rad; constant over each free part, generalised inertia 1
+    rigid_angle: (
+        FloatArray  # (stations, rigid) rad; constant over each free part, generalised inertia 1
+    )
     certified: bool = True  # whether `lower` and `upper` are proven, up to the stated rounding of the laws of shafts
-    loop_torque: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # (loops, m) N m, on the second station
+    loop_torque: FloatArray = field(
+        default_factory=lambda: np.empty((0, 0))
+    )  # (loops, m) N m, on the second station
     shafts: ShaftModes | None = None
 
 
@@ -137,7 +145,9 @@ def free_shapes(tree: Tree, w: FloatArray) -> Shapes:
         mass = _weighted(tree.moving_inertia, np.multiply(angle, angle, product[: tree.size]))
         inner = outer = angle[:0]
         if tree.shafts is not None and isinstance(sides, TwoSides) and is_toward_root is not None:
-            inner, outer = _end_torques(tree, tree.shafts.node, sides, angle, torque, is_toward_root)
+            inner, outer = _end_torques(
+                tree, tree.shafts.node, sides, angle, torque, is_toward_root
+            )
             mass = mass + shaft_inertia(tree, tree.shafts.slopes(w * w), angle, torque).sum(axis=0)
         correction = sides.total[start, column] / mass
         passed /= np.where(mass < np.inf, mass, np.nan)
@@ -166,13 +176,27 @@ def _least_residual(tree: Tree, total: FloatArray) -> IntArray:
 
 
 def _end_torques(
-    tree: Tree, node: IntArray, sides: TwoSides, angle: FloatArray, torque: FloatArray, is_toward_root: BoolArray
+    tree: Tree,
+    node: IntArray,
+    sides: TwoSides,
+    angle: FloatArray,
+    torque: FloatArray,
+    is_toward_root: BoolArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Torques (shafts, m) N m at the inner and the outer end of each shaft: a stiffness times an angle."""
-    a, b, middle, of_rest = angle[tree.shaft_parent], angle[node], torque[node], is_toward_root[node]
+    a, b, middle, of_rest = (
+        angle[tree.shaft_parent],
+        angle[node],
+        torque[node],
+        is_toward_root[node],
+    )
     near, far = sides.rest[node], sides.branch[node]
-    inner = np.where(np.isinf(near), middle, np.where(of_rest, -near, sides.branch_passed[node]) * a)
-    return inner, np.where(np.isinf(far), middle, np.where(of_rest, -sides.rest_passed[node], far) * b)
+    inner = np.where(
+        np.isinf(near), middle, np.where(of_rest, -near, sides.branch_passed[node]) * a
+    )
+    return inner, np.where(
+        np.isinf(far), middle, np.where(of_rest, -sides.rest_passed[node], far) * b
+    )
 
 
 def shaft_inertia(tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatArray) -> FloatArray:
@@ -187,10 +211,14 @@ def shaft_elastic(tree: Tree, slopes: Slopes, angle: FloatArray, torque: FloatAr
     """Twice the elastic energy (shafts, m) of each shaft in shapes, N m."""
     square, (a, b, t) = slopes.square, _of_shafts(tree, angle, torque)
     ends = slopes.inner_slope * (a * a) + slopes.outer_slope * (b * b)
-    return np.asarray((slopes.flexibility + square * slopes.flexibility_slope) * (t * t) + square * square * ends)
+    return np.asarray(
+        (slopes.flexibility + square * slopes.flexibility_slope) * (t * t) + square * square * ends
+    )
 
 
-def _of_shafts(tree: Tree, angle: FloatArray, torque: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _of_shafts(
+    tree: Tree, angle: FloatArray, torque: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Angles (shafts, m) at the inner and the outer end, and the torques between them."""
     node = tree.springs[:0] if tree.shafts is None else tree.shafts.node
     return angle[tree.shaft_parent], angle[node], torque[node]

@@ -18,21 +18,36 @@ from torsion.kernels.mode_shapes import (
     shape_sign,
     shapes_at,
 )
-from torsion.kernels.reduction import Rigidity, cut, reduce_tree, rigid_shapes, rigidity, with_reactions
+from torsion.kernels.reduction import (
+    Rigidity,
+    cut,
+    reduce_tree,
+    rigid_shapes,
+    rigidity,
+    with_reactions,
+)
 from torsion.kernels.repeated import orthogonalise, repeated_groups, repeated_shapes
 from torsion.kernels.sturm import bisect, brackets, enclose
 from torsion.kernels.tree import Tree, rerooted_at_middle
 from torsion.sources import source
 
-_SETTLED = 1e-14  # relative change of a frequency after which its shape is that of the final frequency
+_SETTLED = (
+    1e-14  # relative change of a frequency after which its shape is that of the final frequency
+)
 _STEPS = 3  # more; Rayleigh quotients converge cubically, and a start that needs more is bisected instead
 _STEPS_OF_SHAFTS = 6  # Newton's, from a bracket
-_TRUSTED = 0.1  # relative distance from the start beyond which a step is taken to have left its mode
+_TRUSTED = (
+    0.1  # relative distance from the start beyond which a step is taken to have left its mode
+)
 _BEYOND = 1e-2  # of the width of a bracket that a step may leave it by
 _OFF = 5e-2  # relative, that a given start may be off
 _START_BISECTION = 1e-5  # relative; near enough for Rayleigh steps
-_STATIONS_FOR_COUNTS = 300  # from which the few lowest modes of a branched tree are sooner found by counts (measured)
-_STATIONS_FOR_BAND = 1500  # up to which all frequencies of a narrow tree are sooner found than the lowest by counts
+_STATIONS_FOR_COUNTS = (
+    300  # from which the few lowest modes of a branched tree are sooner found by counts (measured)
+)
+_STATIONS_FOR_BAND = (
+    1500  # up to which all frequencies of a narrow tree are sooner found than the lowest by counts
+)
 _FEW = 0.05  # of all modes
 _FULL_BISECTION = 2.0**-52
 _LONG = 2000  # stations in a row from which few modes are faster found one by one (measured)
@@ -56,7 +71,12 @@ def tree_modes(
     With distributed shafts, `start` (count,) rad/s may give frequencies near the modes, ascending; and a mode above
     0.95 times the lowest frequency of a shaft with both ends fixed raises SolveError.
     """
-    if count is not None and tree.shafts is None and tree.size >= _LONG and 0 < count * _STATIONS_A_MODE <= tree.size:
+    if (
+        count is not None
+        and tree.shafts is None
+        and tree.size >= _LONG
+        and 0 < count * _STATIONS_A_MODE <= tree.size
+    ):
         from torsion.kernels.long_chain.long_chain_modes import long_chain_modes
 
         long = long_chain_modes(tree, count, progress=progress)
@@ -78,13 +98,17 @@ def tree_modes(
         if wrong.any():
             shapes = shapes_at(swept, frequency)
         if swept is not solved:
-            shapes = replace(shapes, angle=rerooted.angles(shapes.angle), torque=rerooted.torques(shapes.torque))
+            shapes = replace(
+                shapes, angle=rerooted.angles(shapes.angle), torque=rerooted.torques(shapes.torque)
+            )
         _complete(solved, frequency, shapes)
     torque, of_shafts = _with_shafts(solved, frequency, shapes)
     if solved is not tree:
         torque, of_shafts = _with_reactions(tree, known, torque, of_shafts)
     rigid_angle = rigid_shapes(tree.static, known)
-    return TreeModes(frequency, lower, upper, shapes.angle, torque, rigid, rigid_angle, shafts=of_shafts)
+    return TreeModes(
+        frequency, lower, upper, shapes.angle, torque, rigid, rigid_angle, shafts=of_shafts
+    )
 
 
 def _start(
@@ -101,7 +125,9 @@ def _start(
         low, high = brackets(swept, modes)
         room = _BEYOND * (high - low)
         return low + 0.5 * (high - low), low - room, high + room
-    is_few = not tree.is_chain and tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * known.elastic
+    is_few = (
+        not tree.is_chain and tree.size > _STATIONS_FOR_COUNTS and wanted <= _FEW * known.elastic
+    )
     train = reduce_tree(tree, known)
     if is_few:
         start = banded_values(train) if tree.size <= _STATIONS_FOR_BAND else None
@@ -113,7 +139,9 @@ def _start(
     return start, start * (1.0 - _TRUSTED), start * (1.0 + _TRUSTED)
 
 
-def _polish(tree: Tree, frequency: FloatArray, low: FloatArray, high: FloatArray) -> tuple[FloatArray, Shapes]:
+def _polish(
+    tree: Tree, frequency: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, Shapes]:
     """Frequencies (m,) after Rayleigh's steps within `low` and `high`, ascending, and the shapes that go with them."""
     shapes = shapes_at(tree, frequency)
     left, correction = np.arange(len(frequency)), shapes.correction
@@ -153,9 +181,13 @@ def _enclosed(
         if not proven.all():
             where = ", ".join(f"{w:.6g}" for w in frequency[~proven])
             remedy = (
-                "divide the shafts more finely" if tree.shafts is not None else "request fewer modes, or `model: exact`"
+                "divide the shafts more finely"
+                if tree.shafts is not None
+                else "request fewer modes, or `model: exact`"
             )
-            raise SolveError(f"the natural frequencies near {where} rad/s could not be enclosed; {remedy}")
+            raise SolveError(
+                f"the natural frequencies near {where} rad/s could not be enclosed; {remedy}"
+            )
     return frequency, lower, upper, wrong
 
 
@@ -168,7 +200,9 @@ def _complete(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
     shapes.scale(shape_sign(shapes.angle))
 
 
-def _with_shafts(tree: Tree, frequency: FloatArray, shapes: Shapes) -> tuple[FloatArray, ShaftModes | None]:
+def _with_shafts(
+    tree: Tree, frequency: FloatArray, shapes: Shapes
+) -> tuple[FloatArray, ShaftModes | None]:
     """Torques (stations, m) at the root ends of the spans, and what distributed shafts add."""
     if tree.shafts is None:
         return shapes.torque, None

@@ -25,7 +25,9 @@ from torsion.kernels.tree import Tree
 
 _UNIT_ROUNDOFF = 2.0**-53
 _ROUNDINGS = 10.0  # of a term of M or a load, besides those of sums: r, its products, h r, the torque passed on
-_OF_STIFFNESS = 5.0  # of what a span passes on, less its margin, if 1 + h z is taken to be that of another h
+_OF_STIFFNESS = (
+    5.0  # of what a span passes on, less its margin, if 1 + h z is taken to be that of another h
+)
 _EIGENVALUE = 8.0  # roundings of the eigenvalues of a matrix whose entries are below 1, times its size squared
 
 
@@ -44,7 +46,12 @@ class Network:
             place = np.arange(tree.flexibility.shape[1])[trains]
             laws = tuple(law.chosen(place) for law in shafts.laws if isinstance(law, Columns))
             shafts = replace(shafts, laws=laws)
-        some = replace(tree, flexibility=tree.flexibility[:, trains], inertia=tree.inertia[:, trains], shafts=shafts)
+        some = replace(
+            tree,
+            flexibility=tree.flexibility[:, trains],
+            inertia=tree.inertia[:, trains],
+            shafts=shafts,
+        )
         return replace(self, tree=some, chord=self.chord[:, trains])
 
 
@@ -52,23 +59,32 @@ class Network:
 class Way:
     """How to eliminate toward a root, with angles q of the tree for each chord; the last axis: 1 or trains."""
 
-    steps: list[tuple[int, int, int]]  # station, the one toward the root, the span between; the leaves first
+    steps: list[
+        tuple[int, int, int]
+    ]  # station, the one toward the root, the span between; the leaves first
     root: int
     sign: FloatArray  # (chords, stations, .) torque of each pair through the span toward the root
     torque: FloatArray  # (chords, stations, .) of q in the same spans
     load: FloatArray  # (chords, stations, .) of the pairs, less those torques
     lift: FloatArray  # (chords, .) angle of the root in q
     basis: FloatArray | None = None  # (chords, chords, trains) chord torques in place of unit ones
-    terms: FloatArray | None = None  # (chords, stations, trains) like `load`: sum of its terms without signs
+    terms: FloatArray | None = (
+        None  # (chords, stations, trains) like `load`: sum of its terms without signs
+    )
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Way":
         """For some of the trains."""
         if self.basis is None or self.terms is None:
             return self
-        rows = {name: getattr(self, name)[..., trains] for name in ("torque", "load", "lift", "basis", "terms", "sign")}
+        rows = {
+            name: getattr(self, name)[..., trains]
+            for name in ("torque", "load", "lift", "basis", "terms", "sign")
+        }
         return replace(self, **rows)
 
-    def modal(self, held: BoolArray, chord_torque: FloatArray, torque: FloatArray, lift: FloatArray) -> "Way":
+    def modal(
+        self, held: BoolArray, chord_torque: FloatArray, torque: FloatArray, lift: FloatArray
+    ) -> "Way":
         """With the shape of a mode as q of its `chord_torque` (chords, trains), in place of the largest of them.
 
         torque: (stations, trains) in the spans toward the root; lift: (trains,) angle of the root.
@@ -111,13 +127,20 @@ class Elimination:
         self.way, self.lean, self.fixed, of_laws = way, lean, tree.held.tolist(), square
         if lean:
             of_square, of_argument, of_stiffness = margins(tree, square)
-            of_square, self.margin = of_square + 2.0 * _UNIT_ROUNDOFF, of_stiffness + 2.0 * _UNIT_ROUNDOFF  # other root
+            of_square, self.margin = (
+                of_square + 2.0 * _UNIT_ROUNDOFF,
+                of_stiffness + 2.0 * _UNIT_ROUNDOFF,
+            )  # other root
             of_laws, square = square * (1.0 + lean * of_argument), square * (1.0 + lean * of_square)
         a, h = tree.moving_inertia * square, tree.flexibility.astype(square.dtype)
         if tree.shafts is not None:
             h[tree.shafts.node], inner, outer = tree.shafts.at(of_laws)
             tree.add_ends(a, inner * square, outer * square)
-        self.inertia, self.flexibility, self.stiffness = a, h, np.where(tree.held[:, None], np.inf, -a)
+        self.inertia, self.flexibility, self.stiffness = (
+            a,
+            h,
+            np.where(tree.held[:, None], np.inf, -a),
+        )
         self.negative, self.number = np.zeros(len(square), dtype=np.int64), len(trains.chord)
         if self.number:
             self._begin(trains)
@@ -129,8 +152,14 @@ class Elimination:
     def _begin(self, trains: Network) -> None:
         """M of q alone, and the loads that q leaves."""
         way, a, h, tree = self.way, self.inertia, self.flexibility, trains.tree
-        spans = tree.size if way.basis is not None else np.count_nonzero(way.torque, axis=1).max(initial=0)
-        self.term = (2 * tree.most_children + _ROUNDINGS) * _UNIT_ROUNDOFF  # of a product of loads, or one passed on
+        spans = (
+            tree.size
+            if way.basis is not None
+            else np.count_nonzero(way.torque, axis=1).max(initial=0)
+        )
+        self.term = (
+            2 * tree.most_children + _ROUNDINGS
+        ) * _UNIT_ROUNDOFF  # of a product of loads, or one passed on
         self.unit = self.term + spans * _UNIT_ROUNDOFF  # with those of q
         basis = np.eye(self.number)[:, :, None] if way.basis is None else way.basis
         self.q = np.zeros((self.number, *a.shape), a.dtype)
@@ -144,15 +173,22 @@ class Elimination:
         self.load = own + way.load
         self.matrix += np.einsum("kit,lit->klt", own, self.q)
         if self.lean:
-            self._begin_bounds(np.abs(np.einsum("klt,lt,mlt->kmt", np.abs(basis), trains.chord, np.abs(basis))))
+            self._begin_bounds(
+                np.abs(np.einsum("klt,lt,mlt->kmt", np.abs(basis), trains.chord, np.abs(basis)))
+            )
 
     def _begin_bounds(self, size: FloatArray) -> None:
         way, h = self.way, self.flexibility
-        self.reach, self.size = np.zeros_like(self.q), size  # reach: sum of the terms of q without signs
+        self.reach, self.size = (
+            np.zeros_like(self.q),
+            size,
+        )  # reach: sum of the terms of q without signs
         self.reach[:, way.root] = np.abs(way.lift)
         for station, near, span in reversed(way.steps):
             s, t = np.abs(way.sign[:, station]), np.abs(way.torque[:, station])
-            self.reach[:, station] = t * h[span] + (0.0 if self.fixed[near] else self.reach[:, near])
+            self.reach[:, station] = t * h[span] + (
+                0.0 if self.fixed[near] else self.reach[:, near]
+            )
             self.size += h[span] * (product(s, t) if way.basis is None else product(s + t, s + t))
         own = self.inertia * self.reach
         self.size += np.einsum("kit,lit->klt", own, self.reach)
@@ -193,19 +229,30 @@ class Elimination:
         if self.lean:
             less = self.lean * self.margin * np.abs(through)
             through = through - less
-            if self.number and not self.fixed[near]:  # what is passed on less is as inertia of the next station
+            if (
+                self.number and not self.fixed[near]
+            ):  # what is passed on less is as inertia of the next station
                 self._lessen(i, near, less, np.abs(through), np.abs(rest))
         self.stiffness[near] += through
-        if self.number and not self.fixed[near]:  # every span has a copy of a fixed station of its own
+        if (
+            self.number and not self.fixed[near]
+        ):  # every span has a copy of a fixed station of its own
             self.load[:, near] += rest * f
 
     def _bound(self, i: int, weight: FloatArray) -> None:
         own, room = np.abs(self.load[:, i]), self.load_error[:, i]
-        self.error += np.abs(weight) * (product(own + room, own + room) * (1.0 + self.term) - product(own, own))
+        self.error += np.abs(weight) * (
+            product(own + room, own + room) * (1.0 + self.term) - product(own, own)
+        )
 
-    def _lessen(self, i: int, near: int, less: FloatArray, through: FloatArray, rest: FloatArray) -> None:
+    def _lessen(
+        self, i: int, near: int, less: FloatArray, through: FloatArray, rest: FloatArray
+    ) -> None:
         q, room = self.q[:, near], self.unit * self.reach[:, near]
-        most, amount = np.abs(q) + room, _OF_STIFFNESS * _UNIT_ROUNDOFF * through  # by which `less` is not right
+        most, amount = (
+            np.abs(q) + room,
+            _OF_STIFFNESS * _UNIT_ROUNDOFF * through,
+        )  # by which `less` is not right
         self.load[:, near] += less * q
         self.matrix += less * product(q, q)
         beside = amount * most + np.abs(less) * room
@@ -216,7 +263,9 @@ class Elimination:
     @property
     def at_root(self) -> tuple[NDArray[Any], NDArray[Any]]:
         """Stiffness (trains,) and loads (chords, trains) that are left there."""
-        return self.stiffness[self.way.root], self.load[:, self.way.root] if self.number else np.empty((0, 0))
+        return self.stiffness[self.way.root], self.load[
+            :, self.way.root
+        ] if self.number else np.empty((0, 0))
 
 
 def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntArray:
@@ -229,11 +278,17 @@ def network_count(trains: Network, w: FloatArray, lean: float, way: Way) -> IntA
         stiffness, load = seen.at_root
         own, room, root = np.abs(load), seen.load_error[:, way.root], np.abs(1.0 / stiffness)
         last = product(load, load) / stiffness
-        error = seen.error + root * (product(own + room, own + room) - (1.0 - 4.0 * _UNIT_ROUNDOFF) * product(own, own))
+        error = seen.error + root * (
+            product(own + room, own + room) - (1.0 - 4.0 * _UNIT_ROUNDOFF) * product(own, own)
+        )
         chord = np.arange(number)
         scale = np.sqrt((seen.size + np.abs(last))[chord, chord])
-        matrix, error = ((one / product(scale, scale)).transpose(2, 0, 1) for one in (seen.matrix + last, error))
-        matrix[:, chord, chord] += lean * (error.sum(axis=2) + _EIGENVALUE * number**2 * _UNIT_ROUNDOFF)
+        matrix, error = (
+            (one / product(scale, scale)).transpose(2, 0, 1) for one in (seen.matrix + last, error)
+        )
+        matrix[:, chord, chord] += lean * (
+            error.sum(axis=2) + _EIGENVALUE * number**2 * _UNIT_ROUNDOFF
+        )
     lost = ~np.isfinite(matrix).all(axis=(1, 2))
     matrix[lost] = lean * np.eye(number)
     below = (np.linalg.eigvalsh(matrix) < 0.0).sum(axis=1)
@@ -249,7 +304,9 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
         chord_torque = _least(seen.matrix + product(load, load) / stiffness)
         f = np.einsum("kt,kst->st", chord_torque, seen.load)
         q = np.einsum("kt,kst->st", chord_torque, seen.q)
-        torque = np.einsum("kt,kst->st", chord_torque, np.broadcast_to(way.torque, seen.load.shape)).copy()
+        torque = np.einsum(
+            "kt,kst->st", chord_torque, np.broadcast_to(way.torque, seen.load.shape)
+        ).copy()
         angle = np.zeros_like(f)
         angle[way.root] = f[way.root] / stiffness
         for i, near, span in reversed(way.steps):
@@ -262,7 +319,11 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
                 angle[i] = rest * (beside + h * f[i])
                 torque[i] += rest * (f[i] - seen.stiffness[i] * beside)
         lift = angle[way.root]
-        lost = ~(np.isfinite(torque).all(axis=0) & np.isfinite(lift) & np.isfinite(chord_torque).all(axis=0))
+        lost = ~(
+            np.isfinite(torque).all(axis=0)
+            & np.isfinite(lift)
+            & np.isfinite(chord_torque).all(axis=0)
+        )
         torque[:, lost], lift, chord_torque[:, lost] = 0.0, np.where(lost, 0.0, lift), 1.0
         modal = way.modal(trains.tree.held, chord_torque, torque, lift)
         own = Elimination(trains, square, modal)
@@ -270,7 +331,9 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
         stiffness, load = own.at_root
         matrix = (own.matrix + product(load, load) / stiffness)[row, row, column]
         change = -matrix / (own.inertia * own.q[row, :, column].T ** 2).sum(axis=0)
-    return modal, np.where(np.isfinite(change) & (np.abs(change) < 1e-6), square * (1.0 + change), square)
+    return modal, np.where(
+        np.isfinite(change) & (np.abs(change) < 1e-6), square * (1.0 + change), square
+    )
 
 
 def _least(matrix: FloatArray) -> FloatArray:

@@ -17,7 +17,9 @@ ROUNDS = 12  # of placing the samples by the angle of the mean rotation
 SETTLED = 1e-11  # rad, of that angle
 LOST = 1.6  # of the interval that `NEAR` on either side say: a lost pulse makes 2, one too many two of some 1/2
 NEAR = 3
-BESIDE = np.array([-6.0, -5.0, -4.0, -3.0, -2.0, 2.0, 3.0, 4.0, 5.0, 6.0])  # cycles over a window from a fitted order
+BESIDE = np.array(
+    [-6.0, -5.0, -4.0, -3.0, -2.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+)  # cycles over a window from a fitted order
 FREE = 2.0  # cycles from these to other half orders
 LEAST_SAMPLES = 4  # of a window for each unknown of an order
 
@@ -52,9 +54,14 @@ def uneven(time: FloatArray) -> int | None:
     first = _unlike(share)
     if first is not None:
         return first
-    for own, beside, found in ((intervals, side, share), (intervals[::-1], side[::-1], share[::-1])):
+    for own, beside, found in (
+        (intervals, side, share),
+        (intervals[::-1], side[::-1], share[::-1]),
+    ):
         for k in range(min(NEAR, beside.size - NEAR - 1)):
-            near, far = beside[[k + 1, k + 1 + NEAR]] ** -2.0  # squares of speeds, which rise evenly with the angle
+            near, far = (
+                beside[[k + 1, k + 1 + NEAR]] ** -2.0
+            )  # squares of speeds, which rise evenly with the angle
             square = near - (far - near) * (NEAR + 1) / (2.0 * NEAR)
             found[k] = own[k] * np.sqrt(square) if square > 0.0 else 1.0
     return _unlike(share)
@@ -86,13 +93,20 @@ def of_pulses(time: FloatArray, pulses: int, orders: FloatArray, revolutions: in
 def of_speeds(time: FloatArray, speed: FloatArray, orders: FloatArray, revolutions: int) -> Tracked:
     """Of samples (samples,) rad/s of the speed at times (samples,) s; raises ValueError as `of_pulses` does."""
     steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(time)
-    return _tracked(time, np.concatenate([[0.0], np.cumsum(steps)]), speed, orders, revolutions, derived=True)
+    return _tracked(
+        time, np.concatenate([[0.0], np.cumsum(steps)]), speed, orders, revolutions, derived=True
+    )
 
 
 def _tracked(
-    time: FloatArray, angle: FloatArray, values: FloatArray, orders: FloatArray, revolutions: int, *,
+    time: FloatArray,
+    angle: FloatArray,
+    values: FloatArray,
+    orders: FloatArray,
+    revolutions: int,
+    *,
     derived: bool = False,
-) -> Tracked:  # fmt: skip
+) -> Tracked:
     found = []
     for part in _windows(angle, revolutions):
         if part.size < DEGREE + 1 + 2 * LEAST_SAMPLES * len(orders):
@@ -113,7 +127,7 @@ def _windows(angle: FloatArray, revolutions: int) -> Iterator[IntArray]:
 
 def _window(
     time: FloatArray, values: FloatArray, orders: FloatArray, revolutions: int, derived: bool
-) -> tuple[float, ComplexArray, FloatArray]:  # fmt: skip
+) -> tuple[float, ComplexArray, FloatArray]:
     """Mean speed in the middle, and of every order (orders,) its amplitude and the error of that.
 
     Unknowns are the coefficients of the mean angle and both parts of every order. Of speeds the derivative of the model
@@ -122,7 +136,9 @@ def _window(
     middle, half = 0.5 * (time[0] + time[-1]), 0.5 * (time[-1] - time[0])
     u = (time - middle) / half
     share = np.gradient(u)  # of the window, so that sums of samples that lie unevenly are integrals
-    weight = np.cos(0.5 * np.pi * u * len(u) / (len(u) + 1.0)) * np.sqrt(share)  # its square is Hann's window
+    weight = np.cos(0.5 * np.pi * u * len(u) / (len(u) + 1.0)) * np.sqrt(
+        share
+    )  # its square is Hann's window
     near = BESIDE[np.abs(BESIDE) + FREE <= 0.5 * revolutions] / revolutions
     beside = np.abs(orders[:, None] + near).ravel()
     powers = np.polynomial.polynomial.polyvander(u, DEGREE)
@@ -144,7 +160,9 @@ def _window(
     parts, square = found[rows.shape[1] :], weight**2
     left = square * (values - np.hstack([rows, carrier.real, -carrier.imag]) @ found)
     size = 2.0 * np.abs(left @ others.conj()) / (square @ np.abs(others) ** 2)
-    error = np.sqrt(np.square(size).reshape(len(orders), -1).sum(axis=1) / (2.0 * max(1, len(near))))
+    error = np.sqrt(
+        np.square(size).reshape(len(orders), -1).sum(axis=1) / (2.0 * max(1, len(near)))
+    )
     return float(mean[1] / half), parts[: len(orders)] + 1j * parts[len(orders) :], error
 
 

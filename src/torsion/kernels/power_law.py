@@ -26,7 +26,10 @@ class PowerLaw(StiffnessTable):
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor 0 and viscous damping (N m s/rad) at x, each of the shape of x."""
         over = np.clip(np.asarray(x, dtype=float), self.at[0], self.at[-1]) / self.at[0]
-        k, c = (one[0] * over**power for one, power in zip((self.stiffness, self.viscous), self.powers, strict=True))
+        k, c = (
+            one[0] * over**power
+            for one, power in zip((self.stiffness, self.viscous), self.powers, strict=True)
+        )
         return k, np.zeros_like(over), c
 
     def slope(self, x: float) -> float:
@@ -50,9 +53,17 @@ class PowerLaw(StiffnessTable):
 
 
 def power_law(
-    over: str, ends: tuple[float, float], stiffness: tuple[float, float], viscous: tuple[float, float],
-    *, key: str = "table", printed: tuple[float, ...] = (), words: str = "",
-) -> PowerLaw:  # fmt: skip
+    over: str,
+    ends: tuple[float, float],
+    stiffness: tuple[float, float],
+    viscous: tuple[float, float],
+    *,
+    key: str = "table",
+    printed: tuple[float, ...] = (),
+    words: str = "",
+) -> PowerLaw:
     """Between two ends; stiffness, viscous: (factor, power), the factor as of x = 1."""
     k, c = (tuple(factor * end**power for end in ends) for factor, power in (stiffness, viscous))
-    return PowerLaw(over, ends, k, (0.0, 0.0), c, True, key, (stiffness[1], viscous[1]), printed, words)
+    return PowerLaw(
+        over, ends, k, (0.0, 0.0), c, True, key, (stiffness[1], viscous[1]), printed, words
+    )

@@ -52,9 +52,13 @@ def rigidity(tree: Tree) -> Rigidity:
             component[station] = component[parent]
             if rigid[station]:
                 body[station] = body[parent]
-    fixed_bodies = {body[station] for station in np.flatnonzero(tree.held).tolist()} if tree.holds else set()
+    fixed_bodies = (
+        {body[station] for station in np.flatnonzero(tree.held).tolist()} if tree.holds else set()
+    )
     grounded = {component[station] for station in fixed_bodies}
-    heavy = {b for b, inertia in zip(body, tree.moving_inertia.tolist(), strict=True) if inertia > 0.0} - fixed_bodies
+    heavy = {
+        b for b, inertia in zip(body, tree.moving_inertia.tolist(), strict=True) if inertia > 0.0
+    } - fixed_bodies
     free_roots = sorted({component[b] for b in heavy} - grounded)
     return Rigidity(
         body=np.array(body, dtype=np.int64),
@@ -84,18 +88,25 @@ def reduce_tree(
     stations = np.arange(tree.size)
     if tree.is_plain and chords is None:
         stiffness, ground = 1.0 / tree.flexibility[1:], np.zeros(tree.size)
-        return ReducedTrain(stations, tree.inertia, tree.parent[1:], stations[1:], stiffness, ground, True)
+        return ReducedTrain(
+            stations, tree.inertia, tree.parent[1:], stations[1:], stiffness, ground, True
+        )
     head = np.flatnonzero((known.body == stations) & ~known.fixed)
     number = np.full(tree.size, -1)
     number[head] = np.arange(len(head))
     number = number[known.body]  # of the moving body of each station; -1 where it is fixed
     spans = tree.parent, stations, tree.flexibility
-    near, far, flexibility = spans if chords is None else (np.append(*pair) for pair in zip(spans, chords, strict=True))
+    near, far, flexibility = (
+        spans if chords is None else (np.append(*pair) for pair in zip(spans, chords, strict=True))
+    )
     one, other = number[near], number[far]
     is_soft = (near >= 0) & (flexibility > 0.0) & (one != other)
     is_between = np.minimum(one, other) >= 0
     spring, tie = is_soft & is_between, is_soft & ~is_between
-    inertia, ground = np.asarray(np.bincount(known.body, tree.moving_inertia), dtype=np.float64), np.zeros(len(head))
+    inertia, ground = (
+        np.asarray(np.bincount(known.body, tree.moving_inertia), dtype=np.float64),
+        np.zeros(len(head)),
+    )
     np.add.at(ground, np.maximum(one, other)[tie], 1.0 / flexibility[tie])
     whole = ReducedTrain(
         head=head,
@@ -112,7 +123,9 @@ def reduce_tree(
 def _without_massless(train: ReducedTrain) -> ReducedTrain:
     """The same train with every massless body eliminated by the star-mesh rule, outermost first."""
     neighbours: list[dict[int, float]] = [{} for _ in train.inertia]
-    for a, b, k in zip(train.inner.tolist(), train.outer.tolist(), train.stiffness.tolist(), strict=True):
+    for a, b, k in zip(
+        train.inner.tolist(), train.outer.tolist(), train.stiffness.tolist(), strict=True
+    ):
         neighbours[a][b] = neighbours[b][a] = neighbours[a].get(b, 0.0) + k
     ground, acyclic = train.ground.tolist(), train.acyclic
     for body in np.flatnonzero(train.inertia == 0.0)[::-1].tolist():
@@ -123,13 +136,19 @@ def _without_massless(train: ReducedTrain) -> ReducedTrain:
             del neighbours[a][body]
             ground[a] += k * (ground[body] / total)
             for b, other in star[:position]:
-                neighbours[a][b] = neighbours[b][a] = neighbours[a].get(b, 0.0) + k * (other / total)
+                neighbours[a][b] = neighbours[b][a] = neighbours[a].get(b, 0.0) + k * (
+                    other / total
+                )
     kept = np.flatnonzero(train.inertia > 0.0)
     number = {body: position for position, body in enumerate(kept.tolist())}
-    springs = sorted((number[a], number[b], k) for a in number for b, k in neighbours[a].items() if a < b)
+    springs = sorted(
+        (number[a], number[b], k) for a in number for b, k in neighbours[a].items() if a < b
+    )
     inner, outer, stiffness = np.array(springs, dtype=np.float64).reshape(-1, 3).T
     ends = inner.astype(np.int64), outer.astype(np.int64)
-    return ReducedTrain(train.head[kept], train.inertia[kept], *ends, stiffness, np.array(ground)[kept], acyclic)
+    return ReducedTrain(
+        train.head[kept], train.inertia[kept], *ends, stiffness, np.array(ground)[kept], acyclic
+    )
 
 
 def cut(tree: Tree, known: Rigidity) -> Tree:
@@ -139,7 +158,9 @@ def cut(tree: Tree, known: Rigidity) -> Tree:
     return replace(tree, parent=np.where(_inside(tree, known), -1, tree.parent), held=known.fixed)
 
 
-def with_reactions(tree: Tree, known: Rigidity, torque: FloatArray, outside: FloatArray | float = 0.0) -> FloatArray:
+def with_reactions(
+    tree: Tree, known: Rigidity, torque: FloatArray, outside: FloatArray | float = 0.0
+) -> FloatArray:
     """Torque (stations, m) of the cut tree, completed in the rigid spans between fixed stations by equilibrium.
 
     `outside` (stations, m) N m is what acts on each station besides its spans.

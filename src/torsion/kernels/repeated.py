@@ -15,13 +15,21 @@ from torsion.kernels.tree import Tree
 from torsion.kernels.two_sides import TwoSides, forced, two_sides
 
 REPEATED = 1e-13  # relative distance below which frequencies count as one: their shapes are then any orthogonal set
-_SHIFTS = (1e-6, 5e-2)  # first near, to leave all other modes behind, then far, where the response has no rounding
-_STEPS = (2, 5)  # of inverse iteration, and one at the end; a step keeps that much of a mode which is one gap away
+_SHIFTS = (
+    1e-6,
+    5e-2,
+)  # first near, to leave all other modes behind, then far, where the response has no rounding
+_STEPS = (
+    2,
+    5,
+)  # of inverse iteration, and one at the end; a step keeps that much of a mode which is one gap away
 _EVEN = 1e3 * REPEATED  # relative distance from which the modes of a group respond alike
 _ROUNDING_OF_PRODUCT = 4e-15  # inner products below are as orthogonal as the arithmetic allows
 _CLOSE = 1e-2  # relative distance of frequencies beyond which shapes are orthogonal to about 1e-14 by themselves
 _CLOSE_OF_SHAFTS = 1e-3  # to 1e-13, which is what laws of shafts allow
-_SHAPES_AT_ONCE = 256  # up to which one product is faster than one a run of close frequencies (measured)
+_SHAPES_AT_ONCE = (
+    256  # up to which one product is faster than one a run of close frequencies (measured)
+)
 _NOTHING = 1e-140  # beside the largest, about 1; products of smaller ones would be subnormal, which are slow
 _SWEEPS = 8  # each squares the inner products
 _GAUSS = 5  # points for the mean of a slope; over a twentieth of s it is right to rounding
@@ -132,7 +140,10 @@ def _with_ends(tree: Tree, square: FloatArray, shapes: FloatArray) -> Shapes:
         flexibility, inner, outer = tree.shafts.at(square)
         node = tree.shafts.node
         torque[node] = middle = twist / flexibility
-        near, far = middle - square * inner * angle[tree.shaft_parent], middle + square * outer * angle[node]
+        near, far = (
+            middle - square * inner * angle[tree.shaft_parent],
+            middle + square * outer * angle[node],
+        )
     return Shapes(angle, torque, near, far, none, none)
 
 
@@ -149,7 +160,10 @@ def orthogonalise(tree: Tree, frequency: FloatArray, shapes: Shapes) -> None:
     if apart.all():
         return
     root = np.sqrt(tree.moving_inertia)[:, None]
-    run, edges = np.append(0, np.cumsum(apart)), [0, *(np.flatnonzero(apart) + 1).tolist(), len(frequency)]
+    run, edges = (
+        np.append(0, np.cumsum(apart)),
+        [0, *(np.flatnonzero(apart) + 1).tolist(), len(frequency)],
+    )
     if len(frequency) <= _SHAPES_AT_ONCE:
         edges = [0, len(frequency)]
     for begin, end in pairwise(edges):
@@ -218,7 +232,9 @@ def _from_products(products: FloatArray) -> FloatArray:
     scale = 1.0 / np.sqrt(np.diag(products))
     even = scale[:, None] * (0.5 * (products + products.T)) * scale
     values, vectors = np.linalg.eigh(even)
-    matrix: FloatArray = scale[:, None] * (vectors / np.sqrt(np.maximum(values, np.finfo(float).tiny)))
+    matrix: FloatArray = scale[:, None] * (
+        vectors / np.sqrt(np.maximum(values, np.finfo(float).tiny))
+    )
     return matrix
 
 

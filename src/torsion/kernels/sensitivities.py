@@ -35,7 +35,9 @@ class FrequencySensitivity:
 
 
 @source("Rayleigh1877")
-def frequency_sensitivity(tree: Tree, modes: TreeModes, chords: FloatArray | None = None) -> FrequencySensitivity:
+def frequency_sensitivity(
+    tree: Tree, modes: TreeModes, chords: FloatArray | None = None
+) -> FrequencySensitivity:
     """Of the modes of a tree with its flexibilities and inertias; chords: their flexibility (chords,) rad/(N m).
 
     >>> two = Tree(np.array([-1, 0]), np.array([0.0, 5e-5]), np.array([1.2, 0.8]), np.zeros(2, dtype=bool))
@@ -47,8 +49,12 @@ def frequency_sensitivity(tree: Tree, modes: TreeModes, chords: FloatArray | Non
     inertia = -0.5 * tree.moving_inertia[:, None] * modes.angle**2
     chord = _elastic(np.empty(0) if chords is None else chords, modes.loop_torque, modes)
     if modes.shafts is None:
-        return FrequencySensitivity(_elastic(tree.flexibility, modes.torque, modes), inertia, chord, inertia[:0])
-    return FrequencySensitivity(0.5 * modes.shafts.elastic, inertia, chord, -0.5 * modes.shafts.shaft_kinetic)
+        return FrequencySensitivity(
+            _elastic(tree.flexibility, modes.torque, modes), inertia, chord, inertia[:0]
+        )
+    return FrequencySensitivity(
+        0.5 * modes.shafts.elastic, inertia, chord, -0.5 * modes.shafts.shaft_kinetic
+    )
 
 
 def _elastic(flexibility: FloatArray, torque: FloatArray, modes: TreeModes) -> FloatArray:
@@ -74,7 +80,11 @@ def frequency_curvature(tree: Tree, modes: TreeModes, mode: int) -> FloatArray:
            [-0.12,  0.12]])
     """
     soft = tree.flexibility[tree.parent >= 0]
-    if tree.shafts is not None or not (tree.inertia > 0.0).all() or not ((soft > 0.0) & np.isfinite(soft)).all():
+    if (
+        tree.shafts is not None
+        or not (tree.inertia > 0.0).all()
+        or not ((soft > 0.0) & np.isfinite(soft)).all()
+    ):
         raise ValueError("expected only springs, and inertia at every station")
     if len(modes.frequency) + modes.rigid != np.count_nonzero(~tree.held):
         raise ValueError(f"{len(modes.frequency)} elastic modes; expected all of them")
@@ -128,7 +138,9 @@ def response_sensitivity(
     array([1.])
     """
     if (span is None) == (station is None):
-        raise ValueError("expected either the span whose torque or the station whose angle is meant")
+        raise ValueError(
+            "expected either the span whose torque or the station whose angle is meant"
+        )
     unit, none = np.zeros(tree.size), np.zeros(tree.size)
     unit[station if span is None else span] = 1.0
     force, twist = (unit, none) if span is None else (none, unit)
@@ -138,12 +150,18 @@ def response_sensitivity(
         still = Chords(chords.begin, chords.end, chords.compliance, np.zeros_like(chords.twist))
         adjoint = looped_response(tree, still, w, force, twist=twist, **given)
     sign = 1.0 if span is None else -1.0
-    by_force, by_twist, by_chord = sign * adjoint.angle, -sign * adjoint.torque, -sign * adjoint.chord_torque
+    by_force, by_twist, by_chord = (
+        sign * adjoint.angle,
+        -sign * adjoint.torque,
+        -sign * adjoint.chord_torque,
+    )
     product, compliance = by_force * response.angle, -by_twist * response.torque
     if tree.shafts is not None:
         compliance[tree.shafts.node] = np.nan
     chord = -by_chord * response.chord_torque
-    return ResponseSensitivity(compliance, w * w * product, -1j * w * product, chord, by_force, by_twist, by_chord)
+    return ResponseSensitivity(
+        compliance, w * w * product, -1j * w * product, chord, by_force, by_twist, by_chord
+    )
 
 
 def compliance_slopes(
@@ -156,7 +174,10 @@ def compliance_slopes(
     >>> compliance_slopes(*(np.array([v]) for v in (2.0, 0.0, 0.0, 5j)))[0]
     array([[-0.5+0.j]])
     """
-    k, c, eta = (np.asarray(values, dtype=np.float64)[:, None] for values in (stiffness, viscous, loss_factor))
+    k, c, eta = (
+        np.asarray(values, dtype=np.float64)[:, None]
+        for values in (stiffness, viscous, loss_factor)
+    )
     square = -1.0 / (k * (1 + 1j * eta) + s * c) ** 2
     return square * k * (1 + 1j * eta), square * 1j * k, square * s
 

@@ -19,7 +19,9 @@ class Walk:
     above: IntArray  # (stations,) the span each station was reached by
 
 
-def walk(number: int, driving: IntArray, driven: IntArray, chosen: BoolArray, roots: list[int]) -> Walk:
+def walk(
+    number: int, driving: IntArray, driven: IntArray, chosen: BoolArray, roots: list[int]
+) -> Walk:
     """Breadth first from one of `roots`, else from the first station, of every separate part, over `chosen` spans."""
     if number >= MANY:
         return _walk_of_many(number, driving, driven, chosen, roots)
@@ -78,7 +80,9 @@ def closing_no_loop(
     return chosen
 
 
-def _walk_of_many(number: int, driving: IntArray, driven: IntArray, chosen: BoolArray, roots: list[int]) -> Walk:
+def _walk_of_many(
+    number: int, driving: IntArray, driven: IntArray, chosen: BoolArray, roots: list[int]
+) -> Walk:
     """One search from a point beside the train, which is joined to the root of every part."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import breadth_first_order
@@ -91,7 +95,9 @@ def _walk_of_many(number: int, driving: IntArray, driven: IntArray, chosen: Bool
         begin[part[station]] = station
     root = begin[np.unique(part)]
     ends = np.concatenate([a, np.full(len(root), number)]), np.concatenate([b, root])
-    graph = coo_array((np.ones(len(ends[0]), dtype=np.int32), ends), shape=(number + 1, number + 1)).tocsr()
+    graph = coo_array(
+        (np.ones(len(ends[0]), dtype=np.int32), ends), shape=(number + 1, number + 1)
+    ).tocsr()
     met, before = breadth_first_order(graph, number, directed=False)
     order, parent = met[1:].astype(np.int64), before[:-1].astype(np.int64)
     parent[root] = -1

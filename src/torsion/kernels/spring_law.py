@@ -32,20 +32,30 @@ class SpringLaw(StiffnessTable):
     """
 
     static: float = 0.0  # N m/rad, k0
-    terms: tuple[tuple[float, float], ...] = ()  # (N m/rad, s) each, relaxing, or the one of a power of s
+    terms: tuple[
+        tuple[float, float], ...
+    ] = ()  # (N m/rad, s) each, relaxing, or the one of a power of s
     exponent: float | None = None  # of the power; None: the terms relax
 
     def at_root(self, s: ComplexArray | complex) -> tuple[ComplexArray, ComplexArray]:
         """K (N m/rad) and dK/ds (N m s/rad) at complex s (rad/s), of its shape."""
         at = np.asarray(s, dtype=np.complex128)
-        k, slope = np.full(at.shape, self.static, dtype=np.complex128), np.zeros(at.shape, dtype=np.complex128)
+        k, slope = (
+            np.full(at.shape, self.static, dtype=np.complex128),
+            np.zeros(at.shape, dtype=np.complex128),
+        )
         for own, tau in self.terms:
             if self.exponent is None:
-                k, slope = k + own * at * tau / (1.0 + at * tau), slope + own * tau / (1.0 + at * tau) ** 2
+                k, slope = (
+                    k + own * at * tau / (1.0 + at * tau),
+                    slope + own * tau / (1.0 + at * tau) ** 2,
+                )
             else:
                 power = own * (at * tau) ** self.exponent
                 k = k + power
-                slope = slope + np.divide(self.exponent * power, at, out=np.zeros_like(at), where=at != 0)
+                slope = slope + np.divide(
+                    self.exponent * power, at, out=np.zeros_like(at), where=at != 0
+                )
         return np.asarray(k), np.asarray(slope)
 
     def poles(self, s: ComplexArray) -> ComplexArray:
@@ -116,7 +126,11 @@ def prony(static: float, terms: tuple[tuple[float, float], ...]) -> SpringLaw:
 @source("BagleyTorvik1983")
 def fractional(static: float, stiffness: float, tau: float, exponent: float) -> SpringLaw:
     """A static spring (N m/rad) and a springpot beside it, stiffness (s tau)^exponent."""
-    return _sampled(SpringLaw("frequency", (), (), (), (), True, "fractional", static, ((stiffness, tau),), exponent))
+    return _sampled(
+        SpringLaw(
+            "frequency", (), (), (), (), True, "fractional", static, ((stiffness, tau),), exponent
+        )
+    )
 
 
 def _sampled(law: SpringLaw) -> SpringLaw:

@@ -32,11 +32,15 @@ class StiffnessTable:
     loss_factor: tuple[float, ...]
     viscous: tuple[float, ...]  # N m s/rad
     holds: bool = False  # the values at its ends beyond them; else it says nothing there
-    key: str = "table"  # of its component, under which the file gives it; empty: the component itself
+    key: str = (
+        "table"  # of its component, under which the file gives it; empty: the component itself
+    )
 
     def values(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stiffness (N m/rad), loss factor and viscous damping (N m s/rad) at x, each of the shape of x."""
-        k, eta, c = (np.interp(x, self.at, one) for one in (self.stiffness, self.loss_factor, self.viscous))
+        k, eta, c = (
+            np.interp(x, self.at, one) for one in (self.stiffness, self.loss_factor, self.viscous)
+        )
         return k, eta, c
 
     def complex_stiffness(self, x: FloatArray, w: FloatArray) -> np.ndarray:
@@ -49,7 +53,9 @@ class StiffnessTable:
         piece = int(np.searchsorted(self.at, x, side="right")) - 1
         if not 0 <= piece < len(self.at) - 1:
             return 0.0
-        rise = (self.stiffness[piece + 1] - self.stiffness[piece]) / (self.at[piece + 1] - self.at[piece])
+        rise = (self.stiffness[piece + 1] - self.stiffness[piece]) / (
+            self.at[piece + 1] - self.at[piece]
+        )
         return float(rise * x / np.interp(x, self.at, self.stiffness))
 
     @property

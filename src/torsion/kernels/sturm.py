@@ -18,16 +18,24 @@ from torsion.errors import SolveError
 from torsion.kernels.layers import sweep_to_roots
 from torsion.kernels.tree import Tree, by_layers
 
-SHARE_OF_LIMIT = 0.95  # of the frequency from which counts of distributed shafts would need a correction
+SHARE_OF_LIMIT = (
+    0.95  # of the frequency from which counts of distributed shafts would need a correction
+)
 _OCTAVES = 332  # searched below the limit; with squares, end inertias and stiffnesses in range
-_GRID = 2.0 ** np.arange(-166.0, 167.0)  # rad/s, without limit; squares, times or over sensible inertias, stay in range
+_GRID = 2.0 ** np.arange(
+    -166.0, 167.0
+)  # rad/s, without limit; squares, times or over sensible inertias, stay in range
 _POINTS = 15  # inside the bracket of one mode in one sweep of the multisection
 _COLUMNS = 512  # frequencies in one sweep above which points cost more than sweeps (measured)
 _POINTS_A_MODE = 3  # at least
 _NEAR = 1e-2  # relative width of a bracket from which a mode alone in it, divided once more, is polished
 _COINCIDENT = 1e-7  # relative width at which counts no longer separate modes
-_NARROWEST = 2.0**-51  # relative half width first tried where nothing else is known, two units in the last place
-_WIDEST = 2.0**-39  # 1.8e-12, after 12 doublings of the narrowest; a value not proven then is taken to be wrong
+_NARROWEST = (
+    2.0**-51
+)  # relative half width first tried where nothing else is known, two units in the last place
+_WIDEST = (
+    2.0**-39
+)  # 1.8e-12, after 12 doublings of the narrowest; a value not proven then is taken to be wrong
 _WIDEST_OF_SHAFTS = 2.0**-36  # 1.5e-11, for the rounding of their laws is in it too
 _OVER_MARGIN = 1.25  # for the roundings that a margin outweighs: with it most enclosures succeed at once (measured)
 _UNIT_ROUNDOFF = 2.0**-53
@@ -36,7 +44,9 @@ _ROUNDINGS_OF_INERTIA = 5  # w^2, its margin, the product with J
 _ROUNDINGS_OF_FLEXIBILITY = 3  # z and 1/z, seen as an error of h
 _ROUNDINGS_OF_STIFFNESS = 6  # the same z and 1/z, h + 1/z, its reciprocal and its margin
 _ROUNDINGS_OF_ENDS = 3  # sums of the end inertias of shafts
-_ARGUMENT = 16 * _UNIT_ROUNDOFF  # relative, of s in the laws: w^2, the travel time of a shaft, the modes of an element
+_ARGUMENT = (
+    16 * _UNIT_ROUNDOFF
+)  # relative, of s in the laws: w^2, the travel time of a shaft, the modes of an element
 _LARGEST_SWEEP = 2**21  # stations times frequencies kept at once; 16 MB an array
 _MOST_IN_BYTE = 255
 _ONE = np.ones(())
@@ -88,7 +98,9 @@ def _count(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
     block = max(_LEAST_BLOCK, _LARGEST_SWEEP // max(tree.size, 1))
     parts = [slice(begin, begin + block) for begin in range(0, max(len(w), 1), block)]
     with np.errstate(divide="ignore", over="ignore", under="ignore"):
-        return np.concatenate([_negative(tree, w[part], None if lean is None else lean[part]) for part in parts])
+        return np.concatenate(
+            [_negative(tree, w[part], None if lean is None else lean[part]) for part in parts]
+        )
 
 
 def _negative(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
@@ -122,7 +134,9 @@ def _negative(tree: Tree, w: FloatArray, lean: FloatArray | None) -> IntArray:
     return _sum_of_rows(is_counted)
 
 
-def _by_stations(tree: Tree, station: FloatArray, passed: FloatArray, margin: FloatArray | None) -> None:
+def _by_stations(
+    tree: Tree, station: FloatArray, passed: FloatArray, margin: FloatArray | None
+) -> None:
     """Fill `station` and `passed` from the leaves to the roots, one station after another."""
     seen, through, add = list(station), list(passed), np.add
     for i, parent in zip(range(tree.size - 1, -1, -1), reversed(tree.parents), strict=True):
@@ -150,12 +164,16 @@ def _bound_in_chain(own: FloatArray, flexibility: FloatArray, margin: FloatArray
     span[:, 0] = flexibility[first + 1 : first + 1 + arm]
     span[:, 1] = flexibility[: stations - 1 - arm : -1]
     both, passed = np.concatenate((margin, margin)), np.zeros(2 * columns)
-    for z, through in zip(station.reshape(arm, 2 * columns), span.reshape(arm, 2 * columns), strict=True):
+    for z, through in zip(
+        station.reshape(arm, 2 * columns), span.reshape(arm, 2 * columns), strict=True
+    ):
         np.add(z, passed, z)
         _pass_on(z, through, both)
         passed = through
     own[first + arm] += passed[:columns] + passed[columns:]
-    number = _sum_of_rows(np.greater(station.reshape(-1, columns) < 0.0, np.signbit(span.reshape(-1, columns))))
+    number = _sum_of_rows(
+        np.greater(station.reshape(-1, columns) < 0.0, np.signbit(span.reshape(-1, columns)))
+    )
     if first:
         number += (own[0] < 0.0) & ~np.signbit(single)
     number += own[first + arm] < 0.0
@@ -183,7 +201,9 @@ def _sum_of_rows(rows: BoolArray) -> IntArray:
     """Number of rows (m,) that are true, by sums of bytes, which do not overflow."""
     number = np.zeros(rows.shape[1], dtype=np.int64)
     for begin in range(0, len(rows), _MOST_IN_BYTE):
-        number += np.add.reduce(rows[begin : begin + _MOST_IN_BYTE].view(np.uint8), axis=0, dtype=np.uint8)
+        number += np.add.reduce(
+            rows[begin : begin + _MOST_IN_BYTE].view(np.uint8), axis=0, dtype=np.uint8
+        )
     return number
 
 
@@ -231,7 +251,9 @@ def bisect(tree: Tree, mode: IntArray, *, tolerance: float) -> FloatArray:
     return low + 0.5 * (high - low)
 
 
-def brackets(tree: Tree, mode: IntArray, *, tolerance: float | None = None) -> tuple[FloatArray, FloatArray]:
+def brackets(
+    tree: Tree, mode: IntArray, *, tolerance: float | None = None
+) -> tuple[FloatArray, FloatArray]:
     """Bounds (m,) rad/s of the modes `mode` (m,), ascending, counted from 0 with the rigid ones.
 
     To a relative `tolerance`, by default near enough to polish. All brackets are divided by one sweep over the tree.
@@ -248,7 +270,9 @@ def brackets(tree: Tree, mode: IntArray, *, tolerance: float | None = None) -> t
             " fewer modes"
         )
     if np.any((above == 0) | (above == len(grid))):
-        raise SolveError("a natural frequency lies outside 1e-50..1e50 rad/s; check the units of inertia and stiffness")
+        raise SolveError(
+            "a natural frequency lies outside 1e-50..1e50 rad/s; check the units of inertia and stiffness"
+        )
     found = np.array([grid[above - 1], grid[above], count[above - 1], count[above]])
     left = np.arange(len(mode))
     while len(left):
@@ -269,15 +293,26 @@ def _refined(tree: Tree, mode: IntArray, found: FloatArray) -> FloatArray:
 
     `found` (4, m): bounds rad/s, and the counts at them.
     """
-    _, first, which, sharing = np.unique(found[0], return_index=True, return_inverse=True, return_counts=True)
-    number = np.maximum(min(_POINTS, max(_POINTS_A_MODE, _COLUMNS // len(mode))), _POINTS_A_MODE * sharing)
-    inside = [a + (b - a) * (np.arange(1, n + 1) / (n + 1)) for a, b, n in zip(*found[:2, first], number, strict=True)]
+    _, first, which, sharing = np.unique(
+        found[0], return_index=True, return_inverse=True, return_counts=True
+    )
+    number = np.maximum(
+        min(_POINTS, max(_POINTS_A_MODE, _COLUMNS // len(mode))), _POINTS_A_MODE * sharing
+    )
+    inside = [
+        a + (b - a) * (np.arange(1, n + 1) / (n + 1))
+        for a, b, n in zip(*found[:2, first], number, strict=True)
+    ]
     counts = np.split(count_below(tree, np.concatenate(inside)), np.cumsum(number)[:-1])
     members = np.split(np.argsort(which.reshape(-1), kind="stable"), np.cumsum(sharing)[:-1])
     narrower = found.copy()
-    for (low, high, below, up_to), places, count, rows in zip(found[:, first].T, inside, counts, members, strict=True):
+    for (low, high, below, up_to), places, count, rows in zip(
+        found[:, first].T, inside, counts, members, strict=True
+    ):
         ladder = np.concatenate(([low], places, [high]))
-        known = np.concatenate(([below], np.clip(np.maximum.accumulate(count), below, up_to), [up_to]))
+        known = np.concatenate(
+            ([below], np.clip(np.maximum.accumulate(count), below, up_to), [up_to])
+        )
         above = np.searchsorted(known, mode[rows], side="right")
         narrower[:, rows] = ladder[above - 1], ladder[above], known[above - 1], known[above]
     return narrower

@@ -19,7 +19,9 @@ from torsion.kernels.layers import share
 from torsion.kernels.tree import Tree
 
 Row = NDArray[Any]  # (columns,) real or complex: one value a frequency or a root
-Rows = list[Any]  # a Row a station; None where the value is infinite, has no meaning or is no longer needed
+Rows = list[
+    Any
+]  # a Row a station; None where the value is infinite, has no meaning or is no longer needed
 EPS = float(np.finfo(np.float64).eps)
 
 
@@ -47,7 +49,9 @@ class Branches:
     stiffness_through: Rows  # z/(1 + hc z): the same felt by the parent through span i
     source: Rows  # f, N m; None where nothing acts
     source_through: Rows  # (f - z twist)/(1 + hc z); None where nothing acts
-    transfer: Rows  # 1/(1 + hc z); kept where nothing acts in the branch, or its parent is prescribed
+    transfer: (
+        Rows  # 1/(1 + hc z); kept where nothing acts in the branch, or its parent is prescribed
+    )
 
 
 def layout(tree: Tree, compliance: NDArray[Any]) -> Layout:
@@ -58,12 +62,18 @@ def layout(tree: Tree, compliance: NDArray[Any]) -> Layout:
     zero = compliance == 0
     rigid = zero if zero.ndim == 1 else zero.all(axis=1)
     if zero.ndim > 1 and bool((zero.any(axis=1) & ~rigid).any()):
-        raise ValueError("a span is rigid at some frequencies only; expected rigid at all or at none")
+        raise ValueError(
+            "a span is rigid at some frequencies only; expected rigid at all or at none"
+        )
     leaf = tree.held & (tree.parent >= 0)
     if any(tree.children[station] for station in np.flatnonzero(leaf)):
-        raise ValueError("a fixed station has spans on both sides; expected a root or a leaf (split the tree there)")
+        raise ValueError(
+            "a fixed station has spans on both sides; expected a root or a leaf (split the tree there)"
+        )
     if bool((leaf & rigid).any()):
-        raise ValueError("a rigid span leads to a fixed leaf; expected that fixed station as the root")
+        raise ValueError(
+            "a rigid span leads to a fixed leaf; expected that fixed station as the root"
+        )
     held, is_rigid = tree.held.tolist(), rigid.tolist()
     prescribed = list(held)
     for station, inner in enumerate(tree.parents):
@@ -98,12 +108,18 @@ def branches(
                 found.source_through[station] = None if q is None else -q / hc
             continue
         z, f = own[station], force[station]
-        z_row, f_row = (None, None) if room is None or not inner else (room[0][station], room[1][station])
+        z_row, f_row = (
+            (None, None) if room is None or not inner else (room[0][station], room[1][station])
+        )
         for child in plan.children[station]:
             z = np.add(z, found.stiffness_through[child], out=z_row)
             f = total(f, found.source_through[child], f_row)
-        if len(plan.children[station]) == 1:  # no sibling needs to know what it passes on: free the memory
-            found.stiffness_through[plan.children[station][0]] = found.source_through[plan.children[station][0]] = None
+        if (
+            len(plan.children[station]) == 1
+        ):  # no sibling needs to know what it passes on: free the memory
+            found.stiffness_through[plan.children[station][0]] = found.source_through[
+                plan.children[station][0]
+            ] = None
         found.stiffness[station], found.source[station] = z, f
         if inner:
             factor = guarded_sum(hc * z, guard)
@@ -135,7 +151,9 @@ def guarded_sum(product: Row, guard: bool) -> Row:
 class Equations:
     """One linear system for every column: own angle = force + torques, angle = angle of parent - hc torque + twist."""
 
-    own: NDArray[Any]  # (stations, columns) N m/rad, the dynamic stiffness of each station by itself
+    own: NDArray[
+        Any
+    ]  # (stations, columns) N m/rad, the dynamic stiffness of each station by itself
     compliance: NDArray[Any]  # hc, (stations,) or (stations, columns) rad/(N m)
     force: Sequence[Any]  # N m: a number or a row a station; None where none acts
     twist: Sequence[Any]  # rad: the same of the span
@@ -154,7 +172,9 @@ class Sweep:
     torque: Rows
     stiffness: Rows  # zd, N m/rad: everything but the branch of span i, at its parent
     source: Rows  # fd, N m: the same; None where nothing acts
-    receptance: Rows  # rad/(N m): angle of station i under a unit torque on it; None where prescribed
+    receptance: (
+        Rows  # rad/(N m): angle of station i under a unit torque on it; None where prescribed
+    )
     guard: bool
 
 

@@ -120,7 +120,12 @@ class Tree:
             self.size - int(np.count_nonzero(self.flexibility_columns[1:].all(axis=1))),
             self.parents.count(-1),
         )
-        return rigid == roots == 1 and not self.holds and self.shafts is None and bool(self.inertia.min() > 0.0)
+        return (
+            rigid == roots == 1
+            and not self.holds
+            and self.shafts is None
+            and bool(self.inertia.min() > 0.0)
+        )
 
     @cached_property
     def shaft_of(self) -> list[int]:
@@ -163,7 +168,9 @@ class Tree:
         if not spans.any():
             return self
         return replace(
-            self, parent=np.where(spans, -1, self.parent), flexibility=np.where(spans, 0.0, self.flexibility)
+            self,
+            parent=np.where(spans, -1, self.parent),
+            flexibility=np.where(spans, 0.0, self.flexibility),
         )
 
     @cached_property
@@ -172,7 +179,9 @@ class Tree:
         if len(set(self.shaft_parent.tolist())) == len(self.shaft_parent):
             return (np.arange(len(self.shaft_parent)),)
         order = np.argsort(self.shaft_parent, kind="stable")
-        _, first, length = np.unique(self.shaft_parent[order], return_index=True, return_counts=True)
+        _, first, length = np.unique(
+            self.shaft_parent[order], return_index=True, return_counts=True
+        )
         rank = np.arange(len(order)) - np.repeat(first, length)
         return tuple(order[rank == k] for k in range(int(length.max(initial=0))))
 

@@ -18,7 +18,10 @@ CANCELLED = 1e-6  # of the largest: rounding of it, 1e-14, is then what NEAR_SIN
 NEAR_SINGULAR_LOSS = 1e-8  # relative error of the answer, from rounding of the data, above which a frequency is marked
 CHUNK_VALUES = 2**18  # stations times columns treated at once, whose rows stay in the cache
 BLOCK_VALUES = 2**14  # of which the residual is found at once: 256 KiB of each array
-SHORTEST_CHUNK, LONGEST_CHUNK = 1024, 2048  # columns: fewer, and calls cost more than sums; more, and caches overflow
+SHORTEST_CHUNK, LONGEST_CHUNK = (
+    1024,
+    2048,
+)  # columns: fewer, and calls cost more than sums; more, and caches overflow
 Part = slice | IntArray
 
 
@@ -38,8 +41,12 @@ class TreeResponse:
     """
 
     angle: ComplexArray  # (stations, frequencies) rad
-    torque: ComplexArray  # (stations, frequencies) N m, elastic and damping share together; 0 at a root
-    torque_outer: ComplexArray  # (stations, frequencies) N m; `torque` itself where no span has inertia
+    torque: (
+        ComplexArray  # (stations, frequencies) N m, elastic and damping share together; 0 at a root
+    )
+    torque_outer: (
+        ComplexArray  # (stations, frequencies) N m; `torque` itself where no span has inertia
+    )
     residual: FloatArray  # (frequencies,) of the worst equation, relative to the terms in it; NaN if not checked
     # (frequencies,) growth of relative errors of the data; infinite where singular, NaN if not checked
     amplification: FloatArray
@@ -51,7 +58,14 @@ class TreeResponse:
         angle, torque = np.zeros((2, tree.size, frequencies), dtype=np.complex128)
         outer = torque if tree.shafts is None else torque.copy()
         residual, amplification = np.full((2, frequencies), np.nan)
-        return cls(angle, torque, outer, residual, amplification, np.zeros((0, frequencies), dtype=np.complex128))
+        return cls(
+            angle,
+            torque,
+            outer,
+            residual,
+            amplification,
+            np.zeros((0, frequencies), dtype=np.complex128),
+        )
 
     def part(self, part: slice) -> "TreeResponse":
         """A view of some frequencies."""
@@ -86,7 +100,11 @@ def tree_response(
     Raises ValueError for a shape that does not fit, SolveError for a frequency at which the law of a shaft ends.
     Demmel and Gragg (1993) explain the accuracy of such sweeps.
     """
-    given: dict[str, Any] = {"ground_damping": ground_damping, "compliance": compliance, "shaft_loss": shaft_loss}
+    given: dict[str, Any] = {
+        "ground_damping": ground_damping,
+        "compliance": compliance,
+        "shaft_loss": shaft_loss,
+    }
     problem = pose(tree, w, force, twist=twist, **given)
     result = TreeResponse.blank(tree, problem.w.size)
     length = max(SHORTEST_CHUNK, min(CHUNK_VALUES // tree.size, LONGEST_CHUNK))
@@ -109,7 +127,9 @@ def complex_compliance(
     flexibility, viscous (N m s/rad), loss_factor: (spans,), or (spans, frequencies) of trains side by side.
     (spans,) if no span is viscous and no figure has columns (real if none is lossy), else (spans, frequencies) complex.
     """
-    h, c, eta = (np.asarray(values, dtype=np.float64) for values in (flexibility, viscous, loss_factor))
+    h, c, eta = (
+        np.asarray(values, dtype=np.float64) for values in (flexibility, viscous, loss_factor)
+    )
     if max(h.ndim, c.ndim, eta.ndim) > 1 or c.any():
         h, c, eta = (values.reshape(len(values), -1) for values in (h, c, eta))
     if not c.any():
@@ -151,19 +171,28 @@ class Problem:
 
     def equations(self, part: Part) -> tuple[Equations, Pi | None]:
         """The equations at the frequencies of `part`, and what the distributed shafts have brought to them."""
-        own, compliance, shafts = _own_stiffness(self, part), _columns(self.compliance, part), self.tree.shafts
+        own, compliance, shafts = (
+            _own_stiffness(self, part),
+            _columns(self.compliance, part),
+            self.tree.shafts,
+        )
         force, twist = (
-            [row[part] if isinstance(row, np.ndarray) else row for row in rows] for rows in (self.force, self.twist)
+            [row[part] if isinstance(row, np.ndarray) else row for row in rows]
+            for rows in (self.force, self.twist)
         )
         if shafts is None:
             return Equations(own, compliance, force, twist), None
         square = self.w[part] * self.w[part]
         lossy = self.shaft_loss.any()
-        flexibility, inner, outer = shafts.lossy(square, self.shaft_loss) if lossy else shafts.at(square)
+        flexibility, inner, outer = (
+            shafts.lossy(square, self.shaft_loss) if lossy else shafts.at(square)
+        )
         pi = flexibility, inner * -square, outer * -square
         own = own.astype(np.result_type(own, inner), copy=False)
         self.tree.add_ends(own, *pi[1:])
-        rows = np.empty((self.tree.size, len(square)), dtype=np.result_type(compliance, flexibility))
+        rows = np.empty(
+            (self.tree.size, len(square)), dtype=np.result_type(compliance, flexibility)
+        )
         rows[:] = compliance[:, None] if compliance.ndim == 1 else compliance
         rows[shafts.node] = flexibility
         return Equations(own, rows, force, twist), pi
@@ -187,11 +216,23 @@ def pose(
     hc = tree.flexibility if compliance is None else np.asarray(compliance)
     force, twist = np.asarray(force), none if twist is None else np.asarray(twist)
     allowed = (tree.size,), (tree.size, w.size)
-    given = {"compliance": hc, "ground_damping": damping, "force": force, "twist": twist, "inertia": tree.inertia}
+    given = {
+        "compliance": hc,
+        "ground_damping": damping,
+        "force": force,
+        "twist": twist,
+        "inertia": tree.inertia,
+    }
     for name, values in given.items():
         if values.shape not in allowed:
-            raise ValueError(f"{name} has shape {values.shape}; expected {allowed[0]} or {allowed[1]}")
-    loss = np.zeros(len(tree.shaft_parent)) if shaft_loss is None else np.asarray(shaft_loss, dtype=np.float64)
+            raise ValueError(
+                f"{name} has shape {values.shape}; expected {allowed[0]} or {allowed[1]}"
+            )
+    loss = (
+        np.zeros(len(tree.shaft_parent))
+        if shaft_loss is None
+        else np.asarray(shaft_loss, dtype=np.float64)
+    )
     if loss.shape != tree.shaft_parent.shape:
         raise ValueError(f"shaft_loss has shape {loss.shape}; expected {tree.shaft_parent.shape}")
     rigid, highest = hc, float(np.max(w, initial=0.0))
@@ -204,9 +245,13 @@ def pose(
                 " enough; divide the shafts more finely"
             )
         if twist[shafts.node].any():
-            raise ValueError("a twist is imposed on a span with distributed inertia; expected a plain span next to it")
+            raise ValueError(
+                "a twist is imposed on a span with distributed inertia; expected a plain span next to it"
+            )
     damped = np.flatnonzero(_any_in_rows(damping)).tolist()
-    return Problem(layout(tree, rigid), tree, w, _acting(force), _acting(twist), damping, damped, hc, loss)
+    return Problem(
+        layout(tree, rigid), tree, w, _acting(force), _acting(twist), damping, damped, hc, loss
+    )
 
 
 def _acting(values: NDArray[Any]) -> list[Any]:
@@ -222,7 +267,9 @@ def _any_in_rows(values: NDArray[Any]) -> list[bool]:
     return [row.size > 0 and bool(row[0] != 0 or row.any()) for row in values]
 
 
-def solve_part(problem: Problem, part: Part, block: TreeResponse, *, check: bool, guard: bool = False) -> None:
+def solve_part(
+    problem: Problem, part: Part, block: TreeResponse, *, check: bool, guard: bool = False
+) -> None:
     """Fill `block` with the response at the frequencies of `part`.
 
     Amplification is 1 + 2 sum |own receptance| over the stations: twice the relative change of the determinant of the
@@ -261,11 +308,17 @@ def _own_stiffness(problem: Problem, part: Part) -> NDArray[Any]:
     """Dynamic stiffness i w cg - w^2 J of each station by itself, N m/rad; real where the whole train is undamped."""
     w, inertia = problem.w[part], _columns(problem.tree.moving_inertia, part)
     inertia, square = inertia[:, None] if inertia.ndim == 1 else inertia, -w * w
-    if not problem.damped and not problem.shaft_loss.any() and not np.iscomplexobj(problem.compliance):
+    if (
+        not problem.damped
+        and not problem.shaft_loss.any()
+        and not np.iscomplexobj(problem.compliance)
+    ):
         return inertia * square
     own = np.empty((problem.plan.size, w.size), dtype=np.complex128)
     if inertia.shape[1] == 1:
-        np.multiply(inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64))
+        np.multiply(
+            inertia, square.astype(np.complex128).view(np.float64), out=own.view(np.float64)
+        )
     else:
         own.imag = 0.0
         np.multiply(inertia, square, out=own.real)
@@ -308,7 +361,9 @@ class _Balance:
             np.abs(error, out=scale)
         self.plus(error, other[block], out=error)
         scale += other_size[block]
-        for mine, there in _runs((i, there) for i, near in enumerate(self.there[block]) for there in near):
+        for mine, there in _runs(
+            (i, there) for i, near in enumerate(self.there[block]) for there in near
+        ):
             self.minus(error[mine], other[there], out=error[mine])
             scale[mine] += other_size[there]
         for line, row in enumerate(self.acting[block]):
@@ -317,7 +372,9 @@ class _Balance:
                 scale[line] += np.abs(row)
 
 
-def equilibrium_residual(plan: Layout, given: Equations, angle: ComplexArray, torque: ComplexArray) -> FloatArray:
+def equilibrium_residual(
+    plan: Layout, given: Equations, angle: ComplexArray, torque: ComplexArray
+) -> FloatArray:
     """Worst relative residual, (columns,), over every station that is not fixed and every span.
 
     Computed from the answer alone, so that it also sees what the sweeps could not know. An equation whose terms are
@@ -326,11 +383,21 @@ def equilibrium_residual(plan: Layout, given: Equations, angle: ComplexArray, to
     """
     size, columns = angle.shape
     angles, torques, worst = (angle, np.abs(angle)), (torque, np.abs(torque)), np.zeros(columns)
-    inner, roots = [() if parent < 0 else (parent,) for parent in plan.parent], [parent < 0 for parent in plan.parent]
-    stations = _Balance(given.own, angles, torques, np.subtract, np.add, plan.children, given.force, plan.held)
-    spans = _Balance(given.compliance, torques, angles, np.add, np.subtract, inner, given.twist, roots)
+    inner, roots = (
+        [() if parent < 0 else (parent,) for parent in plan.parent],
+        [parent < 0 for parent in plan.parent],
+    )
+    stations = _Balance(
+        given.own, angles, torques, np.subtract, np.add, plan.children, given.force, plan.held
+    )
+    spans = _Balance(
+        given.compliance, torques, angles, np.add, np.subtract, inner, given.twist, roots
+    )
     height = min(size, max(1, BLOCK_VALUES // max(columns, 1)))
-    errors, (scales, sizes) = np.empty((height, columns), dtype=np.complex128), np.empty((2, height, columns))
+    errors, (scales, sizes) = (
+        np.empty((height, columns), dtype=np.complex128),
+        np.empty((2, height, columns)),
+    )
     for start in range(0, size, height):
         block = slice(start, min(start + height, size))
         error, scale, relative = (part[: block.stop - start] for part in (errors, scales, sizes))
@@ -352,4 +419,6 @@ def _runs(pairs: Iterable[tuple[int, int]]) -> list[tuple[slice, slice]]:
             found[-1][2] += 1
         else:
             found.append([here, there, 1])
-    return [(slice(here, here + count), slice(there, there + count)) for here, there, count in found]
+    return [
+        (slice(here, here + count), slice(there, there + count)) for here, there, count in found
+    ]

@@ -37,9 +37,13 @@ class TwoSides:
     rest: FloatArray  # zd: of all the rest, seen at the parent
     returned: FloatArray  # the same with the inner end of the span, seen through the flexibility
     branch_end: FloatArray  # `branch` with the outer end of the span
-    branch_passed: FloatArray  # zz: `passed` with the inner end, all that the span shows at the parent
+    branch_passed: (
+        FloatArray  # zz: `passed` with the inner end, all that the span shows at the parent
+    )
     rest_end: FloatArray  # `rest` with the inner end of the span
-    rest_passed: FloatArray  # y: `returned` with the outer end, all that the span shows at the station
+    rest_passed: (
+        FloatArray  # y: `returned` with the outer end, all that the span shows at the station
+    )
 
     @cached_property
     def total(self) -> FloatArray:
@@ -79,7 +83,12 @@ def sides_of(tree: Tree, w: FloatArray) -> Sides | TwoSides:
 
 def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
     """The two sweeps at angular frequencies `w` (m,), station by station."""
-    square, h, near, far = w * w, tree.flexibilities, dict[int, FloatArray](), dict[int, FloatArray]()
+    square, h, near, far = (
+        w * w,
+        tree.flexibilities,
+        dict[int, FloatArray](),
+        dict[int, FloatArray](),
+    )
     with np.errstate(all="ignore"):
         own = tree.own_stiffness(square)
         whole, zd = np.zeros((3, *own.shape)), [np.zeros(len(w))] * tree.size
@@ -105,9 +114,13 @@ def two_sides(tree: Tree, w: FloatArray) -> TwoSides:
             if children:
                 share(children, zz_end, zd, own_rows[i] + y_end[i])
             for child in children:
-                zd_end[child] = subtract(zd[child], near[child], zd_end[child]) if child in near else zd[child]
+                zd_end[child] = (
+                    subtract(zd[child], near[child], zd_end[child]) if child in near else zd[child]
+                )
                 reciprocal(add(h[child], reciprocal(zd_end[child], y[child]), y[child]), y[child])
-                y_end[child] = subtract(y[child], far[child], y_end[child]) if child in far else y[child]
+                y_end[child] = (
+                    subtract(y[child], far[child], y_end[child]) if child in far else y[child]
+                )
     seen = whole[0], whole[1], np.array(zd), whole[2]
     if tree.shafts is None:
         return TwoSides(*seen, *seen)
@@ -122,7 +135,11 @@ def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray,
     The torque is that in the flexibility of a span, as it acts on the side of the leaves. Each side is a stiffness and
     a source (Norton), and both meet at either end: with ff, zz and fd, zd at the root end (fd zz - ff zd)/(zz + zd).
     """
-    f, (ff, g), rest = torque.copy(), np.zeros((2, *torque.shape)), [np.zeros(torque.shape[1])] * tree.size
+    f, (ff, g), rest = (
+        torque.copy(),
+        np.zeros((2, *torque.shape)),
+        [np.zeros(torque.shape[1])] * tree.size,
+    )
     own, source, passed, back, parents = list(torque), list(f), list(ff), list(g), tree.parents
     with np.errstate(all="ignore"):
         to_leaves, to_root = list(sides.to_leaves), list(sides.to_root)
@@ -136,9 +153,18 @@ def forced(tree: Tree, sides: TwoSides, torque: FloatArray) -> tuple[FloatArray,
                 share(children, passed, rest, own[i] + back[i])
             for child in children:
                 np.multiply(rest[child], to_root[child], back[child])
-        fd, z, zz, zd, y = np.array(rest), sides.branch_end, sides.passed, sides.rest_end, sides.returned
+        fd, z, zz, zd, y = (
+            np.array(rest),
+            sides.branch_end,
+            sides.passed,
+            sides.rest_end,
+            sides.returned,
+        )
         at_parent, at_station = (fd * zz - ff * zd) / (zz + zd), (g * z - f * y) / (z + y)
-        span, angle = np.where(np.abs(zd) <= np.abs(z), at_parent, at_station), (f + g) / sides.total
+        span, angle = (
+            np.where(np.abs(zd) <= np.abs(z), at_parent, at_station),
+            (f + g) / sides.total,
+        )
     if tree.holds:
         angle[tree.held] = 0.0
         span[np.isinf(sides.branch) & np.isinf(sides.rest)] = 0.0  # between two fixed stations
@@ -164,7 +190,11 @@ def spread(tree: Tree, sides: Sides | TwoSides, start: IntArray) -> Spread:
     """
     if isinstance(sides, TwoSides):
         return _spread_by_stations(tree, sides, start)
-    return _spread_along_chain(tree, sides, start) if tree.is_chain else _spread_by_layers(tree, sides, start)
+    return (
+        _spread_along_chain(tree, sides, start)
+        if tree.is_chain
+        else _spread_by_layers(tree, sides, start)
+    )
 
 
 def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
@@ -242,7 +272,9 @@ def _sides_of_layers(tree: Tree, own: FloatArray) -> Sides:
     return Sides(np.add(total, returned, out=total), passed, returned, to_leaves, to_root)
 
 
-def _transmission(tree: Tree, through: FloatArray, inverse: FloatArray, stiffness: FloatArray) -> None:
+def _transmission(
+    tree: Tree, through: FloatArray, inverse: FloatArray, stiffness: FloatArray
+) -> None:
     """Make of `inverse`, 1/z, the angle of the far end of a span over that of the near one: 1/(1 + h z) = zz/z.
 
     Taken from the rounded zz, which is what the next station has seen: at a node both are large by the same rounding.
@@ -261,7 +293,10 @@ def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
     size, columns = own.shape
     behind, (inverse, through) = np.empty((size, 2 * columns)), np.empty((2, size - 1, 2 * columns))
     behind[:, :columns], behind[:, columns:] = own[::-1], own
-    through[:, :columns], through[:, columns:] = tree.flexibility_columns[:0:-1], tree.flexibility_columns[1:]
+    through[:, :columns], through[:, columns:] = (
+        tree.flexibility_columns[:0:-1],
+        tree.flexibility_columns[1:],
+    )
     add, reciprocal, rows = np.add, np.reciprocal, list(behind)
     here = rows[0]
     for turned, seen, there in zip(inverse, through, rows[1:], strict=True):
@@ -270,7 +305,10 @@ def _sides_of_chain(tree: Tree, own: FloatArray) -> Sides:
         reciprocal(seen, seen)
         add(there, seen, there)
         here = there
-    total, (passed, returned, to_leaves, to_root) = behind[::-1, :columns].copy(), np.zeros((4, size + 1, columns))
+    total, (passed, returned, to_leaves, to_root) = (
+        behind[::-1, :columns].copy(),
+        np.zeros((4, size + 1, columns)),
+    )
     passed[1:size], returned[1:size] = through[::-1, :columns], through[:, columns:]
     to_leaves[1:size], to_root[1:size] = inverse[::-1, :columns], inverse[:, columns:]
     _transmission(tree, passed[1:size], to_leaves[1:size], total[1:])

@@ -40,7 +40,9 @@ class VariantModes:
     alone: int  # frequencies that had to be found train by train
 
 
-def variant_modes(tree: Tree, flexibility: FloatArray, inertia: FloatArray, count: int) -> VariantModes:
+def variant_modes(
+    tree: Tree, flexibility: FloatArray, inertia: FloatArray, count: int
+) -> VariantModes:
     """The lowest `count` elastic modes of the trains in the columns of `flexibility` and `inertia` (stations, trains).
 
     tree: their layout, and which stations are fixed. A flexibility or inertia that is 0 in one train is 0 in all.
@@ -53,7 +55,9 @@ def variant_modes(tree: Tree, flexibility: FloatArray, inertia: FloatArray, coun
     array([[141.42135624, 200.        , 282.84271247]])
     """
     if not flexibility.shape == inertia.shape == (tree.size, flexibility.shape[-1]):
-        raise ValueError(f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}")
+        raise ValueError(
+            f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}"
+        )
     middle = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
     known = tree_modes(middle, count)
     if len(known.frequency) < count:
@@ -68,8 +72,12 @@ def variant_modes(tree: Tree, flexibility: FloatArray, inertia: FloatArray, coun
         start = np.log(known.frequency)[:, None] + by_flexibility.T @ changes(h, middle.flexibility)
         start += by_inertia.T @ changes(j, middle.moving_inertia)
         trains = _side_by_side(numbered, h, j)
-        found = [_polished(trains, one, sweep) for one, sweep in zip(np.exp(start), sweeps, strict=False)]
-        bounds[:, :, part], proven = _proven(trains, found or _settled_each(trains, np.exp(start)), known.rigid)
+        found = [
+            _polished(trains, one, sweep) for one, sweep in zip(np.exp(start), sweeps, strict=False)
+        ]
+        bounds[:, :, part], proven = _proven(
+            trains, found or _settled_each(trains, np.exp(start)), known.rigid
+        )
         if not proven.all() and trains.is_plain:
             left = np.flatnonzero(~proven)
             some = _columns(trains, left)
@@ -93,7 +101,9 @@ def middle_of(values: FloatArray) -> FloatArray:
 def changes(values: FloatArray, middle: FloatArray) -> FloatArray:
     """ln of each of `values` (stations, trains) over the middle; 0 of what is 0."""
     used = (middle > 0.0) & np.isfinite(middle)
-    return np.asarray(np.log(np.where(used[:, None], values, 1.0) / np.where(used, middle, 1.0)[:, None]))
+    return np.asarray(
+        np.log(np.where(used[:, None], values, 1.0) / np.where(used, middle, 1.0)[:, None])
+    )
 
 
 def _numbered(tree: Tree) -> Rerooted:
@@ -114,15 +124,23 @@ def _side_by_side(numbered: Rerooted, flexibility: FloatArray, inertia: FloatArr
 
 
 def _columns(trains: Tree, chosen: Selection) -> Tree:
-    return replace(trains, flexibility=trains.flexibility[:, chosen], inertia=trains.inertia[:, chosen])
+    return replace(
+        trains, flexibility=trains.flexibility[:, chosen], inertia=trains.inertia[:, chosen]
+    )
 
 
 def _values(trains: Tree) -> FloatArray:
     """Elastic frequencies (modes, trains) rad/s to begin with: singular values of K^1/2 J^-1/2, of all at once."""
     size = trains.size
-    factor, span, parent = np.zeros((trains.inertia.shape[1], size - 1, size)), np.arange(1, size), trains.parent[1:]
+    factor, span, parent = (
+        np.zeros((trains.inertia.shape[1], size - 1, size)),
+        np.arange(1, size),
+        trains.parent[1:],
+    )
     for sign, station in ((1.0, parent), (-1.0, span)):
-        factor[:, span - 1, station] = (sign / np.sqrt(trains.flexibility[span] * trains.inertia[station])).T
+        factor[:, span - 1, station] = (
+            sign / np.sqrt(trains.flexibility[span] * trains.inertia[station])
+        ).T
     return np.asarray(np.linalg.svd(factor, compute_uv=False).T[::-1])
 
 
@@ -130,7 +148,9 @@ def _values(trains: Tree) -> FloatArray:
 class _Sweep:
     """How to sweep for one mode."""
 
-    steps: list[tuple[int, int, int]]  # station, the one toward the root, and the span between them; the leaves first
+    steps: list[
+        tuple[int, int, int]
+    ]  # station, the one toward the root, and the span between them; the leaves first
     root: int  # the station with the most kinetic energy
     passed: float  # sum of |torque| |angle at the parent| over s in the middle of the trains
 
@@ -142,7 +162,10 @@ def _sweeps(numbered: Rerooted, known: TreeModes) -> list[_Sweep]:
     angle, torque = np.abs(known.angle[station]), np.abs(known.torque[span])
     passed = (torque[1:] * angle[tree.parent[1:]]).sum(axis=0) / known.frequency**2
     roots = np.argmax(tree.inertia[:, None] * angle**2, axis=0)
-    return [_Sweep(toward(tree, root), root, one) for root, one in zip(roots.tolist(), passed.tolist(), strict=True)]
+    return [
+        _Sweep(toward(tree, root), root, one)
+        for root, one in zip(roots.tolist(), passed.tolist(), strict=True)
+    ]
 
 
 def toward(tree: Tree, root: int) -> list[tuple[int, int, int]]:
@@ -202,7 +225,9 @@ def _settled_each(trains: Tree, start: FloatArray) -> list[tuple[FloatArray, Flo
     return [_settled(trains, one) for one in start]
 
 
-def _proven(trains: Tree, settled: list[tuple[FloatArray, FloatArray]], rigid: int) -> tuple[FloatArray, BoolArray]:
+def _proven(
+    trains: Tree, settled: list[tuple[FloatArray, FloatArray]], rigid: int
+) -> tuple[FloatArray, BoolArray]:
     """Frequencies and bounds (3, modes, trains) rad/s of `settled` modes, and which trains are proven."""
     frequency = np.stack([one for one, _ in settled])
     order = np.argsort(frequency, axis=0)
@@ -217,7 +242,12 @@ def _proven(trains: Tree, settled: list[tuple[FloatArray, FloatArray]], rigid: i
 
 def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Frequency (trains,) rad/s after Rayleigh's steps, and the sum of |torque| |angle at the parent| of its shape."""
-    frequency, passed, left, some = start.copy(), np.zeros(len(start)), np.arange(len(start)), trains
+    frequency, passed, left, some = (
+        start.copy(),
+        np.zeros(len(start)),
+        np.arange(len(start)),
+        trains,
+    )
     for _ in range(_STEPS):
         here = frequency[left]
         shapes = free_shapes(some, here)
@@ -235,19 +265,26 @@ def _settled(trains: Tree, start: FloatArray) -> tuple[FloatArray, FloatArray]:
     return frequency, np.where(np.isfinite(passed), passed, 0.0)
 
 
-def _enclosed(trains: Tree, frequency: FloatArray, passed: FloatArray, mode: int) -> tuple[FloatArray, BoolArray]:
+def _enclosed(
+    trains: Tree, frequency: FloatArray, passed: FloatArray, mode: int
+) -> tuple[FloatArray, BoolArray]:
     """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven."""
 
     def counted(left: Selection, w: FloatArray, lean: float) -> IntArray:
-        return count_below(trains if isinstance(left, slice) else _columns(trains, left), w, bound=lean)
+        return count_below(
+            trains if isinstance(left, slice) else _columns(trains, left), w, bound=lean
+        )
 
     return enclosed(counted, frequency, expected_width(trains, frequency, passed), mode, _WIDENED)
 
 
 def enclosed(
-    counted: Callable[[Selection, FloatArray, float], IntArray], frequency: FloatArray, half: FloatArray,
-    mode: int | IntArray, widened: tuple[float, ...],
-) -> tuple[FloatArray, BoolArray]:  # fmt: skip
+    counted: Callable[[Selection, FloatArray, float], IntArray],
+    frequency: FloatArray,
+    half: FloatArray,
+    mode: int | IntArray,
+    widened: tuple[float, ...],
+) -> tuple[FloatArray, BoolArray]:
     """Bounds (2, m) rad/s of the mode (from 0, rigid ones counted) about each `frequency` (m,), and which are proven.
 
     counted: of some columns, frequencies below w, never less (+1.0) or never more (-1.0) than exact. half: relative
@@ -259,7 +296,9 @@ def enclosed(
     for times in widened:
         some: Selection = slice(None) if len(left) == len(frequency) else left
         lower, upper = (frequency[left] * (1.0 + sign * times * half[left]) for sign in (-1, 1))
-        proven = (counted(some, lower, 1.0) <= modes[left]) & (counted(some, upper, -1.0) > modes[left])
+        proven = (counted(some, lower, 1.0) <= modes[left]) & (
+            counted(some, upper, -1.0) > modes[left]
+        )
         bounds[:, left], is_proven[left] = (lower, upper), proven
         left = left[~proven]
         if not left.size:

@@ -21,7 +21,15 @@ from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.network_counts import Elimination, Network, Way, modal_way, network_count
 from torsion.kernels.sturm import SHARE_OF_LIMIT, expected_width
 from torsion.kernels.tree import Tree
-from torsion.kernels.variant_modes import Selection, VariantModes, changes, enclosed, middle_of, parts, toward
+from torsion.kernels.variant_modes import (
+    Selection,
+    VariantModes,
+    changes,
+    enclosed,
+    middle_of,
+    parts,
+    toward,
+)
 
 _STEP = 1e-100  # relative, imaginary: beside it nothing changes but imaginary parts (Squire and Trapp 1998)
 _STEPS = 12  # of Newton; 3 are usual, 9 beside a pole of the stiffness that the root sees
@@ -34,16 +42,22 @@ _OF_MODES = (4.0, 32.0, 256.0)  # the same about the angles of the mode
 _BESIDE = 1e-7  # relative half width that says whether a mode is the right one
 _ROOTS = 6  # at most to be tried
 _FEW_CHORDS = 16  # up to which all roots are tried; with more, a root that proves no mode is the last (measured)
-_MOST_CHORDS = 45  # whose eigenvalues round by less than _WIDEST, _EIGENVALUE L^2 2^-53; more are not counted
+_MOST_CHORDS = (
+    45  # whose eigenvalues round by less than _WIDEST, _EIGENVALUE L^2 2^-53; more are not counted
+)
 _WIDEST = 2.0**-39  # relative half width, 1.8e-12; one not proven in it is solved by itself
 _SOFT = 0.05  # of s h J, above which a span is soft
 
 
 def network_modes(
-    tree: Tree, flexibility: FloatArray, inertia: FloatArray, count: int,
-    ends: tuple[IntArray, IntArray] = (np.empty(0, int), np.empty(0, int)), chord: FloatArray | None = None,
+    tree: Tree,
+    flexibility: FloatArray,
+    inertia: FloatArray,
+    count: int,
+    ends: tuple[IntArray, IntArray] = (np.empty(0, int), np.empty(0, int)),
+    chord: FloatArray | None = None,
     factors: FloatArray | None = None,
-) -> VariantModes:  # fmt: skip
+) -> VariantModes:
     """As `variant_modes`, of trains with chords between the stations `ends`, of `chord` (chords, trains) rad/(N m).
 
     factors: (figures, trains) of the figures of the laws of `tree.shafts`, over what they are there. Columns that are
@@ -60,26 +74,44 @@ def network_modes(
     if not np.all(chord > 0.0):
         raise ValueError("a chord needs a positive flexibility; put rigid spans into the tree")
     laws = _laws(tree, factors, trains)
-    many = Network(replace(tree, flexibility=flexibility, inertia=inertia, shafts=laws), pairs(tree.size, *ends), chord)
+    many = Network(
+        replace(tree, flexibility=flexibility, inertia=inertia, shafts=laws),
+        pairs(tree.size, *ends),
+        chord,
+    )
 
     def alone(h: FloatArray, j: FloatArray, c: FloatArray, shafts: Shafts | None) -> TreeModes:
         own = replace(tree, flexibility=h, inertia=j, shafts=shafts)
         return counted_modes(own, *ends, c, count) if len(c) else tree_modes(own, count)
 
-    middle = None if tree.shafts is None or factors is None else _shafts_of(tree.shafts, middle_of(factors))
+    middle = (
+        None
+        if tree.shafts is None or factors is None
+        else _shafts_of(tree.shafts, middle_of(factors))
+    )
     known = alone(middle_of(flexibility), middle_of(inertia), middle_of(chord), middle)
     if len(known.frequency) < count:
         raise ValueError(f"the trains have {len(known.frequency)} elastic modes, not {count}")
-    mean = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia), shafts=middle)
+    mean = replace(
+        tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia), shafts=middle
+    )
     torn, rows = _torn(many, mean, ends)
     bounds, number = np.empty((3, count, trains)), 0
     for part in parts(tree.size * (1 + len(chord)), trains):
         own = many.chosen(part)
-        proven = np.zeros(own.chord.shape[1] if len(chord) else own.tree.flexibility.shape[1], dtype=np.bool_)
+        proven = np.zeros(
+            own.chord.shape[1] if len(chord) else own.tree.flexibility.shape[1], dtype=np.bool_
+        )
         if torn.tree.parents.count(-1) == 1:
-            bounds[:, :, part], proven = _modes(torn.chosen(part), rows, own, mean, known, middle_of(chord))
+            bounds[:, :, part], proven = _modes(
+                torn.chosen(part), rows, own, mean, known, middle_of(chord)
+            )
         for column in (part.start + np.flatnonzero(~proven)).tolist():
-            one = None if tree.shafts is None or factors is None else _shafts_of(tree.shafts, factors[:, column])
+            one = (
+                None
+                if tree.shafts is None or factors is None
+                else _shafts_of(tree.shafts, factors[:, column])
+            )
             found = alone(flexibility[:, column], inertia[:, column], chord[:, column], one)
             bounds[:, :, column] = found.frequency, found.lower, found.upper
             number += count
@@ -104,21 +136,33 @@ def counted_modes(
     modes = len(found.frequency)
     if found.certified or not modes or len(first) > _MOST_CHORDS:
         return found
-    one = Network(replace(tree, flexibility=tree.flexibility[:, None], inertia=tree.inertia[:, None]),
-                  pairs(tree.size, first, second), flexibility[:, None])  # fmt: skip
+    one = Network(
+        replace(tree, flexibility=tree.flexibility[:, None], inertia=tree.inertia[:, None]),
+        pairs(tree.size, first, second),
+        flexibility[:, None],
+    )
     torn, rows = _torn(one, tree, (first, second))
     if torn.tree.parents.count(-1) != 1:
         return found
     energy = (tree.moving_inertia[:, None] * found.angle**2).sum(axis=1)
     passed = np.abs(found.torque * found.angle[tree.parent]).sum(axis=0) / found.frequency**2
     bounds, proven = enclosed_each(
-        torn.chosen(np.zeros(modes, dtype=np.int64)), found.frequency, passed, np.arange(modes) + found.rigid,
+        torn.chosen(np.zeros(modes, dtype=np.int64)),
+        found.frequency,
+        passed,
+        np.arange(modes) + found.rigid,
         int(rows[np.argmax(energy)]),
-    )  # fmt: skip
+    )
     if not proven.all():
         return found
     _, lower, upper = bounds
-    return replace(found, frequency=np.clip(found.frequency, lower, upper), lower=lower, upper=upper, certified=True)
+    return replace(
+        found,
+        frequency=np.clip(found.frequency, lower, upper),
+        lower=lower,
+        upper=upper,
+        certified=True,
+    )
 
 
 def _laws(tree: Tree, factors: FloatArray | None, trains: int) -> Shafts | None:
@@ -127,16 +171,22 @@ def _laws(tree: Tree, factors: FloatArray | None, trains: int) -> Shafts | None:
         return None
     sizes = [law.figures.size for law in tree.shafts.laws]
     if factors is None or factors.shape != (sum(sizes), trains):
-        raise ValueError(f"the laws of the shafts have {sum(sizes)} figures; expected factors of each for every train")
+        raise ValueError(
+            f"the laws of the shafts have {sum(sizes)} figures; expected factors of each for every train"
+        )
     own = np.split(factors, np.cumsum(sizes)[:-1])
-    return replace(tree.shafts, laws=tuple(Columns.of(*one) for one in zip(tree.shafts.laws, own, strict=True)))
+    return replace(
+        tree.shafts, laws=tuple(Columns.of(*one) for one in zip(tree.shafts.laws, own, strict=True))
+    )
 
 
 def _shafts_of(shafts: Shafts, factors: FloatArray) -> Shafts:
     """The shafts of one train, with `factors` (figures,)."""
     sizes = [law.figures.size for law in shafts.laws]
     own = np.split(factors[:, None], np.cumsum(sizes)[:-1])
-    return replace(shafts, laws=tuple(Columns.of(*one).rows for one in zip(shafts.laws, own, strict=True)))
+    return replace(
+        shafts, laws=tuple(Columns.of(*one).rows for one in zip(shafts.laws, own, strict=True))
+    )
 
 
 def _torn(many: Network, mean: Tree, ends: tuple[IntArray, IntArray]) -> tuple[Network, IntArray]:
@@ -152,7 +202,9 @@ def _torn(many: Network, mean: Tree, ends: tuple[IntArray, IntArray]) -> tuple[N
     moved = np.empty_like(tree.inertia)
     moved[torn.station] = tree.inertia
     new = replace(torn.tree, flexibility=flexibility[: mean.size], inertia=moved)
-    return Network(new, pairs(mean.size, torn.first, torn.second), flexibility[mean.size :]), torn.station
+    return Network(
+        new, pairs(mean.size, torn.first, torn.second), flexibility[mean.size :]
+    ), torn.station
 
 
 def _way(trains: Network, root: int, square: float) -> Way:
@@ -168,7 +220,9 @@ def _way(trains: Network, root: int, square: float) -> Way:
             soft.append(station)
     twisted = sign.copy()
     twisted[:, soft] = 0.0
-    return Way(steps, root, sign[..., None], twisted[..., None], load[..., None], np.zeros((len(sign), 1)))
+    return Way(
+        steps, root, sign[..., None], twisted[..., None], load[..., None], np.zeros((len(sign), 1))
+    )
 
 
 def _polished(trains: Network, start: FloatArray, way: Way) -> FloatArray:
@@ -212,7 +266,9 @@ def _modes(
     """
     start, passed, ways = [], [], []
     for mode, w in enumerate(known.frequency.tolist()):
-        h, j = (one[:, 0] for one in replace(mean, inertia=mean.moving_inertia).at(np.array([w * w])))
+        h, j = (
+            one[:, 0] for one in replace(mean, inertia=mean.moving_inertia).at(np.array([w * w]))
+        )
         angle, torque = known.angle[:, mode], known.torque[:, mode].copy()
         if mean.shafts is not None:
             node = mean.shafts.node
@@ -250,7 +306,9 @@ def _proven(
     trains: Network, start: FloatArray, ways: list[Way], passed: FloatArray, rigid: int
 ) -> tuple[FloatArray, BoolArray]:
     """Frequencies and bounds (3, modes, trains) rad/s by Newton from `start`, and which trains are proven."""
-    frequency = np.stack([_polished(trains, one, way) for one, way in zip(start, ways, strict=True)])
+    frequency = np.stack(
+        [_polished(trains, one, way) for one, way in zip(start, ways, strict=True)]
+    )
     order = np.argsort(frequency, axis=0)
     frequency, passed = np.take_along_axis(frequency, order, axis=0), passed[order]
     bounds, proven = np.stack([frequency] * 3), np.zeros(frequency.shape, dtype=np.bool_)
@@ -263,7 +321,9 @@ def _proven(
         for k in np.unique(mode[~is_beside]).tolist():
             lost = (mode == k) & ~is_beside
             own = trains.chosen(column[lost])
-            near[lost] = _polished(own, _bracketed(own, start[k, column[lost]], k + rigid, ways[k]), ways[k])
+            near[lost] = _polished(
+                own, _bracketed(own, start[k, column[lost]], k + rigid, ways[k]), ways[k]
+            )
         found = enclosed_each(some, near, passed[mode, column], mode + rigid, way.root)
         bounds[:, mode, column], proven[mode, column] = found
     return bounds, np.asarray(proven.all(axis=0))
@@ -291,7 +351,9 @@ def enclosed_each(
                 way, square = modal_way(some, near[left] ** 2, way)
                 near[left] = np.sqrt(square)
             bounds[0, left] = near[left]
-            bounds[1:, left], proven[left] = _enclosed(some, near[left], passed[left], mode[left], way)
+            bounds[1:, left], proven[left] = _enclosed(
+                some, near[left], passed[left], mode[left], way
+            )
         if len(trains.chord) > _FEW_CHORDS and proven.sum() == proven_before:
             break
     return bounds, proven
@@ -311,7 +373,12 @@ def _roots(tree: Tree, root: int) -> list[int]:
 
 
 def _enclosed(
-    trains: Network, frequency: FloatArray, passed: FloatArray, mode: int | IntArray, way: Way, half: float = 0.0
+    trains: Network,
+    frequency: FloatArray,
+    passed: FloatArray,
+    mode: int | IntArray,
+    way: Way,
+    half: float = 0.0,
 ) -> tuple[FloatArray, BoolArray]:
     """Bounds (2, trains) rad/s of the mode (from 0, rigid ones counted), and which of them are proven.
 
@@ -320,7 +387,9 @@ def _enclosed(
     shafts, widened = trains.tree.shafts, tuple[float, ...](_WIDENED)
     if len(trains.chord):
         widened = _OF_CHORDS if way.basis is None else _OF_MODES
-    width = np.minimum(expected_width(trains.tree, frequency, passed * frequency**2), _WIDEST / widened[-1])
+    width = np.minimum(
+        expected_width(trains.tree, frequency, passed * frequency**2), _WIDEST / widened[-1]
+    )
     if half:
         width, widened = np.full(len(frequency), half), (1.0,)
     top = np.inf if shafts is None else SHARE_OF_LIMIT * shafts.limit

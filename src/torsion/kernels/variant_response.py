@@ -17,10 +17,18 @@ from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
 from torsion.kernels.sturm import count_below
 from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import Status, TreeResponse, complex_compliance, status, tree_response
+from torsion.kernels.tree_response import (
+    Status,
+    TreeResponse,
+    complex_compliance,
+    status,
+    tree_response,
+)
 from torsion.kernels.variant_modes import variant_modes
 
-ABOUT = np.array([0.0, 0.2, 0.5, 1.0, 2.0, 4.0])  # to either side of a resonance, times damping ratio and frequency
+ABOUT = np.array(
+    [0.0, 0.2, 0.5, 1.0, 2.0, 4.0]
+)  # to either side of a resonance, times damping ratio and frequency
 EVEN = 17  # points over the whole band
 COLUMNS = 2**13  # trains times points solved at once
 LEAST_RATIO = 1e-9  # damping ratio below which points about a resonance would be one
@@ -59,7 +67,9 @@ class Trains:
         one, flat = self._with(lambda own: np.repeat(own, w.shape[1], axis=1)), w.ravel()
         hc = complex_compliance(one.flexibility, one.viscous, one.loss_factor, flat)
         tree = replace(self.tree, flexibility=one.flexibility, inertia=one.inertia)
-        return tree_response(tree, flat, force, ground_damping=one.ground_damping, compliance=hc, check=check)
+        return tree_response(
+            tree, flat, force, ground_damping=one.ground_damping, compliance=hc, check=check
+        )
 
     def _middle(self, highest: float, least: int = 0) -> tuple[Tree, TreeModes, int]:
         """The train of the geometric means, its modes, and how many of them count below `highest` rad/s."""
@@ -82,7 +92,8 @@ class Trains:
         w, torque, angle = known.frequency[:count], known.torque[:, :count], known.angle[:, :count]
         share = middle.flexibility[:, None] * torque**2 / w**2
         viscous, loss, ground = (
-            own if own.ndim == 1 else own.max(axis=1) for own in (self.viscous, self.loss_factor, self.ground_damping)
+            own if own.ndim == 1 else own.max(axis=1)
+            for own in (self.viscous, self.loss_factor, self.ground_damping)
         )
         tangent = (middle.flexibility * viscous)[:, None] * w + loss[:, None]
         held = angle.T**2 @ ground / w
@@ -101,11 +112,14 @@ class Trains:
         if count <= 0:
             return np.empty((0, self.count)), np.empty(0)
         viscous, loss, ground = (
-            own if own.ndim == 1 else own.mean(axis=1) for own in (self.viscous, self.loss_factor, self.ground_damping)
+            own if own.ndim == 1 else own.mean(axis=1)
+            for own in (self.viscous, self.loss_factor, self.ground_damping)
         )
         w, torque, angle = known.frequency[:count], known.torque[:, :count], known.angle[:, :count]
         twist = middle.flexibility[:, None] * torque
-        lost = (twist * torque).T @ loss / w**2 + ((twist**2).T @ viscous + (angle**2).T @ ground) / w
+        lost = (twist * torque).T @ loss / w**2 + (
+            (twist**2).T @ viscous + (angle**2).T @ ground
+        ) / w
         return variant_modes(self.tree, self.flexibility, self.inertia, count).frequency, lost / 2.0
 
 
@@ -126,7 +140,9 @@ def resonance_grid(centre: FloatArray, ratio: FloatArray, fixed: FloatArray) -> 
     """
     low, high = float(fixed.min()), float(fixed.max())
     reach = ABOUT[-1] * ratio
-    inside = (centre.min(axis=1) * (1.0 - reach) < high) & (centre.max(axis=1) * (1.0 + reach) > low)
+    inside = (centre.min(axis=1) * (1.0 - reach) < high) & (
+        centre.max(axis=1) * (1.0 + reach) > low
+    )
     about = np.concatenate([-ABOUT[:0:-1], ABOUT])
     shift = 1.0 + np.maximum(ratio[inside], LEAST_RATIO)[:, None] * about
     near = np.clip((centre[inside].T[:, :, None] * shift).reshape(centre.shape[1], -1), low, high)
@@ -188,7 +204,10 @@ def variant_peaks(trains: Trains, force: FloatArray, band: tuple[float, float]) 
     width = max(1, COLUMNS // points)
     for begin in range(0, count, width):
         part = slice(begin, min(begin + width, count))
-        some, w = trains.part(part), resonance_grid(centre[:, part], ratio, np.linspace(*band, EVEN))
+        some, w = (
+            trains.part(part),
+            resonance_grid(centre[:, part], ratio, np.linspace(*band, EVEN)),
+        )
         found = np.abs(some.response(w, force, check=False).torque).reshape(size, len(w), -1)
         coarse, _, _ = vertex(w[:, ::2], found[:, :, ::2])
         fine, place, _ = vertex(w, found)
@@ -198,7 +217,9 @@ def variant_peaks(trains: Trains, force: FloatArray, band: tuple[float, float]) 
         torque[:, part], where[:, part] = np.fmax(own, found.max(axis=2)), place
         with np.errstate(invalid="ignore", divide="ignore"):
             gap = np.abs(np.stack([fine, coarse]) / torque[:, part] - 1.0).max(axis=0)
-        error[:, part] = np.where(torque[:, part] > 0.0, np.inf if some.displaces(band[1]) else gap, 0.0)
+        error[:, part] = np.where(
+            torque[:, part] > 0.0, np.inf if some.displaces(band[1]) else gap, 0.0
+        )
         ok[part] = worst == Status.OK
         torque[:, part.start + np.flatnonzero(~ok[part])] = np.inf
     return VariantPeaks(torque, where, error, ok)

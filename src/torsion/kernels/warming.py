@@ -21,7 +21,9 @@ class Warming:
     highest: float  # degC, permissible
     rise: float  # K/W, of the heat made
     factor: tuple[tuple[float, float], ...]  # (degC, stiffness over that now)
-    lost: tuple[tuple[float, float], ...] = ()  # (degC, loss factor or magnifier); () for that of the coupling
+    lost: tuple[
+        tuple[float, float], ...
+    ] = ()  # (degC, loss factor or magnifier); () for that of the coupling
     by_magnifier: bool = False  # it is the magnifier that is linear between the points
 
     def loss_factor(self, temperature: FloatArray) -> FloatArray:

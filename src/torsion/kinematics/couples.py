@@ -55,7 +55,11 @@ class CoupleHarmonics:
 
 @source("Liu2023", "eq. 13, T2 corrected")
 def couples(
-    driving: ArrayLike, angle: ArrayLike, torque: ArrayLike, carrier: Carrier = "driving", convention: Convention = "P"
+    driving: ArrayLike,
+    angle: ArrayLike,
+    torque: ArrayLike,
+    carrier: Carrier = "driving",
+    convention: Convention = "P",
 ) -> Couples:
     """Couples at driving angles, the torque of one shaft being given (Liu 2023, eq. 13, with T2 corrected).
 
@@ -66,7 +70,9 @@ def couples(
     ratio = transfer(turned, bend, convention).ratio
     given = np.asarray(torque, dtype=float)
     before, behind = (given, given / ratio) if carrier == "driving" else (given * ratio, given)
-    sine, cosine = (np.sin(turned), np.cos(turned)) if convention == "N" else (np.cos(turned), -np.sin(turned))
+    sine, cosine = (
+        (np.sin(turned), np.cos(turned)) if convention == "N" else (np.cos(turned), -np.sin(turned))
+    )
     slope, tilt = np.tan(bend), np.sin(bend)
     normal = before * slope * sine * cosine
     driven_yoke = -before * slope * sine * np.sqrt(cosine * cosine + (np.cos(bend) * sine) ** 2)

@@ -46,7 +46,9 @@ def fluctuation(angle: ArrayLike) -> FloatArray:
 def transfer(driving: ArrayLike, angle: ArrayLike, convention: Convention = "P") -> Transfer:
     """Transmission error, speed ratio and second derivative from one sine and one cosine of the driving angle."""
     bend, turned = np.asarray(angle, dtype=float), np.asarray(driving, dtype=float)
-    across, along = (np.sin(turned), np.cos(turned)) if convention == "P" else (np.cos(turned), -np.sin(turned))
+    across, along = (
+        (np.sin(turned), np.cos(turned)) if convention == "P" else (np.cos(turned), -np.sin(turned))
+    )
     cosine, sine, product = np.cos(bend), np.sin(bend), across * along
     squared = across * across + (cosine * along) ** 2  # 1 - (s cos x)^2 without the difference
     ratio = cosine / squared

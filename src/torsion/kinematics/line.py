@@ -81,7 +81,11 @@ class Resultant:
 
 def line_of(angle: ArrayLike, plane: ArrayLike = 0.0, phase: ArrayLike = 0.0) -> Line:
     """A line from angles, planes and phases, rad, broadcast against each other to shape (..., joints)."""
-    given = (np.asarray(angle, dtype=float), np.asarray(plane, dtype=float), np.asarray(phase, dtype=float))
+    given = (
+        np.asarray(angle, dtype=float),
+        np.asarray(plane, dtype=float),
+        np.asarray(phase, dtype=float),
+    )
     angles, planes, phases = (np.array(each) for each in np.broadcast_arrays(*given))
     if np.any(planes[..., 0] != 0.0):
         raise ValueError("the first joint of a line defines the plane; its own `plane` must be 0")
@@ -107,13 +111,19 @@ def resultant(line: Line) -> Resultant:
 def _disk_map(line: Line) -> tuple[ComplexArray, ComplexArray]:
     """A, B of the line's disk map (A z + B)/(B* z + A*), |A|^2 - |B|^2 = 1; shape (...)."""
     scale, turn = np.sqrt(np.cos(line.angle)), np.exp(1j * line.offset)
-    less, more = np.sin(line.angle / 2.0) ** 2 / scale, np.cos(line.angle / 2.0) ** 2 / scale  # sinh, cosh rapidity/2
+    less, more = (
+        np.sin(line.angle / 2.0) ** 2 / scale,
+        np.cos(line.angle / 2.0) ** 2 / scale,
+    )  # sinh, cosh rapidity/2
     first = np.ones(line.angle.shape[:-1], dtype=complex)
     second = np.zeros_like(first)
     for rank in range(line.angle.shape[-1]):
         small, large = less[..., rank], more[..., rank]
         ahead, aside = turn[..., rank] * first, turn[..., rank] * second
-        first, second = large * ahead - small * np.conj(aside), large * aside - small * np.conj(ahead)
+        first, second = (
+            large * ahead - small * np.conj(aside),
+            large * aside - small * np.conj(ahead),
+        )
     return first, second
 
 
@@ -134,15 +144,23 @@ class Optimum:
     sensitivity: FloatArray  # (free,) index of fluctuation if that joint is 1 degree off, worse of both senses
 
 
-def optimise(line: Line, variable: Variable = "phase", joints: Sequence[int] | None = None) -> Optimum:
+def optimise(
+    line: Line, variable: Variable = "phase", joints: Sequence[int] | None = None
+) -> Optimum:
     """The line of least fluctuation over the `variable` of the given joints (of all but the first, if not given).
 
     Phases and planes of a first joint change nothing, so they are refused. Angles are sought in [0, 89.99 degrees].
     """
     free = tuple(range(1, line.angle.size)) if joints is None else tuple(joints)
     if not free or (variable != "angle" and 0 in free):
-        raise ValueError(f"a line of {line.angle.size} joints has no {variable} to choose at joints {free}")
-    best = _pair(line, variable, free[0]) if line.angle.size == 2 and len(free) == 1 else _search(line, variable, free)
+        raise ValueError(
+            f"a line of {line.angle.size} joints has no {variable} to choose at joints {free}"
+        )
+    best = (
+        _pair(line, variable, free[0])
+        if line.angle.size == 2 and len(free) == 1
+        else _search(line, variable, free)
+    )
     return Optimum(best, resultant(line), resultant(best), _sensitivity(best, variable, free))
 
 
@@ -159,7 +177,9 @@ def _pair(line: Line, variable: Variable, joint: int) -> Line:
     if variable == "angle":
         other = np.sin(line.angle[1 - joint]) ** 2  # tanh of its rapidity is other/(2 - other)
         tangent = max(0.0, float(other / (2.0 - other) * np.cos(2.0 * misphase)))
-        return _with(line, variable, (joint,), np.arctan2(np.sqrt([2.0 * tangent]), np.sqrt(1.0 - tangent)))
+        return _with(
+            line, variable, (joint,), np.arctan2(np.sqrt([2.0 * tangent]), np.sqrt(1.0 - tangent))
+        )
     nearest = misphase - np.pi * np.round(misphase / np.pi)
     value = line.phase[1] - nearest if variable == "phase" else line.plane[1] + nearest
     return _with(line, variable, (joint,), np.array([value]))
@@ -173,18 +193,34 @@ def _search(line: Line, variable: Variable, free: tuple[int, ...]) -> Line:
         _, closing = _disk_map(_with(line, variable, free, values))
         return np.array([closing.real, closing.imag])
 
-    def slope(values: FloatArray) -> FloatArray:  # B holds exp(+-i phase) only: its derivative is B at pi/2 more
-        return np.stack([lack(values + quarter) for quarter in np.pi / 2.0 * np.eye(len(free))], axis=1)
+    def slope(
+        values: FloatArray,
+    ) -> FloatArray:  # B holds exp(+-i phase) only: its derivative is B at pi/2 more
+        return np.stack(
+            [lack(values + quarter) for quarter in np.pi / 2.0 * np.eye(len(free))], axis=1
+        )
 
     bounds = (0.0, _LIMIT) if variable == "angle" else (-np.inf, np.inf)
-    sizes = rapidity(line.angle)  # of phases or planes the least is that of the polygon that does not close
-    bound = float(np.sinh(max(0.0, 2.0 * sizes.max() - sizes.sum()) / 2.0)) if variable != "angle" else 0.0
+    sizes = rapidity(
+        line.angle
+    )  # of phases or planes the least is that of the polygon that does not close
+    bound = (
+        float(np.sinh(max(0.0, 2.0 * sizes.max() - sizes.sum()) / 2.0))
+        if variable != "angle"
+        else 0.0
+    )
     rounding = 4.0 * np.finfo(float).eps * line.angle.size * float(np.exp(sizes.sum() / 2.0))
     spread = np.random.default_rng(0).uniform(0.0, np.pi / 2.0, (_STARTS, len(free)))
     found: list[tuple[float, FloatArray]] = []
     for start in (getattr(line, variable)[list(free)], *spread):
         answer = least_squares(
-            lack, start, "3-point" if variable == "angle" else slope, bounds, xtol=1e-15, ftol=1e-15, gtol=None
+            lack,
+            start,
+            "3-point" if variable == "angle" else slope,
+            bounds,
+            xtol=1e-15,
+            ftol=1e-15,
+            gtol=None,
         )
         found.append((float(np.hypot(*answer.fun)), np.asarray(answer.x, dtype=float)))
         if found[-1][0] <= bound + rounding:
@@ -198,7 +234,9 @@ def _sensitivity(line: Line, variable: Variable, free: tuple[int, ...]) -> Float
     for joint in free:
         value = float(getattr(line, variable)[joint])
         below = abs(value - error) if variable == "angle" else value - error
-        worst.append(float(index_over(line, variable, joint, np.array([below, value + error])).max()))
+        worst.append(
+            float(index_over(line, variable, joint, np.array([below, value + error])).max())
+        )
     return np.array(worst)
 
 

@@ -26,7 +26,9 @@ class TripodMotion:
     ratio: FloatArray  # driven speed / driving speed
     bend: FloatArray  # angle between the shafts as they stand, rad
     yaw: FloatArray  # of their plane about the driving shaft, rad
-    orbit: tuple[FloatArray, FloatArray]  # m, of the spider's centre off the driving axis: along n, d_driving x n
+    orbit: tuple[
+        FloatArray, FloatArray
+    ]  # m, of the spider's centre off the driving axis: along n, d_driving x n
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,9 @@ def error_amplitude(angle: float, spider: float, radius: float, arm: float) -> c
     return complex(error_size(angle, radius, arm) * np.exp(3j * spider))
 
 
-def exact_motion(driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: ArrayLike) -> TripodMotion:
+def exact_motion(
+    driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: ArrayLike
+) -> TripodMotion:
     """Exact motion of three lines met by three lines, the pivot being a joint of constant velocity.
 
     A spider on a shaft of free end turns as the driving shaft does, and its centre runs on the orbit
@@ -73,7 +77,9 @@ def exact_motion(driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: A
     _, _, near, far = _pivot(turned, sine, share, gain, yaw)
     local = 3.0 * (turned - yaw)
     by_angle = 3.0 * near * np.cos(local), 3.0 * far * np.sin(local)
-    gaining, yawing = _solve((turned, sine, share, gain, yaw), by_angle)  # derivatives by the driving angle
+    gaining, yawing = _solve(
+        (turned, sine, share, gain, yaw), by_angle
+    )  # derivatives by the driving angle
     half, rest = np.tan(bend / 2.0), np.tan(nominal / 2.0)
     above, below = half * rest * np.sin(yaw), 1.0 + half * rest * np.cos(yaw)
     opening = sine * gaining / (np.cos(bend) * (1.0 + np.cos(bend)))  # derivative of `half`
@@ -82,7 +88,9 @@ def exact_motion(driving: ArrayLike, angle: ArrayLike, radius: ArrayLike, arm: A
     slope = -2.0 * (below * rising - above * falling) / (above**2 + below**2)
     centre = np.exp(1j * yaw) * (np.tan(bend) * np.cos(local) + 1j * np.sin(bend) * np.sin(local))
     centre = offset / 2.0 * half * centre
-    return TripodMotion(-2.0 * np.arctan2(above, below), 1.0 + slope, bend, yaw, (centre.real, centre.imag))
+    return TripodMotion(
+        -2.0 * np.arctan2(above, below), 1.0 + slope, bend, yaw, (centre.real, centre.imag)
+    )
 
 
 def exact_statics(
@@ -91,15 +99,22 @@ def exact_statics(
     """Couples of the three contact forces, each square to its arm and its line, with moments balanced at the pivot."""
     place = exact_motion(driving, angle, radius, arm)
     given = np.broadcast_arrays(driving, angle, radius, arm, torque, place.bend)
-    turned, nominal, offset, length, carried = (np.asarray(each, dtype=float) for each in given[:-1])
+    turned, nominal, offset, length, carried = (
+        np.asarray(each, dtype=float) for each in given[:-1]
+    )
     shaft, outgoing = _direction(place.bend, place.yaw), _direction(nominal, np.zeros_like(nominal))
-    contact, push = _contacts(turned, offset, length[..., None] * (outgoing - shaft), shaft, place.yaw)
+    contact, push = _contacts(
+        turned, offset, length[..., None] * (outgoing - shaft), shaft, place.yaw
+    )
     about = np.cross(contact - (length[..., None] * outgoing)[..., None, :], push)
     passed = (shaft + outgoing) / (1.0 + np.sum(shaft * outgoing, axis=-1, keepdims=True))
     size = np.linalg.solve(np.swapaxes(about, -1, -2), passed[..., None])[..., 0]
     couple = np.einsum("...k,...ki->...i", size, np.cross(contact, push))
     scale = carried / couple[..., 2]
-    couple, force = scale[..., None] * couple, scale[..., None] * np.einsum("...k,...ki->...i", size, push)
+    couple, force = (
+        scale[..., None] * couple,
+        scale[..., None] * np.einsum("...k,...ki->...i", size, push),
+    )
     sine, cosine = np.sin(nominal), np.cos(nominal)
     return TripodStatics(
         torque=carried * cosine - couple[..., 1] * sine,
@@ -115,7 +130,9 @@ def constant_velocity_couple(angle: ArrayLike, torque: ArrayLike) -> FloatArray:
     return np.asarray(torque, dtype=float) * np.tan(np.asarray(angle, dtype=float) / 2.0)
 
 
-def _standing(turned: FloatArray, sine: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _standing(
+    turned: FloatArray, sine: FloatArray, share: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """(sin b/sin(angle), yaw), by Newton on the two conditions that the pivot sets."""
     gain, yaw = np.ones_like(turned), np.zeros_like(turned)
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
@@ -123,9 +140,13 @@ def _standing(turned: FloatArray, sine: FloatArray, share: FloatArray) -> tuple[
             first, second, _, _ = _pivot(turned, sine, share, gain, yaw)
             steps = _solve((turned, sine, share, gain, yaw), (first, second))
             gain, yaw = gain - steps[0], yaw - steps[1]
-            if not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps) and np.all(np.isfinite(gain)):
+            if not np.any(np.hypot(*steps) > 8.0 * np.finfo(float).eps) and np.all(
+                np.isfinite(gain)
+            ):
                 return gain, yaw
-    raise SolveError("a tripod's driven shaft finds no position: make angle or radius smaller, or the arm longer")
+    raise SolveError(
+        "a tripod's driven shaft finds no position: make angle or radius smaller, or the arm longer"
+    )
 
 
 def _pivot(
@@ -138,7 +159,9 @@ def _pivot(
     return gain - np.cos(yaw) - near * np.sin(local), np.sin(yaw) + far * np.cos(local), near, far
 
 
-def _solve(place: tuple[FloatArray, ...], right: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
+def _solve(
+    place: tuple[FloatArray, ...], right: tuple[FloatArray, FloatArray]
+) -> tuple[FloatArray, FloatArray]:
     """Solution of the pivot's conditions, made linear in (gain, yaw), for a right side."""
     turned, sine, _, gain, yaw = place
     _, _, near, far = _pivot(*place)
@@ -149,7 +172,9 @@ def _solve(place: tuple[FloatArray, ...], right: tuple[FloatArray, FloatArray]) 
     corner = 1.0 - growth * np.sin(local), np.sin(yaw) + 3.0 * near * np.cos(local)
     other = spread * np.cos(local), np.cos(yaw) + 3.0 * far * np.sin(local)
     whole = corner[0] * other[1] - corner[1] * other[0]
-    return (right[0] * other[1] - right[1] * corner[1]) / whole, (right[1] * corner[0] - right[0] * other[0]) / whole
+    return (right[0] * other[1] - right[1] * corner[1]) / whole, (
+        right[1] * corner[0] - right[0] * other[0]
+    ) / whole
 
 
 def _direction(bend: FloatArray, yaw: FloatArray) -> FloatArray:
@@ -166,8 +191,14 @@ def _contacts(
     place = turned[..., None] + 2.0 * np.pi / 3.0 * np.arange(3)
     local = (place - yaw[..., None])[..., None]
     spoke = np.cos(local) * node[..., None, :] + np.sin(local) * np.cross(shaft, node)[..., None, :]
-    flat = radius[..., None, None] * np.stack((np.cos(place), np.sin(place)), axis=-1) - centre[..., None, :2]
+    flat = (
+        radius[..., None, None] * np.stack((np.cos(place), np.sin(place)), axis=-1)
+        - centre[..., None, :2]
+    )
     square = np.sum(spoke[..., :2] ** 2, axis=-1)
     reach = np.sum(flat * spoke[..., :2], axis=-1) / square
-    push = np.stack((spoke[..., 1], -spoke[..., 0], np.zeros_like(square)), axis=-1) / np.sqrt(square)[..., None]
+    push = (
+        np.stack((spoke[..., 1], -spoke[..., 0], np.zeros_like(square)), axis=-1)
+        / np.sqrt(square)[..., None]
+    )
     return centre[..., None, :] + reach[..., None] * spoke, push

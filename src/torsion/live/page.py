@@ -15,15 +15,21 @@ POLICY = (  # of the page and, as it has no address of its own, of its frames
 
 def page() -> str:
     """Return the page, in which `@NONCE@` stands for what its policy allows to run."""
-    frame = _filled("frame.html", STYLE=style(), SCRIPT=f"{script()}\n{_text('frame.js')}", NUMBERS=NOTHING)
+    frame = _filled(
+        "frame.html", STYLE=style(), SCRIPT=f"{script()}\n{_text('frame.js')}", NUMBERS=NOTHING
+    )
     shell = json.dumps(frame, ensure_ascii=False).replace("<", "\\u003c")
-    return _filled("live.html", STYLE=f"{style()}\n{_text('live.css')}", SCRIPT=_text("live.js"), FRAME=shell)
+    return _filled(
+        "live.html", STYLE=f"{style()}\n{_text('live.css')}", SCRIPT=_text("live.js"), FRAME=shell
+    )
 
 
 def _filled(name: str, **texts: str) -> str:
     """The text of a file with `@KEY@` replaced; nothing is replaced in what was put there."""
     first, *rest = _text(name).split("@")
-    return first + "".join(texts.get(part, f"@{part}@" if place % 2 == 0 else part) for place, part in enumerate(rest))
+    return first + "".join(
+        texts.get(part, f"@{part}@" if place % 2 == 0 else part) for place, part in enumerate(rest)
+    )
 
 
 def _text(name: str) -> str:

@@ -8,7 +8,12 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Progress
 from torsion.output.blocks import Block, Heading, PageEnd, Paragraph
-from torsion.output.chapters import critical_speeds, first_page, forced_response, natural_frequencies
+from torsion.output.chapters import (
+    critical_speeds,
+    first_page,
+    forced_response,
+    natural_frequencies,
+)
 from torsion.output.document import numbered
 from torsion.output.figures.figure import Figure
 from torsion.output.html import fragment
@@ -19,15 +24,27 @@ from torsion.runner import run
 from torsion.study import Study
 
 LEFT_OUT = (  # what a picture cannot wait for
-    "tolerances", "sweep", "design", "fit", "periodic", "stability", "stability map", "transient", "check",
-)  # fmt: skip
+    "tolerances",
+    "sweep",
+    "design",
+    "fit",
+    "periodic",
+    "stability",
+    "stability map",
+    "transient",
+    "check",
+)
 ELSEWHERE = "the live page leaves it out; `torsion solve` computes it"
 Fragment = dict[str, str]
 
 
 def left_out(study: Study) -> tuple[str, ...]:
     """What of a study its pictures do without, in words."""
-    names = [ANALYSES[name].title if name in ANALYSES else name for name in LEFT_OUT if _is_wanted(study, name)]
+    names = [
+        ANALYSES[name].title if name in ANALYSES else name
+        for name in LEFT_OUT
+        if _is_wanted(study, name)
+    ]
     rules = [f"rule {name}" for name, _ in study.rules if set(rule(name).needs) & set(LEFT_OUT)]
     return (*names, *rules, *([f"cases {', '.join(study.cases)}"] if study.cases else []))
 
@@ -44,19 +61,28 @@ def modes_of(study: Study) -> Fragment:
         return fragment([*numbered([Paragraph("No natural frequencies.", "note")])])
 
 
-def whole_of(study: Study, moved: Iterable[str], progress: Progress) -> tuple[Fragment, Fragment | None]:
+def whole_of(
+    study: Study, moved: Iterable[str], progress: Progress
+) -> tuple[Fragment, Fragment | None]:
     """First page and response; and the frequencies again where barred ranges belong into the Campbell diagram.
 
     moved: figures that are not those of the file.
     """
     quick = [name for name in ANALYSES if name not in LEFT_OUT and _is_wanted(study, name)]
     found = run(replace(study, cases={}), only=quick, progress=progress)
-    plan = replace(found.plan, left_out=(*found.plan.left_out, *((one, ELSEWHERE) for one in left_out(study))))
+    plan = replace(
+        found.plan, left_out=(*found.plan.left_out, *((one, ELSEWHERE) for one in left_out(study)))
+    )
     if moved_names := listed(moved):  # no checksum of a file stands for them
         study = replace(study, file=f"{study.file} with another {moved_names}", text="")
     found = replace(found, plan=plan, study=study)
     changed = [Paragraph(f"{study.shown_file}.", "note")] if moved_names else []
-    blocks = [Heading("Verdict"), *changed, *first_page.blocks(found), *forced_response.without_tables(found)]
+    blocks = [
+        Heading("Verdict"),
+        *changed,
+        *first_page.blocks(found),
+        *forced_response.without_tables(found),
+    ]
     page = fragment([*numbered([one for one in blocks if not isinstance(one, PageEnd)])])
     return page, _modes(found) if barred(found) else None
 
@@ -64,13 +90,22 @@ def whole_of(study: Study, moved: Iterable[str], progress: Progress) -> tuple[Fr
 def _modes(found: Findings) -> Fragment:
     modes = found.get(Modes)
     if modes is None or not modes.frequency.size:
-        reason = next((why for what, why in found.plan.left_out if what == ANALYSES["modes"].title), "there are none")
+        reason = next(
+            (why for what, why in found.plan.left_out if what == ANALYSES["modes"].title),
+            "there are none",
+        )
         return fragment([*numbered([Paragraph(f"No natural frequencies: {reason}.", "note")])])
-    blocks = [*_criticals(found), Heading("Natural frequencies"), natural_frequencies.frequencies(modes)]
+    blocks = [
+        *_criticals(found),
+        Heading("Natural frequencies"),
+        natural_frequencies.frequencies(modes),
+    ]
     return fragment([*numbered(blocks)])
 
 
 def _criticals(found: Findings) -> Iterator[Block]:
     """The Campbell diagram; nothing where no order excites."""
     if "critical_speeds" in found.results:
-        yield from (one for one in critical_speeds.chapter(found) if isinstance(one, Heading | Figure))
+        yield from (
+            one for one in critical_speeds.chapter(found) if isinstance(one, Heading | Figure)
+        )

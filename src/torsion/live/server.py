@@ -19,10 +19,13 @@ from torsion.live.session import Session
 MOST = 1_000_000  # bytes of a request
 TOKEN = "X-Torsion-Token"  # the header that bears it
 HEADERS = {
-    "Cache-Control": "no-store", "X-Content-Type-Options": "nosniff", "X-Frame-Options": "DENY",
-    "Referrer-Policy": "no-referrer", "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
     "Cross-Origin-Opener-Policy": "same-origin",
-}  # fmt: skip
+}
 
 
 class Refusal(Exception):
@@ -33,7 +36,9 @@ class Server(ThreadingHTTPServer):
     """Shows one session; raises OSError where the port is taken. Port 0 is any that is free."""
 
     daemon_threads = True
-    allow_reuse_address = os.name == "posix"  # at once after another has ended there; of one that listens none is taken
+    allow_reuse_address = (
+        os.name == "posix"
+    )  # at once after another has ended there; of one that listens none is taken
 
     def __init__(self, session: Session, port: int = 0) -> None:
         super().__init__(("127.0.0.1", port), Handler)
@@ -74,7 +79,12 @@ class Handler(BaseHTTPRequestHandler):
             return
         nonce = secrets.token_urlsafe(16)
         body = self.server.page.replace("@NONCE@", nonce).encode()
-        self._answer(200, body, "text/html; charset=utf-8", {"Content-Security-Policy": POLICY.format(nonce=nonce)})
+        self._answer(
+            200,
+            body,
+            "text/html; charset=utf-8",
+            {"Content-Security-Policy": POLICY.format(nonce=nonce)},
+        )
 
     def do_POST(self) -> None:
         """What a page requests: `/next`, news when there are any, or `/set`, sliders at other positions."""
@@ -87,7 +97,9 @@ class Handler(BaseHTTPRequestHandler):
 
     def _requested(self) -> dict[str, Any]:
         self._is_own()
-        if not hmac.compare_digest(self.headers.get(TOKEN, "").encode(), self.server.token.encode()):
+        if not hmac.compare_digest(
+            self.headers.get(TOKEN, "").encode(), self.server.token.encode()
+        ):
             raise Refusal(403)
         body, session = self._body(), self.server.session
         match self.path, body:
@@ -103,8 +115,14 @@ class Handler(BaseHTTPRequestHandler):
         """Raises Refusal of a request that was not made by the page itself, or by whoever typed its address."""
         port = self.server.server_port
         hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
-        origin, site = self.headers.get_all("Origin", []), self.headers.get("Sec-Fetch-Site", "none")
-        if self.headers.get_all("Host", []) not in [[host] for host in hosts] or site not in ("none", "same-origin"):
+        origin, site = (
+            self.headers.get_all("Origin", []),
+            self.headers.get("Sec-Fetch-Site", "none"),
+        )
+        if self.headers.get_all("Host", []) not in [[host] for host in hosts] or site not in (
+            "none",
+            "same-origin",
+        ):
             raise Refusal(403)
         if origin not in [[], *([f"http://{host}"] for host in hosts)]:
             raise Refusal(403)
@@ -124,7 +142,11 @@ class Handler(BaseHTTPRequestHandler):
             raise Refusal(400) from None
 
     def _answer(
-        self, status: int, body: bytes = b"", kind: str = "application/json", more: dict[str, str] | None = None
+        self,
+        status: int,
+        body: bytes = b"",
+        kind: str = "application/json",
+        more: dict[str, str] | None = None,
     ) -> None:
         self.close_connection |= status != 200  # what is left of its body is not read
         try:
@@ -149,6 +171,8 @@ class Handler(BaseHTTPRequestHandler):
 
 def _positions(values: dict[str, Any]) -> dict[str, float]:
     """Those of sliders; raises Refusal of anything else."""
-    if not all(isinstance(one, int | float) and abs(one) < MOST for one in values.values()):  # nor NaN
+    if not all(
+        isinstance(one, int | float) and abs(one) < MOST for one in values.values()
+    ):  # nor NaN
         raise Refusal(400)
     return {name: float(one) for name, one in values.items()}

@@ -26,7 +26,9 @@ class Session:
     def __init__(self, file: str | Path, case: str | None = None) -> None:
         self.file, self.case = str(file), case
         self._lock = threading.Condition(threading.RLock())
-        self._news: dict[str, tuple[int, Any]] = {}  # what pages show, each with the count of its change
+        self._news: dict[
+            str, tuple[int, Any]
+        ] = {}  # what pages show, each with the count of its change
         self._count, self._turn = 0, 0
         self._latest: Request | None = None
         self._is_busy, self._is_ended = False, False
@@ -134,7 +136,9 @@ class Session:
             if turn == self._turn:
                 self._is_busy = False
                 took = 1e3 * (time.monotonic() - self._began)
-                self._show(state={"text": "" if self._faults else f"solved and drawn in {took:.0f} ms"})
+                self._show(
+                    state={"text": "" if self._faults else f"solved and drawn in {took:.0f} ms"}
+                )
         else:
             self._show(**found)
 
@@ -153,8 +157,15 @@ class Session:
             if is_pending:
                 self._send()
                 return
-            why = f"there is no picture within {LIMIT:.0f} s" if is_late else "the process that solves has ended"
-            self._show(faults={"text": f"{self.file}: {why} (`torsion solve` has no such limit)"}, state={"text": ""})
+            why = (
+                f"there is no picture within {LIMIT:.0f} s"
+                if is_late
+                else "the process that solves has ended"
+            )
+            self._show(
+                faults={"text": f"{self.file}: {why} (`torsion solve` has no such limit)"},
+                state={"text": ""},
+            )
 
     def _watch(self) -> None:
         """Request a picture when a file has changed, and stop a solver that takes too long."""
@@ -162,9 +173,13 @@ class Session:
         while not self._is_ended:
             time.sleep(TICK)
             with self._lock:
-                if self._process is not None and time.monotonic() > min(self._limit, self._overtaken):
+                if self._process is not None and time.monotonic() > min(
+                    self._limit, self._overtaken
+                ):
                     self._process.kill()
-            before = {path: before.get(path, read) for path, read in self._files.items()}  # followed before, or as read
+            before = {
+                path: before.get(path, read) for path, read in self._files.items()
+            }  # followed before, or as read
             now = {path: stamp(path) for path in before}
             missing = missing + 1 if any(before[path] and not now[path] for path in now) else 0
             if 0 < missing < GONE:

@@ -61,16 +61,24 @@ def _slider(figures: list[Figure]) -> Slider:
     digits = 1 - math.floor(math.log10((high - low) / STEPS))
     step = 10.0 ** (1 - digits)
     ends = math.ceil(low / step - 0.01) * step, math.floor(high / step + 0.01) * step
-    return Slider(name, tuple(figures), round(ends[0], max(digits, 0)), round(ends[1], max(digits, 0)), step)
+    return Slider(
+        name, tuple(figures), round(ends[0], max(digits, 0)), round(ends[1], max(digits, 0)), step
+    )
 
 
 def moved_study(study: Study, variation: Variation, positions: Mapping[str, float]) -> Study:
     """The study with its sliders at these positions; the others are as in the file. Raises InputError."""
     figures, values = at_positions(variation, positions)
-    return replace(replace(variation, figures=figures).study(values), case=study.case) if figures else study
+    return (
+        replace(replace(variation, figures=figures).study(values), case=study.case)
+        if figures
+        else study
+    )
 
 
-def at_positions(variation: Variation, positions: Mapping[str, float]) -> tuple[tuple[Figure, ...], tuple[float, ...]]:
+def at_positions(
+    variation: Variation, positions: Mapping[str, float]
+) -> tuple[tuple[Figure, ...], tuple[float, ...]]:
     """The figures whose sliders are moved, and their values."""
     known, pairs = sliders_of(variation), list[tuple[Figure, float]]()
     for name, position in positions.items():
@@ -87,11 +95,18 @@ def shown(variation: Variation, positions: Mapping[str, float]) -> list[dict[str
     found = []
     for name, slider in sliders_of(variation).items():
         position = positions.get(name, slider.nominal)
-        found.append({
-            "name": name, "low": slider.low, "high": slider.high, "step": slider.step, "nominal": slider.nominal,
-            "now": slider.low if position is None else position, "moved": name in positions,
-            "text": _words(slider, positions.get(name), variation),
-        })  # fmt: skip
+        found.append(
+            {
+                "name": name,
+                "low": slider.low,
+                "high": slider.high,
+                "step": slider.step,
+                "nominal": slider.nominal,
+                "now": slider.low if position is None else position,
+                "moved": name in positions,
+                "text": _words(slider, positions.get(name), variation),
+            }
+        )
     return found
 
 

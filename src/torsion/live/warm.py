@@ -6,7 +6,9 @@ import sys
 from types import TracebackType
 
 
-def _unless_ended(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+def _unless_ended(
+    kind: type[BaseException], error: BaseException, trace: TracebackType | None
+) -> None:
     """A process whose command ends while it begins finds no more to read, and says nothing."""
     if kind is not EOFError:
         sys.__excepthook__(kind, error, trace)

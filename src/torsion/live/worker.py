@@ -19,10 +19,16 @@ if TYPE_CHECKING:
     from torsion.schema.variation import Variation
     from torsion.study import Study
 
-OWN = tuple(str(Path(path).resolve()) for path in (sys.prefix, sys.base_prefix, Path(__file__).parents[1]))
-NO_FILES = tuple(os.path.join(path, "") for path in (*OWN, "/proc", "/sys", "/dev"))  # no folders of scenes
+OWN = tuple(
+    str(Path(path).resolve()) for path in (sys.prefix, sys.base_prefix, Path(__file__).parents[1])
+)
+NO_FILES = tuple(
+    os.path.join(path, "") for path in (*OWN, "/proc", "/sys", "/dev")
+)  # no folders of scenes
 ORPHANED = 60  # s after which a solver ends itself whose command was killed
-Stamp = tuple[int, int, int] | None  # of a file: when it was written, its size, which one it is; None of a missing one
+Stamp = (
+    tuple[int, int, int] | None
+)  # of a file: when it was written, its size, which one it is; None of a missing one
 
 
 def stamp(file: str) -> Stamp:
@@ -56,9 +62,15 @@ class Reads:
         sys.addaudithook(self._heard)
 
     def _heard(self, event: str, details: tuple[Any, ...]) -> None:
-        if event != "open" or not isinstance(details[0], str | bytes) or "r" not in (details[1] or "r"):
+        if (
+            event != "open"
+            or not isinstance(details[0], str | bytes)
+            or "r" not in (details[1] or "r")
+        ):
             return
-        path = str(Path(details[0].decode() if isinstance(details[0], bytes) else details[0]).absolute())
+        path = str(
+            Path(details[0].decode() if isinstance(details[0], bytes) else details[0]).absolute()
+        )
         if not path.startswith(NO_FILES) and not path.endswith((".py", ".pyc")):
             self.stamps.setdefault(path, stamp(path))
 
@@ -124,7 +136,10 @@ class Solver:
         positions = request.positions or {}
         study, variation = self.read
         words = "; ".join(pictures.left_out(study))
-        self.send(request.turn, sliders={"turn": request.turn, "each": sliders.shown(variation, positions)})
+        self.send(
+            request.turn,
+            sliders={"turn": request.turn, "each": sliders.shown(variation, positions)},
+        )
         self.send(request.turn, notes={"text": f"Left out on this page: {words}." if words else ""})
         solved = sliders.moved_study(study, variation, positions)
         self.send(request.turn, modes={"turn": request.turn, **pictures.modes_of(solved)})
@@ -165,6 +180,10 @@ def _words_of_faults() -> "Iterator[None]":
     except SolveError as error:
         raise _Faulty(error.located or str(error)) from None
     except MemoryError:
-        raise _Faulty("this machine has too little memory for it; request fewer speeds, orders or modes") from None
+        raise _Faulty(
+            "this machine has too little memory for it; request fewer speeds, orders or modes"
+        ) from None
     except Exception as error:  # the page outlives what is our fault
-        raise _Faulty(f"torsion has failed: {type(error).__name__}: {error}; please report it") from None
+        raise _Faulty(
+            f"torsion has failed: {type(error).__name__}: {error}; please report it"
+        ) from None

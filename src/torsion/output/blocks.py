@@ -63,7 +63,9 @@ class Table:
 
     def __post_init__(self) -> None:
         if any(len(row) != len(self.columns) for row in self.rows):
-            raise ValueError(f"a row of the table '{self.caption}' does not have {len(self.columns)} cells")
+            raise ValueError(
+                f"a row of the table '{self.caption}' does not have {len(self.columns)} cells"
+            )
 
 
 @dataclass(frozen=True)
@@ -118,9 +120,15 @@ def head(titles: str) -> tuple[Column, ...]:
 
 
 def table(
-    titles: str | tuple[Column, ...], rows: Iterable[Sequence[Any]], caption: str = "",
-    *, marks: Iterable[str] = (), short: str = "", rows_in_summary: int = 0, summary: str = "",
-) -> Table:  # fmt: skip
+    titles: str | tuple[Column, ...],
+    rows: Iterable[Sequence[Any]],
+    caption: str = "",
+    *,
+    marks: Iterable[str] = (),
+    short: str = "",
+    rows_in_summary: int = 0,
+    summary: str = "",
+) -> Table:
     """A table of values, which stand in it as `cell` shows them, under the titles of `head` or columns.
 
     >>> table("< Mode | Frequency [Hz] | Nodes", [("first", 12.5, 1), ("second", None, 2)]).rows
@@ -137,7 +145,11 @@ def filled(made: Table) -> Table:
     >>> filled(table("< Mode | Frequency [Hz] | Cost", [("first", 12.5, None), ("second", 13.0, None)])).rows
     (('first', '12.500'), ('second', '13.000'))
     """
-    kept = [k for k in range(len(made.columns)) if not made.rows or any(row[k] != NONE for row in made.rows)]
+    kept = [
+        k
+        for k in range(len(made.columns))
+        if not made.rows or any(row[k] != NONE for row in made.rows)
+    ]
     rows = tuple(tuple(row[k] for k in kept) for row in made.rows)
     return replace(made, columns=tuple(made.columns[k] for k in kept), rows=rows)
 
@@ -149,4 +161,6 @@ def texts(title: str, short: str = "") -> Column:
 
 def on_terminal(blocks: Iterable[Block]) -> list[Block]:
     """The same blocks, sentences among them on the terminal too."""
-    return [replace(one, brief=True) if isinstance(one, Paragraph | Points) else one for one in blocks]
+    return [
+        replace(one, brief=True) if isinstance(one, Paragraph | Points) else one for one in blocks
+    ]

@@ -16,15 +16,32 @@ from torsion.results import listed
 from torsion.rules.reached_speeds import BEGINS, reach_words
 from torsion.rules.verdict_line import WORDS, Check, Checks, Standing, Verdict
 
-SIGNS: Mapping[Verdict, str] = {"pass": "✓", "restricted": "!", "not judged": "?", "fail": "✗", "not kept": "✗"}
+SIGNS: Mapping[Verdict, str] = {
+    "pass": "✓",
+    "restricted": "!",
+    "not judged": "?",
+    "fail": "✗",
+    "not kept": "✗",
+}
 BASIS: Mapping[Standing, str] = {
-    "rule text": "rule text", "confirmed": "confirmed", "to be verified": "edition not confirmed",
-    "maker": "manufacturer", "setting": "stated by user", "by definition": "by definition",
-}  # fmt: skip
+    "rule text": "rule text",
+    "confirmed": "confirmed",
+    "to be verified": "edition not confirmed",
+    "maker": "manufacturer",
+    "setting": "stated by user",
+    "by definition": "by definition",
+}
 STRESS, TORQUE = "N/mm2", "N m"  # units of the checks of a stress and of a torque
-GRADES: tuple[tuple[float, Grade], ...] = ((0.5, "low"), (0.8, "middle"), (math.inf, "high"))  # of a pass, below
+GRADES: tuple[tuple[float, Grade], ...] = (
+    (0.5, "low"),
+    (0.8, "middle"),
+    (math.inf, "high"),
+)  # of a pass, below
 NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none over it reads 100 %
-LEAST_LISTED, FEWEST_ROWS = 0.1, 5  # utilisation of the listed checks that pass; so many rows are listed anyway
+LEAST_LISTED, FEWEST_ROWS = (
+    0.1,
+    5,
+)  # utilisation of the listed checks that pass; so many rows are listed anyway
 SMALL = f"{100 * LEAST_LISTED:g} % of the limit"
 NOT_JUDGED = Use("not judged", "", (3.0, 0.0))
 
@@ -72,7 +89,9 @@ def value(check: Check) -> str:
 
 def limit(check: Check) -> str:
     """The limit, of a least value with its sign."""
-    return "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit)
+    return (
+        "none" if np.isnan(check.limit) else ("≥ " if check.at_least else "") + given(check.limit)
+    )
 
 
 def against(check: Check) -> str:
@@ -124,7 +143,9 @@ def unreached(findings: Findings) -> str:
     point, demanded = findings.study.operation.rated, dict[str, list[str]]()
     for check in findings.need(Checks).lines:
         if check.reach is not None and point is not None and check.verdict == "not judged":
-            first, last, end = map(given_rpm, (check.reach.first, check.reach.last, check.reach.demanded))
+            first, last, end = map(
+                given_rpm, (check.reach.first, check.reach.last, check.reach.demanded)
+            )
             begins = reach_words(check.reach, point.speed).startswith(BEGINS)
             ends = f"below {first}" if begins else f"{last} to {end}"
             rules = demanded.setdefault(f"{ends} rpm", [])
@@ -153,7 +174,9 @@ def use(check: Check) -> Use:
     if check.verdict == "not judged" or not is_judged(check):
         return Use("not judged", words, (3.0, 0.0))
     if check.fails:
-        return Use("over" if math.isfinite(check.value) else "no answer", words, rank(check), SIGNS["fail"])
+        return Use(
+            "over" if math.isfinite(check.value) else "no answer", words, rank(check), SIGNS["fail"]
+        )
     return Use(next(grade for most, grade in GRADES if (used or 0.0) < most), words, rank(check))
 
 

@@ -21,9 +21,13 @@ TRAIN_AXES = {"station", "span"}
 def dictionary(result: Any) -> dict[str, Any]:
     """Return a result as results.json has it; of a list of records the columns. Raises TypeError without its train."""
     system: Any = getattr(result, "system", None)
-    if system is None and any(TRAIN_AXES & {*quantity.axes} for quantity in quantities(type(result))):
+    if system is None and any(
+        TRAIN_AXES & {*quantity.axes} for quantity in quantities(type(result))
+    ):
         name = type(result).__name__
-        raise TypeError(f"{name} does not hold the train: use `findings.to_dict()`, which has all results")
+        raise TypeError(
+            f"{name} does not hold the train: use `findings.to_dict()`, which has all results"
+        )
     values = listed(plain(result, Selection(system)))
     if isinstance(values, list):
         return {key: [row[key] for row in values] for key in (values[0] if values else ())}
@@ -38,16 +42,24 @@ def data_frame(result: Any) -> "pandas.DataFrame":
     except ImportError:
         raise ImportError("to_dataframe needs pandas: pip install pandas") from None
     if isinstance(result, Response | SpanTorque):
-        index = pandas.MultiIndex.from_product([result.speed * RPM, _orders(result)], names=["speed_rpm", "order"])
+        index = pandas.MultiIndex.from_product(
+            [result.speed * RPM, _orders(result)], names=["speed_rpm", "order"]
+        )
         columns = _over_speed_and_order(result)
-        return pandas.DataFrame({key: np.ravel(values) for key, values in columns.items()}, index=index)
+        return pandas.DataFrame(
+            {key: np.ravel(values) for key, values in columns.items()}, index=index
+        )
     if isinstance(result, Checks):
         records = dictionary(result)
         plain_keys = [
-            key for key, column in records.items() if not any(isinstance(cell, list | dict) for cell in column)
+            key
+            for key, column in records.items()
+            if not any(isinstance(cell, list | dict) for cell in column)
         ]
         columns = {key: records[key] for key in plain_keys}
-        return pandas.DataFrame(columns, index=pandas.RangeIndex(1, 1 + len(result.lines), name="check"))
+        return pandas.DataFrame(
+            columns, index=pandas.RangeIndex(1, 1 + len(result.lines), name="check")
+        )
     axis = next((quantity.axes[0] for quantity in quantities(type(result)) if quantity.axes), None)
     if axis is None:
         raise TypeError(f"{type(result).__name__} has no rows: use `to_dict()`")
@@ -64,7 +76,9 @@ def data_frame(result: Any) -> "pandas.DataFrame":
 
 def _orders(result: Response | SpanTorque) -> list[float]:
     """Orders per revolution of the reference; NaN of a fixed frequency."""
-    orders = result.orders if isinstance(result, SpanTorque) else [line.order for line in result.lines]
+    orders = (
+        result.orders if isinstance(result, SpanTorque) else [line.order for line in result.lines]
+    )
     return [float("nan") if order is None else float(order) for order in orders]
 
 

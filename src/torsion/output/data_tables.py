@@ -22,7 +22,14 @@ from torsion.output.selection import Selection
 from torsion.output.table_text import inert, one_line
 from torsion.results import is_declared, quantities
 
-WRITTEN = (1980, 1, 1, 0, 0, 0)  # date of every file in the archive: the same results give the same bytes
+WRITTEN = (
+    1980,
+    1,
+    1,
+    0,
+    0,
+    0,
+)  # date of every file in the archive: the same results give the same bytes
 LONGEST_SHEET = 31  # characters of a sheet name in a workbook
 RPM = 30.0 / math.pi
 SPEED = "speed_rad_per_s"  # a column of it has another in rpm next to it
@@ -40,7 +47,10 @@ class DataTable:
 def data_tables(findings: Findings) -> Iterator[DataTable]:
     """Yield all tables of the results, in the order of results.json; a table without rows is left out."""
     selection = Selection(findings.system)
-    rows = {"stations": plain(station_rows(selection), selection), "spans": plain(span_rows(selection), selection)}
+    rows = {
+        "stations": plain(station_rows(selection), selection),
+        "spans": plain(span_rows(selection), selection),
+    }
     for name, records in rows.items():
         yield from _of_records(name, records)
     for name, value in findings.results.items():
@@ -52,7 +62,11 @@ def data_tables(findings: Findings) -> Iterator[DataTable]:
             continue
         yield from _of_arrays(name, value, selection)
         for key, inner in data.items():
-            if isinstance(inner, list) and inner and all(isinstance(record, dict) for record in inner):
+            if (
+                isinstance(inner, list)
+                and inner
+                and all(isinstance(record, dict) for record in inner)
+            ):
                 yield from _of_records(name if len(data) == 1 else f"{name}_{key}", inner)
 
 
@@ -76,7 +90,11 @@ def _of_arrays(name: str, value: Any, selection: Selection) -> Iterator[DataTabl
         cells = [[_cell(item) for item in column.tolist()] for column in columns.values()]
         rows = tuple(zip(range(1, count + 1), *cells, strict=True))
         yield _with_rpm(
-            DataTable(name if place == 0 else f"{name}_by_{axis.replace(' ', '_')}", (axis, *columns), rows)
+            DataTable(
+                name if place == 0 else f"{name}_by_{axis.replace(' ', '_')}",
+                (axis, *columns),
+                rows,
+            )
         )
 
 
@@ -85,7 +103,9 @@ def _of_records(name: str, records: list[Any]) -> Iterator[DataTable]:
     flat = [dict(_flat(record)) for record in records if isinstance(record, Mapping)]
     columns = tuple(dict.fromkeys(key for row in flat for key in row))
     if flat and columns:
-        yield _with_rpm(DataTable(name, columns, tuple(tuple(row.get(key) for key in columns) for row in flat)))
+        yield _with_rpm(
+            DataTable(name, columns, tuple(tuple(row.get(key) for key in columns) for row in flat))
+        )
 
 
 def _flat(record: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, Any]]:
@@ -102,7 +122,11 @@ def _cell(value: Any) -> Any:
     """Return a number, text or boolean; None for no value."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
-    return str(value) if value is not None and not isinstance(value, bool | int | float | str) else value
+    return (
+        str(value)
+        if value is not None and not isinstance(value, bool | int | float | str)
+        else value
+    )
 
 
 def _with_rpm(table: DataTable) -> DataTable:
@@ -111,7 +135,10 @@ def _with_rpm(table: DataTable) -> DataTable:
         return table
     place = table.columns.index(SPEED)
     speeds = [None if row[place] is None else row[place] * RPM for row in table.rows]
-    rows = [(*row[: place + 1], rpm, *row[place + 1 :]) for row, rpm in zip(table.rows, speeds, strict=True)]
+    rows = [
+        (*row[: place + 1], rpm, *row[place + 1 :])
+        for row, rpm in zip(table.rows, speeds, strict=True)
+    ]
     columns = (*table.columns[: place + 1], "speed_rpm", *table.columns[place + 1 :])
     return DataTable(table.name, columns, tuple(rows))
 
@@ -121,7 +148,10 @@ def csv_of(table: DataTable) -> str:
     target = io.StringIO()
     rows = csv.writer(target, lineterminator="\n")
     rows.writerow(table.columns)
-    rows.writerows([inert(one_line(cell)) if isinstance(cell, str) else cell for cell in row] for row in table.rows)
+    rows.writerows(
+        [inert(one_line(cell)) if isinstance(cell, str) else cell for cell in row]
+        for row in table.rows
+    )
     return target.getvalue()
 
 

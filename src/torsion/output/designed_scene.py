@@ -13,9 +13,15 @@ def designed(document: Document, findings: Findings) -> str | None:
     found, variation = findings.get(Design), findings.study.variations.get("design")
     if found is None or variation is None or not found.picked.size or document.report.keys:
         return None
-    words = [f"{one.name}: {one.chosen}" + (f", before {one.before}" if one.before else "") for one in found.figures]
+    words = [
+        f"{one.name}: {one.chosen}" + (f", before {one.before}" if one.before else "")
+        for one in found.figures
+    ]
     text = variation.text(found.picked.tolist(), without=["design"])
-    head = [f"{findings.study.name}, with the values that its design chose for {found.aim}:", *words]
+    head = [
+        f"{findings.study.name}, with the values that its design chose for {found.aim}:",
+        *words,
+    ]
     if _names_files(findings, text):
         head.append("It refers to other files: put it into the folder of the model file.")
     return "".join(f"# {one_line(line)}\n" for line in head) + text

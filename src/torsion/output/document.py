@@ -18,13 +18,16 @@ from torsion.output.reports import REPORTS, Report
 from torsion.output.scene import checksum
 from torsion.output.stored_data import BY_NAME, NOT_KEPT
 
-DISCLAIMER = (
-    "The results are as accurate as the input data. The report does not replace class approval or measurements."
-)
+DISCLAIMER = "The results are as accurate as the input data. The report does not replace class approval or measurements."
 
 
 LABEL = {"document_number": "", "revision": "revision "}  # of the document, with words before them
-FRONT_MATTER = {"vessel": "Vessel", "yard": "Yard", "imo_number": "IMO number", "society": "Society"}
+FRONT_MATTER = {
+    "vessel": "Vessel",
+    "yard": "Yard",
+    "imo_number": "IMO number",
+    "society": "Society",
+}
 SIGNED = {"prepared": "Prepared", "checked": "Checked", "approved": "Approved"}
 LONG = 60  # characters of a fact that needs a row of its own
 SHORT = 12  # digits of the SHA-256 that stand on every page
@@ -51,7 +54,10 @@ class Cover:
     @property
     def facts_by_length(self) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
         """The facts that stand two in a row, and those that need a row of their own."""
-        short, long = ([fact for fact in self.facts if (len(fact[1]) > LONG) is is_long] for is_long in (False, True))
+        short, long = (
+            [fact for fact in self.facts if (len(fact[1]) > LONG) is is_long]
+            for is_long in (False, True)
+        )
         return short, long
 
     @property
@@ -85,7 +91,9 @@ class Document:
     body: tuple[Numbered, ...]
     name: str = "solve"  # of its report in REPORTS
     ending: Ending = Ending()
-    beside: Texts = field(default_factory=dict, metadata=NOT_KEPT)  # files beside the page: what is too long for it
+    beside: Texts = field(
+        default_factory=dict, metadata=NOT_KEPT
+    )  # files beside the page: what is too long for it
 
     @property
     def report(self) -> Report:
@@ -99,9 +107,13 @@ class Document:
 
 
 def document(
-    findings: Findings, today: date | None = None, report: Report = REPORTS["solve"],
-    before: Sequence[Block] = (), *, is_full: bool = False,
-) -> Document:  # fmt: skip
+    findings: Findings,
+    today: date | None = None,
+    report: Report = REPORTS["solve"],
+    before: Sequence[Block] = (),
+    *,
+    is_full: bool = False,
+) -> Document:
     """Return the report of the findings, with the blocks `before` at its begin and, if full, all its appendices."""
     body, beside = list[Numbered](), dict[str, Callable[[], str]]()
     for item in numbered([*before, *chapters(findings, report, is_full=is_full)]):
@@ -109,7 +121,9 @@ def document(
         body.append(Numbered(block, item.number))
         beside.update(files)
     name = next(name for name, one in REPORTS.items() if one is report)
-    return Document(_cover(findings, today, report.title), tuple(body), name, _ending(findings), beside)
+    return Document(
+        _cover(findings, today, report.title), tuple(body), name, _ending(findings), beside
+    )
 
 
 def _ending(findings: Findings) -> Ending:
@@ -135,10 +149,16 @@ def _cover(findings: Findings, today: date | None, title: str) -> Cover:
         ("Date", today.isoformat() if today else ""),
     ]
     return Cover(
-        title, study.name, tuple(fact for fact in facts if fact[1]), identity=" · ".join([*label, *case]) or study.name,
-        origin=f"input SHA-256 {sha[:SHORT]}" if sha else "", logo=study.logo,
-        signatures=() if front is None else tuple((words, stated.get(key, "")) for key, words in SIGNED.items()),
-    )  # fmt: skip
+        title,
+        study.name,
+        tuple(fact for fact in facts if fact[1]),
+        identity=" · ".join([*label, *case]) or study.name,
+        origin=f"input SHA-256 {sha[:SHORT]}" if sha else "",
+        logo=study.logo,
+        signatures=()
+        if front is None
+        else tuple((words, stated.get(key, "")) for key, words in SIGNED.items()),
+    )
 
 
 def numbered(blocks: Sequence[Block]) -> Iterator[Numbered]:

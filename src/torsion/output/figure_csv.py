@@ -39,7 +39,9 @@ def pieces(figure: Figure) -> Iterator[Piece]:
 
 def tables(document: Document) -> Callable[[Path], list[Path]] | None:
     """What writes a file for every figure with axes, beside the place given; None where there is none."""
-    figures = [item.block for item in document.body if isinstance(item.block, Figure) and item.block.plots]
+    figures = [
+        item.block for item in document.body if isinstance(item.block, Figure) and item.block.plots
+    ]
     return partial(_files, figures) if figures else None
 
 
@@ -79,7 +81,10 @@ def _tables(panel: Panel) -> Iterator[tuple[list[str], tuple[FloatArray, ...] | 
         x = left[0].x
         mine = [line for line in left if line.x is x or np.array_equal(line.x, x, equal_nan=True)]
         left = [line for line in left if not any(line is one for one in mine)]
-        yield [_title(panel.x), *(_column(line, panel.y) for line in mine)], (x, *(line.y for line in mine))
+        yield (
+            [_title(panel.x), *(_column(line, panel.y) for line in mine)],
+            (x, *(line.y for line in mine)),
+        )
     for marks in panel.marks:
         if marks.name and marks.x.size:
             yield [_title(panel.x), f"{marks.name}: {_title(panel.y)}"], (marks.x, marks.y)

@@ -13,5 +13,7 @@ def fitted(document: Document, findings: Findings) -> str | None:
         return None
     changes = "".join(f"# {one.name}: {one.given} -> {one.fitted}\n" for one in found.figures)
     file = one_line(findings.study.shown_file)
-    words = f"# {file} with the figures that fit its measurements best; files that it names count from"
+    words = (
+        f"# {file} with the figures that fit its measurements best; files that it names count from"
+    )
     return f"{words}\n# the folder of that one.\n{changes}{found.scene}"

@@ -34,14 +34,20 @@ MOST_RANGES = 3  # barred ranges, failing ranges and failed analyses named in th
 MOST_LISTED = 8  # ranges of speed without a reliable value
 ALL_CASES = {1: "the only judged case", 2: "both cases"}
 KINDS: Mapping[Verdict, Kind] = {
-    "pass": "pass", "restricted": "note", "not judged": "note", "fail": "fail", "not kept": "fail",
-}  # fmt: skip
+    "pass": "pass",
+    "restricted": "note",
+    "not judged": "note",
+    "fail": "fail",
+    "not kept": "fail",
+}
 
 
 def verdict(findings: Findings) -> Verdict:
     """Return the worst verdict of the checks, of a comparison, fit or sweep that fails, and of missing answers."""
     checks, sweep = findings.need(Checks).lines, findings.get(Sweep)
-    if any(getattr(findings.results.get(name), "fails", False) for name in ("check", "fit", "sweep")):
+    if any(
+        getattr(findings.results.get(name), "fails", False) for name in ("check", "fit", "sweep")
+    ):
         return "fail"
     worst = worst_verdict(checks)
     if findings.plan.unanswered and WORDS[worst] != "FAIL":
@@ -52,7 +58,11 @@ def verdict(findings: Findings) -> Verdict:
 def failing_share(sweep: Sweep) -> str:
     """How many variants of a sweep fail, where the file permits fewer or says nothing of them, as a clause."""
     share = f"{100.0 * sweep.share_failing:.3g} % of the variants fail a check"
-    return share if sweep.fail_at_most is None else f"{share}, {100.0 * sweep.fail_at_most:.3g} % are permitted"
+    return (
+        share
+        if sweep.fail_at_most is None
+        else f"{share}, {100.0 * sweep.fail_at_most:.3g} % are permitted"
+    )
 
 
 def headline(findings: Findings) -> tuple[Head, Kind]:
@@ -79,10 +89,16 @@ def _clause(findings: Findings, word: Verdict) -> str:
         return "1 limit met" if len(checks) == 1 else f"{len(checks)} limits met"
     if word == "restricted":
         bands = barred_rpm(findings)
-        return f"barred range {', '.join(map(band_words, bands))}" if bands else next(iter(first.restrictions))
+        return (
+            f"barred range {', '.join(map(band_words, bands))}"
+            if bands
+            else next(iter(first.restrictions))
+        )
     used, speed = first.utilisation, "" if first.speed is None else f" at {rpm(first.speed)} rpm"
     share = (
-        "" if used is None or np.isinf(used) or word == "not judged" else f" {check_words.percent(used)} of its limit"
+        ""
+        if used is None or np.isinf(used) or word == "not judged"
+        else f" {check_words.percent(used)} of its limit"
     )
     return f"{first.what}, {first.where}{share}{speed} ({first.rule})"
 
@@ -91,7 +107,9 @@ def headline_of_cases(cases: Cases) -> tuple[Head, Kind]:
     """Sign and words of the worst verdict of the judged cases, with the names of the cases that have it."""
     counted_in = judged(cases)
     with_rules = {
-        name: case for name, case in counted_in.items() if case.study.rules or lines_of(case) or not case.is_answered
+        name: case
+        for name, case in counted_in.items()
+        if case.study.rules or lines_of(case) or not case.is_answered
     }
     verdicts = {name: case_verdict(case) for name, case in (with_rules or counted_in).items()}
     worst = next(word for word in WORDS if word in verdicts.values())
@@ -102,7 +120,9 @@ def headline_of_cases(cases: Cases) -> tuple[Head, Kind]:
         which = f"{_named(names[:MOST_CASES])} ({len(names)} of {len(verdicts)})"
     else:
         which = ALL_CASES.get(len(names), f"all {len(names)} cases")
-    omitted = "".join(f", without {listed(rules)} in case {name}" for name, rules in omitted_rules(cases).items())
+    omitted = "".join(
+        f", without {listed(rules)} in case {name}" for name, rules in omitted_rules(cases).items()
+    )
     if omitted and worst == "pass":  # one case omits a rule: the file as a whole does not pass it
         worst = "restricted"
     return (SIGNS[worst], f"{WORDS[worst]}: {which}{omitted}"), KINDS[worst]
@@ -136,7 +156,10 @@ def omitted_rules(cases: Cases) -> dict[str, tuple[str, ...]]:
     """Return, by judged case, the rules of other cases that it does not name."""
     rules = {name: [rule for rule, _ in case.study.rules] for name, case in judged(cases).items()}
     all_rules = dict.fromkeys(rule for names in rules.values() for rule in names)
-    omitted = {name: tuple(rule for rule in all_rules if rule not in names) for name, names in rules.items()}
+    omitted = {
+        name: tuple(rule for rule in all_rules if rule not in names)
+        for name, names in rules.items()
+    }
     return {name: lacking for name, lacking in omitted.items() if lacking}
 
 
@@ -167,26 +190,39 @@ def box(findings: Findings) -> Box:
     checks = tuple(check for case in solved.values() for check in lines_of(case))
     if checks:
         of_cases = f" in {len(solved)} cases" if len(solved) > 1 else ""
-        lines.append(("Checks", f"{len(checks)}{of_cases}: {Checks(checks).counts}{_basis_words(checks)}"))
+        lines.append(
+            ("Checks", f"{len(checks)}{of_cases}: {Checks(checks).counts}{_basis_words(checks)}")
+        )
     (sign, words), kind = overall_headline(findings)
     is_case = findings.study.case is not None
-    return Box(sign, f"Case {case_name(findings)}: {words}" if is_case else words, kind, tuple(lines))
+    return Box(
+        sign, f"Case {case_name(findings)}: {words}" if is_case else words, kind, tuple(lines)
+    )
 
 
-def _joined(title: str, cases: Cases, words_of: Callable[[Findings], str]) -> Iterator[tuple[str, str]]:
+def _joined(
+    title: str, cases: Cases, words_of: Callable[[Findings], str]
+) -> Iterator[tuple[str, str]]:
     """Yield one line with the words of every case that has any."""
     words = {name: text for name, case in cases.items() if (text := words_of(case))}
     by_text = dict[str, list[str]]()
     for name, text in words.items():
         by_text.setdefault(text, []).append(name)
-    sentences = [f"{_named(names)}: {text}" if names[0] else text for text, names in by_text.items()]
+    sentences = [
+        f"{_named(names)}: {text}" if names[0] else text for text, names in by_text.items()
+    ]
     if sentences:
-        yield title, "; ".join([*(text.removesuffix(".") for text in sentences[:-1]), sentences[-1]])
+        yield (
+            title,
+            "; ".join([*(text.removesuffix(".") for text in sentences[:-1]), sentences[-1]]),
+        )
 
 
 def worst(findings: Findings) -> Check | None:
     """Return the check that ranks first among those with a limit."""
-    return min(filter(check_words.is_judged, lines_of(findings)), key=check_words.rank, default=None)
+    return min(
+        filter(check_words.is_judged, lines_of(findings)), key=check_words.rank, default=None
+    )
 
 
 def worst_line(cases: Cases) -> Iterator[tuple[str, str]]:
@@ -209,7 +245,10 @@ def worst_line(cases: Cases) -> Iterator[tuple[str, str]]:
         words.append(f"with {check.misfire}")
     basis = f"{symbols(check.clause)}, {check.rule}; basis: {check_words.basis(check)}"
     case = f"case {name}, " if name else ""
-    yield "Worst check" if check.fails else "Largest utilisation", f"{case}{', '.join(words)} ({basis})"
+    yield (
+        "Worst check" if check.fails else "Largest utilisation",
+        f"{case}{', '.join(words)} ({basis})",
+    )
 
 
 def _sweep_words(findings: Findings) -> str:
@@ -220,11 +259,16 @@ def _sweep_words(findings: Findings) -> str:
         return ""
     unsolved = f"; {sweep.unsolved} not solved" if sweep.unsolved else ""
     if sweep.method == "grid":
-        return (
-            f"{result.failing:,} of {counted(sweep.samples, 'variant')} fail a check{_failing_ranges(sweep)}{unsolved}"
-        )
-    share, low, high = (number(100.0 * (value or 0.0), 3) for value in (result.probability, result.lower, result.upper))
-    fail = f"{share} % of the variants fail a check" if result.failing else f"none of {sweep.samples:,} variants fails"
+        return f"{result.failing:,} of {counted(sweep.samples, 'variant')} fail a check{_failing_ranges(sweep)}{unsolved}"
+    share, low, high = (
+        number(100.0 * (value or 0.0), 3)
+        for value in (result.probability, result.lower, result.upper)
+    )
+    fail = (
+        f"{share} % of the variants fail a check"
+        if result.failing
+        else f"none of {sweep.samples:,} variants fails"
+    )
     return f"{fail} (95 % CI {low} to {high} %){unsolved}"
 
 
@@ -234,7 +278,10 @@ def _failing_ranges(sweep: Sweep) -> str:
     if grid is None or len(grid.axes) != 1 or not grid.axes[0].is_numeric:
         return ""
     axis = grid.axes[0]
-    ranges = [axis.words[a] if a == b else f"{axis.words[a]} to {axis.words[b]}" for a, b in runs(grid.fails)]
+    ranges = [
+        axis.words[a] if a == b else f"{axis.words[a]} to {axis.words[b]}"
+        for a, b in runs(grid.fails)
+    ]
     return f": {axis.name} {listed(ranges, most=MOST_RANGES)}" if ranges else ""
 
 
@@ -268,7 +315,9 @@ def _barred_words(findings: Findings) -> str:
 
 def _uncomputed_words(findings: Findings) -> str:
     """Return the analyses that failed, with the reason."""
-    return listed([f"{step.what}: {step.words}" for step in findings.plan.unanswered], "; ", most=MOST_RANGES)
+    return listed(
+        [f"{step.what}: {step.words}" for step in findings.plan.unanswered], "; ", most=MOST_RANGES
+    )
 
 
 def _basis_words(checks: tuple[Check, ...]) -> str:
@@ -302,17 +351,26 @@ def notes(findings: Findings) -> Iterator[Paragraph]:
 def restrictions(findings: Findings) -> tuple[str, ...]:
     """Return the restrictions of operation as sentences, or that there is none."""
     ranges = [
-        f"Barred range: {band_words(band)}. No continuous operation; pass it rapidly." for band in barred_rpm(findings)
+        f"Barred range: {band_words(band)}. No continuous operation; pass it rapidly."
+        for band in barred_rpm(findings)
     ]
     sentences = (*ranges, *other_restrictions(findings))
-    if sentences or findings.get(Response) is None or verdict(findings) not in ("pass", "restricted"):
+    if (
+        sentences
+        or findings.get(Response) is None
+        or verdict(findings) not in ("pass", "restricted")
+    ):
         return sentences
     return ("No restriction of speed follows from the checks.",)
 
 
 def other_restrictions(findings: Findings) -> tuple[str, ...]:
     """Return the restrictions other than barred ranges: conditions of checks, unstable ranges, unreliable speeds."""
-    response, bad, stable = findings.get(Response), unreliable(findings), findings.results.get("stability")
+    response, bad, stable = (
+        findings.get(Response),
+        unreliable(findings),
+        findings.results.get("stability"),
+    )
     conditions = (words for check in findings.need(Checks).lines for words in check.restrictions)
     sentences = [f"{words[:1].upper()}{words[1:]}." for words in dict.fromkeys(conditions)]
     if stable is not None:
@@ -333,6 +391,9 @@ def other_restrictions(findings: Findings) -> tuple[str, ...]:
 def _speed_ranges(speeds: FloatArray) -> str:
     """Return speeds in rpm as ranges of neighbours."""
     groups = np.split(speeds, np.flatnonzero(np.diff(speeds) > 0.01 * speeds[1:]) + 1)
-    words = ["–".join(dict.fromkeys((number(float(group[0])), number(float(group[-1]))))) for group in groups]
+    words = [
+        "–".join(dict.fromkeys((number(float(group[0])), number(float(group[-1])))))
+        for group in groups
+    ]
     more = f" (the first {MOST_LISTED} of {len(words)} ranges)" if len(words) > MOST_LISTED else ""
     return f"{', '.join(words[:MOST_LISTED])} rpm{more}"

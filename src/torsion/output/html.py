@@ -38,12 +38,25 @@ class Drawn:
 def html(document: Document) -> str:
     """The page."""
     drawn, own = _drawn(document.body), Markup(script())
-    chapters = [item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1]
-    return environment().get_template("report.html").render(
-        drawn=drawn, cover=document.cover, body=document.body, chapters=chapters, style=Markup(style()), script=own,
-        on_dark=drawn.on_dark, digest=b64encode(sha256(f"\n{own}\n".encode()).digest()).decode(),
-        numbers=drawn.numbers, has_first_page=document.has_first_page,
-    )  # fmt: skip
+    chapters = [
+        item for item in document.body if isinstance(item.block, Heading) and item.block.level == 1
+    ]
+    return (
+        environment()
+        .get_template("report.html")
+        .render(
+            drawn=drawn,
+            cover=document.cover,
+            body=document.body,
+            chapters=chapters,
+            style=Markup(style()),
+            script=own,
+            on_dark=drawn.on_dark,
+            digest=b64encode(sha256(f"\n{own}\n".encode()).digest()).decode(),
+            numbers=drawn.numbers,
+            has_first_page=document.has_first_page,
+        )
+    )
 
 
 def fragment(body: Sequence[Numbered]) -> dict[str, str]:
@@ -65,8 +78,15 @@ def _drawn(body: Sequence[Numbered], level: int = 9) -> Drawn:
 @cache
 def environment() -> Environment:
     """Of the templates of pages: everything is escaped but what their `drawn` makes of a figure."""
-    made = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    made.filters.update(words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word, linked=linked)
+    made = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+    )
+    made.filters.update(
+        words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word, linked=linked
+    )
     made.filters.update(kind=lambda block: type(block).__name__)
     return made
 

@@ -28,7 +28,9 @@ def joined(sketch: Sketch) -> tuple[Sketch, str]:
         tuple(one for one in sketch.discs if one.row == 0),
         tuple(one for one in sketch.links if one.start[1] == one.end[1] == 0),
     )
-    return _joined(main, every_kind=True), f"; of {number:,} components only the main line, components in a row joined"
+    return _joined(
+        main, every_kind=True
+    ), f"; of {number:,} components only the main line, components in a row joined"
 
 
 def _joined(sketch: Sketch, *, every_kind: bool) -> Sketch:
@@ -47,7 +49,11 @@ def _runs(sketch: Sketch, discs: dict[Place, Disc], *, every_kind: bool) -> Iter
     """Links one behind another, with nothing but plain discs between them and nothing that branches off."""
     meet = Counter(place for one in sketch.links for place in (one.start, one.end))
     run: list[Link] = []
-    along = [one for one in sketch.links if one.start[1] == one.end[1] and (every_kind or one.kind in PLAIN_LINKS)]
+    along = [
+        one
+        for one in sketch.links
+        if one.start[1] == one.end[1] and (every_kind or one.kind in PLAIN_LINKS)
+    ]
     for one in sorted(along, key=lambda link: (link.start[1], link.start[0])):
         follows = run and run[-1].end == one.start and meet[one.start] == 2
         if not (follows and _is_plain(discs.get(one.start), every_kind=every_kind)):
@@ -68,9 +74,17 @@ def _is_plain(disc: Disc | None, *, every_kind: bool) -> bool:
 
 def _piece(run: Sequence[Link], discs: Sequence[Disc]) -> Link:
     """A run as one link, with how many of which kind it is."""
-    kinds = Counter(one.kind for one in discs) + Counter(one.kind for one in run if one.kind not in ("rigid", "tie"))
+    kinds = Counter(one.kind for one in discs) + Counter(
+        one.kind for one in run if one.kind not in ("rigid", "tie")
+    )
     words = " and ".join(counted(n, kind) for kind, n in kinds.items())
-    return Link("run", run[0].start, run[-1].end, words, parts=tuple(part for one in run for part in one.parts))
+    return Link(
+        "run",
+        run[0].start,
+        run[-1].end,
+        words,
+        parts=tuple(part for one in run for part in one.parts),
+    )
 
 
 def _drawn_together(sketch: Sketch) -> Sketch:

@@ -23,7 +23,9 @@ def shortened(block: Block, number: str, stem: str) -> tuple[Block, Texts]:
     if isinstance(block, Table) and len(block.rows) > MOST_ROWS and number:
         name = f"{stem}-{file_name(number)}"
         return _table(block, name), {name: partial(table_text, number, block)}
-    if isinstance(block, Verbatim) and (block.text.count("\n") > MOST_LINES or len(block.text) > MOST_SIGNS):
+    if isinstance(block, Verbatim) and (
+        block.text.count("\n") > MOST_LINES or len(block.text) > MOST_SIGNS
+    ):
         name = f"{stem}-input.yaml"
         size = f"{block.text.count(chr(10)):,} lines, {len(block.text):,} characters"
         return Paragraph(f"The input is long ({size}): see {name}."), {name: lambda: block.text}
@@ -33,8 +35,11 @@ def shortened(block: Block, number: str, stem: str) -> tuple[Block, Texts]:
 def _table(table: Table, name: str) -> Table:
     """The rows that are printed, with a gap where some are left out, and a caption that says so."""
     kept = sorted(set(_kept(table)))
-    order = [place for before, at in zip([-1, *kept], kept, strict=False)
-             for place in ([None, at] if at > before + 1 else [at])]  # fmt: skip
+    order = [
+        place
+        for before, at in zip([-1, *kept], kept, strict=False)
+        for place in ([None, at] if at > before + 1 else [at])
+    ]
     gap = (GAP,) * len(table.columns)
     marks = [table.marks[at] if at is not None else "" for at in order] if table.marks else []
     hidden = set(range(len(table.rows))) - set(kept)

@@ -36,7 +36,11 @@ def vtu(_document: Document, findings: Findings) -> bytes:
     at_cells: dict[str, list[FloatArray]] = {"component": [system.span_part.astype(float)]}
     digits = max(2, len(str(modes.frequency.size)))
     for mode in range(modes.frequency.size):
-        name, angle, torque = f"mode_{mode + 1:0{digits}}", modes.shape[:, mode], modes.torque[:, mode]
+        name, angle, torque = (
+            f"mode_{mode + 1:0{digits}}",
+            modes.shape[:, mode],
+            modes.torque[:, mode],
+        )
         at_points[f"{name}_angle"] = angle[ends].ravel()
         at_points[f"{name}_angle_relative"] = (angle / np.abs(angle).max())[ends].ravel()
         at_cells[f"{name}_torque"] = [torque]
@@ -45,7 +49,12 @@ def vtu(_document: Document, findings: Findings) -> bytes:
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / NAME
-        mesh = meshio.Mesh(coordinates(system)[ends].reshape(-1, 3), cells, point_data=at_points, cell_data=at_cells)
+        mesh = meshio.Mesh(
+            coordinates(system)[ends].reshape(-1, 3),
+            cells,
+            point_data=at_points,
+            cell_data=at_cells,
+        )
         mesh.write(path, file_format="vtu")
         return path.read_bytes()
 
@@ -76,7 +85,10 @@ def radii(system: System) -> tuple[FloatArray, FloatArray]:
     """
     bars = {bar.part: bar for bar in system.train.bars}
     mean = sum(sum(bar.outer) / 4 for bar in bars.values()) / len(bars) if bars else LENGTH / 4
-    radius, modulus = np.full((len(system.spans), 2), THIN * mean), np.full(len(system.spans), np.nan)
+    radius, modulus = (
+        np.full((len(system.spans), 2), THIN * mean),
+        np.full(len(system.spans), np.nan),
+    )
     x = coordinates(system)[:, 0]
 
     for span, (driving, driven) in enumerate(zip(system.driving, system.driven, strict=True)):
@@ -88,6 +100,8 @@ def radii(system: System) -> tuple[FloatArray, FloatArray]:
         radius[span] = outer / 2
         section = bar.section
         modulus[span] = (
-            section.stress_modulus if isinstance(section, Section) else section_modulus(outer.min(), bore.max())
+            section.stress_modulus
+            if isinstance(section, Section)
+            else section_modulus(outer.min(), bore.max())
         )
     return radius, modulus

@@ -45,9 +45,19 @@ def _written(
         else:
             word = re.sub(r"[^\w.-]+", "-", one.name)
             made.append(target.with_name(f"motion-{word}.csv" if word else "motion.csv"))
-            title = ",".join('"' + inert(one_line(name)).replace('"', "'") + '"' for name, _ in columns)
+            title = ",".join(
+                '"' + inert(one_line(name)).replace('"', "'") + '"' for name, _ in columns
+            )
             rows = np.column_stack([values for _, values in columns])
-            np.savetxt(made[-1], rows, delimiter=",", header=title, comments="", fmt="%.17g", encoding="utf-8")
+            np.savetxt(
+                made[-1],
+                rows,
+                delimiter=",",
+                header=title,
+                comments="",
+                fmt="%.17g",
+                encoding="utf-8",
+            )
     if arrays:
         with target.open("wb") as file:
             np.savez(file, **arrays)
@@ -59,7 +69,11 @@ def _columns(findings: Findings, found: "TransientMotion") -> list[tuple[str, Fl
     """Title and samples: the time, speeds of the points, torques of the elements, each where it is largest."""
     stations = findings.study.train.stations
     columns = [("time [s]", found.time)]
-    columns += [(f"speed of {s.name} [rad/s]", found.speed[k]) for k, s in enumerate(stations) if not s.is_ground]
+    columns += [
+        (f"speed of {s.name} [rad/s]", found.speed[k])
+        for k, s in enumerate(stations)
+        if not s.is_ground
+    ]
     for one in elements(findings.system):
         span = max(one.spans, key=lambda span: found.peak[span])
         columns.append((f"torque in {one.name} [N*m]", found.torque[span]))

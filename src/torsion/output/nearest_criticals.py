@@ -32,14 +32,24 @@ def of_bending(shaft: "ShaftFound", figure: Figure) -> Figure:
 
 
 def _with(
-    figure: Figure, of: str, found: "Sequence[CriticalSpeed | Critical]", orders: Mapping[Any, str],
+    figure: Figure,
+    of: str,
+    found: "Sequence[CriticalSpeed | Critical]",
+    orders: Mapping[Any, str],
     rated: float | None,
-) -> Figure:  # fmt: skip
+) -> Figure:
     if not found:
         return figure
     place = {one: k for k, one in enumerate(orders)}
-    return replace(figure, criticals=Criticals(
-        of, np.array([one.speed * RPM for one in found]), np.array([one.frequency for one in found]),
-        np.array([one.mode for one in found]), np.array([place[one.order] for one in found]),
-        tuple(f"order {words}" for words in orders.values()), rated,
-    ))  # fmt: skip
+    return replace(
+        figure,
+        criticals=Criticals(
+            of,
+            np.array([one.speed * RPM for one in found]),
+            np.array([one.frequency for one in found]),
+            np.array([one.mode for one in found]),
+            np.array([place[one.order] for one in found]),
+            tuple(f"order {words}" for words in orders.values()),
+            rated,
+        ),
+    )

@@ -14,7 +14,13 @@ from torsion.assembly.system import System
 from torsion.findings import Findings, Plan
 from torsion.output import headline
 from torsion.output.blocks import Block, KeyValues, Paragraph, Table, table
-from torsion.output.chapters import forced_response, mass_elastic, natural_frequencies, plant, verdict
+from torsion.output.chapters import (
+    forced_response,
+    mass_elastic,
+    natural_frequencies,
+    plant,
+    verdict,
+)
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Figure
 from torsion.output.html import environment
@@ -35,10 +41,19 @@ FEW = 6  # frequencies in a line
 def bundle(shown: Any) -> dict[str, str]:
     """Of a study, its train or system, Findings, Modes or Response: one line, and a fragment without scripts."""
     content: dict[type, Callable[[Any], Iterator[Block]]] = {
-        Study: _study, Train: _train, System: _system, Findings: _findings, Modes: _modes, Response: _response,
-    }  # fmt: skip
+        Study: _study,
+        Train: _train,
+        System: _system,
+        Findings: _findings,
+        Modes: _modes,
+        Response: _response,
+    }
     blocks = content[type(shown)](shown)
-    page = environment().get_template("notebook.html").render(blocks=blocks, drawn=lambda one: Markup(svg(one)))
+    page = (
+        environment()
+        .get_template("notebook.html")
+        .render(blocks=blocks, drawn=lambda one: Markup(svg(one)))
+    )
     return {"text/plain": repr(shown), "text/html": page}
 
 
@@ -50,7 +65,12 @@ def line(shown: Any) -> str:
         case Modes():
             text = f"{counted(shown.frequency.size, 'elastic mode')}{_frequencies(shown)}"
         case Response():
-            text = " at ".join((counted(len(shown.lines), "harmonic component"), counted(shown.speed.size, "speed")))
+            text = " at ".join(
+                (
+                    counted(len(shown.lines), "harmonic component"),
+                    counted(shown.speed.size, "speed"),
+                )
+            )
         case _:
             raise TypeError(f"{type(shown).__name__} has no display")
     return one_line(f"{type(shown).__name__}: {text}")
@@ -59,14 +79,22 @@ def line(shown: Any) -> str:
 def _findings_line(findings: Findings) -> str:
     checks = findings.get(Checks)
     lines = () if checks is None else checks.lines
-    judged = f"{WORDS[headline.verdict(findings)]}, {counted(len(lines), 'check')}" if lines else "no check"
+    judged = (
+        f"{WORDS[headline.verdict(findings)]}, {counted(len(lines), 'check')}"
+        if lines
+        else "no check"
+    )
     return f"{findings.study.name}; {judged}; results: {', '.join(findings.results)}"
 
 
 def _frequencies(modes: Modes) -> str:
     """The first of them."""
     more = ", …" if modes.frequency.size > FEW else ""
-    return f": {', '.join(map(number, modes.frequency[:FEW].tolist()))}{more} Hz" if modes.frequency.size else ""
+    return (
+        f": {', '.join(map(number, modes.frequency[:FEW].tolist()))}{more} Hz"
+        if modes.frequency.size
+        else ""
+    )
 
 
 def _findings(findings: Findings) -> Iterator[Block]:
@@ -97,8 +125,12 @@ def _system(system: System) -> Iterator[Block]:
     chosen = Selection(system)
     stations, spans = station_rows(chosen), span_rows(chosen)
     inertias = [(row.name, row.inertia, row.speed_ratio) for row in stations[:MOST_ROWS]]
-    yield table("< Station | Inertia [kg m²] | Speed ratio", inertias, _first("Stations", len(stations)))
-    stiffnesses = [(row.name, row.stiffness, row.viscous, row.loss_factor) for row in spans[:MOST_ROWS]]
+    yield table(
+        "< Station | Inertia [kg m²] | Speed ratio", inertias, _first("Stations", len(stations))
+    )
+    stiffnesses = [
+        (row.name, row.stiffness, row.viscous, row.loss_factor) for row in spans[:MOST_ROWS]
+    ]
     titles = "< Span | Stiffness [N m/rad] | Damping [N m s/rad] | Loss factor"
     yield table(titles, stiffnesses, _first("Spans", len(spans)))
 
@@ -111,7 +143,9 @@ def _modes(modes: Modes) -> Iterator[Block]:
     """The frequencies with their bounds, and the first mode over the train."""
     if modes.frequency.size:
         found = natural_frequencies.frequencies(modes)
-        rest = f"; the first {MOST_MODES} of {len(found.rows)}" if len(found.rows) > MOST_MODES else ""
+        rest = (
+            f"; the first {MOST_MODES} of {len(found.rows)}" if len(found.rows) > MOST_MODES else ""
+        )
         yield replace(found, rows=found.rows[:MOST_MODES], caption=found.caption + rest)
         yield from natural_frequencies.plots(_alone(modes), modes, (0,))
     else:
@@ -121,7 +155,11 @@ def _modes(modes: Modes) -> Iterator[Block]:
 def _response(response: Response) -> Iterator[Block]:
     """The largest harmonic component of every element, and the element that carries most over the speed."""
     findings = _alone(response)
-    found = [e for e in elements(response.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
+    found = [
+        e
+        for e in elements(response.system)
+        if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)
+    ]
     if not found:
         yield Paragraph("nothing excites")
         return
@@ -138,12 +176,16 @@ def _response(response: Response) -> Iterator[Block]:
             rows.append((element.name, torque, rpm(float(response.speed[speed])), name))
     titles = f"< Element | Torque amplitude [{unit.unit}] | At speed [rpm] | Order"
     yield table(titles, rows, "Largest torque amplitude of any one harmonic component")
-    yield forced_response.curves(findings, max(found, key=lambda one: highest(sizes[one]) * one.ratio))
+    yield forced_response.curves(
+        findings, max(found, key=lambda one: highest(sizes[one]) * one.ratio)
+    )
 
 
 def _alone(result: Modes | Response) -> Findings:
     """A result by itself, with the train that it is of."""
     system = result.system
     return Findings(
-        Study("", system.train), {"system": system, "result": result, "checks": Checks(())}, Plan((), (), {})
+        Study("", system.train),
+        {"system": system, "result": result, "checks": Checks(())},
+        Plan((), (), {}),
     )

@@ -14,9 +14,14 @@ DIGITS = 5  # significant digits of a figure in a table
 MOST_DIGITS = 15  # that distinguish two floating-point numbers
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SIGNS = (
-    (r"\btau_", "τ_"), (r"\bsigma_", "σ_"), (r"\blambda\b", "λ"), (r"\b(mm|cm|m|s)([2-4])\b", r"\1^\2"), (r"\^2", "²"),
-    (r"\^3", "³"), (r"\^4", "⁴"),
-)  # fmt: skip
+    (r"\btau_", "τ_"),
+    (r"\bsigma_", "σ_"),
+    (r"\blambda\b", "λ"),
+    (r"\b(mm|cm|m|s)([2-4])\b", r"\1^\2"),
+    (r"\^2", "²"),
+    (r"\^3", "³"),
+    (r"\^4", "⁴"),
+)
 ROUNDING = 1e-12  # of the largest of a column or curve: a smaller figure may be the rounding of its computation
 LESS = "less than 10⁻¹² of the largest, which may be rounding"
 NONE = "–"

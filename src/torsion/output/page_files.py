@@ -4,7 +4,9 @@ import re
 from pathlib import Path
 
 TEMPLATES = Path(__file__).parent / "templates"
-SCRIPTS = tuple(f"report_{part}.js" for part in ("numbers", "plots", "cursor", "input", "modes", "page"))
+SCRIPTS = tuple(
+    f"report_{part}.js" for part in ("numbers", "plots", "cursor", "input", "modes", "page")
+)
 
 
 def style() -> str:

@@ -8,7 +8,17 @@ from itertools import repeat
 from pathlib import Path
 
 from torsion.errors import Fault, InputError
-from torsion.output.blocks import Block, Box, Heading, KeyValues, PageEnd, Paragraph, Points, Table, Verbatim
+from torsion.output.blocks import (
+    Block,
+    Box,
+    Heading,
+    KeyValues,
+    PageEnd,
+    Paragraph,
+    Points,
+    Table,
+    Verbatim,
+)
 from torsion.output.document import Document, Numbered
 from torsion.output.drawing.svg import svg
 from torsion.output.drawing.text import SUBSCRIPT
@@ -47,7 +57,10 @@ def _set(source: str, folder: Path) -> bytes:
 
 def source(document: Document, folder: Path) -> str:
     """What Typst sets; the figures and the logo are written into the folder."""
-    style, figures = (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8"), list[Path]()
+    style, figures = (
+        (Path(__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8"),
+        list[Path](),
+    )
     body = [_block(item, document, folder, figures) for item in document.body]
     return "\n".join([_running_head(document), style, _cover(document, folder), *body])
 
@@ -70,7 +83,11 @@ def _try_logo(folder: Path) -> None:
         try:
             _set(f"#image({text(logo.name)})", folder)
         except RuntimeError as error:
-            fault = Fault(("document", "logo"), f"this picture cannot be set in a PDF: {error}", "save it again as PNG")
+            fault = Fault(
+                ("document", "logo"),
+                f"this picture cannot be set in a PDF: {error}",
+                "save it again as PNG",
+            )
             raise InputError([fault]) from None
 
 
@@ -94,7 +111,9 @@ def _basis(document: Document) -> str:
     """What is stated of the report itself."""
     cover = document.cover
     pairs = (*cover.facts_by_length, cover.signatures)
-    short, long, signed = ("".join(f"({text(key)}, {text(value)}), " for key, value in some) for some in pairs)
+    short, long, signed = (
+        "".join(f"({text(key)}, {text(value)}), " for key, value in some) for some in pairs
+    )
     return f"basis(({short}), ({long}), {text(cover.disclaimer)}, ({signed}))"
 
 
@@ -133,7 +152,9 @@ def _longest(texts: Iterable[str]) -> str:
 def _table(table: Table, number: str) -> str:
     head = "".join(
         f"({words(c.title)}, {words(c.unit)}, {words(_longest([c.title]))}, {text(_longest(each))}), "
-        for c, each in zip(table.columns, zip(*table.rows, strict=True) if table.rows else repeat(()), strict=False)
+        for c, each in zip(
+            table.columns, zip(*table.rows, strict=True) if table.rows else repeat(()), strict=False
+        )
     )
     align = "".join(f"{c.align}, " for c in table.columns)
     marks = table.marks or ("",) * len(table.rows)

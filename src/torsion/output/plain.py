@@ -10,7 +10,11 @@ import numpy as np
 from torsion.output.selection import Selection
 from torsion.results import Quantity, is_declared, quantities
 
-LISTED = {"named station": "station", "end span": "span", "element": "element"}  # axes whose places a result names
+LISTED = {
+    "named station": "station",
+    "end span": "span",
+    "element": "element",
+}  # axes whose places a result names
 
 
 def plain(value: Any, selection: Selection) -> Any:
@@ -70,7 +74,11 @@ def _result(value: Any, selection: Selection) -> Any:
                 entry[one.key] = plain(inside, selection)
     printed = {axis for one in declared for axis in one.printed}
     positions = {axis: selection.positions(axis) for axis in LISTED if axis in printed}
-    return found[""] if "" in found else {**{LISTED[axis]: at for axis, at in positions.items()}, **found}
+    return (
+        found[""]
+        if "" in found
+        else {**{LISTED[axis]: at for axis, at in positions.items()}, **found}
+    )
 
 
 def shown(value: Any, one: Quantity, selection: Selection) -> Any:
@@ -89,4 +97,8 @@ def _known(value: Any, one: Quantity) -> Any:
 
 
 def _reduced(value: Any, one: Quantity, axes: tuple[str, ...], selection: Selection) -> Any:
-    return selection.reduced(value, one, axes) if isinstance(value, np.ndarray) and value.ndim else value
+    return (
+        selection.reduced(value, one, axes)
+        if isinstance(value, np.ndarray) and value.ndim
+        else value
+    )

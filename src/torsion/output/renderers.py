@@ -10,7 +10,9 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.document import Document
 
-Content = str | bytes | Callable[[Path], list[Path]]  # or what writes it into a file, and others beside it
+Content = (
+    str | bytes | Callable[[Path], list[Path]]
+)  # or what writes it into a file, and others beside it
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,12 @@ OUTPUTS = {
     "vtu": Output("torsion.output.mode_lines:vtu", ".vtu", on_request=True, of_findings=True),
     "figures": Output("torsion.output.figure_csv:tables", "-figures.csv", on_request=True),
     "tables": Output("torsion.output.table_files:archive", ".zip", on_request=True),
-    "data": Output("torsion.output.data_tables:archive", "-data.zip", on_request=True, of_findings=True),
-    "xlsx": Output("torsion.output.data_tables:workbook", ".xlsx", on_request=True, of_findings=True),
+    "data": Output(
+        "torsion.output.data_tables:archive", "-data.zip", on_request=True, of_findings=True
+    ),
+    "xlsx": Output(
+        "torsion.output.data_tables:workbook", ".xlsx", on_request=True, of_findings=True
+    ),
     "long": Output("torsion.output.renderers:beside", "-table.csv"),
     "terminal": Output("torsion.output.terminal:screen"),
 }
@@ -58,9 +64,12 @@ def beside(document: Document) -> Callable[[Path], list[Path]] | None:
 
 
 def files(
-    document: Document, findings: Findings | None = None, also: Collection[str] = (),
-    faults: list[Fault] | None = None, without: Collection[str] = (),
-) -> dict[str, Content]:  # fmt: skip
+    document: Document,
+    findings: Findings | None = None,
+    also: Collection[str] = (),
+    faults: list[Fault] | None = None,
+    without: Collection[str] = (),
+) -> dict[str, Content]:
     """Name and content of every file of a report, `also` of the outputs on request and not of those `without`.
 
     Without the findings: of every file that the document alone makes. An output on request that cannot be made is noted
@@ -75,8 +84,13 @@ def files(
             except InputError as error:
                 if faults is None or not output.on_request:
                     raise
-                faults += [replace(one, message=f"the {name} cannot be made: {one.message}") for one in error.faults]
+                faults += [
+                    replace(one, message=f"the {name} cannot be made: {one.message}")
+                    for one in error.faults
+                ]
                 continue
             if content is not None:
-                found[document.report.files.get(name, document.report.stem + output.suffix)] = content
+                found[document.report.files.get(name, document.report.stem + output.suffix)] = (
+                    content
+                )
     return found

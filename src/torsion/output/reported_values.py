@@ -50,7 +50,9 @@ def operation_words(findings: Findings) -> str:
     """The range of speeds and the rated point; empty where neither is given."""
     operation, words = findings.study.operation, []
     if operation.speeds is not None:
-        words.append(f"{given_rpm(operation.speeds.first)} to {given_rpm(operation.speeds.last)} rpm")
+        words.append(
+            f"{given_rpm(operation.speeds.first)} to {given_rpm(operation.speeds.last)} rpm"
+        )
     if operation.rated is not None:
         power = operation.rated.power
         rating = f" with {power / 1e3:.5g} kW" if power is not None else ""
@@ -143,7 +145,9 @@ def amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
 def harmonic_name(response: Response, index: int, word: str = "") -> str:
     """Of a harmonic component: '2' of an order, behind a word where one is given, or '40 Hz'."""
     line = response.lines[index]
-    return f"{word}{order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
+    return (
+        f"{word}{order(line.order)}" if line.order is not None else f"{number(line.frequency)} Hz"
+    )
 
 
 def worth_a_figure(findings: Findings, torque: Mapping[Element, float], most: int) -> list[Element]:
@@ -191,7 +195,9 @@ def without(values: FloatArray, nothing: FloatArray) -> FloatArray:
 
 def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
     """The unstable ranges of speed, rpm: of the train, then of the tilt of shafts."""
-    stability: Stability | None = findings.results.get("stability")  # its class is not loaded where there is none
+    stability: Stability | None = findings.results.get(
+        "stability"
+    )  # its class is not loaded where there is none
     found = () if stability is None else stability.ranges
     zones = (zone for _, tilting in tilted(findings) for zone in tilting.zones)
     return (
@@ -215,7 +221,9 @@ def failed(findings: Findings) -> tuple[Check, ...]:
 def joint_model(findings: Findings) -> str:
     """What the joint model says of its own error, in a sentence; empty without joints."""
     error = (
-        0.0 if findings.get(Response) is None else float(np.nanmax(findings.need(Response).joint_error, initial=0.0))
+        0.0
+        if findings.get(Response) is None
+        else float(np.nanmax(findings.need(Response).joint_error, initial=0.0))
     )
     if error == 0:
         return ""

@@ -19,7 +19,9 @@ class Report:
     title: str
     chapters: tuple[str, ...]
     stem: str  # of its files
-    files: Mapping[str, str] = field(default_factory=dict)  # output: name of its file, where that is not the stem's
+    files: Mapping[str, str] = field(
+        default_factory=dict
+    )  # output: name of its file, where that is not the stem's
     keys: tuple[str, ...] = ()  # of the results in JSON, beside the head; () for all
     more: tuple[str, ...] = ()  # appendices of the full report, before the steps
     columns: str = ""  # chapter's function that gives the columns of the CSV; "" for no CSV
@@ -29,32 +31,65 @@ REPORTS = {
     "solve": Report(
         "Torsional vibration calculation",
         (
-            "verdict", "case_comparison", "plant", "@modes", "@critical", "@tolerances", "@response", "@*", "closing",
-            "natural_frequencies:appendix", "mass_elastic", "@tooth forces", "data_sheets", "excitations",
-            "damping_given", "provenance:steps", "provenance:sources", "sources_used", "provenance:input_file",
+            "verdict",
+            "case_comparison",
+            "plant",
+            "@modes",
+            "@critical",
+            "@tolerances",
+            "@response",
+            "@*",
+            "closing",
+            "natural_frequencies:appendix",
+            "mass_elastic",
+            "@tooth forces",
+            "data_sheets",
+            "excitations",
+            "damping_given",
+            "provenance:steps",
+            "provenance:sources",
+            "sources_used",
+            "provenance:input_file",
         ),
         "report",
         {
-            "json": "results.json", "vtu": "modes.vtu", "motion": "motion.npz", "tables": "tables.zip",
-            "data": "data.zip", "xlsx": "results.xlsx",
+            "json": "results.json",
+            "vtu": "modes.vtu",
+            "motion": "motion.npz",
+            "tables": "tables.zip",
+            "data": "data.zip",
+            "xlsx": "results.xlsx",
             "designed": "designed.yaml",
         },
         more=(
-            "forced_response:angles", "engine:details", "natural_frequencies:all_modes", "verdict:remarks",
+            "forced_response:angles",
+            "engine:details",
+            "natural_frequencies:all_modes",
+            "verdict:remarks",
         ),
     ),
     "joint": Report(
         "Universal joints",
         (
-            "joint_motion:summary", "verdict:judged", "joint_motion:alone", "provenance:steps", "verdict:remarks",
+            "joint_motion:summary",
+            "verdict:judged",
+            "joint_motion:alone",
+            "provenance:steps",
+            "verdict:remarks",
             "provenance:input_file",
         ),
-        "joints", keys=("joints", "checks"), columns="joint_tables:columns",
+        "joints",
+        keys=("joints", "checks"),
+        columns="joint_tables:columns",
     ),
     "check": Report(
-        "Models of a shaft train compared", ("model_comparison", "provenance:steps", "provenance:input_file"), "check",
+        "Models of a shaft train compared",
+        ("model_comparison", "provenance:steps", "provenance:input_file"),
+        "check",
         keys=("check",),
     ),
     "compare": Report("Two calculations compared", (), "compare"),
-    "study": Report("Error against run time", ("provenance:input_file",), "study"),  # behind the run times
-}  # fmt: skip
+    "study": Report(
+        "Error against run time", ("provenance:input_file",), "study"
+    ),  # behind the run times
+}

@@ -37,7 +37,9 @@ SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
 MOST_LISTED = 3_000_000  # of all arrays that are written as lists, about 60 MB of text; of later ones MOST_OF_A_CASE
 MOST_TEXT = 100_000_000  # bytes of results that are printed
-MOST_OF_A_CASE = 2_000  # the same in `cases`, so that many of them do not make a file of many times the size
+MOST_OF_A_CASE = (
+    2_000  # the same in `cases`, so that many of them do not make a file of many times the size
+)
 BLOCK = 10_000  # numbers turned into text at once
 
 
@@ -51,7 +53,10 @@ def replaced(values: Any, change: Callable[[str, NDArray[Any]], Any], path: str 
     if isinstance(values, np.ndarray):
         return change(path, values)
     if isinstance(values, Mapping):
-        return {key: replaced(value, change, f"{path}.{key}" if path else key) for key, value in values.items()}
+        return {
+            key: replaced(value, change, f"{path}.{key}" if path else key)
+            for key, value in values.items()
+        }
     if isinstance(values, list | tuple):
         return [replaced(value, change, f"{path}[{place}]") for place, value in enumerate(values)]
     return values
@@ -68,9 +73,13 @@ def pieces(values: Any) -> Iterator[str]:
     elif not _has_long(values):
         yield _dumped(values)
     elif isinstance(values, Mapping):
-        yield from _joined("{}", (chain([f"{json.dumps(key)}: "], pieces(value)) for key, value in values.items()))
+        yield from _joined(
+            "{}", (chain([f"{json.dumps(key)}: "], pieces(value)) for key, value in values.items())
+        )
     elif isinstance(values, np.ndarray) and values[0].size <= BLOCK:
-        rows = BLOCK // values[0].size  # of a pair of numbers a text of its own would take longer than the numbers
+        rows = (
+            BLOCK // values[0].size
+        )  # of a pair of numbers a text of its own would take longer than the numbers
         blocks = (values[start : start + rows] for start in range(0, len(values), rows))
         yield from _joined("[]", ([_dumped(block)[1:-1]] for block in blocks))
     else:
@@ -78,9 +87,11 @@ def pieces(values: Any) -> Iterator[str]:
 
 
 def write_json(
-    parts: Mapping[str, Callable[[], Any]], file: Path, most: int = MOST_NUMBERS,
+    parts: Mapping[str, Callable[[], Any]],
+    file: Path,
+    most: int = MOST_NUMBERS,
     report: Callable[[str], str] | None = None,
-) -> list[Path]:  # fmt: skip
+) -> list[Path]:
     """Write a file of one line for each key of `parts`, made when its turn comes; the paths of all that was written.
 
     Arrays of more than `most` numbers go into `series.npz` beside it, and the file says under which name; so do those
@@ -94,7 +105,9 @@ def write_json(
     def stored(name: str, array: NDArray[Any]) -> Any:
         nonlocal numbers_listed
         is_full = numbers_listed + array.size > MOST_LISTED
-        if array.size <= (min(most, MOST_OF_A_CASE) if is_full or name.startswith("cases.") else most):
+        if array.size <= (
+            min(most, MOST_OF_A_CASE) if is_full or name.startswith("cases.") else most
+        ):
             numbers_listed += array.size
             return array
         if not archive:
@@ -106,7 +119,10 @@ def write_json(
     def made() -> Iterator[tuple[str, Any]]:
         yield from ((key, replaced(make(), stored, key)) for key, make in parts.items())
         if report is not None:
-            yield reports.FILES, sorted(one.relative_to(file.parent).as_posix() for one in file.parent.rglob("*.*"))
+            yield (
+                reports.FILES,
+                sorted(one.relative_to(file.parent).as_posix() for one in file.parent.rglob("*.*")),
+            )
             yield reports.KEY, Written(report(before.hexdigest()))
 
     with opened, file.open("wb") as target:
@@ -141,7 +157,13 @@ def _has_long(values: Any) -> bool:
     """Whether an array of more than BLOCK numbers is among the data."""
     if isinstance(values, np.ndarray):
         return values.size > BLOCK
-    inside = values.values() if isinstance(values, Mapping) else values if isinstance(values, list | tuple) else ()
+    inside = (
+        values.values()
+        if isinstance(values, Mapping)
+        else values
+        if isinstance(values, list | tuple)
+        else ()
+    )
     return any(map(_has_long, inside))
 
 
@@ -193,14 +215,24 @@ FIXED = (
     Key("program.name", "", (), "torsion"),
     Key("program.version", "", (), "version of the program"),
     Key("legend", "", (), "conventions in words"),
-    Key(reports.FILES, "", (), "only in files: names of the files of the report, this one among them"),
-    Key(reports.KEY, "", (), "only in files: the report, from which `torsion report` draws it again"),
+    Key(
+        reports.FILES,
+        "",
+        (),
+        "only in files: names of the files of the report, this one among them",
+    ),
+    Key(
+        reports.KEY, "", (), "only in files: the report, from which `torsion report` draws it again"
+    ),
 )
 
 CASES = Key(
-    "cases", "", (), "of every case by its name all keys of this list but `cases` and those above; a case without an "
+    "cases",
+    "",
+    (),
+    "of every case by its name all keys of this list but `cases` and those above; a case without an "
     "answer has `plan` alone, which says why; {} where the file states no case",
-)  # fmt: skip
+)
 
 
 def results(findings: Findings) -> dict[str, Any]:
@@ -230,7 +262,9 @@ def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[
     """What writes the results and their report into a file, and very long arrays into another beside it."""
     from torsion.output.stored_report import stored
 
-    return partial(write_json, _made(findings, document.report.keys), report=partial(stored, document))
+    return partial(
+        write_json, _made(findings, document.report.keys), report=partial(stored, document)
+    )
 
 
 def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:
@@ -245,7 +279,9 @@ def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[
         "stations": lambda: plain(station_rows(chosen), chosen),
         "spans": lambda: plain(span_rows(chosen), chosen),
     }
-    found |= {name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")}
+    found |= {
+        name: partial(plain, findings.results.get(name), chosen) for name in (*names, "checks")
+    }
     found["plan"] = lambda: plain(findings.plan, chosen)
     found["sources"] = lambda: [plain(used, chosen) for used in findings.plan.sources]
     found["cases"] = lambda: {name: _of_case(one) for name, one in findings.cases.items()}
@@ -262,7 +298,11 @@ def _of_case(findings: Findings) -> dict[str, Any]:
 
 def documented() -> tuple[Key, ...]:
     """Every key of the results, as the manual of results lists them."""
-    found = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.result_classes().items()}
+    found = {
+        name: kind
+        for analysis in ANALYSES.values()
+        for name, kind in analysis.result_classes().items()
+    }
     head = {"scene": Scene, "stations[]": StationRow, "spans[]": SpanRow}
     every = head | found | {"checks": Checks, "plan": Plan, "sources[]": UsedSource}
     return (*FIXED, CASES, *(key for path, kind in every.items() for key in _keys(kind, path, ())))
@@ -278,7 +318,9 @@ def _keys(kind: type, path: str, above: tuple[type, ...]) -> Iterator[Key]:
             yield Key(f"{path}.{name}", "", (axis,), POSITIONS[axis])
     for one in declared:
         inner = parts(kind, one)
-        record = next((axis for axis in one.axes if axis in records and records[axis] is not one), None)
+        record = next(
+            (axis for axis in one.axes if axis in records and records[axis] is not one), None
+        )
         at = path if record is None else f"{path}.{records[record].key}[]"
         at = f"{at}.{one.key}" if one.key else at
         at = f"{at}[]" if (inner is not None and is_list(kind, one)) or one.record else at

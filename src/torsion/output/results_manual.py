@@ -29,9 +29,15 @@ def pages() -> dict[str, str]:
     """Return the text of every page by its path in `FOLDER`: an index, and one page for every long top-level key."""
     groups = {name: list(keys) for name, keys in groupby(documented(), key=_top_level)}
     long = {name: keys for name, keys in groups.items() if len(keys) > FEW}
-    conventions = "".join(f"- {name.replace('_', ' ')}: {words}\n" for name, words in LEGEND.items())
-    sections = [f"\n## `{name}`\n\n{_table(keys)}" for name, keys in groups.items() if name not in long]
-    texts = {f"{name}.md": f"# `{name}` in results.json\n\n{_table(keys)}" for name, keys in long.items()}
+    conventions = "".join(
+        f"- {name.replace('_', ' ')}: {words}\n" for name, words in LEGEND.items()
+    )
+    sections = [
+        f"\n## `{name}`\n\n{_table(keys)}" for name, keys in groups.items() if name not in long
+    ]
+    texts = {
+        f"{name}.md": f"# `{name}` in results.json\n\n{_table(keys)}" for name, keys in long.items()
+    }
     index = f"{HEAD}\n{conventions}\n## Results with a page\n\n{toctree(long)}{''.join(sections)}"
     return {"index.md": index, **texts}
 

@@ -13,11 +13,29 @@ from typing import Any, Literal
 import numpy as np
 
 import torsion
-from torsion.analyses.compare.timing import FULL, Spread, TimedQuantity, TimedRow, Timings, as_fast, fastest, unbeaten
+from torsion.analyses.compare.timing import (
+    FULL,
+    Spread,
+    TimedQuantity,
+    TimedRow,
+    Timings,
+    as_fast,
+    fastest,
+    unbeaten,
+)
 from torsion.analyses.transient.transient_settings import SOLVED
 from torsion.findings import Findings
 from torsion.kernels.transient import integrator_methods
-from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Table, head, on_terminal
+from torsion.output.blocks import (
+    Block,
+    Heading,
+    KeyValues,
+    Paragraph,
+    Points,
+    Table,
+    head,
+    on_terminal,
+)
 from torsion.output.document import Document, document
 from torsion.output.figures import error_curves
 from torsion.output.figures.figure import Figure
@@ -29,19 +47,40 @@ from torsion.output.write import inputs, write_texts
 
 FORMAT = 1
 TITLES = (
-    "quantity", "method", "division", "size", "error [1]", "least [s]", "quarter [s]", "median [s]",
-    "three quarters [s]", "median assembly [s]", "median solve [s]", "runs",
-)  # fmt: skip
+    "quantity",
+    "method",
+    "division",
+    "size",
+    "error [1]",
+    "least [s]",
+    "quarter [s]",
+    "median [s]",
+    "three quarters [s]",
+    "median assembly [s]",
+    "median solve [s]",
+    "runs",
+)
 DIGITS = 3
 MOST_AS_FAST = 3
 LEAST_SHARE = 1e-4  # from which an error is given in per cent
 SHORTER = "modal superposition, static correction", "modal, static corr."  # in the figure
-INTEGRATIONS = (*integrator_methods.TITLES.values(), *SOLVED.values())  # methods of integration over time
+INTEGRATIONS = (
+    *integrator_methods.TITLES.values(),
+    *SOLVED.values(),
+)  # methods of integration over time
 FAMILIES = (  # start of a method's name, and how it is drawn
-    ("modal superposition, static", "corrected"), ("modal superposition", "modal"), ("lumped, dense", "dense"),
-    ("modes, exact", "exact"), *((name, "integration") for name in INTEGRATIONS), ("dense", "dense"),
-    ("lumped", "lumped"), ("fem", "fem"), ("exact", "exact"), ("two-sided", "exact"), ("", "peer"),
-)  # fmt: skip
+    ("modal superposition, static", "corrected"),
+    ("modal superposition", "modal"),
+    ("lumped, dense", "dense"),
+    ("modes, exact", "exact"),
+    *((name, "integration") for name in INTEGRATIONS),
+    ("dense", "dense"),
+    ("lumped", "lumped"),
+    ("fem", "fem"),
+    ("exact", "exact"),
+    ("two-sided", "exact"),
+    ("", "peer"),
+)
 MODAL = (
     "The superpositions take modes of the exact model, so that they have no discretisation error. Each mode is damped "
     "by itself: where damping couples the modes, that error stays, however many modes there are."
@@ -49,7 +88,9 @@ MODAL = (
 PARETO = "Methods that no other beats: none is both faster and more accurate"
 
 
-def write_study(findings: Findings, timings: Timings, folder: str | Path, *, today: date | None = None) -> Document:
+def write_study(
+    findings: Findings, timings: Timings, folder: str | Path, *, today: date | None = None
+) -> Document:
     """Write study.html, study.json and study.csv, all or none; raises OSError where the folder cannot be written."""
     from torsion.output.html import html
 
@@ -76,8 +117,12 @@ def blocks(timings: Timings) -> list[Block]:
 def _summary(timings: Timings) -> list[Block]:
     made: list[Block] = []
     for quantity in timings.quantities:
-        kind: Literal["pass", "fail"] = "pass" if fastest(quantity.rows, timings.tolerance) is not None else "fail"
-        made.append(Paragraph(f"{quantity.title}. {recommendation(quantity, timings.tolerance)}", kind))
+        kind: Literal["pass", "fail"] = (
+            "pass" if fastest(quantity.rows, timings.tolerance) is not None else "fail"
+        )
+        made.append(
+            Paragraph(f"{quantity.title}. {recommendation(quantity, timings.tolerance)}", kind)
+        )
     if timings.remarks:
         made.append(Points(timings.remarks))
     return made
@@ -107,7 +152,11 @@ def best(quantity: TimedQuantity, tolerance: float) -> Table:
     lines = tuple((*cells(row), "recommended" if row is recommended else "") for row in rows)
     marks = tuple("pass" if line[-1] else "" for line in lines)
     return Table(
-        head(columns), lines, PARETO, marks, f"{quantity.title}: no other method is both faster and more accurate"
+        head(columns),
+        lines,
+        PARETO,
+        marks,
+        f"{quantity.title}: no other method is both faster and more accurate",
     )
 
 
@@ -116,9 +165,13 @@ def _figure(quantity: TimedQuantity, tolerance: float) -> Figure:
     point = None if best is None else (1e3 * best.total.median, best.error)
     caption = f"{quantity.title}: largest relative error against run time, one curve a method, finer ones below"
     return error_curves.run_times(
-        f"study-{quantity.key}", caption, curves=curves(quantity.rows), tolerance=tolerance, bound=quantity.bound,
+        f"study-{quantity.key}",
+        caption,
+        curves=curves(quantity.rows),
+        tolerance=tolerance,
+        bound=quantity.bound,
         best=point,
-    )  # fmt: skip
+    )
 
 
 def curves(rows: Sequence[TimedRow]) -> list[tuple[Any, ...]]:
@@ -127,7 +180,9 @@ def curves(rows: Sequence[TimedRow]) -> list[tuple[Any, ...]]:
     for name in dict.fromkeys(row.curve for row in rows):
         own = [row for row in rows if row.curve == name and math.isfinite(row.error)]
         if own:
-            totals = [(one.median, one.quarter, one.three_quarters) for one in (row.total for row in own)]
+            totals = [
+                (one.median, one.quarter, one.three_quarters) for one in (row.total for row in own)
+            ]
             times = 1e3 * np.array(totals).T
             label = name.replace(", elimination", "").replace(*SHORTER)
             family = next(family for start, family in FAMILIES if name.startswith(start))
@@ -157,7 +212,12 @@ def _how(timings: Timings) -> tuple[str, ...]:
         "Not counted: reading the file, finding out how fine the exact model must be, writing a report."
     )
     spread = "Times are given by median and middle half of the runs; garbage is not collected during a run."
-    return rounds, steps, spread, "All times are of this program in Python; another program has others."
+    return (
+        rounds,
+        steps,
+        spread,
+        "All times are of this program in Python; another program has others.",
+    )
 
 
 def recommendation(quantity: TimedQuantity, tolerance: float) -> str:
@@ -166,7 +226,9 @@ def recommendation(quantity: TimedQuantity, tolerance: float) -> str:
     goal = f"{share(tolerance)} up to {given(quantity.highest, DIGITS)} Hz"
     if best is None:
         nearest = min(quantity.rows, key=lambda row: row.error)
-        return f"For {goal}: no method that was run is as accurate; the nearest is {_words(nearest)}."
+        return (
+            f"For {goal}: no method that was run is as accurate; the nearest is {_words(nearest)}."
+        )
     return f"For {goal}: {_words(best)}."
 
 
@@ -204,7 +266,11 @@ def _words(row: TimedRow) -> str:
 
 def cells(row: TimedRow, of: Sequence[str] = ("median",)) -> tuple[str, ...]:
     """Method, discretisation, error, times `of` the whole, medians of assembly and of solve."""
-    times = (*(getattr(row.total, name) for name in of), row.assembly_spread.median, row.solve_spread.median)
+    times = (
+        *(getattr(row.total, name) for name in of),
+        row.assembly_spread.median,
+        row.solve_spread.median,
+    )
     return (row.curve, row.division, share(row.error), *map(milliseconds, times))
 
 
@@ -216,10 +282,22 @@ def csv_text(timings: Timings) -> str:
     for quantity in timings.quantities:
         for row in quantity.rows:
             total = row.total
-            rows.writerow([
-                quantity.key, row.curve, row.division, row.size, row.error, total.least, total.quarter, total.median,
-                total.three_quarters, row.assembly_spread.median, row.solve_spread.median, total.runs,
-            ])  # fmt: skip
+            rows.writerow(
+                [
+                    quantity.key,
+                    row.curve,
+                    row.division,
+                    row.size,
+                    row.error,
+                    total.least,
+                    total.quarter,
+                    total.median,
+                    total.three_quarters,
+                    row.assembly_spread.median,
+                    row.solve_spread.median,
+                    total.runs,
+                ]
+            )
     return target.getvalue()
 
 
@@ -250,7 +328,9 @@ def _quantity(quantity: TimedQuantity, tolerance: float) -> dict[str, Any]:
         "errors_are_of": list(quantity.columns),
         "recommendation": recommendation(quantity, tolerance),
         "recommended_row": None if best is None else quantity.rows.index(best),
-        "unbeaten_rows": [quantity.rows.index(row) for row in unbeaten(quantity.rows, quantity.bound)],
+        "unbeaten_rows": [
+            quantity.rows.index(row) for row in unbeaten(quantity.rows, quantity.bound)
+        ],
         "remarks": list(quantity.remarks),
         "rows": [_row_as_data(row) for row in quantity.rows],
     }

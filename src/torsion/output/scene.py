@@ -16,10 +16,14 @@ class Scene:
     case: str | None = result("", (), "which case of the file it is, or null")
     description: str = result("", (), "its description")
     file: str = result("", (), "the file it was read from")
-    sha256: str | None = result("", (), "SHA-256 of the file's text and those of its tables behind it, or null")
+    sha256: str | None = result(
+        "", (), "SHA-256 of the file's text and those of its tables behind it, or null"
+    )
     tables: tuple[str, ...] = result("", (), "CSV files that the file names, in that order")
     model: str = result("", (), "lumped, fem or exact")
-    reference: str = result("", (), "component whose speed is the speed axis, per whose revolution orders count")
+    reference: str = result(
+        "", (), "component whose speed is the speed axis, per whose revolution orders count"
+    )
     speed_range: tuple[float, float] | None = result("rad/s", (), "[from, to], or null")
     rated_speed: float | None = result("rad/s", (), "rated speed, or null")
     rated_power: float | None = result("W", (), "rated power, or null")
@@ -38,7 +42,9 @@ class StationRow:
     sense: int = result("", (), "1 turns as the reference does, -1 the other way")
     is_ground: bool = result("", (), "the fixed end of a spring to ground")
     is_held: bool = result("", (), "turns at exactly its mean speed")
-    inertia: float = result("kg*m**2", (), "with the share of its shafts; null where fixed", key="inertia_kg_m2")
+    inertia: float = result(
+        "kg*m**2", (), "with the share of its shafts; null where fixed", key="inertia_kg_m2"
+    )
 
 
 @reported
@@ -60,11 +66,15 @@ class SpanRow:
     driven_station: int = result("", (), "position in `stations`")
     ratio: Fraction = result("", (), "speed of the driven / speed of the driving station, exact")
     flexibility: float = result(
-        "rad/(N*m)", (), "0 is rigid, null is damping without stiffness; of a table over frequency at its first point"
+        "rad/(N*m)",
+        (),
+        "0 is rigid, null is damping without stiffness; of a table over frequency at its first point",
     )
     loss_factor: float = result("1", (), "eta of k (1 + i eta)")
     viscous: float = result("N*m*s/rad", (), "viscous damping")
-    error: tuple[Harmonic, ...] = result("", (), "imposed on the driven angle, over the driving station's angle")
+    error: tuple[Harmonic, ...] = result(
+        "", (), "imposed on the driven angle, over the driving station's angle"
+    )
 
     @derived("N*m/rad", (), "1/flexibility; null where the piece is rigid")
     def stiffness(self) -> float:
@@ -94,7 +104,12 @@ def scene(study: Study) -> Scene:
 
 def pressure_files(study: Study) -> list[str]:
     """The files of the pressures of engines and compressors, as the scene names them."""
-    known = (record for part in study.train.parts for record in (part.engine, part.compressor) if record is not None)
+    known = (
+        record
+        for part in study.train.parts
+        for record in (part.engine, part.compressor)
+        if record is not None
+    )
     return list(dict.fromkeys(name for record in known for name in record.files))
 
 
@@ -138,7 +153,11 @@ def span_rows(selection: Selection) -> tuple[SpanRow, ...]:
     """Every span, or group of segments of a shaft, that is reported."""
     system, groups = selection.system, selection.groups
     parts = system.train.parts
-    names, ends, flexibility = groups.names(), groups.ends.tolist(), groups.over_spans(system.flexibility)
+    names, ends, flexibility = (
+        groups.names(),
+        groups.ends.tolist(),
+        groups.over_spans(system.flexibility),
+    )
     return tuple(
         SpanRow(
             name=names[place],

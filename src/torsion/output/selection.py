@@ -42,15 +42,21 @@ def pieces(system: System) -> list[Element]:
     found: dict[tuple[int, str], list[int]] = {}
     for index, span in enumerate(system.own_spans):
         if not _joins_points_rigidly(system, index):  # a spring of a shaft is that of its step
-            name = span.name if index < len(system.train.springs) else bars.get(span.part, span.name)
+            name = (
+                span.name if index < len(system.train.springs) else bars.get(span.part, span.name)
+            )
             found.setdefault((span.part, name), []).append(index)
-    named: list[tuple[int, str, Sequence[int]]] = [(part, name, tuple(spans)) for (part, name), spans in found.items()]
+    named: list[tuple[int, str, Sequence[int]]] = [
+        (part, name, tuple(spans)) for (part, name), spans in found.items()
+    ]
     first = len(system.own_spans)
     for row in system.rows:
         named.append((row.bar.part, row.bar.name, range(first, first + row.number)))
         first += row.number
     made = [
-        Element(name, system.train.parts[part].kind, part, spans, float(system.span_ratio[spans[0]]))
+        Element(
+            name, system.train.parts[part].kind, part, spans, float(system.span_ratio[spans[0]])
+        )
         for part, name, spans in named
     ]
     return sorted(made, key=lambda one: (one.part, one.name.endswith(STEP), one.spans[0]))
@@ -124,7 +130,9 @@ class Selection:
     @cached_property
     def end_spans(self) -> list[int]:
         """Positions of the first and the last span of every element, of a shaft of sections of each."""
-        return sorted({span for piece in pieces(self.system) for span in (piece.spans[0], piece.spans[-1])})
+        return sorted(
+            {span for piece in pieces(self.system) for span in (piece.spans[0], piece.spans[-1])}
+        )
 
     def positions(self, axis: str) -> list[Any]:
         """What a reduced axis runs over: positions among the stations or spans reported, or names of elements."""
@@ -135,7 +143,10 @@ class Selection:
     def reduced(self, values: Any, quantity: Quantity, axes: tuple[str, ...]) -> Any:
         """The values with the axes that are printed, in their order; `axes` are those of the values."""
         array = np.asarray(values)
-        kept = [next(one for one in quantity.printed if one in WITHIN.get(axis, (axis,))) for axis in axes]
+        kept = [
+            next(one for one in quantity.printed if one in WITHIN.get(axis, (axis,)))
+            for axis in axes
+        ]
         for place, axis in enumerate(axes):
             if axis in WITHIN:
                 array = self._along(array, place, (axis, kept[place]), quantity.is_total)
@@ -145,16 +156,22 @@ class Selection:
         """The values with one axis, of stations or spans, reduced to what is shown of it."""
         axis, shown = axes
         if shown == "element":
-            largest = [array.take(list(one.spans), axis=place).max(axis=place) for one in self.elements]
+            largest = [
+                array.take(list(one.spans), axis=place).max(axis=place) for one in self.elements
+            ]
             return np.stack(largest, axis=place) if largest else array.take([], axis=place)
         if shown in ("named station", "end span"):
-            return array.take(self.named_stations if axis == "station" else self.end_spans, axis=place)
+            return array.take(
+                self.named_stations if axis == "station" else self.end_spans, axis=place
+            )
         if self.groups.is_whole:
             return array
         if is_total:
             first = self.groups.first_station if axis == "station" else self.groups.spans
             return np.add.reduceat(array, first, axis=place)
-        return array.take(self.groups.stations if axis == "station" else self.groups.spans, axis=place)
+        return array.take(
+            self.groups.stations if axis == "station" else self.groups.spans, axis=place
+        )
 
 
 def largest(values: FloatArray) -> int | None:

@@ -105,7 +105,7 @@ class _Rows:
 
 def _behind(
     system: System, station: int, x: FloatArray, row: FloatArray, piece: int | None
-) -> tuple[float, float]:  # fmt: skip
+) -> tuple[float, float]:
     """Place and row of a new station as seen from one that it is joined to and that stands; the first is at 0.
 
     piece: a station of the same component of the file, beside which it stands where it is joined to none.

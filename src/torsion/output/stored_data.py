@@ -22,11 +22,23 @@ from pydantic_core import CoreSchema, core_schema
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import printable
 
-DTYPES = {"f": "<f8", "i": "<i8", "u": "<i8", "b": "|b1"}  # of a stored array, by the kind of the array in memory
+DTYPES = {
+    "f": "<f8",
+    "i": "<i8",
+    "u": "<i8",
+    "b": "|b1",
+}  # of a stored array, by the kind of the array in memory
 MOST_BYTES = 1_000_000_000  # of an array that is read
 NOT_KEPT = {"kept": False}  # metadata of a field with a default that is not written
 Kind = TypeVar("Kind")
-PLAIN: tuple[Any, ...] = (str, int, float, bool, NoneType, tuple)  # types of a default that is left out
+PLAIN: tuple[Any, ...] = (
+    str,
+    int,
+    float,
+    bool,
+    NoneType,
+    tuple,
+)  # types of a default that is left out
 
 
 @dataclass(frozen=True)
@@ -60,7 +72,9 @@ class Arrays:
 def _unpack_array(kept: object) -> NDArray[Any]:
     """Return an array from its text; raises ValueError, also if it is longer than its shape."""
     match kept:
-        case {"type": str(kind), "shape": list(shape), "bytes": str(text)} if kind in DTYPES.values():
+        case {"type": str(kind), "shape": list(shape), "bytes": str(text)} if (
+            kind in DTYPES.values()
+        ):
             if not all(type(size) is int and size >= 0 for size in shape):
                 raise ValueError("the shape of an array is none")
             dtype = np.dtype(kind)
@@ -82,7 +96,9 @@ def _unpack_array(kept: object) -> NDArray[Any]:
 class StoredArray:
     """Annotation of a field with an array: its data are the position in the `Arrays` of the context."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
         """Return the validator that looks the array up."""
         return core_schema.with_info_plain_validator_function(_array_at)
 
@@ -95,13 +111,17 @@ def _array_at(place: object, info: ValidationInfo) -> NDArray[Any]:
 class NamedChoice:
     """Annotation of a union of dataclasses: its data are a mapping {name of the class: fields}."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
         """Return the validator that takes the class by its name."""
         choices: list[Any] = []
         for kind in get_args(source):
             entry = core_schema.typed_dict_field(handler.generate_schema(kind))
             named = core_schema.typed_dict_schema({kind.__name__: entry}, extra_behavior="forbid")
-            choices.append(core_schema.no_info_after_validator_function(itemgetter(kind.__name__), named))
+            choices.append(
+                core_schema.no_info_after_validator_function(itemgetter(kind.__name__), named)
+            )
         return core_schema.union_schema(choices)
 
 
@@ -131,7 +151,9 @@ def plain(value: Any, arrays: Arrays, named: Collection[type]) -> Any:
 @cache
 def _stored_fields(kind: Any) -> list[tuple[str, Any]]:
     """Names and defaults of the fields that are written; MISSING for a field that is always written."""
-    return [(entry.name, _default(entry)) for entry in fields(kind) if entry.metadata.get("kept", True)]
+    return [
+        (entry.name, _default(entry)) for entry in fields(kind) if entry.metadata.get("kept", True)
+    ]
 
 
 def _default(entry: Field[Any]) -> Any:
@@ -151,5 +173,7 @@ def restored(kind: type[Kind], data: Any, arrays: Arrays) -> Kind:
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         path = ".".join(map(str, fault["loc"][1:]))
-        raise ValueError(printable(f"{path}: {fault['msg']}" if path else fault["msg"], 200)) from None
+        raise ValueError(
+            printable(f"{path}: {fault['msg']}" if path else fault["msg"], 200)
+        ) from None
     return cast(Kind, value)

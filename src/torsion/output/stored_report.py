@@ -25,7 +25,9 @@ WRITES = "`torsion solve` writes results.json, from which it is drawn"
 HEAD = re.compile(r'\{"format":\d+,"program":"[^"]*","sha256":"([0-9a-f]{64})","content":')
 MARK, END = f',\n"{KEY}": ', "\n}\n"  # before and behind the report in its file
 NAMED_CLASSES = frozenset((*get_args(Block), *get_args(Picture)))  # of which a field may hold any
-CONTROL = re.compile(r"(?<!\\)(?:\\\\)*\\(?:u00|b|f)|[\x7f-\x84\x86-\x9f\ud800-\udfff]")  # in JSON text of no report
+CONTROL = re.compile(
+    r"(?<!\\)(?:\\\\)*\\(?:u00|b|f)|[\x7f-\x84\x86-\x9f\ud800-\udfff]"
+)  # in JSON text of no report
 NAMED = f',\n"{FILES}": '  # before the line with the files of the report
 
 
@@ -34,7 +36,9 @@ def stored(document: Document, before: str = "") -> str:
     arrays = Arrays()
     written = plain(document, arrays, NAMED_CLASSES)
     content = _text({"document": written, "arrays": arrays.kept})
-    head = _text({"format": FORMAT, "program": torsion.__version__, "sha256": _checksum(before + content)})
+    head = _text(
+        {"format": FORMAT, "program": torsion.__version__, "sha256": _checksum(before + content)}
+    )
     return f'{head[:-1]},"content":{content}}}'
 
 
@@ -57,11 +61,17 @@ def opened(path: Path) -> Document:
     try:
         text = read_file(file, LARGEST_RESULTS).decode()
     except (OSError, UnicodeDecodeError) as error:
-        raise _refused(file, f"cannot be read: {getattr(error, 'strerror', None) or 'it is not UTF-8 text'}") from None
+        raise _refused(
+            file, f"cannot be read: {getattr(error, 'strerror', None) or 'it is not UTF-8 text'}"
+        ) from None
     try:
         data = json.loads(text, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
-        place = f" (line {error.lineno}, column {error.colno})" if isinstance(error, json.JSONDecodeError) else ""
+        place = (
+            f" (line {error.lineno}, column {error.colno})"
+            if isinstance(error, json.JSONDecodeError)
+            else ""
+        )
         raise _refused(file, f"is not JSON{place}") from None
     return _restored(file, text, data.get(KEY) if isinstance(data, dict) else None)
 
@@ -72,7 +82,10 @@ def named(file: Path) -> set[str]:
         text = "" if file.is_symlink() else file.read_bytes().decode()
         before, _, rest = text.rpartition(MARK)
         head = HEAD.match(rest)
-        if not head or _checksum(_checksum(before) + rest[head.end() :].removesuffix("}" + END)) != head[1]:
+        if (
+            not head
+            or _checksum(_checksum(before) + rest[head.end() :].removesuffix("}" + END)) != head[1]
+        ):
             return set()
         names = json.loads(before.rpartition(NAMED)[2])
     except (OSError, ValueError, RecursionError):
@@ -108,21 +121,29 @@ def _restored(file: Path, text: str, kept: object) -> Document:
     by = f"torsion {printable(str(kept.get('program')), 20)}"
     if kept["format"] > FORMAT:
         here = f"this is torsion {torsion.__version__}, which reads format {FORMAT}"
-        raise _refused(file, f"holds a report in format {kept['format']} of {by}; {here}", "install that version")
+        raise _refused(
+            file,
+            f"holds a report in format {kept['format']} of {by}; {here}",
+            "install that version",
+        )
     content = kept.get("content")
     try:
         content_text = _text(content)
         found = _checksum(_before(text, kept) + content_text)
         if kept["format"] < 1 or not isinstance(content, dict) or found != kept.get("sha256"):
             again = "solve the scene again"
-            raise _refused(file, "holds a report that is damaged or was changed after it was written", again)
+            raise _refused(
+                file, "holds a report that is damaged or was changed after it was written", again
+            )
         if CONTROL.search(content_text):
             raise ValueError("its texts have control characters")
         made = restored(Document, content.get("document"), _arrays(content.get("arrays")))
         made.report  # noqa: B018  its name is one of REPORTS
     except (ValueError, TypeError, LookupError, RecursionError) as error:
         message = f"holds a report of {by} that is none to torsion {torsion.__version__}: {error}"
-        raise _refused(file, message, "draw it with that version, or solve the model file again") from None
+        raise _refused(
+            file, message, "draw it with that version, or solve the model file again"
+        ) from None
     return made
 
 

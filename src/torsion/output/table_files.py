@@ -7,7 +7,14 @@ from torsion.output.blocks import Table
 from torsion.output.document import Document
 from torsion.output.table_text import file_name, table_text
 
-WRITTEN = (1980, 1, 1, 0, 0, 0)  # date of every file in the archive: the same report gives the same bytes
+WRITTEN = (
+    1980,
+    1,
+    1,
+    0,
+    0,
+    0,
+)  # date of every file in the archive: the same report gives the same bytes
 
 
 def archive(document: Document) -> bytes:

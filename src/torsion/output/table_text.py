@@ -8,7 +8,9 @@ from torsion.output.blocks import Column, Table
 
 PLAIN = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
 _NUMBER = r"[+-]?(?:\d[\d.]*(?:e[+-]?\d+)?|inf)\s*(?:[,;\t]|$)"
-_FORMULA = re.compile(rf"(^|[,;\t])(\s*)(?=[=+\-@])(?!{_NUMBER})")  # also behind what parts cells elsewhere
+_FORMULA = re.compile(
+    rf"(^|[,;\t])(\s*)(?=[=+\-@])(?!{_NUMBER})"
+)  # also behind what parts cells elsewhere
 FIGURE = re.compile(r"−?\d[\d.]*(·10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 
 

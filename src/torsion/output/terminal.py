@@ -34,20 +34,33 @@ COLOURS = {
 MOST_ROWS = 12
 LONGEST_WORD, SHORTEST_WORD = 12, 4  # letters that a column of words keeps on a narrow terminal
 MOST_TABLES, MOST_SENTENCES = 2, 5  # in the summary
-HEADS = ("Sweep", "Design", "Barred ranges", "Restrictions", "Not computed", "For information")  # of the box, there
+HEADS = (
+    "Sweep",
+    "Design",
+    "Barred ranges",
+    "Restrictions",
+    "Not computed",
+    "For information",
+)  # of the box, there
 LONGEST_VERDICT = 12  # letters: the longest word of "! PASS with restrictions"
 WIDTH, GAP = 80, 3  # columns of a narrow terminal; between two columns of a table
 
 
 def show(
-    document: Document, folder: Path | None = None, console: Console | None = None, *, is_verbose: bool = True
+    document: Document,
+    folder: Path | None = None,
+    console: Console | None = None,
+    *,
+    is_verbose: bool = True,
 ) -> None:
     """Print the report, or its summary of at most 25 lines if not verbose, and where its page is."""
     printed = console or Console()
     for item in OUTPUTS["terminal"](document) if is_verbose else summary(document, printed.width):
         printed.print(item)
     if document.ending.work:
-        printed.print(Text(document.ending.work + ("" if is_verbose else "; all tables: -v, or the report")))
+        printed.print(
+            Text(document.ending.work + ("" if is_verbose else "; all tables: -v, or the report"))
+        )
     if folder is not None:
         printed.print(Text(without_controls(f"Report: {folder / document.report.stem}.html")))
 
@@ -67,7 +80,10 @@ def summary(document: Document, width: int = WIDTH) -> list[RenderableType]:
             case Table(rows_in_summary=rows) if rows and block.rows and tables < MOST_TABLES:
                 tables += 1
                 found.append(_in_lines_of(block, rows, width))
-    return [*found, *(Text(_in_lines(sentence, 2, width)) for sentence in sentences[:MOST_SENTENCES])]
+    return [
+        *found,
+        *(Text(_in_lines(sentence, 2, width)) for sentence in sentences[:MOST_SENTENCES]),
+    ]
 
 
 def _title(document: Document) -> list[RenderableType]:
@@ -89,7 +105,9 @@ def _in_lines(text: str, most: int, width: int) -> str:
 def screen(document: Document) -> list[RenderableType]:
     """Everything that is printed; the verdict last, where the eye is: of several chapters at the end the first."""
     first = _title(document)
-    ends = list[tuple[list[RenderableType], list[RenderableType]]]()  # of a verdict: its tables, then its sentences
+    ends = list[
+        tuple[list[RenderableType], list[RenderableType]]
+    ]()  # of a verdict: its tables, then its sentences
     chapter = said = first
     for block in (item.block for item in document.body):
         match block:
@@ -100,7 +118,11 @@ def screen(document: Document) -> list[RenderableType]:
             case Table(short=title) if title and block.rows:
                 chapter.append(_in_short(block))
             case Box(sign=sign, text=text, kind=kind, lines=lines):
-                said.append(Text(f"{sign} {text}", style=f"bold {COLOURS[kind]}".replace("bold bold", "bold")))
+                said.append(
+                    Text(
+                        f"{sign} {text}", style=f"bold {COLOURS[kind]}".replace("bold bold", "bold")
+                    )
+                )
                 said.append(Text("\n".join(f"{head}: {_plain(line)}" for head, line in lines)))
             case Paragraph(text=text, kind=kind, brief=True):
                 said.append(Text(_plain(text), style=COLOURS.get(kind, "")))
@@ -118,7 +140,9 @@ def _in_lines_of(table: Table, most: int, width: int) -> Grid:
         widths[kept[-1]] = min(widths[kept[-1]], LONGEST_VERDICT)
     named = [k for k in kept if table.columns[k].align == "left" and not (marks and k == kept[-1])]
     room = width - sum(widths[k] + 2 for k in kept if k not in named) - 2 * len(named)
-    for k in sorted(named, key=lambda k: widths[k]):  # short names stay whole, the longest has what is left
+    for k in sorted(
+        named, key=lambda k: widths[k]
+    ):  # short names stay whole, the longest has what is left
         widths[k] = min(widths[k], max(room // (len(named)), SHORTEST_WORD))
         room, named = room - widths[k], named[1:]
 
@@ -128,7 +152,13 @@ def _in_lines_of(table: Table, most: int, width: int) -> Grid:
         is_verdict = bool(marks) and k == kept[-1]
         justify: JustifyMethod = "left" if column.align == "left" else "right"
         overflow: OverflowMethod = "fold" if is_verdict else "ellipsis"
-        grid.add_column(column.short, justify=justify, width=widths[k], no_wrap=not is_verdict, overflow=overflow)
+        grid.add_column(
+            column.short,
+            justify=justify,
+            width=widths[k],
+            no_wrap=not is_verdict,
+            overflow=overflow,
+        )
     for row, mark in zip_longest(rows, marks, fillvalue=""):
         *cells, last = (row[k] for k in kept)
         grid.add_row(*(Text(cell) for cell in cells), Text(last, style=COLOURS.get(mark, "")))
@@ -137,14 +167,22 @@ def _in_lines_of(table: Table, most: int, width: int) -> Grid:
 
 def _in_short(table: Table) -> Grid:
     """A table of the report in its short form; marks colour the last cell of their row."""
-    made = Grid(title=_plain(table.short), title_justify="left", title_style="italic", box=SIMPLE, pad_edge=False)
+    made = Grid(
+        title=_plain(table.short),
+        title_justify="left",
+        title_style="italic",
+        box=SIMPLE,
+        pad_edge=False,
+    )
     kept = [k for k, column in enumerate(table.columns) if column.short]
     floors = _least_widths(table, kept)
     for k, column in ((k, table.columns[k]) for k in kept):
         if column.align == "left" and table.marks and k == kept[-1]:
             made.add_column(column.short, overflow="fold", width=floors[k])
         elif column.align == "left":
-            made.add_column(column.short, overflow="fold" if table.marks else "ellipsis", min_width=floors[k])
+            made.add_column(
+                column.short, overflow="fold" if table.marks else "ellipsis", min_width=floors[k]
+            )
         else:
             made.add_column(column.short, justify="right", no_wrap=True, overflow="fold")
     for row, mark in zip_longest(table.rows[:MOST_ROWS], table.marks[:MOST_ROWS], fillvalue=""):
@@ -163,9 +201,15 @@ def _least_widths(table: Table, kept: list[int]) -> dict[int, int]:
     widths = dict[int, int]()
     for k in kept:
         cells = [table.columns[k].short, *(row[k] for row in table.rows[:MOST_ROWS])]
-        words = cells if table.columns[k].align != "left" else [word for cell in cells for word in cell.split()]
+        words = (
+            cells
+            if table.columns[k].align != "left"
+            else [word for cell in cells for word in cell.split()]
+        )
         widths[k] = max(map(len, words), default=0)
-    is_cut = {k: table.columns[k].align == "left" and not (table.marks and k == kept[-1]) for k in kept}
+    is_cut = {
+        k: table.columns[k].align == "left" and not (table.marks and k == kept[-1]) for k in kept
+    }
     for longest in range(LONGEST_WORD, SHORTEST_WORD - 1, -1):
         floors = {k: min(width, longest) if is_cut[k] else width for k, width in widths.items()}
         if sum(floors.values()) + GAP * len(floors) - 1 <= WIDTH:

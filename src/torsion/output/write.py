@@ -23,9 +23,14 @@ from torsion.study import Study
 
 
 def write(
-    findings: Findings, folder: str | Path, report: str = "solve", *,
-    also: Collection[str] = (), today: date | None = None, is_full: bool = False,
-) -> Document:  # fmt: skip
+    findings: Findings,
+    folder: str | Path,
+    report: str = "solve",
+    *,
+    also: Collection[str] = (),
+    today: date | None = None,
+    is_full: bool = False,
+) -> Document:
     """Write every file of a report into the folder, `also` those of outputs on request; return the report.
 
     That of every case with an answer goes into a folder of its own there, without its results, which stand among all.
@@ -38,21 +43,31 @@ def write(
     folder = os.path.realpath(folder)  # below it no symbolic link is followed to remove a file
     Path(folder).mkdir(parents=True, exist_ok=True)
     faults: list[Fault] = []
-    contents, read, folders = files(made, findings, also, faults), inputs(findings.study), {Path(folder)}
+    contents, read, folders = (
+        files(made, findings, also, faults),
+        inputs(findings.study),
+        {Path(folder)},
+    )
     for found in findings.cases.values():
         if found.is_answered and found.study.case is not None:
             page = document(found, today, REPORTS[report], is_full=is_full)
             own = files(page, found, also, faults, without=("json",))
-            contents |= {f"{found.study.case.folder}/{name}": content for name, content in own.items()}
+            contents |= {
+                f"{found.study.case.folder}/{name}": content for name, content in own.items()
+            }
             folders.add(Path(folder) / found.study.case.folder)
             read += inputs(found.study)
-    earlier = {path for one in folders for path in earlier_files(one, made.report)}  # of a case solved separately too
+    earlier = {
+        path for one in folders for path in earlier_files(one, made.report)
+    }  # of a case solved separately too
     placed = write_texts(contents, folder, read)
     for path in earlier.difference(placed):
         if not _is_one(path, read):
             path.unlink()
     if faults:
-        raise InputError([replace(one, message=f"{one.message}; all other files are written") for one in faults])
+        raise InputError(
+            [replace(one, message=f"{one.message}; all other files are written") for one in faults]
+        )
     return made
 
 
@@ -67,8 +82,12 @@ def write_place(findings: Findings, place: str | Path) -> list[Path]:
         return sorted(target / name for name in named(target / "results.json"))
     output = next((output for output in OUTPUTS.values() if output.suffix == target.suffix), None)
     if output is None:
-        suffixes = ", ".join(output.suffix for output in OUTPUTS.values() if output.suffix.startswith("."))
-        raise refusal(f"no file of a report ends in '{target.suffix}'", f"a folder, or a name with {suffixes}")
+        suffixes = ", ".join(
+            output.suffix for output in OUTPUTS.values() if output.suffix.startswith(".")
+        )
+        raise refusal(
+            f"no file of a report ends in '{target.suffix}'", f"a folder, or a name with {suffixes}"
+        )
     page = document(findings, report_date())
     content = output(page, findings) if output.of_findings else output(page)
     if content is None:
@@ -92,14 +111,26 @@ def earlier_files(folder: Path, report: Report) -> set[Path]:
     Nothing is found behind a symbolic link, nor if the results were changed after they were written.
     """
     results = _results(report, folder)
-    names = {report.files.get(name, report.stem + output.suffix) for name, output in OUTPUTS.items() if output.suffix}
-    family = re.compile(rf"figure-[\w.-]+\.csv|motion(-[\w.-]+)?\.csv|{report.stem}-(table-[\w.]+\.csv|input\.yaml)")
+    names = {
+        report.files.get(name, report.stem + output.suffix)
+        for name, output in OUTPUTS.items()
+        if output.suffix
+    }
+    family = re.compile(
+        rf"figure-[\w.-]+\.csv|motion(-[\w.-]+)?\.csv|{report.stem}-(table-[\w.]+\.csv|input\.yaml)"
+    )
     paths = set()
     for relative in map(PurePosixPath, named(results)):
         *case, name = relative.parts or ("",)
         is_ours = (name in names or name == SERIES or family.fullmatch(name)) and len(case) <= 1
         path = folder / relative
-        if is_ours and ".." not in case and path.is_file() and not path.is_symlink() and not path.parent.is_symlink():
+        if (
+            is_ours
+            and ".." not in case
+            and path.is_file()
+            and not path.is_symlink()
+            and not path.parent.is_symlink()
+        ):
             paths.add(path)
     return paths
 
@@ -124,14 +155,22 @@ def refuse_inputs(targets: Iterable[Path], read: Collection[Path]) -> None:
     for target in targets:
         if _is_one(target, read):
             message = f"{target} is a file that was read, and would be overwritten"
-            raise InputError([Fault((), message, hint := "write to another place")], f"{message} ({hint})")
+            raise InputError(
+                [Fault((), message, hint := "write to another place")], f"{message} ({hint})"
+            )
 
 
 def _is_one(path: Path, read: Collection[Path]) -> bool:
     return path.exists() and any(one.exists() and path.samefile(one) for one in read)
 
 
-def redraw(document: Document, folder: str | Path, *, also: Collection[str] = (), results: Path | None = None) -> None:
+def redraw(
+    document: Document,
+    folder: str | Path,
+    *,
+    also: Collection[str] = (),
+    results: Path | None = None,
+) -> None:
     """Write every file that a report alone makes, `also` those of outputs on request, and name them in its results.
 
     Raises OSError where the folder cannot be written, InputError where the report cannot be drawn, or the folder holds
@@ -163,7 +202,9 @@ def _renamed(results: Path, target: Path) -> list[Path]:
     return [target]
 
 
-def write_texts(contents: Mapping[str, Content], folder: str | Path, read: Collection[Path] = ()) -> list[Path]:
+def write_texts(
+    contents: Mapping[str, Content], folder: str | Path, read: Collection[Path] = ()
+) -> list[Path]:
     """Write contents under their names into the folder, all or none; files of results last.
 
     A name may begin with a folder: `warm/report.html`. Every file is finished in a temporary folder inside the target
@@ -172,16 +213,22 @@ def write_texts(contents: Mapping[str, Content], folder: str | Path, read: Colle
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
-    workshop = target / f".report-{secrets.token_hex(4)}"  # named first: a signal may come as soon as it is made
+    workshop = (
+        target / f".report-{secrets.token_hex(4)}"
+    )  # named first: a signal may come as soon as it is made
     try:
         workshop.mkdir(mode=0o700)
         ordered = sorted(contents.items(), key=lambda one: one[0].endswith(".json"))
-        finished = [path for name, content in ordered for path in _finished(workshop / name, content)]
+        finished = [
+            path for name, content in ordered for path in _finished(workshop / name, content)
+        ]
         places = [target / path.relative_to(workshop) for path in finished]
         refuse_inputs(places, read)
         for one in {place.parent for place in places}:
             one.mkdir(exist_ok=True)
-        return [Path(shutil.move(path, place)) for path, place in zip(finished, places, strict=True)]
+        return [
+            Path(shutil.move(path, place)) for path, place in zip(finished, places, strict=True)
+        ]
     finally:
         shutil.rmtree(workshop, ignore_errors=True)
 

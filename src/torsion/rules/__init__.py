@@ -77,9 +77,15 @@ def lacking(study: "Study") -> list["Fault"]:
 def not_judged(study: "Study") -> tuple[tuple[str, str], ...]:
     """What the study's rules do not judge, and why."""
     found = tuple(line for one, given in of_study(study) for line in one.left_out(study, given))
-    limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.limit_anything]
+    limited = [
+        part.name
+        for part in study.train.parts
+        if part.ratings is not None and part.ratings.limit_anything
+    ]
     if study.rules and limited and "coupling-maker" not in dict(study.rules):
-        found += (("limits of " + ", ".join(limited), "the file does not name the rule `coupling-maker`"),)
+        found += (
+            ("limits of " + ", ".join(limited), "the file does not name the rule `coupling-maker`"),
+        )
     return found
 
 
@@ -94,15 +100,23 @@ def verdicts(evidence: "Results") -> tuple["Check", ...]:
 
 def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
     """The checks of the rules that hold wherever there is something for them to judge."""
-    judged = [_made(place) for name, place in STANDING.items() if evidence.results.get(name) is not None]
+    judged = [
+        _made(place) for name, place in STANDING.items() if evidence.results.get(name) is not None
+    ]
     return tuple(check for judging in judged for check in _checks(judging, evidence, None))
 
 
 def _judged(evidence: "Results") -> tuple["Check", ...]:
-    return tuple(check for judging, given in of_study(evidence.study) for check in _checks(judging, evidence, given))
+    return tuple(
+        check
+        for judging, given in of_study(evidence.study)
+        for check in _checks(judging, evidence, given)
+    )
 
 
-def _checks(judging: "Rule", evidence: "Results", given: "RuleSettings | None") -> "Iterator[Check]":
+def _checks(
+    judging: "Rule", evidence: "Results", given: "RuleSettings | None"
+) -> "Iterator[Check]":
     """The checks of one rule, each with the basis of its limit."""
     from torsion.rules.verdict_line import with_basis
 

@@ -15,11 +15,15 @@ if TYPE_CHECKING:
 
 def barred_times(evidence: Results, ranges: tuple[BarredRange, ...]) -> tuple[BarredTime, ...]:
     """Of every motion that enters a range, in the order of the motions."""
-    found: Transients | None = evidence.results.get("transient")  # its class is not loaded where there is none
+    found: Transients | None = evidence.results.get(
+        "transient"
+    )  # its class is not loaded where there is none
     return () if found is None else tuple(_times(evidence, found, ranges))
 
 
-def _times(evidence: Results, found: "Transients", ranges: tuple[BarredRange, ...]) -> Iterator[BarredTime]:
+def _times(
+    evidence: Results, found: "Transients", ranges: tuple[BarredRange, ...]
+) -> Iterator[BarredTime]:
     from torsion.analyses.transient.resonances_passed import mean_speed
 
     for motion in found.each:
@@ -27,9 +31,15 @@ def _times(evidence: Results, found: "Transients", ranges: tuple[BarredRange, ..
         for one in ranges:
             seconds = within(motion.time, speed, one.lower, one.upper)
             if seconds:
-                reached = [passed.share for passed in motion.passages if one.lower <= abs(passed.speed) <= one.upper]
+                reached = [
+                    passed.share
+                    for passed in motion.passages
+                    if one.lower <= abs(passed.speed) <= one.upper
+                ]
                 stays = one.lower < float(speed[-1]) < one.upper
-                yield BarredTime(motion.name, one.lower, one.upper, seconds, max(reached, default=None), stays)
+                yield BarredTime(
+                    motion.name, one.lower, one.upper, seconds, max(reached, default=None), stays
+                )
 
 
 def within(time: FloatArray, speed: FloatArray, lower: float, upper: float) -> float:
@@ -43,7 +53,9 @@ def within(time: FloatArray, speed: FloatArray, lower: float, upper: float) -> f
     low, high = np.minimum(speed[:-1], speed[1:]), np.maximum(speed[:-1], speed[1:])
     common = np.minimum(high, upper) - np.maximum(low, lower)
     still = (high == low) & (common >= 0.0)
-    share = np.divide(np.maximum(common, 0.0), high - low, out=still.astype(float), where=high > low)
+    share = np.divide(
+        np.maximum(common, 0.0), high - low, out=still.astype(float), where=high > low
+    )
     return float(round(float(share @ np.diff(time)), 12))
 
 
@@ -54,7 +66,10 @@ def words(times: tuple[BarredTime, ...]) -> str:
 
 def unstable_words(times: tuple[BarredTime, ...]) -> str:
     """Of all motions within unstable ranges."""
-    return "; ".join(f"{_name(one)} is {one.seconds:.3g} s within an unstable range, where it grows" for one in times)
+    return "; ".join(
+        f"{_name(one)} is {one.seconds:.3g} s within an unstable range, where it grows"
+        for one in times
+    )
 
 
 def _name(one: BarredTime) -> str:

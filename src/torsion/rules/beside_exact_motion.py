@@ -22,10 +22,15 @@ def words(evidence: Results, spans: IntArray, speed: float) -> str:
     response, found = evidence.get(Response), evidence.get(NonlinearPeaks)
     if response is None or response.balanced is None or not spans.size:
         return ""
-    notes, at = [f"the play of '{name}' opens" for name in _opening(found)], int(np.argmin(abs(response.speed - speed)))
+    notes, at = (
+        [f"the play of '{name}' opens" for name in _opening(found)],
+        int(np.argmin(abs(response.speed - speed))),
+    )
     half_range, peak = (float(one[at, spans].max()) for one in surplus(evidence))
     if at in unknown_speeds(response, response.balanced, found):
-        notes.append("harmonic balance only, no exact motion settles near it: compute the transient response")
+        notes.append(
+            "harmonic balance only, no exact motion settles near it: compute the transient response"
+        )
     elif max(half_range, peak) > 1.0:
         notes.append(
             f"as the exact motion near it, half range {half_range:.3g} times, greatest torque {peak:.3g} times"
@@ -42,7 +47,10 @@ def unproven(evidence: Results) -> BoolArray:
     """
     response, system = evidence.need(Response), evidence.system
     total = computed_synthesis(evidence)
-    found, near = np.zeros(len(response.speed), dtype=bool), NEAR if len(response.lines) > 1 else 1.0
+    found, near = (
+        np.zeros(len(response.speed), dtype=bool),
+        NEAR if len(response.lines) > 1 else 1.0,
+    )
     if response.balanced is None:
         return found
     couplings = balanced_spans(system)
@@ -52,13 +60,21 @@ def unproven(evidence: Results) -> BoolArray:
             continue
         mean, whole = np.abs(response.mean[:, span]), 2.0 * total.half_range[:, span]
         above = total.peak[:, span] - mean
-        most = np.where(whole >= total.peak[:, span] + mean, whole, np.maximum(above, whole - above))
+        most = np.where(
+            whole >= total.peak[:, span] + mean, whole, np.maximum(above, whole - above)
+        )
         secant = coupling.secant(0.5 * np.maximum(first, np.finfo(float).tiny), mean)
         bound = np.abs(secant.share / system.flexibility[span] + secant.extra.real) * first
-        found |= (most * (1.0 + ROUNDING) >= near * bound) | (response.balanced.amplitude[:, number] > first)
+        found |= (most * (1.0 + ROUNDING) >= near * bound) | (
+            response.balanced.amplitude[:, number] > first
+        )
     return found
 
 
 def _opening(found: NonlinearPeaks | None) -> list[str]:
     """Couplings whose play opens at some speed."""
-    return list(dict.fromkeys(one.coupling for one in found.each if one.opens_from is not None)) if found else []
+    return (
+        list(dict.fromkeys(one.coupling for one in found.each if one.opens_from is not None))
+        if found
+        else []
+    )

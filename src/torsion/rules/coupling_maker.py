@@ -17,7 +17,15 @@ from torsion.fields import given
 from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.demanded_states import MISFIRE, unjudged
-from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, Curve, RuleOverSpeed, curve_of
+from torsion.rules.judgement import (
+    MOSTLY,
+    RATED,
+    Clause,
+    Continuous,
+    Curve,
+    RuleOverSpeed,
+    curve_of,
+)
 from torsion.rules.verdict_line import Check, RuleSettings
 from torsion.study import Study
 
@@ -30,7 +38,9 @@ LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 class CouplingSettings(RuleSettings):
     """Settings of `coupling-maker`."""
 
-    continuous: Continuous | None = given("speeds of continuous use, for T_KW and P_KW: {from, to} (default: all)")
+    continuous: Continuous | None = given(
+        "speeds of continuous use, for T_KW and P_KW: {from, to} (default: all)"
+    )
 
 
 class CouplingMaker(RuleOverSpeed):
@@ -42,7 +52,9 @@ class CouplingMaker(RuleOverSpeed):
 
     def faults(self, study: Study, settings: CouplingSettings) -> list[Fault]:
         """What the file lacks for this rule."""
-        judged = [(part, ratings) for _, part, ratings in _couplings(study) if ratings.limit_anything]
+        judged = [
+            (part, ratings) for _, part, ratings in _couplings(study) if ratings.limit_anything
+        ]
         if not judged:
             hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
             return [Fault(self.path(study, settings), "no coupling has a limit of its maker", hint)]
@@ -50,20 +62,40 @@ class CouplingMaker(RuleOverSpeed):
         if any(ratings.limit_vibration for _, ratings in judged):
             found += judgement.vibration_faults(self, study, settings)
         found += self._lossless(study)
-        means = [part for part, ratings in judged if (ratings.rated_torque, ratings.max_torque) != (None, None)]
+        means = [
+            part
+            for part, ratings in judged
+            if (ratings.rated_torque, ratings.max_torque) != (None, None)
+        ]
         if means and not study.has_mean_torque:
-            message = f"the mean torque is not known, and {self.name} compares that of '{means[0].name}'"
+            message = (
+                f"the mean torque is not known, and {self.name} compares that of '{means[0].name}'"
+            )
             found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found
 
     def _lossless(self, study: Study) -> Iterator[Fault]:
         """Couplings whose heat is judged and of which nothing says what they lose: that they lose none is no answer."""
-        by_table = {one.part for one in study.train.springs if one.table is not None and one.table.damps}
+        by_table = {
+            one.part for one in study.train.springs if one.table is not None and one.table.damps
+        }
         for number, part, ratings in _couplings(study):
-            key = "heat_limit" if ratings.heat_limit is not None else "temperature" if part.warming is not None else ""
+            key = (
+                "heat_limit"
+                if ratings.heat_limit is not None
+                else "temperature"
+                if part.warming is not None
+                else ""
+            )
             if key and part.damping is None and part.nonlinear is None and number not in by_table:
-                message = f"{self.name} judges the heat of '{part.name}', whose damping is not given"
-                yield Fault((*part.path, key), message, "its `psi`, or another damping; `psi: 0` if it has none")
+                message = (
+                    f"{self.name} judges the heat of '{part.name}', whose damping is not given"
+                )
+                yield Fault(
+                    (*part.path, key),
+                    message,
+                    "its `psi`, or another damping; `psi: 0` if it has none",
+                )
 
     def left_out(self, study: Study, settings: CouplingSettings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
@@ -88,7 +120,11 @@ class CouplingMaker(RuleOverSpeed):
     def demanded_rows(self, study: Study, settings: CouplingSettings) -> tuple[Check, ...]:
         """Limits of the heat in misfire where every cylinder of an engine fires."""
         has_engine = any(part.engine is not None for part in study.train.parts)
-        if not has_engine or study.covers(MISFIRE, self.name) or any(map(misfires, (study, *study.cases.values()))):
+        if (
+            not has_engine
+            or study.covers(MISFIRE, self.name)
+            or any(map(misfires, (study, *study.cases.values())))
+        ):
             return ()
         note, limited = "every cylinder fires: compute a misfire, as a case", _couplings(study)
         return tuple(
@@ -107,7 +143,14 @@ class CouplingMaker(RuleOverSpeed):
             spans = judgement.spans_of(evidence.system, number)  # (1,): a coupling is one spring
             if ratings.rated_torque is not None and steady is not None:
                 mean = curve_of(steady, np.abs(steady.torque[spans[0]]), ratings.rated_torque)
-                yield Clause("T_KN", part.name, "Mean torque", "maker", mean, np.ones(len(mean.speed), dtype=bool))
+                yield Clause(
+                    "T_KN",
+                    part.name,
+                    "Mean torque",
+                    "maker",
+                    mean,
+                    np.ones(len(mean.speed), dtype=bool),
+                )
             if ratings.limit_vibration:
                 yield from _vibration(evidence, part, ratings, spans, settings)
             yield from _warm(evidence, part, settings)
@@ -120,15 +163,23 @@ def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator
     from torsion.analyses.coupling_temperatures import CouplingTemperatures
 
     known, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
-    rise, why = np.full(speed.shape, np.nan), "its temperatures were not solved, which is never a pass"
+    rise, why = (
+        np.full(speed.shape, np.nan),
+        "its temperatures were not solved, which is never a pass",
+    )
     for one in known.each if known is not None else ():
         if one.coupling == part.name:
             speed, rise, why = one.speed, one.rise, ""
     limit = np.full(speed.shape, part.warming.highest - part.warming.now)
     curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
-    use, in_use = judgement.within(settings.continuous, speed), judgement.in_use(settings.continuous)
+    use, in_use = (
+        judgement.within(settings.continuous, speed),
+        judgement.in_use(settings.continuous),
+    )
     what = "Temperature rise by its own heat"
-    yield Clause("ΔT", part.name, what, "maker", curve, use, "K", (why, in_use, MOSTLY), infinite_fails=True)
+    yield Clause(
+        "ΔT", part.name, what, "maker", curve, use, "K", (why, in_use, MOSTLY), infinite_fails=True
+    )
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
@@ -146,7 +197,9 @@ def harmonic_heat(response: Response, system: System, spans: IntArray) -> FloatA
     omega, power = 2.0 * math.pi * response.frequency, np.zeros(response.frequency.shape)
     added = {} if response.balanced is None else response.balanced.added
     for span in spans[np.all(system.flexibility[spans].reshape(len(spans), -1) > 0, axis=1)]:
-        stiffness, loss = system.elastic(span, omega, response.carried(span), response.speed[:, None])
+        stiffness, loss = system.elastic(
+            span, omega, response.carried(span), response.speed[:, None]
+        )
         if span in added:
             one = added[span]
             loss = one.share[:, None] * loss + one.extra.imag[:, None]
@@ -162,31 +215,69 @@ def raised_heat(evidence: Results, spans: IntArray) -> FloatArray:
 
     Infinite where such a motion is needed and none is known.
     """
-    return _nonlinear(evidence, spans, harmonic_heat(evidence.need(Response), evidence.system, spans), power=2)
+    return _nonlinear(
+        evidence, spans, harmonic_heat(evidence.need(Response), evidence.system, spans), power=2
+    )
 
 
 def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
     """Every coupling with its position in the train's parts, and its maker's limits."""
-    return ((k, part, part.ratings) for k, part in enumerate(study.train.parts) if part.ratings is not None)
+    return (
+        (k, part, part.ratings)
+        for k, part in enumerate(study.train.parts)
+        if part.ratings is not None
+    )
 
 
 def _vibration(
-    evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray, settings: CouplingSettings
+    evidence: Results,
+    part: Part,
+    ratings: CouplingRatings,
+    spans: IntArray,
+    settings: CouplingSettings,
 ) -> Iterator[Clause]:
     """The clauses about the vibration of one coupling; that the tolerance of its stiffness was not varied is noted."""
-    response, synthesis, tolerance = evidence.need(Response), evidence.need(Synthesis), ratings.tolerance
-    use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
+    response, synthesis, tolerance = (
+        evidence.need(Response),
+        evidence.need(Synthesis),
+        ratings.tolerance,
+    )
+    use, in_use = (
+        judgement.within(settings.continuous, response.speed),
+        judgement.in_use(settings.continuous),
+    )
     half_range, peak = synthesis.half_range[:, spans[0]], synthesis.peak[:, spans[0]]
-    varied = f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied" if tolerance else ""
+    varied = (
+        f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied"
+        if tolerance
+        else ""
+    )
 
-    def clause(name: str, what: str, unit: str, curve: Curve, judged: BoolArray, where: str, *more: Any) -> Clause:
+    def clause(
+        name: str, what: str, unit: str, curve: Curve, judged: BoolArray, where: str, *more: Any
+    ) -> Clause:
         words, *size = more or ("",)
-        return Clause(name, part.name, what, "maker", curve, judged, unit, (where, MOSTLY, words, varied), spans, *size)
+        return Clause(
+            name,
+            part.name,
+            what,
+            "maker",
+            curve,
+            judged,
+            unit,
+            (where, MOSTLY, words, varied),
+            spans,
+            *size,
+        )
 
     if (limit := ratings.vibratory_torque) is not None:
-        yield clause("T_KW", "Vibratory torque", "N m", curve_of(response, half_range, limit), use, in_use)
+        yield clause(
+            "T_KW", "Vibratory torque", "N m", curve_of(response, half_range, limit), use, in_use
+        )
     if ratings.vibratory_over_frequency is not None:
-        for curve, what, words, size in _over_frequency(evidence, ratings.vibratory_over_frequency, spans):
+        for curve, what, words, size in _over_frequency(
+            evidence, ratings.vibratory_over_frequency, spans
+        ):
             yield clause("T_KW(f)", what, "N m", curve, use, in_use, words, size)
     if (of_heat := _heat_limit(evidence.study, ratings)) is not None:
         name, what, most, words = of_heat
@@ -194,14 +285,22 @@ def _vibration(
         at = np.full(power.shape, most) if isinstance(most, float) else most.at(response.frequency)
         least = float(at.min())  # of a limit over frequency every share counts as one of the least
         yield clause(
-            name, what, "W", curve_of(response, np.sum(power * (least / at), axis=1), least), use, in_use, words
+            name,
+            what,
+            "W",
+            curve_of(response, np.sum(power * (least / at), axis=1), least),
+            use,
+            in_use,
+            words,
         )
     if (limit := ratings.max_torque) is not None:
         curve = curve_of(response, peak, limit)
         yield clause("T_Kmax", "Greatest torque in steady operation", "N m", curve, use | True, "")
 
 
-def _heat_limit(study: Study, ratings: CouplingRatings) -> "tuple[str, str, float | OverFrequency, str] | None":
+def _heat_limit(
+    study: Study, ratings: CouplingRatings
+) -> "tuple[str, str, float | OverFrequency, str] | None":
     """Clause, what is compared, the limit and a remark; None where there is none but for a misfire, and none is."""
     case = "" if study.case is None else f"case {study.case.name}"
     if misfires(study) and ratings.heat_in_misfire is not None:
@@ -209,7 +308,10 @@ def _heat_limit(study: Study, ratings: CouplingRatings) -> "tuple[str, str, floa
         most = "" if time is None else f"for {time / 60.0:.4g} min at most"
         words = "; ".join(filter(None, (most, case)))
         return "P_KW misfire", "Heat in misfire", ratings.heat_in_misfire.power, words
-    words = f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation" * misfires(study)
+    words = (
+        f"a cylinder does not fire: {case or 'judged'} by the limit of continuous operation"
+        * misfires(study)
+    )
     if ratings.heat_over_frequency is not None:
         what = "Heat, weighted by frequency"
         return "P_KW(f)", what, ratings.heat_over_frequency, words
@@ -247,13 +349,17 @@ def misfires(study: Study) -> bool:
     return any(one.state != "firing" for engine in engines for one in engine.cylinders)
 
 
-def _nonlinear(evidence: Results, spans: IntArray, values: FloatArray, power: int = 1) -> FloatArray:
+def _nonlinear(
+    evidence: Results, spans: IntArray, values: FloatArray, power: int = 1
+) -> FloatArray:
     """Values (speeds, ...) of a torque to that power, as large as exact motions beside harmonic balance have them."""
     if not evidence.study.train.has_nonlinear_couplings:
         return values
     from torsion.analyses.transient.raised_synthesis import surplus
 
     factor = surplus(evidence)[0][:, spans].max(axis=1) ** power
-    unknown = ~np.isfinite(evidence.need(Synthesis).half_range[:, spans[0]])  # no exact motion is known
+    unknown = ~np.isfinite(
+        evidence.need(Synthesis).half_range[:, spans[0]]
+    )  # no exact motion is known
     shape = (-1, *(1,) * (values.ndim - 1))
     return np.where(unknown.reshape(shape), np.inf, values * factor.reshape(shape))

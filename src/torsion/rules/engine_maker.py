@@ -20,7 +20,9 @@ Stress = Annotated[float, Quantity("Pa", above=0, usual="permissible stress")]
 class EngineMakerSettings(RuleSettings):
     """Settings of `engine-maker`."""
 
-    crank_stress: Stress | None = given("permissible torsional stress amplitude of the crankshaft, by its maker")
+    crank_stress: Stress | None = given(
+        "permissible torsional stress amplitude of the crankshaft, by its maker"
+    )
     continuous: Continuous | None = given("speeds of continuous use: {from, to} (default: all)")
 
 
@@ -33,12 +35,22 @@ class EngineMaker(RuleOverSpeed):
     def faults(self, study: Study, settings: EngineMakerSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         where = self.path(study, settings)
-        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(study, settings)
+        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(
+            study, settings
+        )
         if settings.crank_stress is None:
             hint = f"- {self.name}: {{crank_stress: 40 MPa}}"
-            found.append(Fault(where, f"`crank_stress` of {self.name} is missing; only the maker knows it", hint))
+            found.append(
+                Fault(
+                    where,
+                    f"`crank_stress` of {self.name} is missing; only the maker knows it",
+                    hint,
+                )
+            )
         if not any(with_role(study.train, "crank")):
-            found.append(Fault(where, f"{self.name} finds no crankshaft", "role: crank, on a round shaft"))
+            found.append(
+                Fault(where, f"{self.name} finds no crankshaft", "role: crank, on a round shaft")
+            )
         return found
 
     def left_out(self, study: Study, settings: EngineMakerSettings) -> tuple[tuple[str, str], ...]:
@@ -57,11 +69,16 @@ class EngineMaker(RuleOverSpeed):
     def clauses(self, evidence: Results, settings: EngineMakerSettings) -> Iterator[Clause]:
         """Of every crankshaft in continuous use."""
         response, most = evidence.need(Response), settings.crank_stress
-        use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
+        use, in_use = (
+            judgement.within(settings.continuous, response.speed),
+            judgement.in_use(settings.continuous),
+        )
         if most is None:
             raise ValueError("the rule has no limit")
         for number, part, _ in with_role(evidence.study.train, "crank"):
-            spans, stress = nominal_stress(evidence.system, number, evidence.need(Synthesis).half_range)
+            spans, stress = nominal_stress(
+                evidence.system, number, evidence.need(Synthesis).half_range
+            )
             curve, notes = curve_of(response, stress, most * PA), (in_use, MOSTLY)
             what = "Nominal torsional stress amplitude of the crankshaft"
             yield Clause("tau_N", part.name, what, "maker", curve, use, "N/mm2", notes, spans)

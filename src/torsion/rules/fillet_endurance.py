@@ -35,15 +35,32 @@ class FilletEndurance(RuleOverSpeed):
         if not has_judged(study.train):
             hint = "for example `step: {fillet: 4 mm}` and `endurance: 120 MPa` of a shaft"
             return [
-                Fault(self.path(study, settings), f"{self.name} finds no fillet or notch with an `endurance`", hint)
+                Fault(
+                    self.path(study, settings),
+                    f"{self.name} finds no fillet or notch with an `endurance`",
+                    hint,
+                )
             ]
-        return self.continuous_faults(study, settings) + judgement.vibration_faults(self, study, settings)
+        return self.continuous_faults(study, settings) + judgement.vibration_faults(
+            self, study, settings
+        )
 
     def check(self, evidence: Results, settings: FilletEnduranceSettings) -> tuple[Check, ...]:
         """Also what an endurance is stated at and no K_t is known of, as a row NOT JUDGED."""
         nan = math.nan
         return *super().check(evidence, settings), *(
-            Check(self.name, "endurance", one.name, what, nan, nan, "N/mm2", "not judged", "setting", note=UNKNOWN)
+            Check(
+                self.name,
+                "endurance",
+                one.name,
+                what,
+                nan,
+                nan,
+                "N/mm2",
+                "not judged",
+                "setting",
+                note=UNKNOWN,
+            )
             for one, what in unjudged(evidence.need(Response).system.train)
         )
 
@@ -55,14 +72,27 @@ class FilletEndurance(RuleOverSpeed):
             if one.endurance is None:
                 continue
             spans = np.array(one.spans)
-            stress = one.factor * (1.0 + (one.error or 0.0)) * one.torque(torque) / one.modulus * 1e-6
-            source = "by formula (IACS UR M53)" if one.error is None else "by finite elements, with its error"
+            stress = (
+                one.factor * (1.0 + (one.error or 0.0)) * one.torque(torque) / one.modulus * 1e-6
+            )
+            source = (
+                "by formula (IACS UR M53)"
+                if one.error is None
+                else "by finite elements, with its error"
+            )
             notes = (
                 f"K_t {one.factor:.4g} {source}",
                 judgement.in_use(settings.continuous),
                 MOSTLY,
             )
             yield Clause(
-                "endurance", one.shaft, f"Shear stress amplitude in the {one.words}", "setting",
-                curve_of(response, stress, 1e-6 * one.endurance), use, "N/mm2", notes, spans,
-            )  # fmt: skip
+                "endurance",
+                one.shaft,
+                f"Shear stress amplitude in the {one.words}",
+                "setting",
+                curve_of(response, stress, 1e-6 * one.endurance),
+                use,
+                "N/mm2",
+                notes,
+                spans,
+            )

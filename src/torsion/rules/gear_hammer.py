@@ -39,8 +39,10 @@ class Mesh:
 class GearHammerSettings(RuleSettings):
     """Settings of `gear-hammer`."""
 
-    limit: Annotated[float, Quantity("1", above=0, usual="limit of tooth separation")] | None = given(
-        "vibratory torque / rated torque (default: application_factor - 1 of the gear, else 0.35)"
+    limit: Annotated[float, Quantity("1", above=0, usual="limit of tooth separation")] | None = (
+        given(
+            "vibratory torque / rated torque (default: application_factor - 1 of the gear, else 0.35)"
+        )
     )
     continuous: Continuous | None = given(
         "speeds of continuous use, for the torque reversal: {from, to} (default: all)"
@@ -58,12 +60,23 @@ class GearHammer(RuleOverSpeed):
     def faults(self, study: Study, settings: GearHammerSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         if not any(study.train.of_kind("gear")):
-            return [Fault(self.path(study, settings), f"{self.name} finds no gear in the train", "leave the rule out")]
-        found, compares = self.continuous_faults(study, settings), f"{self.name} compares with the rated torque"
+            return [
+                Fault(
+                    self.path(study, settings),
+                    f"{self.name} finds no gear in the train",
+                    "leave the rule out",
+                )
+            ]
+        found, compares = (
+            self.continuous_faults(study, settings),
+            f"{self.name} compares with the rated torque",
+        )
         if study.operation.rated is None:
             found.append(Fault(("operation", "rated"), f"`rated` is missing; {compares}", RATED))
         elif not study.has_mean_torque:
-            found.append(Fault(("operation", "rated", "power"), f"`power` is missing; {compares}", RATED))
+            found.append(
+                Fault(("operation", "rated", "power"), f"`power` is missing; {compares}", RATED)
+            )
         return found + judgement.vibration_faults(self, study, settings)
 
     def clauses(self, evidence: Results, settings: GearHammerSettings) -> Iterator[Clause]:
@@ -72,7 +85,10 @@ class GearHammer(RuleOverSpeed):
         Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use.
         """
         response = evidence.need(Response)
-        use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
+        use, in_use = (
+            judgement.within(settings.continuous, response.speed),
+            judgement.in_use(settings.continuous),
+        )
         reach = coverage(float(response.speed[-1]), judgement.rated_speed(evidence.study))
         for mesh in meshes(evidence):
             share, origin, standing = _share(mesh.part, settings)
@@ -80,11 +96,29 @@ class GearHammer(RuleOverSpeed):
                 curve = curve_of(response, mesh.vibratory, share * mesh.rated)
                 notes = f"{share:.4g} ({origin}) x {mesh.rated:.5g} N m", reach, MOSTLY
                 yield Clause(
-                    "(K_A - 1) T_rated", mesh.name, VIBRATORY, standing, curve, use | True, "N m", notes, mesh.spans
+                    "(K_A - 1) T_rated",
+                    mesh.name,
+                    VIBRATORY,
+                    standing,
+                    curve,
+                    use | True,
+                    "N m",
+                    notes,
+                    mesh.spans,
                 )
             curve = curve_of(response, mesh.vibratory, mesh.mean)
             notes = "" if mesh.rated > 0 else "the mesh carries no mean torque", in_use, MOSTLY
-            yield Clause("torque reversal", mesh.name, REVERSAL, TO_BE_VERIFIED, curve, use, "N m", notes, mesh.spans)
+            yield Clause(
+                "torque reversal",
+                mesh.name,
+                REVERSAL,
+                TO_BE_VERIFIED,
+                curve,
+                use,
+                "N m",
+                notes,
+                mesh.spans,
+            )
 
 
 def meshes(evidence: Results) -> Iterator[Mesh]:
@@ -96,11 +130,17 @@ def meshes(evidence: Results) -> Iterator[Mesh]:
     every = every * judgement.share_of_rated(evidence.study.operation)
     for number, part in evidence.study.train.of_kind("gear"):
         for span in judgement.spans_of(evidence.system, number):
-            rated = float(every[span]) if every[span] > NO_LOAD * np.max(every) else 0.0  # nothing but rounding
+            rated = (
+                float(every[span]) if every[span] > NO_LOAD * np.max(every) else 0.0
+            )  # nothing but rounding
             yield Mesh(
-                part, evidence.system.spans[span].name, np.array([span]), synthesis.half_range[:, span],
-                np.abs(response.mean[:, span]), rated,
-            )  # fmt: skip
+                part,
+                evidence.system.spans[span].name,
+                np.array([span]),
+                synthesis.half_range[:, span],
+                np.abs(response.mean[:, span]),
+                rated,
+            )
 
 
 def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standing]:
@@ -108,5 +148,7 @@ def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standi
     factor = part.application_factor
     if settings.limit is not None:
         return settings.limit, "setting `limit`", "setting"
-    share, origin = (USUAL_SHARE, "usual K_A 1.35") if factor is None else (factor - 1.0, f"K_A {factor:.4g}")
+    share, origin = (
+        (USUAL_SHARE, "usual K_A 1.35") if factor is None else (factor - 1.0, f"K_A {factor:.4g}")
+    )
     return share, origin, TO_BE_VERIFIED

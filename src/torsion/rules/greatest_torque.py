@@ -32,9 +32,16 @@ class GreatestTorque(Rule):
         marks = [f", {one.name}" if len(found) > 1 else "" for one in found]
         pairs = zip(found, marks, strict=True)
         lines = [
-            (one, part, line) for one, mark in pairs for part in parts for line in _lines(evidence, one, part, mark)
+            (one, part, line)
+            for one, mark in pairs
+            for part in parts
+            for line in _lines(evidence, one, part, mark)
         ]
-        return tuple(line for one, part, line in lines if not (one.name in in_ice and _is_of_ice(evidence, part, line)))
+        return tuple(
+            line
+            for one, part, line in lines
+            if not (one.name in in_ice and _is_of_ice(evidence, part, line))
+        )
 
 
 def _motions_in_ice(evidence: Results) -> frozenset[str]:
@@ -61,21 +68,47 @@ def _lines(evidence: Results, found: TransientMotion, number: int, mark: str) ->
         note = "the larger of two motions that impacts set apart, and their difference added"
     judged = list[tuple[str, str, float, float]]()
     if (rated := part.greatest_torque(is_rare=found.is_rare)) is not None:
-        judged.append((rated[0], "Greatest torque over time", float(found.peak[spans].max()), rated[1]))
+        judged.append(
+            (rated[0], "Greatest torque over time", float(found.peak[spans].max()), rated[1])
+        )
     widest = None if part.ratings is None or found.is_rare else part.ratings.max_torque_range
     if widest is not None:
-        judged.append(("dT_max", "Range of torque over time", float(found.range[spans].max()), widest))
+        judged.append(
+            ("dT_max", "Range of torque over time", float(found.range[spans].max()), widest)
+        )
     for clause, of, torque, limit in judged:
         what, verdict = _named(of, found), verdict_of(is_sound and torque <= limit, "maker")
         lines.append(
-            Check("transient", clause + mark, part.name, what, torque, limit, "N m", verdict, "maker", note=note)
+            Check(
+                "transient",
+                clause + mark,
+                part.name,
+                what,
+                torque,
+                limit,
+                "N m",
+                verdict,
+                "maker",
+                note=note,
+            )
         )
     if found.damage is not None and spans.size and not np.isnan(found.damage[spans]).all():
         what = _named("Damage of one event", found)
         damage = float(found.damage[spans].max())
         verdict = verdict_of(is_sound and damage < WHOLE_LIFE, "setting")
         lines.append(
-            Check("transient", f"D{mark}", part.name, what, damage, WHOLE_LIFE, "1", verdict, "setting", note=note)
+            Check(
+                "transient",
+                f"D{mark}",
+                part.name,
+                what,
+                damage,
+                WHOLE_LIFE,
+                "1",
+                verdict,
+                "setting",
+                note=note,
+            )
         )
     without = [words for words in found.not_acting if words.endswith(LEFT_OUT)]
     conditions = [f"does not act: {'; '.join(without)}"] if without else []

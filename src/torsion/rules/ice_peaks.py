@@ -22,16 +22,31 @@ from torsion.findings import Results
 from torsion.rules.demanded_states import unjudged
 from torsion.rules.judgement import RATED, spans_of
 from torsion.rules.reached_speeds import in_rpm
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, Standing, verdict_of
+from torsion.rules.verdict_line import (
+    TO_BE_VERIFIED,
+    Check,
+    Rule,
+    RuleSettings,
+    Standing,
+    verdict_of,
+)
 from torsion.study import Study
 
 PA = 1e-6  # N/mm2
 SHEAR = 1.0 / math.sqrt(3.0)  # yield in shear / yield in tension (von Mises)
-MARGIN = 0.2  # beyond the speeds of the operation, within which the first blade order is to meet no mode
+MARGIN = (
+    0.2  # beyond the speeds of the operation, within which the first blade order is to meet no mode
+)
 SAME_SPEED = 0.01  # a motion this near to a resonance is at it
 STRESS = "Shear stress at the greatest torque in ice"
-LACKING = {"shaft": "yield_strength` of its material", "coupling": "max_torque`", "gear": "max_torque`"}
-UNDRIVEN = "the torque of the drive is not known, and the rule ice judges it together with that of the ice"
+LACKING = {
+    "shaft": "yield_strength` of its material",
+    "coupling": "max_torque`",
+    "gear": "max_torque`",
+}
+UNDRIVEN = (
+    "the torque of the drive is not known, and the rule ice judges it together with that of the ice"
+)
 Factor = Annotated[float, Quantity("1", at_least=1)]
 
 
@@ -57,9 +72,15 @@ class InIce:
     @property
     def words(self) -> str:
         """What it computes."""
-        each = (f"case {ice.case}" if ice.case else f"contact over {math.degrees(ice.angle or 0.0):g} deg"
-                for _, ice, _ in self.milled)  # fmt: skip
-        return " and ".join(dict.fromkeys(each)) + (f" ({self.settings.name})" if self.settings.name else "")
+        each = (
+            f"case {ice.case}"
+            if ice.case
+            else f"contact over {math.degrees(ice.angle or 0.0):g} deg"
+            for _, ice, _ in self.milled
+        )
+        return " and ".join(dict.fromkeys(each)) + (
+            f" ({self.settings.name})" if self.settings.name else ""
+        )
 
 
 class IcePeaks(Rule):
@@ -78,7 +99,13 @@ class IcePeaks(Rule):
             return [Fault(here, "no transient response has an event `ice`", hint)]
         if not any(_limit(study, part, settings) for part in study.train.parts):
             hint = "`yield_strength` of a material, or `max_torque` of a coupling or gear"
-            found.append(Fault(here, "no shaft has a yield strength, and no coupling or gear a maximum torque", hint))
+            found.append(
+                Fault(
+                    here,
+                    "no shaft has a yield strength, and no coupling or gear a maximum torque",
+                    hint,
+                )
+            )
         if any(one.is_steady for one in motions) and not study.has_mean_torque:
             found.append(Fault(("operation", "rated", "power"), UNDRIVEN, RATED))
         undriven = [one for one in motions if not (one.is_steady or _starts(one.settings))]
@@ -91,14 +118,22 @@ class IcePeaks(Rule):
         for part in study.train.parts:
             if part.kind in LACKING and not part.is_bar and _limit(study, part, settings) is None:
                 found.append((f"ice for {part.name}", f"not judged: give `{LACKING[part.kind]}"))
-        return (*found, ("ice for fatigue and for failure of a blade", "the rule judges the maximum torques only"))
+        return (
+            *found,
+            (
+                "ice for fatigue and for failure of a blade",
+                "the rule judges the maximum torques only",
+            ),
+        )
 
     def check(self, evidence: Results, settings: IceSettings) -> tuple[Check, ...]:
         """Of every part with a limit, at the worst of the motions in ice; where one is not ok nothing passes."""
         study, by_name = evidence.study, {one.name: one for one in evidence.need(Transients).each}
         motions = [(one, by_name.get(one.settings.name)) for one in ice_motions(study)]
         every = ((one.words, _doubt(evidence, one, found)) for one, found in motions)
-        doubts = [f"{words}: {doubt}; such a motion is never a pass" for words, doubt in every if doubt]
+        doubts = [
+            f"{words}: {doubt}; such a motion is never a pass" for words, doubt in every if doubt
+        ]
         computed = [(one.words, found) for one, found in motions if found is not None]
         resonances = tuple(_resonances(evidence, [found for _, found in computed]))
         open_cases = [f"{words} at {where} not judged" for where, words in _missing(study)]
@@ -109,7 +144,14 @@ class IcePeaks(Rule):
                 values = {words: _value(evidence, number, part, found) for words, found in computed}
                 lines.append(_line(part, limit, values, notes, is_sound=not doubts))
         lines += [
-            unjudged(self.name, "resonance", where, "Transient response at the resonance", words, TO_BE_VERIFIED)
+            unjudged(
+                self.name,
+                "resonance",
+                where,
+                "Transient response at the resonance",
+                words,
+                TO_BE_VERIFIED,
+            )
             for where, words, is_open in resonances
             if is_open
         ]
@@ -118,11 +160,25 @@ class IcePeaks(Rule):
     def demanded_rows(self, study: Study, settings: IceSettings) -> tuple[Check, ...]:
         """Cases of the ice rules that no motion has, and shafts without a yield strength."""
         rows = [
-            unjudged(self.name, "cases", at, "Cases of the ice rules", f"no motion has {words}", TO_BE_VERIFIED)
+            unjudged(
+                self.name,
+                "cases",
+                at,
+                "Cases of the ice rules",
+                f"no motion has {words}",
+                TO_BE_VERIFIED,
+            )
             for at, words in _missing(study)
         ]
         rows += [
-            unjudged(self.name, "yield", part.name, STRESS, f"not judged: give `{LACKING['shaft']}", TO_BE_VERIFIED)
+            unjudged(
+                self.name,
+                "yield",
+                part.name,
+                STRESS,
+                f"not judged: give `{LACKING['shaft']}",
+                TO_BE_VERIFIED,
+            )
             for part in study.train.parts
             if part.is_bar and _limit(study, part, settings) is None
         ]
@@ -130,7 +186,12 @@ class IcePeaks(Rule):
 
 
 def _line(
-    part: Part, limit: tuple[str, float], values: dict[str, float], notes: tuple[str, ...], *, is_sound: bool
+    part: Part,
+    limit: tuple[str, float],
+    values: dict[str, float],
+    notes: tuple[str, ...],
+    *,
+    is_sound: bool,
 ) -> Check:
     """The check of one part, by its value in every motion; a value that is not known (NaN) is never a pass."""
     what, unit = (STRESS, "N/mm2") if part.is_bar else ("Greatest torque in ice", "N m")
@@ -139,14 +200,20 @@ def _line(
     standing: Standing = TO_BE_VERIFIED if part.is_bar else "maker"
     verdict = verdict_of(worst <= limit[1], standing) if is_known and is_sound else "fail"
     note = "; ".join((f"worst in {words}" if is_known else "no value is known", *notes))
-    return Check("ice", limit[0], part.name, what, worst, limit[1], unit, verdict, standing, note=note)
+    return Check(
+        "ice", limit[0], part.name, what, worst, limit[1], unit, verdict, standing, note=note
+    )
 
 
 def ice_motions(study: Study) -> list[InIce]:
     """The motions with an event `ice`."""
     found = []
     for settings, path in cases(study):
-        milled = tuple((event.at, event.body, event.time) for event in settings.events if isinstance(event.body, Ice))
+        milled = tuple(
+            (event.at, event.body, event.time)
+            for event in settings.events
+            if isinstance(event.body, Ice)
+        )
         if milled:
             found.append(InIce(settings, path, milled))
     return found
@@ -188,7 +255,11 @@ def _limit(study: Study, part: Part, settings: IceSettings) -> tuple[str, float]
     if part.shaft is None or not part.is_bar:
         return part.greatest_torque(is_rare=False)
     strength = study.train.materials[part.shaft.material].yield_strength
-    return None if strength is None else (f"0.577 R_e/{settings.factor:g}", SHEAR * strength * PA / settings.factor)
+    return (
+        None
+        if strength is None
+        else (f"0.577 R_e/{settings.factor:g}", SHEAR * strength * PA / settings.factor)
+    )
 
 
 def _value(evidence: Results, number: int, part: Part, found: TransientMotion) -> float:
@@ -199,7 +270,9 @@ def _value(evidence: Results, number: int, part: Part, found: TransientMotion) -
     return math.nan if found.stress is None else float(found.stress[spans].max()) * PA
 
 
-def _resonances(evidence: Results, motions: list[TransientMotion]) -> Iterator[tuple[str, str, bool]]:
+def _resonances(
+    evidence: Results, motions: list[TransientMotion]
+) -> Iterator[tuple[str, str, bool]]:
     """Where the first blade order of a propeller that mills ice meets a mode: motion over time is then required.
 
     Its name, the words, and whether no motion is computed at that speed.
@@ -224,4 +297,8 @@ def _resonances(evidence: Results, motions: list[TransientMotion]) -> Iterator[t
         for speed in met:
             at_it = any(abs(one.speed_before - speed) <= SAME_SPEED * speed for one in motions)
             more = "" if at_it else " (none is computed at that speed)"
-            yield name, f"{where} a mode at {in_rpm(speed)}: the rule then requires motion over time{more}", not at_it
+            yield (
+                name,
+                f"{where} a mode at {in_rpm(speed)}: the rule then requires motion over time{more}",
+                not at_it,
+            )

@@ -62,8 +62,12 @@ class Clause:
     within: BoolArray  # (speeds,) speeds that are judged
     unit: str = "N m"
     notes: tuple[str, ...] = ()  # empty ones are left out
-    spans: IntArray = field(default_factory=lambda: np.flatnonzero(()))  # whose vibration it is; none of a mean torque
-    size: FloatArray | None = None  # (speeds, lines) of every harmonic component; None: of the torque in the spans
+    spans: IntArray = field(
+        default_factory=lambda: np.flatnonzero(())
+    )  # whose vibration it is; none of a mean torque
+    size: FloatArray | None = (
+        None  # (speeds, lines) of every harmonic component; None: of the torque in the spans
+    )
     infinite_fails: bool = False  # an infinite value is one that runs away, not one that is missing
     if_kept: bool = False  # a value beyond the limit is judged otherwise, as in a barred range
 
@@ -74,7 +78,9 @@ class RuleOverSpeed(Rule):
     needs: tuple[str, ...] = ("steady", "response")
     scope: float = 1.0  # speed ratio up to which it is to be judged
     begin: float = BARRED_BELOW  # speed ratio from which it is to be judged
-    has_limits_outside_use = False  # of the same values, so that continuous use at the rated speed leaves none out
+    has_limits_outside_use = (
+        False  # of the same values, so that continuous use at the rated speed leaves none out
+    )
 
     def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
         """What it judges."""
@@ -86,11 +92,19 @@ class RuleOverSpeed(Rule):
 
     def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
         """A verdict for every clause that has a speed."""
-        found, use, rated = list[Check](), getattr(settings, "continuous", None), evidence.study.operation.rated
-        has_rated = use is not None and rated is not None and bool(within(use, np.array([rated.speed]))[0])
+        found, use, rated = (
+            list[Check](),
+            getattr(settings, "continuous", None),
+            evidence.study.operation.rated,
+        )
+        has_rated = (
+            use is not None and rated is not None and bool(within(use, np.array([rated.speed]))[0])
+        )
         for clause in self.clauses(evidence, settings):
             line, speed = judge(self.name, clause, evidence), clause.curve.speed
-            cut = None if clause.within.all() or (self.has_limits_outside_use and has_rated) else use
+            cut = (
+                None if clause.within.all() or (self.has_limits_outside_use and has_rated) else use
+            )
             if line is not None:
                 found += with_reach(line, evidence.study, self.scope, speed, cut, begin=self.begin)
         return distinct(found)
@@ -98,7 +112,10 @@ class RuleOverSpeed(Rule):
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
         """rad/s: the rated speed and the ends of continuous use."""
         rated, use = study.operation.rated, settings.continuous
-        return (*(() if rated is None else (rated.speed,)), *(() if use is None else (use.first, use.last)))
+        return (
+            *(() if rated is None else (rated.speed,)),
+            *(() if use is None else (use.first, use.last)),
+        )
 
     def speeds_between(self, evidence: Results, settings: Any) -> FloatArray:
         """(speeds,) rad/s between those computed at which a vibration may be worse."""
@@ -135,23 +152,37 @@ def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
     is_unknown = np.isnan(curve.value) if clause.infinite_fails else ~np.isfinite(curve.value)
     is_missing = (curve.status == Status.OK) & is_unknown
     is_exceeded = ~is_missing & (share > 1.0)
-    if np.any(is_exceeded):  # a limit that is exceeded somewhere fails whatever is missing elsewhere
+    if np.any(
+        is_exceeded
+    ):  # a limit that is exceeded somewhere fails whatever is missing elsewhere
         share = np.where(is_exceeded, share, -np.inf)
     at = worst_of(share, curve.value)
     is_known = curve.status[at] == Status.OK and not is_missing[at]
     main = main_component(evidence, at, clause.spans, clause.size)
     said = "" if main is None else f"{MOSTLY} {main.words}"
-    notes = [*(said if note == MOSTLY else note for note in clause.notes), *_exact_words(evidence, clause, at)]
+    notes = [
+        *(said if note == MOSTLY else note for note in clause.notes),
+        *_exact_words(evidence, clause, at),
+    ]
     doubt = _doubt(evidence, clause)
     return Check(
-        rule, clause.clause, clause.where, clause.what,
+        rule,
+        clause.clause,
+        clause.where,
+        clause.what,
         value=float(curve.value[at]) if is_known else math.nan if is_missing[at] else math.inf,
-        limit=float(curve.limit[at]), unit=clause.unit,
-        verdict="not judged" if is_missing[at]
-        else verdict_of(bool(share[at] <= 1.0), clause.standing) if is_known and not doubt else "fail",
-        standing=clause.standing, speed=float(curve.speed[at]), order=None if main is None else main.order,
+        limit=float(curve.limit[at]),
+        unit=clause.unit,
+        verdict="not judged"
+        if is_missing[at]
+        else verdict_of(bool(share[at] <= 1.0), clause.standing)
+        if is_known and not doubt
+        else "fail",
+        standing=clause.standing,
+        speed=float(curve.speed[at]),
+        order=None if main is None else main.order,
         note="; ".join(note for note in (_status_words(curve, at), *notes, doubt) if note),
-    )  # fmt: skip
+    )
 
 
 def _exact_words(evidence: Results, clause: Clause, at: int) -> Iterator[str]:
@@ -183,7 +214,9 @@ def between(curves: Iterable[tuple[Curve, BoolArray]]) -> FloatArray:
         shares.append(np.where(within & (share <= OBVIOUS), share, np.nan))
     if not shares:
         return speed
-    return missed_peaks(speed, np.array(shares).T[:, None, :], np.ones(len(speed), dtype=bool)[:, None])[0]
+    return missed_peaks(
+        speed, np.array(shares).T[:, None, :], np.ones(len(speed), dtype=bool)[:, None]
+    )[0]
 
 
 def worst_of(share: FloatArray, value: FloatArray) -> int:
@@ -200,7 +233,9 @@ def _status_words(curve: Curve, at: int) -> str:
     return f"the response is {word} at {in_rpm(curve.speed[at])}, which is never a pass"
 
 
-def main_component(evidence: Results, at: int, spans: IntArray, sizes: FloatArray | None = None) -> Line | None:
+def main_component(
+    evidence: Results, at: int, spans: IntArray, sizes: FloatArray | None = None
+) -> Line | None:
     """The greatest harmonic component at a speed, of the torque in the spans or of `sizes`; None where not known."""
     if not spans.size:
         return None
@@ -212,7 +247,9 @@ def main_component(evidence: Results, at: int, spans: IntArray, sizes: FloatArra
 
 def named_speeds(study: Study) -> FloatArray:
     """(speeds,) rad/s, ascending: at which a rule of the study, or a table of torque, bends or begins."""
-    named = [speed for one, settings in _vibration_rules(study) for speed in one.speeds(study, settings)]
+    named = [
+        speed for one, settings in _vibration_rules(study) for speed in one.speeds(study, settings)
+    ]
     return np.unique([*named, *_corners(study)])
 
 
@@ -237,7 +274,11 @@ def judged_band(study: Study) -> tuple[float, float]:
     speeds, above = study.operation.speeds, demanded_study(study)
     if speeds is None:
         raise ValueError("no speeds")
-    last = speeds.last if above is None or above.operation.speeds is None else above.operation.speeds.last
+    last = (
+        speeds.last
+        if above is None or above.operation.speeds is None
+        else above.operation.speeds.last
+    )
     return speeds.first, last
 
 
@@ -250,7 +291,11 @@ def pointwise(evidence: Results) -> Iterator[tuple[str, Clause]]:
             continue
         for clause in one.settling(evidence, settings):
             # what another rule demands above the operation is no speed of this one
-            judged = clause.within if one.name in demanding else clause.within & within(speeds, clause.curve.speed)
+            judged = (
+                clause.within
+                if one.name in demanding
+                else clause.within & within(speeds, clause.curve.speed)
+            )
             if np.any(judged):
                 yield one.name, replace(clause, within=judged)
 
@@ -269,8 +314,13 @@ def judged_speeds(study: Study) -> FloatArray:
 
 def speeds_between(evidence: Results) -> FloatArray:
     """(speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at those beside them."""
-    found = (one.speeds_between(evidence, settings) for one, settings in _vibration_rules(evidence.study))
-    speed, more = evidence.need(Response).speed, np.unique([place for places in found for place in places])
+    found = (
+        one.speeds_between(evidence, settings) for one, settings in _vibration_rules(evidence.study)
+    )
+    speed, more = (
+        evidence.need(Response).speed,
+        np.unique([place for places in found for place in places]),
+    )
     return apart(speed, more[(more > speed[0]) & (more < speed[-1])])
 
 
@@ -282,8 +332,14 @@ def _vibration_rules(study: Study) -> Iterator[tuple[Rule, Declared]]:
 def _corners(study: Study) -> list[float]:
     """rad/s of the reference station at the rows of every table of torque, between which it is straight."""
     stations, torques = study.train.stations, study.train.torques
-    own = [row[0] / float(stations[torque.station].ratio) for torque in torques for row in torque.table]
-    return [*own, *power_balance(study.train, study.operation).corners] if study.has_mean_torque else own
+    own = [
+        row[0] / float(stations[torque.station].ratio) for torque in torques for row in torque.table
+    ]
+    return (
+        [*own, *power_balance(study.train, study.operation).corners]
+        if study.has_mean_torque
+        else own
+    )
 
 
 class Continuous(Range):
@@ -312,7 +368,11 @@ def spans_of(system: System, part: int) -> IntArray:
 
 def rated_torque(evidence: Results) -> FloatArray | None:
     """(spans,) N m: magnitude of the mean torque at the rated speed, which is computed; None where it is not known."""
-    known, rated, law = evidence.get(Steady), evidence.study.operation.rated, evidence.study.operation.load
+    known, rated, law = (
+        evidence.get(Steady),
+        evidence.study.operation.rated,
+        evidence.study.operation.load,
+    )
     if known is None or rated is None:
         return None
     first, last = known.speed[0], known.speed[-1]
@@ -329,12 +389,18 @@ def full_torque(evidence: Results) -> FloatArray | None:
     That is `rated.power`, or what all loads take when every cylinder fires. A table of the load may give less, and an
     engine with a cylinder that does not fire. Where nothing is carried there, every span has the whole rated power.
     """
-    every, known, rated = rated_torque(evidence), evidence.get(Steady), evidence.study.operation.rated
+    every, known, rated = (
+        rated_torque(evidence),
+        evidence.get(Steady),
+        evidence.study.operation.rated,
+    )
     power = rated_power(evidence.study)
     if every is None or known is None or rated is None or power is None:
         return every
     at = int(np.argmin(np.abs(known.speed - rated.speed)))
-    ratios = np.array([abs(float(station.ratio)) for station in evidence.system.stations])[: len(known.applied)]
+    ratios = np.array([abs(float(station.ratio)) for station in evidence.system.stations])[
+        : len(known.applied)
+    ]
     carried = float(np.maximum(known.applied[:, at], 0.0) @ ratios) * rated.speed
     whole = power / rated.speed / np.abs(evidence.system.span_ratio)
     if carried > 0:
@@ -368,12 +434,26 @@ def vibration_faults(rule: Rule, study: Study, settings: Declared) -> list[Fault
     found = []
     if study.operation.speeds is None:
         hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
-        found.append(Fault(("operation", "speeds"), f"`speeds` is missing; {rule.name} judges a speed range", hint))
-    if not study.excites or not (any(map(_acts, study.train.torques)) or any(m.error for m in study.train.constraints)):
-        what = "every excitation of the train is 0" if study.excites else "nothing excites the train by order or at a "
+        found.append(
+            Fault(
+                ("operation", "speeds"),
+                f"`speeds` is missing; {rule.name} judges a speed range",
+                hint,
+            )
+        )
+    if not study.excites or not (
+        any(map(_acts, study.train.torques)) or any(m.error for m in study.train.constraints)
+    ):
+        what = (
+            "every excitation of the train is 0"
+            if study.excites
+            else "nothing excites the train by order or at a "
+        )
         what += "" if study.excites else "frequency of its own"
         message = f"{what}, so {rule.name} has nothing to judge"
-        found.append(Fault(rule.path(study, settings), message, "give an excitation, or leave the rule out"))
+        found.append(
+            Fault(rule.path(study, settings), message, "give an excitation, or leave the rule out")
+        )
     for torque in filter(_acts, study.train.torques):
         if (part := study.train.parts[study.train.stations[torque.station].part]).is_opposed:
             message = f"what acts at '{part.name}' moves the halves unlike, and {rule.name} judges both by their mean"

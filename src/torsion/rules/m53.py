@@ -32,8 +32,10 @@ LEAST_STRENGTH = 400.0  # N/mm2, ours: below it sigma_DW comes near the tensile 
 PIN, JOURNAL, BORE = "pin fillet", "journal fillet", "oil bore"  # clauses
 OF_FILLETS = "s", "w", "b", "d of the bore of the pin", "d of the bore of the journal"
 RATIOS = {  # that the factors of a place have
-    PIN: (*OF_FILLETS, "r of the pin"), JOURNAL: (*OF_FILLETS, "r of the journal"), BORE: ("d of the oil bore",),
-}  # fmt: skip
+    PIN: (*OF_FILLETS, "r of the pin"),
+    JOURNAL: (*OF_FILLETS, "r of the journal"),
+    BORE: ("d of the oil bore",),
+}
 EXAMPLE = (
     "iacs-m53: {pin: 200 mm, journal: 200 mm, pin_fillet: 12 mm, journal_fillet: 12 mm, web_thickness: 70 mm, "
     "web_width: 260 mm, radius: 140 mm, bending: 40 MPa, shear: 5 MPa, strokes: 4}"
@@ -51,10 +53,14 @@ class M53(RuleOverSpeed):
     def faults(self, study: Study, settings: M53Settings) -> list[Fault]:
         """What the file lacks for this rule."""
         where = self.path(study, settings)
-        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(study, settings)
+        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(
+            study, settings
+        )
         cranks = list(with_role(study.train, "crank"))
         if not cranks:
-            found.append(Fault(where, f"{self.name} finds no crankshaft", "role: crank, on a round shaft"))
+            found.append(
+                Fault(where, f"{self.name} finds no crankshaft", "role: crank, on a round shaft")
+            )
         for _, part, shaft in cranks:
             if study.train.materials[shaft.material].tensile_strength is None:
                 message = f"`tensile_strength` of '{shaft.material}' is not given, and {self.name} needs it"
@@ -72,7 +78,10 @@ class M53(RuleOverSpeed):
     def clauses(self, evidence: Results, settings: M53Settings) -> Iterator[Clause]:
         """Equivalent stress against fatigue strength / 1.15, of every crank span at both fillets and the oil bore."""
         response, train = evidence.need(Response), evidence.study.train
-        use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
+        use, in_use = (
+            judgement.within(settings.continuous, response.speed),
+            judgement.in_use(settings.continuous),
+        )
         for number, part, shaft in with_role(train, "crank"):
             spans = judgement.spans_of(evidence.system, number)
             torque = evidence.need(Synthesis).half_range[:, spans].max(axis=1)
@@ -81,17 +90,30 @@ class M53(RuleOverSpeed):
                 if place not in _stated_places(settings) or any(_doubts(settings, place, strength)):
                     continue
                 curve = curve_of(response, stress, fatigue / LEAST_Q)
-                notes = f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}", in_use, MOSTLY, *_notes(settings, place)
+                notes = (
+                    f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}",
+                    in_use,
+                    MOSTLY,
+                    *_notes(settings, place),
+                )
                 what = f"Equivalent alternating stress, {place}"
-                yield Clause(place, part.name, what, TO_BE_VERIFIED, curve, use, "N/mm2", notes, spans)
+                yield Clause(
+                    place, part.name, what, TO_BE_VERIFIED, curve, use, "N/mm2", notes, spans
+                )
 
     def check(self, evidence: Results, settings: M53Settings) -> tuple[Check, ...]:
         """With the acceptability factor of each, its restrictions, and rows NOT JUDGED of what the rule demands."""
         train = evidence.study.train
-        sections = {part.name: diameters(train, number)[0] for number, part, _ in with_role(train, "crank")}
+        sections = {
+            part.name: diameters(train, number)[0] for number, part, _ in with_role(train, "crank")
+        }
         checks = list[Check]()
         for line in super().check(evidence, settings):
-            factor = f"Q = {LEAST_Q * line.limit / line.value:.4g}" if line.value and math.isfinite(line.limit) else ""
+            factor = (
+                f"Q = {LEAST_Q * line.limit / line.value:.4g}"
+                if line.value and math.isfinite(line.limit)
+                else ""
+            )
             checks.append(replace(line, note="; ".join(filter(None, (factor, line.note)))))
             if line.verdict in ("pass", "restricted"):
                 for words in _restrictions(settings, line.clause, sections[line.where][0] * MM):
@@ -108,11 +130,19 @@ class M53(RuleOverSpeed):
                     what = f"Equivalent alternating stress, {place}"
                     rows.append(unjudged(self.name, place, part.name, what, "; ".join(doubts)))
             if settings.built == "semi-built":
-                note = "section 8 of the rule: the program does not judge shrink fits of crankshafts"
-                rows.append(unjudged(self.name, "shrink fits", part.name, "Shrink fits of the crankshaft", note))
+                note = (
+                    "section 8 of the rule: the program does not judge shrink fits of crankshafts"
+                )
+                rows.append(
+                    unjudged(
+                        self.name, "shrink fits", part.name, "Shrink fits of the crankshaft", note
+                    )
+                )
             if lacking := _lacking(study, settings, number, part):
                 note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
-                rows.append(unjudged(self.name, "orders", part.name, "Orders of the synthesis", note))
+                rows.append(
+                    unjudged(self.name, "orders", part.name, "Orders of the synthesis", note)
+                )
         return (*rows, *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"))
 
 
@@ -191,17 +221,23 @@ def _lacking(study: Study, settings: M53Settings, crank: int, part: Part) -> lis
     return [order for order in wanted if order not in excited]
 
 
-def _places(settings: M53Settings, torque: FloatArray, strength: float) -> Iterator[tuple[str, FloatArray, float]]:
+def _places(
+    settings: M53Settings, torque: FloatArray, strength: float
+) -> Iterator[tuple[str, FloatArray, float]]:
     """Both fillets and the oil bore: name, (speeds,) equivalent stress and the fatigue strength, N/mm2."""
     throw, factors, (add, _) = settings.throw, m53_factors, settings.added_bending
     sections = (throw.pin, throw.pin_bore), (throw.journal, throw.journal_bore)
-    of_pin, of_journal = (torque / section_modulus(outer / MM, bore / MM) * PA for outer, bore in sections)
+    of_pin, of_journal = (
+        torque / section_modulus(outer / MM, bore / MM) * PA for outer, bore in sections
+    )
     bending, shear = (settings.bending or 0.0) * PA, (settings.shear or 0.0) * PA
     local = factors.alpha_b(throw) * bending + add
     fatigue = factors.fatigue_strength(strength, throw.pin, throw.pin_fillet, settings.factor)
     yield PIN, factors.of_fillet(local, factors.alpha_t(throw) * of_pin), fatigue
     local = factors.beta_b(throw) * bending + factors.beta_q(throw) * shear + add
-    fatigue = factors.fatigue_strength(strength, throw.journal, throw.journal_fillet, settings.factor)
+    fatigue = factors.fatigue_strength(
+        strength, throw.journal, throw.journal_fillet, settings.factor
+    )
     torsion = factors.alpha_t(throw, journal=True) * of_journal
     yield JOURNAL, factors.of_fillet(local, torsion), fatigue
     if throw.oil_bore:

@@ -35,12 +35,15 @@ class Throw:
     def ratios(self) -> dict[str, float]:
         """Those that the formulas have, all over the diameter of the pin."""
         return {
-            "s": ((self.pin + self.journal) / 2.0 - self.radius) / self.pin, "w": self.web_thickness / self.pin,
-            "b": self.web_width / self.pin, "r of the pin": self.pin_fillet / self.pin,
-            "r of the journal": self.journal_fillet / self.pin, "d of the oil bore": self.oil_bore / self.pin,
+            "s": ((self.pin + self.journal) / 2.0 - self.radius) / self.pin,
+            "w": self.web_thickness / self.pin,
+            "b": self.web_width / self.pin,
+            "r of the pin": self.pin_fillet / self.pin,
+            "r of the journal": self.journal_fillet / self.pin,
+            "d of the oil bore": self.oil_bore / self.pin,
             "d of the bore of the pin": self.pin_bore / self.pin,
             "d of the bore of the journal": self.journal_bore / self.pin,
-        }  # fmt: skip
+        }
 
     @property
     def overlap(self) -> float:
@@ -55,24 +58,32 @@ class Throw:
 
 
 RANGES = {  # in which the factors were measured
-    "s": (-np.inf, 0.5), "w": (0.2, 0.8), "b": (1.1, 2.2), "r of the pin": (0.03, 0.13),
-    "r of the journal": (0.03, 0.13), "d of the oil bore": (0.0, 0.2), "d of the bore of the pin": (0.0, 0.8),
+    "s": (-np.inf, 0.5),
+    "w": (0.2, 0.8),
+    "b": (1.1, 2.2),
+    "r of the pin": (0.03, 0.13),
+    "r of the journal": (0.03, 0.13),
+    "d of the oil bore": (0.0, 0.2),
+    "d of the bore of the pin": (0.0, 0.8),
     "d of the bore of the journal": (0.0, 0.8),
-}  # fmt: skip
+}
 
 
 def alpha_b(throw: Throw) -> float:
     """Of bending in the fillet of the pin."""
     _, w, b, r, _, _, d_h, d_g = throw.ratios.values()
     overlap = (
-        (-4.1883, 29.2004, -77.5925, 91.9454, -40.0416), (9.5440, -58.3480, 159.3415, -192.5846, 85.2916),
+        (-4.1883, 29.2004, -77.5925, 91.9454, -40.0416),
+        (9.5440, -58.3480, 159.3415, -192.5846, 85.2916),
         (-3.8399, 25.0444, -70.5571, 87.0328, -39.1832),
-    )  # fmt: skip
+    )
     of_web = 2.1790 * w**0.7171 * (0.6840 - 0.0077 * b + 0.1473 * b**2)
     of_journal = 0.9993 + 0.27 * d_g - 1.0211 * d_g**2 + 0.5306 * d_g**3
     of_pin = 0.9978 + 0.3145 * d_h - 1.5241 * d_h**2 + 2.4147 * d_h**3
     of_bores = of_journal * of_pin * throw.recess
-    return float(2.6914 * _overlap(overlap, throw.overlap, w) * of_web * 0.2081 * r**-0.5231 * of_bores)
+    return float(
+        2.6914 * _overlap(overlap, throw.overlap, w) * of_web * 0.2081 * r**-0.5231 * of_bores
+    )
 
 
 def beta_b(throw: Throw) -> float:
@@ -82,7 +93,9 @@ def beta_b(throw: Throw) -> float:
     of_web = 2.2422 * w**0.7548 * (0.5616 + 0.1197 * b + 0.1176 * b**2)
     of_journal = 1.0012 - 0.6441 * d_g + 1.2265 * d_g**2
     of_bores = of_journal * (1.0022 - 0.1903 * d_h + 0.0073 * d_h**2) * throw.recess
-    return float(2.7146 * _overlap(overlap, throw.overlap, w) * of_web * 0.1908 * r**-0.5568 * of_bores)
+    return float(
+        2.7146 * _overlap(overlap, throw.overlap, w) * of_web * 0.1908 * r**-0.5568 * of_bores
+    )
 
 
 def beta_q(throw: Throw) -> float:
@@ -95,7 +108,9 @@ def beta_q(throw: Throw) -> float:
     x = 1.0 - throw.overlap
     overlap = 0.4368 + 2.1630 * x - 1.5212 * x**2
     of_bores = (0.9937 - 1.1949 * d_h + 1.7373 * d_h**2) * throw.recess
-    return float(3.0128 * overlap * w / (0.0637 + 0.9369 * w) * (b - 0.5) * 0.5331 * r**-0.2038 * of_bores)
+    return float(
+        3.0128 * overlap * w / (0.0637 + 0.9369 * w) * (b - 0.5) * 0.5331 * r**-0.2038 * of_bores
+    )
 
 
 def alpha_t(throw: Throw, *, journal: bool = False) -> float:
@@ -123,7 +138,9 @@ def gamma_t(throw: Throw) -> float:
 
 def _overlap(rows: tuple[tuple[float, ...], ...], s: float, w: float) -> float:
     """Sum of polynomials of w, lowest power first, each times the next power of 1 - s."""
-    return float(sum((1.0 - s) ** k * sum(c * w**j for j, c in enumerate(row)) for k, row in enumerate(rows)))
+    return float(
+        sum((1.0 - s) ** k * sum(c * w**j for j, c in enumerate(row)) for k, row in enumerate(rows))
+    )
 
 
 def fatigue_strength(strength: float, diameter: float, radius: float, factor: float) -> float:

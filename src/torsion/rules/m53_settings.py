@@ -15,11 +15,22 @@ from torsion.rules.shaft_limits import MM, PA
 from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 
-AXIAL, MISALIGNMENT = 20.0, 10.0  # N/mm2 of additional bending, of crosshead engines; misalignment of trunk pistons too
+AXIAL, MISALIGNMENT = (
+    20.0,
+    10.0,
+)  # N/mm2 of additional bending, of crosshead engines; misalignment of trunk pistons too
 SIZES = (
-    "pin", "journal", "pin_fillet", "journal_fillet", "web_thickness", "web_width", "radius", "bending", "shear",
+    "pin",
+    "journal",
+    "pin_fillet",
+    "journal_fillet",
+    "web_thickness",
+    "web_width",
+    "radius",
+    "bending",
+    "shear",
     "strokes",
-)  # fmt: skip
+)
 FACTORS, ROUNDING = (1.05, 1.0, 0.93), 1e-9  # K of UR M53; rounding of one
 CAST = 0.93  # K of a cast crankshaft with approved cold rolling, the least of all
 SAME_SIZE = 1e-3  # relative: sizes of rule and engine that differ by less are one, rounded
@@ -31,7 +42,11 @@ def _read_manufacture(value: Any) -> Any:
 
 
 def _read_bore(value: Any) -> Any:
-    return 0.0 if value == "none" else Quantity("m", at_least=0, usual="diameter of a shaft").read(value)
+    return (
+        0.0
+        if value == "none"
+        else Quantity("m", at_least=0, usual="diameter of a shaft").read(value)
+    )
 
 
 Manufacture = Annotated[Any, BeforeValidator(_read_manufacture, float | str)]
@@ -60,29 +75,46 @@ class M53Settings(RuleSettings):
         "NOT JUDGED (default: solid, as a restriction)"
     )
     pin_bore: fields.Bore = given("diameter D_BH of the bore of the pin (default: solid)", 0.0)
-    journal_bore: fields.Bore = given("diameter D_BG of the bore of the journals (default: solid)", 0.0)
-    pin_recess: fields.Bore = given("depth T_H of the recess of the pin's fillet (default: none)", 0.0)
-    journal_recess: fields.Bore = given("depth T_G of the recess of the journal's fillet (default: none)", 0.0)
+    journal_bore: fields.Bore = given(
+        "diameter D_BG of the bore of the journals (default: solid)", 0.0
+    )
+    pin_recess: fields.Bore = given(
+        "depth T_H of the recess of the pin's fillet (default: none)", 0.0
+    )
+    journal_recess: fields.Bore = given(
+        "depth T_G of the recess of the journal's fillet (default: none)", 0.0
+    )
     bending: Stress | None = given(
         "nominal alternating bending stress of the web, by the engine's maker, with K_e in it (0.8 of two-stroke, 1.0 "
         "of four-stroke engines)"
     )
-    shear: Stress | None = given("nominal alternating shear stress of the web, by the engine's maker, with K_e in it")
-    bore_bending: Stress | None = given("nominal alternating bending stress at the oil bore, by the engine's maker")
+    shear: Stress | None = given(
+        "nominal alternating shear stress of the web, by the engine's maker, with K_e in it"
+    )
+    bore_bending: Stress | None = given(
+        "nominal alternating bending stress at the oil bore, by the engine's maker"
+    )
     engine: Literal["crosshead", "trunk piston"] = given(
         "kind of the engine, for the additional bending stress: crosshead 30 MPa (axial vibration 20, "
-        "misalignment 10), trunk piston 10 MPa", "crosshead",
-    )  # fmt: skip
+        "misalignment 10), trunk piston 10 MPa",
+        "crosshead",
+    )
     axial: Stress | None = given(
         "calculated bending stress by axial vibration of the whole system, in place of the 20 MPa of a crosshead engine"
     )
-    additional: Stress | None = given("additional bending stress in place of the values of `engine` and `axial`")
+    additional: Stress | None = given(
+        "additional bending stress in place of the values of `engine` and `axial`"
+    )
     manufacture: Manufacture = given(
         "factor K: 1.05 continuous grain flow, 1.0 free-form forged, 0.93 cast with approved cold rolling; cast: "
         "without cold rolling, NOT JUDGED (default: 0.93, as a restriction)"
     )
-    strokes: Literal[2, 4] | None = given("strokes of a cycle, for the orders that the response must have")
-    continuous: Continuous | None = given("speeds without the barred ranges: {from, to} (default: all)")
+    strokes: Literal[2, 4] | None = given(
+        "strokes of a cycle, for the orders that the response must have"
+    )
+    continuous: Continuous | None = given(
+        "speeds without the barred ranges: {from, to} (default: all)"
+    )
 
     @property
     def throw(self) -> Throw:
@@ -90,9 +122,17 @@ class M53Settings(RuleSettings):
         sizes = [getattr(self, key) for key in SIZES[:7]]
         if None in sizes:
             raise ValueError("a size of the throw is missing")
-        bores = self.oil_bore or 0.0, self.pin_bore, self.journal_bore, self.pin_recess, self.journal_recess
+        bores = (
+            self.oil_bore or 0.0,
+            self.pin_bore,
+            self.journal_bore,
+            self.pin_recess,
+            self.journal_recess,
+        )
         throw = [size * MM for size in (*sizes, *bores)]
-        if self.built == "semi-built" and self.strokes == 2:  # W_red: the recess reaches below the fillet
+        if (
+            self.built == "semi-built" and self.strokes == 2
+        ):  # W_red: the recess reaches below the fillet
             throw[4] -= max(0.0, self.pin_recess - (self.pin_fillet or 0.0)) * MM
         return Throw(*throw)
 
@@ -109,17 +149,24 @@ class M53Settings(RuleSettings):
         if self.engine == "trunk piston":
             return MISALIGNMENT, "trunk piston engine"
         if self.axial is not None:
-            return self.axial * PA + MISALIGNMENT, "crosshead engine, axial vibration stated by user"
+            return (
+                self.axial * PA + MISALIGNMENT,
+                "crosshead engine, axial vibration stated by user",
+            )
         return AXIAL + MISALIGNMENT, "crosshead engine"
 
     def refuse_clashes(self) -> None:
         if self.axial is not None and (self.engine != "crosshead" or self.additional is not None):
             message = "`axial` replaces the 20 MPa of a crosshead engine only"
             raise refuse(message, "leave out `axial`, or `additional`", "axial")
-        is_crosshead = self.engine == "crosshead" and bool({"engine", "axial"} & self.model_fields_set)
+        is_crosshead = self.engine == "crosshead" and bool(
+            {"engine", "axial"} & self.model_fields_set
+        )
         if self.strokes == 4 and is_crosshead:
             hint = "`strokes: 2`, or `engine: trunk piston` without `axial`"
-            raise refuse("a crosshead engine has two strokes a cycle, and `strokes` is 4", hint, "strokes")
+            raise refuse(
+                "a crosshead engine has two strokes a cycle, and `strokes` is 4", hint, "strokes"
+            )
         if min(abs(self.factor - factor) for factor in FACTORS) > ROUNDING:
             hint = "1.05 continuous grain flow, 1.0 free-form forged, 0.93 cast with cold rolling"
             raise refuse(f"the text has no factor K of {self.factor:g}", hint, "manufacture")
@@ -139,7 +186,12 @@ def contradictions(study: Study, settings: M53Settings, where: Path) -> Iterator
             stated = getattr(settings, key)
             if stated is None or math.isclose(stated, size, rel_tol=SAME_SIZE, abs_tol=0.0):
                 continue
-            values = [f"{value:g}" if key == "strokes" else f"{value * MM:.6g} mm" for value in (stated, size)]
-            message = f"`{key}` of iacs-m53 is {values[0]}, and the engine '{part.name}' has {values[1]}"
+            values = [
+                f"{value:g}" if key == "strokes" else f"{value * MM:.6g} mm"
+                for value in (stated, size)
+            ]
+            message = (
+                f"`{key}` of iacs-m53 is {values[0]}, and the engine '{part.name}' has {values[1]}"
+            )
             hint = f"`{key}: {values[1]}`, or correct the engine; one rule judges one crankshaft"
             yield Fault((*where, key), message, hint, other=(*part.path, *path))

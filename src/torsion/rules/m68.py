@@ -32,7 +32,9 @@ from torsion.rules.shaft_stress import SUBJECT, ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
 
-NOT_ROUND = "its section is a mesh; limits, factors and minimum diameters of the rule hold for round shafts"
+NOT_ROUND = (
+    "its section is a mesh; limits, factors and minimum diameters of the rule hold for round shafts"
+)
 DIAMETER = "Outer diameter"
 NO_POWER = "the rated power is not given: write `power` of `operation.rated`"
 KW_PER_RPM = 2.0 * math.pi / 60.0 / 1e3  # power in kW per rpm of a torque of 1 N m
@@ -52,11 +54,18 @@ class M68(ShaftStress):
 
     def faults(self, study: Study, settings: M68Settings) -> list[Fault]:
         """What the file lacks for this rule."""
-        every, where = m68_shafts.judged(study.train, self.has_limits_of), self.path(study, settings)
+        every, where = (
+            m68_shafts.judged(study.train, self.has_limits_of),
+            self.path(study, settings),
+        )
         if not every:
             roles = ", ".join(self.has_limits_of[:-1]) + f" or {self.has_limits_of[-1]}"
             hint = f"role: {roles}; a shaft with a `section` is not judged"
-            return [Fault(where, f"no round shaft has a `role`, so {self.name} has nothing to judge", hint)]
+            return [
+                Fault(
+                    where, f"no round shaft has a `role`, so {self.name} has nothing to judge", hint
+                )
+            ]
         found, classed = super().faults(study, settings), m68_shafts.judged(study.train)
         for part, shaft in classed:
             made_of = study.train.materials[shaft.material]
@@ -65,7 +74,9 @@ class M68(ShaftStress):
                 message = f"{about}, and {self.name} needs it for '{part.name}'"
                 hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
                 found.append(Fault((*part.path, "material"), message, hint))
-        return found + self._settings_faults(study, settings, {part.name: shaft for part, shaft in every}, where)
+        return found + self._settings_faults(
+            study, settings, {part.name: shaft for part, shaft in every}, where
+        )
 
     def left_out(self, study: Study, settings: M68Settings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
@@ -80,7 +91,10 @@ class M68(ShaftStress):
         if others:
             limits_of = ", ".join(self.has_limits_of)
             found.append(
-                (f"{self.name}: shafts of another role", f"limits of {limits_of} are known: {', '.join(others)}")
+                (
+                    f"{self.name}: shafts of another role",
+                    f"limits of {limits_of} are known: {', '.join(others)}",
+                )
             )
         return tuple(found)
 
@@ -102,20 +116,32 @@ class M68(ShaftStress):
         """Strengths below the least one, and states of the train that neither the file nor a case of it has."""
         rows = [
             Check(
-                self.name, "material", shaft.name, "Tensile strength of the material", shaft.stated, LEAST_STRENGTH,
-                "N/mm2", "fail", "rule text", at_least=True,
+                self.name,
+                "material",
+                shaft.name,
+                "Tensile strength of the material",
+                shaft.stated,
+                LEAST_STRENGTH,
+                "N/mm2",
+                "fail",
+                "rule text",
+                at_least=True,
             )
             for shaft in m68_shafts.classed_shafts(study, settings)
             if shaft.stated is not None and shaft.stated < LEAST_STRENGTH * (1 - ROUNDING)
-        ]  # fmt: skip
+        ]
         if not study.has_mean_torque and not _is_generator_set(study):
             rows += [
-                unjudged(self.name, "minimum diameter", shaft.name, DIAMETER, NO_POWER, TO_BE_VERIFIED)
+                unjudged(
+                    self.name, "minimum diameter", shaft.name, DIAMETER, NO_POWER, TO_BE_VERIFIED
+                )
                 for shaft in m68_shafts.classed_shafts(study, settings)
             ]
         round_shafts = {part.name for part, _ in m68_shafts.judged(study.train, self.has_limits_of)}
         rows += [
-            unjudged(self.name, "section", bar.name, f"{SUBJECT}, section that is not round", NOT_ROUND)
+            unjudged(
+                self.name, "section", bar.name, f"{SUBJECT}, section that is not round", NOT_ROUND
+            )
             for bar in study.train.bars
             if study.train.shaft(bar).role in self.has_limits_of and bar.name not in round_shafts
         ]
@@ -131,7 +157,14 @@ class M68(ShaftStress):
             if (least := self._diameter(evidence, shaft, settings)) is not None:
                 share = np.array([least.limit / least.value])
                 curve = Curve(np.array([least.speed]), share, np.ones(1), np.full(1, Status.OK))
-                yield Clause(least.clause, least.where, least.what, TO_BE_VERIFIED, curve, np.ones(1, dtype=np.bool_))
+                yield Clause(
+                    least.clause,
+                    least.where,
+                    least.what,
+                    TO_BE_VERIFIED,
+                    curve,
+                    np.ones(1, dtype=np.bool_),
+                )
 
     def _settings_faults(
         self, study: Study, settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path
@@ -147,18 +180,27 @@ class M68(ShaftStress):
             if name not in shafts or "slot" not in shafts[name].features:
                 path = (*where, self.name, "slots", name)
                 found.append(
-                    Fault(path, f"no shaft with a role and the feature `slot` is called '{name}'", names, at_key=True)
+                    Fault(
+                        path,
+                        f"no shaft with a role and the feature `slot` is called '{name}'",
+                        names,
+                        at_key=True,
+                    )
                 )
         return found
 
-    def _diameter(self, evidence: Results, shaft: ClassedShaft, settings: M68Settings) -> Check | None:
+    def _diameter(
+        self, evidence: Results, shaft: ClassedShaft, settings: M68Settings
+    ) -> Check | None:
         """The less favourable end against its least diameter, for the rated mean torque."""
         every = judgement.full_torque(evidence)
         if every is None:
             return None
         factor = m68_shafts.drive_factor(shaft.role, smooth=settings.drive != "other")
         engines = [part.engine for part in evidence.study.train.parts if part.engine is not None]
-        firing = min((sum(share for _, share in one.drives) for one in engines if one.drives), default=1.0)
+        firing = min(
+            (sum(share for _, share in one.drives) for one in engines if one.drives), default=1.0
+        )
         mean = float(np.max(every[judgement.spans_of(evidence.system, shaft.part)]))
         load = mean / min(firing, 1.0) * KW_PER_RPM  # rated power is that of all cylinders
         ends = [
@@ -168,10 +210,19 @@ class M68(ShaftStress):
         diameter, least = max(ends, key=lambda end: end[1] / end[0])
         used = f"F {factor:g} (drive: {settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
         return Check(
-            self.name, "minimum diameter", shaft.name, DIAMETER, diameter, least, "mm",
-            verdict_of(diameter >= least, TO_BE_VERIFIED), TO_BE_VERIFIED, rated_speed(evidence.study), note=used,
+            self.name,
+            "minimum diameter",
+            shaft.name,
+            DIAMETER,
+            diameter,
+            least,
+            "mm",
+            verdict_of(diameter >= least, TO_BE_VERIFIED),
+            TO_BE_VERIFIED,
+            rated_speed(evidence.study),
+            note=used,
             at_least=True,
-        )  # fmt: skip
+        )
 
 
 def _is_generator_set(study: Study) -> bool:
@@ -182,24 +233,35 @@ def _is_generator_set(study: Study) -> bool:
 
 def _in_barred_range(
     rule: str, shaft: ClassedShaft, checks: Iterable[Check], settings: M68Settings
-) -> Iterator[Check]:  # fmt: skip
+) -> Iterator[Check]:
     """Yield the row about a strength below that which the rule demands near the limit of passing a barred range."""
     passing = [check for check in checks if check.where == shaft.name and check.barred]
     if not passing or (shaft.stated or 0.0) >= LEAST_STRENGTH_IN_BARRED_RANGE * (1 - ROUNDING):
         return
     use = max(math.inf if check.utilisation is None else check.utilisation for check in passing)
     is_near = use >= settings.near_transient * (1 - ROUNDING)
-    words = f"the stress there is {use:.3g} of its limit, near is {settings.near_transient:g} (ours)"
+    words = (
+        f"the stress there is {use:.3g} of its limit, near is {settings.near_transient:g} (ours)"
+    )
     if settings.near_transient != NEAR_TRANSIENT:
         words = words.replace("(ours)", "(stated by user)")
     if not is_near:
         words += "; the rule demands 500 N/mm2 near the limit of passing and does not say how near"
     stated = math.nan if shaft.stated is None else shaft.stated
     yield Check(
-        rule, "material", shaft.name, "Tensile strength where a barred range is passed", stated,
-        LEAST_STRENGTH_IN_BARRED_RANGE, "N/mm2", "fail" if is_near and shaft.stated is not None else "not judged",
-        "rule text", passing[0].speed, note=words, at_least=True,
-    )  # fmt: skip
+        rule,
+        "material",
+        shaft.name,
+        "Tensile strength where a barred range is passed",
+        stated,
+        LEAST_STRENGTH_IN_BARRED_RANGE,
+        "N/mm2",
+        "fail" if is_near and shaft.stated is not None else "not judged",
+        "rule text",
+        passing[0].speed,
+        note=words,
+        at_least=True,
+    )
 
 
 def _limited(shaft: ClassedShaft) -> LimitedShaft:

@@ -59,24 +59,34 @@ DETAILS: Mapping[str, Detail] = {
 ASSUMED: Mapping[Role, Detail] = {  # for a shaft whose features are not given
     "intermediate": Detail(1.0, 1.0, condition="integral flange assumed"),
     "thrust": Detail(0.85, 1.10, condition="thrust collar assumed"),
-    "propeller": Detail(0.55, 1.26, condition="kind of propeller mounting not given, the least favourable taken"),
+    "propeller": Detail(
+        0.55, 1.26, condition="kind of propeller mounting not given, the least favourable taken"
+    ),
 }
 OF_ROLE: Mapping[Role, frozenset[str]] = {  # features that state the factor of a role
     "intermediate": frozenset(DETAILS),
     "thrust": frozenset({"thrust collar", "roller bearing"}),
-    "propeller": frozenset({"propeller flange", "propeller keyless", "propeller keyed", "tube shaft"}),
+    "propeller": frozenset(
+        {"propeller flange", "propeller keyless", "propeller keyed", "tube shaft"}
+    ),
 }
 STRENGTH_CAP = 600.0  # N/mm2, the greatest tensile strength that counts (rule text)
 ALLOY_STRENGTH_CAP = 800.0  # N/mm2, of intermediate and thrust shafts of alloy steel (rule text)
 MOST_CARBON_STRENGTH = 760.0  # N/mm2 of carbon and C-Mn steel (rule text, M68.3)
 LEAST_STRENGTH_IN_BARRED_RANGE = 500.0  # N/mm2, where the stress comes near tau_T (rule text)
 NEAR_TRANSIENT = 0.8  # of tau_T: near it; ours, since the text has no number
-MOST_SLOT_LENGTH, MOST_SLOT_BORE, LEAST_SLOT_WIDTH = 0.8, 0.7, 0.15  # of the diameter (rule text, note 4)
+MOST_SLOT_LENGTH, MOST_SLOT_BORE, LEAST_SLOT_WIDTH = (
+    0.8,
+    0.7,
+    0.15,
+)  # of the diameter (rule text, note 4)
 SLOT_NUMBERS = 1, 2, 3  # at 360, 180 and 120 degrees
 LEAST_FLANGE_FILLET = 0.08  # of the diameter, of an integral flange (to be verified)
 LEAST_STRENGTH = 400.0  # N/mm2 of shaft steel; taken for the built-in steel, of which none is stated (to be verified)
 SEAT = "shrink fit of '{}': seat 1 to 2 % thicker, with a blending radius of about that change"  # (rule text, note 1)
-SMOOTH_DRIVE_FACTOR = 95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
+SMOOTH_DRIVE_FACTOR = (
+    95.0  # F of intermediate shafts behind a turbine, motor or slip coupling (to be verified)
+)
 DRIVE_FACTOR = 100.0  # F of any other drive and any other shaft (to be verified)
 
 
@@ -122,10 +132,14 @@ def drive_factor(role: Role, *, smooth: bool) -> float:
     return SMOOTH_DRIVE_FACTOR if smooth and role == "intermediate" else DRIVE_FACTOR
 
 
-def least_diameter(power_per_speed: float, strength: float, factor: float, k: float, bore_share: float = 0.0) -> float:
+def least_diameter(
+    power_per_speed: float, strength: float, factor: float, k: float, bore_share: float = 0.0
+) -> float:
     """Least diameter, mm (to be verified), from kW per rpm, F and k; a bore up to 0.4 of it does not count."""
     hollow = 1.0 - bore_share**4 if bore_share > 0.4 else 1.0
-    return float(factor * k * (power_per_speed / hollow * 560.0 / (strength + 160.0)) ** (1.0 / 3.0))
+    return float(
+        factor * k * (power_per_speed / hollow * 560.0 / (strength + 160.0)) ** (1.0 / 3.0)
+    )
 
 
 class Slot(Declared):
@@ -134,23 +148,34 @@ class Slot(Declared):
     length: fields.Across = required("length along the shaft")
     width: fields.Across = required("width")
     end_radius: fields.Across | None = given("radius of its ends, at least half of the width")
-    number: Annotated[int, Field(ge=1, le=12)] | None = given("evenly spaced slots in one section, at most 3")
+    number: Annotated[int, Field(ge=1, le=12)] | None = given(
+        "evenly spaced slots in one section, at most 3"
+    )
 
     @model_validator(mode="after")
     def _is_longitudinal(self) -> Self:
         if self.length < self.width:
-            raise refuse("the slot is shorter than it is wide", "the length runs along the shaft", "length")
+            raise refuse(
+                "the slot is shorter than it is wide", "the length runs along the shaft", "length"
+            )
         return self
 
 
 class M68Settings(RuleSettings):
     """Settings of `iacs-m68`."""
 
-    alloy: Annotated[tuple[str, ...], OneOrMany] = given("shafts of alloy steel; others are carbon or C-Mn steel", ())
-    drive: Literal["turbine", "electric", "slip coupling", "other"] = given("what drives, for F", "other")
-    tachometer: fields.Tolerance = given("tolerance of the tachometer, added to both ends of a barred range", 0.0)
+    alloy: Annotated[tuple[str, ...], OneOrMany] = given(
+        "shafts of alloy steel; others are carbon or C-Mn steel", ()
+    )
+    drive: Literal["turbine", "electric", "slip coupling", "other"] = given(
+        "what drives, for F", "other"
+    )
+    tachometer: fields.Tolerance = given(
+        "tolerance of the tachometer, added to both ends of a barred range", 0.0
+    )
     slots: Mapping[str, Slot] = given(
-        "slots by name of the shaft: {length, width, end_radius, number}; C_K 1.45/scf in place of 0.30", {}
+        "slots by name of the shaft: {length, width, end_radius, number}; C_K 1.45/scf in place of 0.30",
+        {},
     )
     near_transient: Annotated[float, Quantity("1", above=0, at_most=1, usual="tolerance")] = given(
         "share of tau_T from which a stress is near it, where 500 MPa are demanded (the rule has no number)",
@@ -172,13 +197,17 @@ class ClassedShaft:
     name: str
     role: Role  # as the rule sees it: a tube shaft is one of the propeller shafts
     strength: float  # N/mm2, as used
-    details: tuple[tuple[str, Detail], ...]  # by feature; the smallest C_K and the greatest k govern
+    details: tuple[
+        tuple[str, Detail], ...
+    ]  # by feature; the smallest C_K and the greatest k govern
     diameter: float  # mm, greatest: for C_D
     ends: Ends  # mm, (outer, bore) of the driving and the driven end
     stated: float | None  # N/mm2: strength as the file gives it
     restrictions: tuple[str, ...] = ()  # conditions of the factors that the file does not answer
     broken: tuple[str, ...] = ()  # conditions that it breaks
-    near_limit: tuple[str, ...] = ()  # conditions near the limit of continuous use that the file does not answer
+    near_limit: tuple[
+        str, ...
+    ] = ()  # conditions near the limit of continuous use that the file does not answer
 
     @property
     def governing(self) -> tuple[str, Detail]:
@@ -210,7 +239,10 @@ class ClassedShaft:
         """Why the limits do not hold for it."""
         if self.stated is None or self.stated >= LEAST_STRENGTH * (1 - ROUNDING):
             return self.broken
-        return (f"tensile strength {self.stated:.4g} N/mm2, below {LEAST_STRENGTH:g}: no limit holds", *self.broken)
+        return (
+            f"tensile strength {self.stated:.4g} N/mm2, below {LEAST_STRENGTH:g}: no limit holds",
+            *self.broken,
+        )
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -251,26 +283,41 @@ def _classed(study: Study, settings: M68Settings, part: int, record: ShaftRecord
     steel = LEAST_STRENGTH if stated is None else stated
     is_alloy = not {name, whole}.isdisjoint(settings.alloy)
     strength = used_strength(steel, role, alloy=is_alloy)
-    ends = cast(Ends, tuple((outer * MM, bore * MM) for outer, bore in diameters(study.train, part)))
+    ends = cast(
+        Ends, tuple((outer * MM, bore * MM) for outer, bore in diameters(study.train, part))
+    )
     details = _details(record, role, name, ends, settings)
     unknown, broken = _conditions(record, name, ends, settings)
     most = ALLOY_STRENGTH_CAP if is_alloy else MOST_CARBON_STRENGTH
     if stated is not None and stated > most * (1 + ROUNDING):
         kind = "alloy" if is_alloy else "carbon"
-        unknown.append(f"special approval of '{name}': {kind} steel of {stated:.4g} N/mm2, above {most:g}")
+        unknown.append(
+            f"special approval of '{name}': {kind} steel of {stated:.4g} N/mm2, above {most:g}"
+        )
     answered = settings.conditions is not None
     return ClassedShaft(
-        part, name, role, strength, details, max(outer for outer, _ in ends), ends, stated,
-        () if answered else tuple(unknown), tuple(broken),
+        part,
+        name,
+        role,
+        strength,
+        details,
+        max(outer for outer, _ in ends),
+        ends,
+        stated,
+        () if answered else tuple(unknown),
+        tuple(broken),
         (SEAT.format(name),) if "shrink fit" in record.features and not answered else (),
-    )  # fmt: skip
+    )
 
 
 def _conditions(
     shaft: ShaftRecord, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
 ) -> tuple[list[str], list[str]]:
     """Conditions of the factors of a shaft that the file does not answer, and those that it breaks, in words."""
-    unknown, broken = list[str](), list(_without_factor(shaft, name, min(outer for outer, _ in ends)))
+    unknown, broken = (
+        list[str](),
+        list(_without_factor(shaft, name, min(outer for outer, _ in ends))),
+    )
     if "radial hole" in shaft.features:
         unknown.append(f"radial hole of '{name}' at most 0.3 of the diameter")
     if "slot" not in shaft.features:
@@ -284,9 +331,14 @@ def _conditions(
         unknown += [f"{of}length below {MOST_SLOT_LENGTH:g} of the diameter"]
         unknown += [f"{of}width above {LEAST_SLOT_WIDTH:g} of the diameter"]
     else:
-        length, width = slot.length * MM / diameter, slot.width * MM / max(outer for outer, _ in ends)
+        length, width = (
+            slot.length * MM / diameter,
+            slot.width * MM / max(outer for outer, _ in ends),
+        )
         if length >= MOST_SLOT_LENGTH * (1 - ROUNDING):
-            broken.append(f"{of}length {length:.3g} of the diameter, not below {MOST_SLOT_LENGTH:g}")
+            broken.append(
+                f"{of}length {length:.3g} of the diameter, not below {MOST_SLOT_LENGTH:g}"
+            )
         if width <= LEAST_SLOT_WIDTH * (1 + ROUNDING):
             broken.append(f"{of}width {width:.3g} of the diameter, not above {LEAST_SLOT_WIDTH:g}")
     if slot is None or slot.end_radius is None:
@@ -313,7 +365,11 @@ def _without_factor(shaft: ShaftRecord, name: str, diameter: float) -> Iterator[
 
 
 def _details(
-    shaft: ShaftRecord, role: Role, name: str, ends: tuple[tuple[float, float], ...], settings: M68Settings
+    shaft: ShaftRecord,
+    role: Role,
+    name: str,
+    ends: tuple[tuple[float, float], ...],
+    settings: M68Settings,
 ) -> tuple[tuple[str, Detail], ...]:
     """The shaft's features with their factors, and those of its role and its notches that no feature states."""
     found: list[tuple[str, Detail]] = []

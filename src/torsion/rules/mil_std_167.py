@@ -48,7 +48,9 @@ class MilStd167(RuleOverSpeed):
     def faults(self, study: Study, settings: MilSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         every, where = list(with_role(study.train, *ROLES)), self.path(study, settings)
-        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(study, settings)
+        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(
+            study, settings
+        )
         if not every and not any(study.train.of_kind("gear")):
             hint = f"role: {', '.join(ROLES[:-1])} or {ROLES[-1]}"
             message = f"no round shaft has a `role` and there is no gear, so {self.name} has nothing to judge"
@@ -58,7 +60,9 @@ class MilStd167(RuleOverSpeed):
             if made_of.tensile_strength is None and made_of != STEEL:
                 message = f"`tensile_strength` of '{shaft.material}' is not given"
                 hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
-                found.append(Fault((*part.path, "material"), f"{message}, and {self.name} needs it", hint))
+                found.append(
+                    Fault((*part.path, "material"), f"{message}, and {self.name} needs it", hint)
+                )
         return found
 
     def left_out(self, study: Study, settings: MilSettings) -> tuple[tuple[str, str], ...]:
@@ -69,7 +73,10 @@ class MilStd167(RuleOverSpeed):
             for number, part in enumerate(study.train.parts)
             if part.shaft is not None and number not in judged
         ]
-        return (*found, (f"{self.name}: propulsion shafts of other metals", "the limit is for steel"))
+        return (
+            *found,
+            (f"{self.name}: propulsion shafts of other metals", "the limit is for steel"),
+        )
 
     def check(self, evidence: Results, settings: MilSettings) -> tuple[Check, ...]:
         """With a row for each gear of unknown torque."""
@@ -89,10 +96,14 @@ class MilStd167(RuleOverSpeed):
             )
             in_use = f"operating range from {in_rpm(settings.continuous.first)}"
         for number, part, shaft in with_role(train, *ROLES):
-            spans, stress = nominal_stress(evidence.system, number, evidence.need(Synthesis).half_range)
+            spans, stress = nominal_stress(
+                evidence.system, number, evidence.need(Synthesis).half_range
+            )
             given_strength = train.materials[shaft.material].tensile_strength
             strength = LEAST_STRENGTH if given_strength is None else given_strength * PA
-            assumed = " (none stated: the least of shaft steel assumed)" if given_strength is None else ""
+            assumed = (
+                " (none stated: the least of shaft steel assumed)" if given_strength is None else ""
+            )
             notes = f"sigma_B {strength:.4g} N/mm2{assumed}", MOSTLY
             limit = strength * SHARE_OF_STRENGTH
             ranges = (
@@ -102,7 +113,17 @@ class MilStd167(RuleOverSpeed):
             for clause, speeds, times, judged, where in ranges:
                 curve = curve_of(response, stress, times * limit)
                 what = f"Torsional stress amplitude, {speeds}"
-                yield Clause(clause, part.name, what, TO_BE_VERIFIED, curve, judged, "N/mm2", (where, *notes), spans)
+                yield Clause(
+                    clause,
+                    part.name,
+                    what,
+                    TO_BE_VERIFIED,
+                    curve,
+                    judged,
+                    "N/mm2",
+                    (where, *notes),
+                    spans,
+                )
         if not any(train.of_kind("gear")) or judgement.rated_torque(evidence) is None:
             return
         for mesh in meshes(evidence):
@@ -110,5 +131,13 @@ class MilStd167(RuleOverSpeed):
             text = f"the smaller of {MESH_OF_MEAN:g} of the mean torque and {MESH_OF_RATED:g} x {mesh.rated:.5g} N m"
             curve, notes = curve_of(response, mesh.vibratory, most), (text, MOSTLY)
             yield Clause(
-                "gears", mesh.name, VIBRATORY, TO_BE_VERIFIED, curve, ~below, "N m", (in_use, *notes), mesh.spans
+                "gears",
+                mesh.name,
+                VIBRATORY,
+                TO_BE_VERIFIED,
+                curve,
+                ~below,
+                "N m",
+                (in_use, *notes),
+                mesh.spans,
             )

@@ -29,12 +29,18 @@ RPM = 30.0 / math.pi
 class NoiseSettings(RuleSettings):
     """Settings of `nvh`."""
 
-    at: str | None = given("name of the component; of a link its driving end, of a gear its driving wheel")
+    at: str | None = given(
+        "name of the component; of a link its driving end, of a gear its driving wheel"
+    )
     acceleration: Annotated[float, Quantity("rad/s**2", above=0)] | None = given(
         "maximum amplitude of its angular acceleration (rattle of gears: 200 to 500 rad/s2, to be verified)"
     )
-    fluctuation: fields.Speed | None = given("maximum of (max - min)/2 of its speed over a cycle, as `15 rpm`")
-    order: fields.Exact | None = given("order of the component's speed, for the acceleration only (default: all)")
+    fluctuation: fields.Speed | None = given(
+        "maximum of (max - min)/2 of its speed over a cycle, as `15 rpm`"
+    )
+    order: fields.Exact | None = given(
+        "order of the component's speed, for the acceleration only (default: all)"
+    )
     continuous: Continuous | None = given("speeds that are judged: {from, to} (default: all)")
 
 
@@ -47,13 +53,22 @@ class NoiseLimits(RuleOverSpeed):
     def faults(self, study: Study, settings: NoiseSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         where = (*self.path(study, settings), self.name)
-        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(study, settings)
+        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(
+            study, settings
+        )
         example = f"- {self.name}: {{at: gearbox, acceleration: 300 rad/s**2, fluctuation: 15 rpm}}"
         if settings.acceleration is None and settings.fluctuation is None:
             message = f"{self.name} has no limit: `acceleration` and `fluctuation` are missing"
             found.append(Fault(where[:-1], message, example))
         if settings.at is None:
-            return [*found, Fault(where[:-1], f"`at` of {self.name} is missing: the component that is judged", example)]
+            return [
+                *found,
+                Fault(
+                    where[:-1],
+                    f"`at` of {self.name} is missing: the component that is judged",
+                    example,
+                ),
+            ]
         names = [part.name for part in study.train.parts]
         if settings.at not in names:
             near = nearest(settings.at, names)
@@ -61,8 +76,14 @@ class NoiseLimits(RuleOverSpeed):
             return [*found, Fault((*where, "at"), f"no component is called '{settings.at}'", hint)]
         if not study.train.part(settings.at).stations:
             points = ", ".join(part.name for part in study.train.parts if part.is_point)
-            return [*found, Fault((*where, "at"), f"'{settings.at}' has no one speed", f"points: {points}")]
-        ratio, excited = study.train.stations[_station(study, settings)].ratio, excited_orders(study.train)
+            return [
+                *found,
+                Fault((*where, "at"), f"'{settings.at}' has no one speed", f"points: {points}"),
+            ]
+        ratio, excited = (
+            study.train.stations[_station(study, settings)].ratio,
+            excited_orders(study.train),
+        )
         if settings.order is not None and settings.order * ratio not in excited:
             own = ", ".join(str(order / ratio) for order in excited)
             message = f"nothing excites the train by order {settings.order} of '{settings.at}'"
@@ -72,7 +93,11 @@ class NoiseLimits(RuleOverSpeed):
     def left_out(self, study: Study, settings: NoiseSettings) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
         limits = ("acceleration", settings.acceleration), ("fluctuation", settings.fluctuation)
-        return tuple((f"{self.name}: {key}", "the file gives no limit") for key, limit in limits if limit is None)
+        return tuple(
+            (f"{self.name}: {key}", "the file gives no limit")
+            for key, limit in limits
+            if limit is None
+        )
 
     def clauses(self, evidence: Results, settings: NoiseSettings) -> Iterator[Clause]:
         """At the component, over the speeds that are judged."""
@@ -82,11 +107,26 @@ class NoiseLimits(RuleOverSpeed):
         velocity = 1j * circular * response.angle[:, :, station]
         acceleration, words, ratio = 1j * circular * velocity, "", system.stations[station].ratio
         if settings.order is not None:
-            alone = np.array([line.order == settings.order * ratio for line in response.lines], dtype=bool)
-            acceleration, words = np.where(alone, acceleration, 0.0), f", order {settings.order} of its own speed"
-        use, in_use = judgement.within(settings.continuous, response.speed), judgement.in_use(settings.continuous)
+            alone = np.array(
+                [line.order == settings.order * ratio for line in response.lines], dtype=bool
+            )
+            acceleration, words = (
+                np.where(alone, acceleration, 0.0),
+                f", order {settings.order} of its own speed",
+            )
+        use, in_use = (
+            judgement.within(settings.continuous, response.speed),
+            judgement.in_use(settings.continuous),
+        )
         rows: tuple[tuple[str, str, ComplexArray, float | None, float, str], ...] = (
-            ("acceleration", f"Angular acceleration{words}", acceleration, settings.acceleration, 1.0, "rad/s2"),
+            (
+                "acceleration",
+                f"Angular acceleration{words}",
+                acceleration,
+                settings.acceleration,
+                1.0,
+                "rad/s2",
+            ),
             ("fluctuation", "Speed fluctuation", velocity, settings.fluctuation, RPM, "rpm"),
         )
         for clause, what, phasors, limit, unit, name in rows:

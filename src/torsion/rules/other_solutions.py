@@ -23,6 +23,8 @@ def worst_of_solutions(evidence: Results, judge: Judge) -> tuple[Check, ...]:
         beside = evidence.having(response=other, synthesis=synthesis(other))
         cases[f"at solution {number} of the vibratory torque, the largest first"] = judge(beside)
     return tuple(
-        check if words == LARGEST else replace(check, note="; ".join(filter(None, (words, check.note))))
+        check
+        if words == LARGEST
+        else replace(check, note="; ".join(filter(None, (words, check.note))))
         for words, check in worst_checks(cases).values()
     )

@@ -27,7 +27,9 @@ def tolerances_of(evidence: Results) -> "Tolerances | None":
     return evidence.get(Tolerances)
 
 
-def over_tolerances(evidence: Results, barred: BarredRange, rated: float, tachometer: float) -> BarredRange:
+def over_tolerances(
+    evidence: Results, barred: BarredRange, rated: float, tachometer: float
+) -> BarredRange:
     """With the range that covers its critical speed at every tolerance, where an order meets a mode within it."""
     found, critical = tolerances_of(evidence), evidence.get(CriticalSpeeds)
     if found is None or critical is None or not found.critical_lower.size:
@@ -43,7 +45,9 @@ def over_tolerances(evidence: Results, barred: BarredRange, rated: float, tachom
     share = barred.critical / critical.crossings[place].speed
     low = barred_range(share * float(found.critical_lower[place]), rated)[0] * (1.0 - tachometer)
     high = barred_range(share * float(found.critical_upper[place]), rated)[1] * (1.0 + tachometer)
-    return replace(barred, tolerance_lower=min(low, barred.lower), tolerance_upper=max(high, barred.upper))
+    return replace(
+        barred, tolerance_lower=min(low, barred.lower), tolerance_upper=max(high, barred.upper)
+    )
 
 
 def margin_words(evidence: Results, lowest: float, highest: float) -> list[str]:
@@ -55,4 +59,6 @@ def margin_words(evidence: Results, lowest: float, highest: float) -> list[str]:
     worst = int(np.argmin(apart))
     band = f"{found.lower[worst]:.5g} to {found.upper[worst]:.5g} Hz"
     least = max(float(apart[worst]), 0.0)
-    return [f"within the tolerances mode {worst + 1} lies at {band}, {100 * least:.3g} % away at the worst end"]
+    return [
+        f"within the tolerances mode {worst + 1} lies at {band}, {100 * least:.3g} % away at the worst end"
+    ]

@@ -26,9 +26,15 @@ class SpeedsAbove(SpeedRange):
 
 
 def with_reach(
-    check: Check, study: Study, scope: float = 1.0, speed: FloatArray | None = None, use: Range | None = None,
-    subject: str = "Vibration", *, begin: float = 1.0,
-) -> Iterator[Check]:  # fmt: skip
+    check: Check,
+    study: Study,
+    scope: float = 1.0,
+    speed: FloatArray | None = None,
+    use: Range | None = None,
+    subject: str = "Vibration",
+    *,
+    begin: float = 1.0,
+) -> Iterator[Check]:
     """Yield the check, and a row NOT JUDGED for either end at which its rule demands speeds that were not computed.
 
     The speeds of the operation, and those (speeds,) rad/s that were looked at, hold the rated speed; up to a share
@@ -69,7 +75,9 @@ def with_reach(
     if first > begin * rated.speed * (1 + SAME_SPEED):
         from_start = Reach(first, last, 0.0)
         has_rated = first <= rated.speed * (1 + SAME_SPEED)
-        lacks_barred = begin < BARRED_BELOW and first >= BARRED_BELOW * rated.speed * (1 - SAME_SPEED)
+        lacks_barred = begin < BARRED_BELOW and first >= BARRED_BELOW * rated.speed * (
+            1 - SAME_SPEED
+        )
         is_stated = is_own and (has_rated or scope <= 1.0)
         if is_stated or (has_rated and not lacks_barred):
             check = restricted(check, reach_words(from_start, rated.speed))
@@ -82,7 +90,9 @@ def with_reach(
 def _uncomputed(check: Check, what: str, reach: Reach, rated: float) -> Check:
     """Return the row of speeds that a rule demands and that were not computed."""
     words, what = reach_words(reach, rated), f"{what} the computed speeds"
-    return replace(unjudged(check.rule, "speeds", check.where, what, words, check.standing), reach=reach)
+    return replace(
+        unjudged(check.rule, "speeds", check.where, what, words, check.standing), reach=reach
+    )
 
 
 def use_words(use: Range | None, study: Study) -> str:
@@ -106,7 +116,10 @@ def demanded_speed(study: Study, scope: float) -> tuple[float, str]:
     whole = scope * (0.0 if operation.rated is None else operation.rated.speed)
     if operation.highest is None or operation.highest >= whole * (1 - SAME_SPEED):
         return max(whole, operation.highest or 0.0), ""
-    return operation.highest, f"speed limited to {in_rpm(operation.highest)} by {_keeper(operation.by)}"
+    return (
+        operation.highest,
+        f"speed limited to {in_rpm(operation.highest)} by {_keeper(operation.by)}",
+    )
 
 
 def demanded_study(study: Study) -> Study | None:
@@ -130,26 +143,41 @@ def demanded_study(study: Study) -> Study | None:
     step = (speeds.last - speeds.first) / (speeds.steps - 1)
     end = max(short.values())
     steps = max(2, math.ceil((end - rated.speed) / step) + 1)
-    above = SpeedsAbove.model_construct(first=rated.speed, last=end, steps=steps, begin=speeds.first)
+    above = SpeedsAbove.model_construct(
+        first=rated.speed, last=end, steps=steps, begin=speeds.first
+    )
     operation = study.operation.model_copy(update={"speeds": above})
     rules = tuple((name, settings) for name, settings in study.rules if name in short)
     return replace(study, operation=operation, rules=rules, variations={}, cases={})
 
 
 def _keeper(by: str | None) -> str:
-    return "a limit that the file states" if by is None else by if by.startswith("the ") else f"the {by}"
+    return (
+        "a limit that the file states"
+        if by is None
+        else by
+        if by.startswith("the ")
+        else f"the {by}"
+    )
 
 
 def restricted(check: Check, words: str, reach: Reach | None = None) -> Check:
     """Return a check that is met as one that is met with a restriction, in words; another check as it is."""
     if check.verdict not in ("pass", "restricted"):
         return check
-    return replace(check, verdict="restricted", restrictions=(*check.restrictions, words), reach=reach or check.reach)
+    return replace(
+        check,
+        verdict="restricted",
+        restrictions=(*check.restrictions, words),
+        reach=reach or check.reach,
+    )
 
 
 def distinct(checks: Iterable[Check]) -> tuple[Check, ...]:
     """Return the checks without the rows that several checks of a component have in common."""
-    return tuple({(one.rule, one.clause, one.where, one.what, one.verdict): one for one in checks}.values())
+    return tuple(
+        {(one.rule, one.clause, one.where, one.what, one.verdict): one for one in checks}.values()
+    )
 
 
 def reach_words(reach: Reach | None, rated: float) -> str:

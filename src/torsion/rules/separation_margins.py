@@ -42,7 +42,9 @@ class Margins:
 
     edition: str
     multiples: int  # of every shaft's speed that count whether the file excites them or not
-    first: float = 0.10  # of the shaft speeds themselves, of meshes, of blades and of the line frequency
+    first: float = (
+        0.10  # of the shaft speeds themselves, of meshes, of blades and of the line frequency
+    )
     other: float = 0.10  # of every other order
 
 
@@ -78,7 +80,9 @@ Grid = Annotated[LineFrequency, BeforeValidator(_read_line_frequency, float | st
 class MarginSettings(RuleSettings):
     """Settings of the separation margins."""
 
-    continuous: Continuous | None = given("operating range: {from, to} (default: all of `operation.speeds`)")
+    continuous: Continuous | None = given(
+        "operating range: {from, to} (default: all of `operation.speeds`)"
+    )
     line_frequency: Grid | None = given(
         "of the electric supply, once and twice it count: a frequency, {nominal: 50 Hz, tolerance: 2 %}, or none where "
         "there is no grid; a train with an electric machine is not judged without it"
@@ -114,12 +118,19 @@ class SeparationMargins(Rule):
     def faults(self, study: Study, settings: MarginSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         following = next(
-            (one for one in study.train.springs if one.table is not None and one.table.over != "frequency"), None
+            (
+                one
+                for one in study.train.springs
+                if one.table is not None and one.table.over != "frequency"
+            ),
+            None,
         )
         if following is not None and following.table is not None:
             message = f"{self.name} judges one natural frequency a mode, and '{following.name}' leaves a mode many"
             hint = "give the coupling a `stiffness`, the softest and the stiffest as two `cases`"
-            return [Fault((*study.train.parts[following.part].path, following.table.key), message, hint)]
+            return [
+                Fault((*study.train.parts[following.part].path, following.table.key), message, hint)
+            ]
         if settings.continuous is not None or study.operation.speeds is not None:
             return []
         hint = f"speeds: {{from: 300 rpm, to: 1800 rpm}}, or `continuous` of `{self.name}`"
@@ -151,11 +162,23 @@ class SeparationMargins(Rule):
             check = self._judge(excitation, frequency, known_to, words)
             worst[check.what] = max(worst.get(check.what, check), check, key=rank)
         study, use = evidence.study, settings.continuous
-        checks = [*worst.values(), *self._missing_line(study.train, settings), *self._uncounted(study.train)]
-        return distinct(row for check in checks for row in with_reach(check, study, use=use, subject="Separation"))
+        checks = [
+            *worst.values(),
+            *self._missing_line(study.train, settings),
+            *self._uncounted(study.train),
+        ]
+        return distinct(
+            row
+            for check in checks
+            for row in with_reach(check, study, use=use, subject="Separation")
+        )
 
     def _judge(
-        self, excitation: Excitation, frequency: np.ndarray, known_to: float, within_tolerances: list[str]
+        self,
+        excitation: Excitation,
+        frequency: np.ndarray,
+        known_to: float,
+        within_tolerances: list[str],
     ) -> Check:
         """Return the check of one excitation; all modes up to `known_to` (Hz) are in `frequency`."""
         below = (excitation.lowest - frequency) / excitation.lowest
@@ -173,17 +196,33 @@ class SeparationMargins(Rule):
             words.append(_in_hertz(excitation))
         words += within_tolerances
         if near.size:
-            words.append(f"modes {', '.join(str(mode + 1) for mode in near.tolist())}: {STRESS_ANALYSIS}")
+            words.append(
+                f"modes {', '.join(str(mode + 1) for mode in near.tolist())}: {STRESS_ANALYSIS}"
+            )
         is_known = known_to >= excitation.reach * (1.0 - ROUNDING)
         if not is_known:
-            words.append(f"modes are known up to {known_to:.5g} Hz and are needed up to {excitation.reach:.5g} Hz")
+            words.append(
+                f"modes are known up to {known_to:.5g} Hz and are needed up to {excitation.reach:.5g} Hz"
+            )
 
-        verdict = verdict_of(not near.size, TO_BE_VERIFIED) if is_known or near.size else "not judged"
+        verdict = (
+            verdict_of(not near.size, TO_BE_VERIFIED) if is_known or near.size else "not judged"
+        )
         return Check(
-            self.name, CLAUSE, WHERE, f"Separation from {excitation.name}",
-            float(margin[worst]), excitation.margin, "1", verdict,
-            TO_BE_VERIFIED, speed, excitation.order, "; ".join(words), at_least=True,
-        )  # fmt: skip
+            self.name,
+            CLAUSE,
+            WHERE,
+            f"Separation from {excitation.name}",
+            float(margin[worst]),
+            excitation.margin,
+            "1",
+            verdict,
+            TO_BE_VERIFIED,
+            speed,
+            excitation.order,
+            "; ".join(words),
+            at_least=True,
+        )
 
     def _missing_line(self, train: Train, settings: MarginSettings) -> Iterator[Check]:
         """Yield a row that is not judged where an electric machine turns and the file says nothing of its grid."""
@@ -191,25 +230,54 @@ class SeparationMargins(Rule):
         if machines and settings.line_frequency is None:
             note = f"the line frequency of {in_runs(machines)} is not stated: {STATE_LINE}"
             yield Check(
-                self.name, CLAUSE, WHERE, "Separation from 1 x line frequency", math.nan, self.standard.first, "1",
-                "not judged", TO_BE_VERIFIED, note=note, at_least=True,
-            )  # fmt: skip
+                self.name,
+                CLAUSE,
+                WHERE,
+                "Separation from 1 x line frequency",
+                math.nan,
+                self.standard.first,
+                "1",
+                "not judged",
+                TO_BE_VERIFIED,
+                note=note,
+                at_least=True,
+            )
 
     def _uncounted(self, train: Train) -> Iterator[Check]:
         """Yield a restriction for each gear without its teeth, and for each machine without its blades."""
-        meshes = [mesh.name for mesh in train.constraints if _is_mesh(train, mesh.part) and not mesh.meshings]
-        bladed = [part.name for part in train.parts if part.impeller is not None and not part.impeller.blades]
+        meshes = [
+            mesh.name
+            for mesh in train.constraints
+            if _is_mesh(train, mesh.part) and not mesh.meshings
+        ]
+        bladed = [
+            part.name
+            for part in train.parts
+            if part.impeller is not None and not part.impeller.blades
+        ]
         counts = [(name, "gear mesh", "teeth") for name in meshes]
         counts += [(name, "blade passing", "blades") for name in bladed]
         for name, passing, key in counts:
             words = f"{passing} frequency of '{name}' not judged: its `{key}` are not given"
             yield Check(
-                self.name, CLAUSE, name, f"Separation from {passing}", math.nan, math.nan, "1", "restricted",
-                TO_BE_VERIFIED, note=words, restrictions=(words,), at_least=True,
-            )  # fmt: skip
+                self.name,
+                CLAUSE,
+                name,
+                f"Separation from {passing}",
+                math.nan,
+                math.nan,
+                "1",
+                "restricted",
+                TO_BE_VERIFIED,
+                note=words,
+                restrictions=(words,),
+                at_least=True,
+            )
 
 
-def list_excitations(evidence: Results, settings: MarginSettings, standard: Margins) -> Iterator[Excitation]:
+def list_excitations(
+    evidence: Results, settings: MarginSettings, standard: Margins
+) -> Iterator[Excitation]:
     """Every order once, ascending, then every fixed frequency; the largest margin counts."""
     use = settings.continuous or evidence.study.operation.speeds
     if use is None:
@@ -217,7 +285,10 @@ def list_excitations(evidence: Results, settings: MarginSettings, standard: Marg
     train = evidence.study.train
     acting = lines(evidence.system)
     orders = dict[Fraction, tuple[str, float]]()
-    for order, name, margin in (*_of_shafts(train, standard), *_of_teeth_and_blades(train, standard)):
+    for order, name, margin in (
+        *_of_shafts(train, standard),
+        *_of_teeth_and_blades(train, standard),
+    ):
         first_name, largest = orders.get(order, (name, 0.0))
         orders[order] = first_name, max(largest, margin)
     for line in acting:
@@ -241,7 +312,9 @@ def list_excitations(evidence: Results, settings: MarginSettings, standard: Marg
 def _of_shafts(train: Train, standard: Margins) -> Iterator[tuple[Fraction, str, float]]:
     """Multiples of the speed of every shaft, excited or not: order of the reference, name, margin."""
     ratios = sorted({abs(station.ratio) for station in train.stations if not station.is_ground})
-    for multiple in range(1, standard.multiples + 1):  # what is once one shaft's speed is named by that shaft
+    for multiple in range(
+        1, standard.multiples + 1
+    ):  # what is once one shaft's speed is named by that shaft
         margin = standard.first if multiple == 1 else standard.other
         for ratio in ratios:
             yield multiple * ratio, f"{multiple} x {_name_shaft(train, ratio)} speed", margin
@@ -255,7 +328,11 @@ def _of_teeth_and_blades(train: Train, standard: Margins) -> Iterator[tuple[Frac
             yield order, f"gear mesh of {mesh.name}", standard.first
     for part in train.parts:
         if part.impeller is not None and part.impeller.blades:
-            yield part.impeller.blades * abs(part.ratio), f"blade passing of {part.name}", standard.first
+            yield (
+                part.impeller.blades * abs(part.ratio),
+                f"blade passing of {part.name}",
+                standard.first,
+            )
 
 
 def _name_shaft(train: Train, ratio: Fraction) -> str:
@@ -286,5 +363,7 @@ def _is_mesh(train: Train, part: int) -> bool:
 
 def _in_hertz(excitation: Excitation) -> str:
     """The fixed frequency, or its band."""
-    ends = dict.fromkeys(f"{frequency:.5g}" for frequency in (excitation.lowest, excitation.highest))
+    ends = dict.fromkeys(
+        f"{frequency:.5g}" for frequency in (excitation.lowest, excitation.highest)
+    )
     return " to ".join(ends) + " Hz"

@@ -59,7 +59,9 @@ class LimitCurve:
         """Every piece with (speeds,) where it holds."""
         left = np.ones(ratio.shape, dtype=bool)
         for piece in self.pieces:
-            here = left & (ratio < piece.last * (1.0 - ROUNDING if piece.is_open else 1.0 + ROUNDING))
+            here = left & (
+                ratio < piece.last * (1.0 - ROUNDING if piece.is_open else 1.0 + ROUNDING)
+            )
             left = left & ~here
             yield piece, here
 
@@ -81,7 +83,9 @@ class LimitCurve:
         """(speeds,) while a barred range is passed; NaN where none may be."""
         if self.passing is None:
             return np.full(ratio.shape, np.nan)
-        return np.where(ratio <= self.passing.last * (1 + ROUNDING), self.passing.limit(ratio), np.nan)
+        return np.where(
+            ratio <= self.passing.last * (1 + ROUNDING), self.passing.limit(ratio), np.nan
+        )
 
 
 @dataclass(frozen=True)
@@ -96,7 +100,9 @@ class LimitedShaft:
     keyways: tuple[str, ...] = ()  # features that do not go with a barred range
     restrictions: tuple[str, ...] = ()  # conditions of its limits that the file does not answer
     doubts: tuple[str, ...] = ()  # conditions of its limits that are known to be broken
-    near_limit: tuple[str, ...] = ()  # conditions that hold for a stress near the limit of continuous use
+    near_limit: tuple[
+        str, ...
+    ] = ()  # conditions that hold for a stress near the limit of continuous use
 
 
 def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:
@@ -132,7 +138,9 @@ def diameters(train: Train, part: int) -> tuple[tuple[float, float], tuple[float
 def stress_modulus(system: System, part: int) -> tuple[IntArray, FloatArray]:
     """Spans of a shaft (spans,) and the W_p of each (spans,) m3: the smaller end's of a conical piece."""
     spans, (driving, driven) = spans_of(system, part), diameters(system.train, part)
-    at = np.linspace(0.0, 1.0, len(spans) + 1)  # between two of them the modulus is never below the smaller
+    at = np.linspace(
+        0.0, 1.0, len(spans) + 1
+    )  # between two of them the modulus is never below the smaller
     outer, bore = (first + (last - first) * at for first, last in zip(driving, driven, strict=True))
     at_edge = section_modulus(outer, bore)
     return spans, np.minimum(at_edge[:-1], at_edge[1:])

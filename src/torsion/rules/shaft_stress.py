@@ -27,7 +27,14 @@ from torsion.rules.judgement import (
     worst_of,
 )
 from torsion.rules.over_tolerances import over_tolerances
-from torsion.rules.reached_speeds import BARRED_BELOW, START, distinct, in_rpm, restricted, with_reach
+from torsion.rules.reached_speeds import (
+    BARRED_BELOW,
+    START,
+    distinct,
+    in_rpm,
+    restricted,
+    with_reach,
+)
 from torsion.rules.shaft_limits import (
     NEAR_LIMIT,
     ROUNDING,
@@ -99,7 +106,9 @@ class ShaftStress(RuleOverSpeed):
 
     def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
         """rad/s: the rated speed, and those at which the limits bend or end."""
-        corners = {share: None for shaft in self.shafts(study, settings) for share in shaft.curve.corners}
+        corners = {
+            share: None for shaft in self.shafts(study, settings) for share in shaft.curve.corners
+        }
         return tuple(share * rated_speed(study) for share in sorted(corners))
 
     def speeds_between(self, evidence: Results, settings: Any) -> FloatArray:
@@ -108,7 +117,9 @@ class ShaftStress(RuleOverSpeed):
         for one in self.stressed(evidence, settings):
             found += [(one.curve, one.is_ruled), (one.curve, one.is_ruled & ~one.barred.passed)]
             ends += [end for band in one.barred.permitted for end in (band.lower, band.upper)]
-        return np.union1d(np.union1d(judgement.between(found), ends), super().speeds_between(evidence, settings))
+        return np.union1d(
+            np.union1d(judgement.between(found), ends), super().speeds_between(evidence, settings)
+        )
 
     def stressed(self, evidence: Results, settings: Any) -> Iterator[Stressed]:
         """Every shaft against its limits."""
@@ -121,7 +132,7 @@ class ShaftStress(RuleOverSpeed):
 
     def _curves(
         self, evidence: Results, settings: Any
-    ) -> Iterator[tuple[LimitedShaft, Curve, dict[str, BoolArray]]]:  # fmt: skip
+    ) -> Iterator[tuple[LimitedShaft, Curve, dict[str, BoolArray]]]:
         """Every shaft, its stress against the limit of continuous use, and by clause (speeds,) where it holds."""
         for shaft in self.shafts(evidence.study, settings):
             speed, tau_c, _, tau = limits_of(evidence, shaft)
@@ -143,7 +154,11 @@ class ShaftStress(RuleOverSpeed):
         for one in self.stressed(evidence, settings):
             for line in self.stresses(evidence, one, settings):
                 found += with_reach(
-                    conditioned(line, one.shaft), evidence.study, self.scope, subject=SUBJECT, begin=self.begin
+                    conditioned(line, one.shaft),
+                    evidence.study,
+                    self.scope,
+                    subject=SUBJECT,
+                    begin=self.begin,
                 )
         return distinct((*found, *super().check(evidence, settings)))
 
@@ -156,12 +171,17 @@ class ShaftStress(RuleOverSpeed):
         shaft, barred = one.shaft, one.barred
         spans = judgement.spans_of(evidence.system, shaft.part)
 
-        def judged(clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str) -> Check | None:
+        def judged(
+            clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str
+        ) -> Check | None:
             about = replace(one.curve, limit=limit)
             return judge(
-                self.name, Clause(clause, shaft.name, what, shaft.standing, about, within, "N/mm2", notes, spans),
+                self.name,
+                Clause(
+                    clause, shaft.name, what, shaft.standing, about, within, "N/mm2", notes, spans
+                ),
                 evidence,
-            )  # fmt: skip
+            )
 
         rest = f"outside the barred range {_words(barred.permitted)}" if barred.permitted else ""
         last = shaft.curve.last
@@ -181,14 +201,18 @@ class ShaftStress(RuleOverSpeed):
         if line is not None:
             verdict = self._above(evidence.study, last)
             restrictions = (without,) if verdict == "restricted" else ()
-            yield replace(line, limit=math.nan, verdict=verdict, restrictions=restrictions, standing=self.mark)
+            yield replace(
+                line, limit=math.nan, verdict=verdict, restrictions=restrictions, standing=self.mark
+            )
 
     def _above(self, study: Study, last: float) -> Verdict:
         """Verdict above the last limit: a restriction, or NOT JUDGED if a rule has continuous use there."""
         ranges = (getattr(settings, "continuous", None) for _, settings in study.rules)
         stated = [use.last for use in ranges if use is not None]
         highest = max([*stated, study.operation.highest or 0.0])
-        return "not judged" if highest > last * rated_speed(study) * (1 + ROUNDING) else "restricted"
+        return (
+            "not judged" if highest > last * rated_speed(study) * (1 + ROUNDING) else "restricted"
+        )
 
     def _passing(
         self, evidence: Results, one: Stressed, settings: Any, judged: Callable[..., Check | None]
@@ -197,9 +221,13 @@ class ShaftStress(RuleOverSpeed):
         shaft, barred, meter = one.shaft, one.barred, settings.tachometer
         if shaft.curve.passing is None:
             return None
-        reasons = [f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways]
+        reasons = [
+            f"{feature}: keyways are not for use with a barred range" for feature in shaft.keyways
+        ]
         passed = f"barred range {_words(barred.permitted)}, to be passed rapidly"
-        tachometer = f"tachometer tolerance {100 * meter:.3g} % " + ("added" if meter else "assumed")
+        tachometer = f"tachometer tolerance {100 * meter:.3g} % " + (
+            "added" if meter else "assumed"
+        )
         times = barred_time.barred_times(evidence, barred.permitted)
         notes = *reasons, passed, tachometer, MOSTLY, barred_time.words(times)
         limit = limits_of(evidence, shaft).tau_t
@@ -219,9 +247,13 @@ def conditioned(line: Check, shaft: LimitedShaft) -> Check:
     if line.fails or not line.has_limit:
         return line
     if shaft.doubts:
-        return replace(line, verdict="not judged", note="; ".join(filter(None, (*shaft.doubts, line.note))))
+        return replace(
+            line, verdict="not judged", note="; ".join(filter(None, (*shaft.doubts, line.note)))
+        )
     passing = shaft.curve.passing
-    is_near = (line.utilisation or 0.0) > NEAR_LIMIT or (passing is not None and line.clause == passing.clause)
+    is_near = (line.utilisation or 0.0) > NEAR_LIMIT or (
+        passing is not None and line.clause == passing.clause
+    )
     for words in (*shaft.restrictions, *(shaft.near_limit if is_near else ())):
         line = restricted(line, words)
     return line
@@ -232,7 +264,9 @@ def limits_of(evidence: Results, shaft: LimitedShaft) -> Limits:
     response, synthesis = evidence.need(Response), evidence.need(Synthesis)
     _, tau = nominal_stress(evidence.system, shaft.part, synthesis.half_range)
     ratio = response.speed / rated_speed(evidence.study)
-    return Limits(response.speed, shaft.curve.continuous(ratio), shaft.curve.while_passing(ratio), tau)
+    return Limits(
+        response.speed, shaft.curve.continuous(ratio), shaft.curve.while_passing(ratio), tau
+    )
 
 
 def judging(evidence: Results, shaft: str) -> tuple[ShaftStress, LimitedShaft]:
@@ -283,7 +317,9 @@ def barring(curve: Curve, rated: float, shaft: str, tolerance: float = 0.0) -> B
         lower = min(formula[0], _crossing(curve, first, first - 1)) * (1.0 - tolerance)
         upper = max(formula[1], _crossing(curve, end - 1, end)) * (1.0 + tolerance)
         is_permitted = bool(may_be_barred(upper / rated))
-        (permitted if is_permitted else refused).append(BarredRange(lower, upper, critical, shaft, *formula))
+        (permitted if is_permitted else refused).append(
+            BarredRange(lower, upper, critical, shaft, *formula)
+        )
         above[first:end] |= not is_permitted
     together = _apart(curve, permitted)
     for one in together:

@@ -47,8 +47,14 @@ class ShrinkFits(RuleOverSpeed):
     def faults(self, study: Study, settings: ShrinkFitSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         if not any(fits(study.train)):
-            hint = "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
-            return [Fault(self.path(study, settings), f"{self.name} finds no hub with a `pressure`", hint)]
+            hint = (
+                "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
+            )
+            return [
+                Fault(
+                    self.path(study, settings), f"{self.name} finds no hub with a `pressure`", hint
+                )
+            ]
         found = judgement.vibration_faults(self, study, settings)
         if not study.has_mean_torque:
             message = f"the mean torque is not known, and {self.name} compares it"
@@ -58,7 +64,9 @@ class ShrinkFits(RuleOverSpeed):
     def check(self, evidence: Results, settings: ShrinkFitSettings) -> tuple[Check, ...]:
         """With what a pass stands on, and rows of hubs that the file does not say enough of."""
         checks = super().check(evidence, settings)
-        kept = (restricted(check, UNLOADED) if check.clause == "slip" else check for check in checks)
+        kept = (
+            restricted(check, UNLOADED) if check.clause == "slip" else check for check in checks
+        )
         return (*kept, *self.demanded_rows(evidence.study, settings))
 
     def demanded_rows(self, study: Study, settings: ShrinkFitSettings) -> tuple[Check, ...]:
@@ -87,10 +95,16 @@ class ShrinkFits(RuleOverSpeed):
             )
             standing = TO_BE_VERIFIED if settings.safety is None else "setting"
             yield Clause(
-                "slip", bar.name, IN_FIT.format(hub.end),
-                standing, curve_of(response, torque, capacity / safety), np.ones(len(torque), dtype=bool), "N m", notes,
+                "slip",
+                bar.name,
+                IN_FIT.format(hub.end),
+                standing,
+                curve_of(response, torque, capacity / safety),
+                np.ones(len(torque), dtype=bool),
+                "N m",
+                notes,
                 spans,
-            )  # fmt: skip
+            )
 
 
 def fits(train: Train) -> Iterator[tuple[Bar, Hub, float]]:

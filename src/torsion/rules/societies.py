@@ -27,7 +27,15 @@ from torsion.rules.judgement import MOSTLY, Clause, curve_of, rated_speed
 from torsion.rules.m68 import M68
 from torsion.rules.m68_shafts import M68Settings
 from torsion.rules.reached_speeds import coverage
-from torsion.rules.shaft_limits import MM, PA, ROUNDING, LimitCurve, LimitedShaft, diameters, with_role
+from torsion.rules.shaft_limits import (
+    MM,
+    PA,
+    ROUNDING,
+    LimitCurve,
+    LimitedShaft,
+    diameters,
+    with_role,
+)
 from torsion.rules.society_limits import Duty, Society
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, verdict_of
 from torsion.study import Study
@@ -52,18 +60,23 @@ class LrSettings(SocietySettings):
     """Settings of `lr`."""
 
     tachometer: fields.Tolerance = given(
-        "tolerance of the tachometer, added to both ends of a barred range (2 % to be verified)", 0.02
+        "tolerance of the tachometer, added to both ends of a barred range (2 % to be verified)",
+        0.02,
     )
 
 
 class CrankSettings(SocietySettings):
     """Settings of the rule set of a society that has limits of crankshafts."""
 
-    strokes: Literal[2, 4] | None = given("strokes of a cycle of the engine (default: the less favourable)")
+    strokes: Literal[2, 4] | None = given(
+        "strokes of a cycle of the engine (default: the less favourable)"
+    )
     arrangement: Literal["in-line", "V45", "V60", "other V"] | None = given(
         "of its cylinders, a V with its angle in degrees (default: the less favourable)"
     )
-    cylinders: Annotated[int, Field(ge=1, le=100)] | None = given("of the engine, for its major critical speeds")
+    cylinders: Annotated[int, Field(ge=1, le=100)] | None = given(
+        "of the engine, for its major critical speeds"
+    )
     duty: Duty = given("what the engine drives", "propulsion")
 
 
@@ -77,41 +90,67 @@ class SocietyRule(M68):
         self.has_limits_of, self.is_pointwise = M68.has_limits_of, not self.society.has_majors
         self.settings: type[M68Settings] = LrSettings if name == "lr" else SocietySettings
         if self.society.crank == "kr":
-            self.has_limits_of, self.needs = (*M68.has_limits_of, *OTHER_ROLES), (*M68.needs, "modes")
+            self.has_limits_of, self.needs = (
+                (*M68.has_limits_of, *OTHER_ROLES),
+                (*M68.needs, "modes"),
+            )
             self.settings = CrankSettings
         elif self.society.crank:
             self.has_limits_of = (*M68.has_limits_of, "crank")
 
     def edition_of(self, check: Check, study: Study) -> str:
         """Return the text of the society that limits line shafts, or that of crankshafts and generator shafts."""
-        others = {study.train.parts[part].name for part, _, _ in with_role(study.train, *OTHER_ROLES)}
+        others = {
+            study.train.parts[part].name for part, _, _ in with_role(study.train, *OTHER_ROLES)
+        }
         is_other = check.where in others or check.clause == MAJOR
-        return self.society.crank_edition if is_other and self.society.crank_edition else self.society.edition
+        return (
+            self.society.crank_edition
+            if is_other and self.society.crank_edition
+            else self.society.edition
+        )
 
     def shafts(self, study: Study, settings: M68Settings) -> Iterator[LimitedShaft]:
         """Line shafts by the formulas of M68, others by the society's own table."""
         for shaft in super().shafts(study, settings):
             standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
             drive = _drive(study, settings)
-            by_agreement = () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
+            by_agreement = (
+                () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
+            )
             yield replace(
-                shaft, curve=_in_letters(shaft.curve, self.society), standing=standing,
+                shaft,
+                curve=_in_letters(shaft.curve, self.society),
+                standing=standing,
                 restrictions=(*shaft.restrictions, *by_agreement),
-            )  # fmt: skip
+            )
         for part, _, record in with_role(study.train, *OTHER_ROLES):
             if record.role in self.has_limits_of:
                 yield self._other(study, settings, part, record)
 
-    def _other(self, study: Study, settings: M68Settings, part: int, record: ShaftRecord) -> LimitedShaft:
+    def _other(
+        self, study: Study, settings: M68Settings, part: int, record: ShaftRecord
+    ) -> LimitedShaft:
         """A crankshaft or generator shaft."""
-        name, whole, society = study.train.parts[part].name, study.train.parts[part].whole, self.society
+        name, whole, society = (
+            study.train.parts[part].name,
+            study.train.parts[part].whole,
+            self.society,
+        )
         ends = diameters(study.train, part)
-        if not isinstance(settings, CrankSettings):  # a table by diameter alone, which the greatest limits most
+        if not isinstance(
+            settings, CrankSettings
+        ):  # a table by diameter alone, which the greatest limits most
             diameter = max(outer for outer, _ in ends) * MM
             curve = society_limits.crank_curve(society_limits.CCS_CRANK, society.letters, diameter)
-            return LimitedShaft(part, name, curve, society.crank_mark, (f"diameter {diameter:.4g} mm",))
+            return LimitedShaft(
+                part, name, curve, society.crank_mark, (f"diameter {diameter:.4g} mm",)
+            )
         material = study.train.materials[record.material]
-        known = [None if one is None else one * PA for one in (material.tensile_strength, material.yield_strength)]
+        known = [
+            None if one is None else one * PA
+            for one in (material.tensile_strength, material.yield_strength)
+        ]
         is_alloy = not {name, whole}.isdisjoint(settings.alloy)
         strength = society_limits.strength_factor(known[0], alloy=is_alloy)
         most = society_limits.ALLOY_CAP if is_alloy else society_limits.CARBON_CAP
@@ -123,10 +162,18 @@ class SocietyRule(M68):
         if record.role == "crank" and settings.duty == "propulsion":
             table = society_limits.KR_IN_LINE if is_better else society_limits.KR_OTHER
             curve = society_limits.crank_curve(table, society.letters, 0.0, strength, yields)
-            notes = engine, f"f_m {strength:.4g}, of tau_2 {yields:.4g}", "without a calculation by IACS UR M53"
+            notes = (
+                engine,
+                f"f_m {strength:.4g}, of tau_2 {yields:.4g}",
+                "without a calculation by IACS UR M53",
+            )
             return LimitedShaft(part, name, curve, society.crank_mark, notes, restrictions=agreed)
         rows = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
-        rows, about = (rows, engine) if record.role == "crank" else (society_limits.KR_SET_SHAFT, "generator shaft")
+        rows, about = (
+            (rows, engine)
+            if record.role == "crank"
+            else (society_limits.KR_SET_SHAFT, "generator shaft")
+        )
         factor = min(strength, yields)
         curve = society_limits.set_curve(rows, factor)
         about_set = about, f"f_m {factor:.4g}"
@@ -155,7 +202,9 @@ class SocietyRule(M68):
         for key, (value, values) in stated.items():
             if value is not None and value not in values:
                 message = f"`{key}` {value} of {self.name} contradicts the engine of the file, which has {values[0]}"
-                found.append(Fault((*where, self.name, key), message, f"{key}: {values[0]}, or leave it out"))
+                found.append(
+                    Fault((*where, self.name, key), message, f"{key}: {values[0]}, or leave it out")
+                )
         return found
 
     def clauses(self, evidence: Results, settings: M68Settings) -> Iterator[Clause]:
@@ -169,7 +218,17 @@ class SocietyRule(M68):
                 curve = curve_of(response, mesh.vibratory, self.society.mesh * mesh.rated)
                 notes = f"{self.society.mesh:.4g} x {mesh.rated:.5g} N m", reach, MOSTLY
                 within = np.ones(len(curve.speed), dtype=bool)
-                yield Clause("gears", mesh.name, VIBRATORY, TO_BE_VERIFIED, curve, within, "N m", notes, mesh.spans)
+                yield Clause(
+                    "gears",
+                    mesh.name,
+                    VIBRATORY,
+                    TO_BE_VERIFIED,
+                    curve,
+                    within,
+                    "N m",
+                    notes,
+                    mesh.spans,
+                )
 
     def left_out(self, study: Study, settings: M68Settings) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why; nothing is skipped silently."""
@@ -190,7 +249,10 @@ class SocietyRule(M68):
         if has_gears and self.society.mesh is None and "gear-hammer" not in named:
             yield "gears", "the rule `gear-hammer` judges them, and the file does not name it"
         if limits and "coupling-maker" not in named:
-            yield "couplings", "the rule `coupling-maker` judges their torque and heat, and the file does not name it"
+            yield (
+                "couplings",
+                "the rule `coupling-maker` judges their torque and heat, and the file does not name it",
+            )
 
     def demanded_rows(self, study: Study, settings: M68Settings) -> tuple[Check, ...]:
         """Those of M68, and couplings at another stiffness; a generator set has no propulsion to misfire."""
@@ -198,7 +260,9 @@ class SocietyRule(M68):
         if isinstance(settings, CrankSettings) and settings.duty == "generator set":
             rows = tuple(row for row in rows if row.clause != MISFIRE)
         rows = (*rows, *self._unknown_cranks(study), *self._missing_majors(study, settings))
-        gears = unknown_gears(self.name, study, TO_BE_VERIFIED) if self.society.mesh is not None else ()
+        gears = (
+            unknown_gears(self.name, study, TO_BE_VERIFIED) if self.society.mesh is not None else ()
+        )
         return (*rows, *gears, *stiffness_row(self.name, study, self.society.mark))
 
     def _unknown_cranks(self, study: Study) -> Iterator[Check]:
@@ -210,16 +274,22 @@ class SocietyRule(M68):
             if part.engine is not None and not known:
                 note = "`journal` of the engine is not given"
                 what = "Torsional stress amplitude of the crankshaft"
-                yield unjudged(self.name, "crankshaft", part.name, what, note, self.society.crank_mark)
+                yield unjudged(
+                    self.name, "crankshaft", part.name, what, note, self.society.crank_mark
+                )
 
     def _missing_majors(self, study: Study, settings: M68Settings) -> Iterator[Check]:
         """Yield the row about major critical speeds of an engine, in line as far as is known, of unknown cylinders."""
-        if not (self.society.has_majors and isinstance(settings, CrankSettings)) or _cylinders(study, settings):
+        if not (self.society.has_majors and isinstance(settings, CrankSettings)) or _cylinders(
+            study, settings
+        ):
             return
         cranks = [part.name for _, part, _ in with_role(study.train, "crank")]
         if cranks and settings.arrangement in (None, "in-line"):
             note, mark = "`cylinders` of the engine is not given", self.society.crank_mark
-            yield unjudged(self.name, "major critical speed", cranks[0], "Major critical speeds", note, mark)
+            yield unjudged(
+                self.name, "major critical speed", cranks[0], "Major critical speeds", note, mark
+            )
 
     def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
         """Stresses and least diameters, and where major critical speeds lie."""
@@ -236,7 +306,9 @@ class SocietyRule(M68):
             return
         first, rated = MAJORS_FROM[settings.duty], rated_speed(evidence.study)
         modes = evidence.need(Modes)
-        cranks = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")} or {Fraction(1)}
+        cranks = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")} or {
+            Fraction(1)
+        }
         parts = (1,) if settings.strokes == 2 else (1, 2)
         orders = {Fraction(cylinders, part) * ratio for ratio in cranks for part in parts}
         for mode in np.flatnonzero(modes.nodes == 1).tolist():
@@ -247,10 +319,20 @@ class SocietyRule(M68):
                 is_kept = speed / rated >= limit if is_above else speed / rated <= limit
                 what = f"Major critical speed of order {order} / rated speed"
                 yield Check(
-                    self.name, MAJOR, f"mode {mode + 1}", what, speed / rated, limit, "1",
-                    verdict_of(is_kept, self.society.crank_mark), self.society.crank_mark, speed, order,
-                    f"not within {first:g} to {MAJORS_TO:g}", at_least=is_above,
-                )  # fmt: skip
+                    self.name,
+                    MAJOR,
+                    f"mode {mode + 1}",
+                    what,
+                    speed / rated,
+                    limit,
+                    "1",
+                    verdict_of(is_kept, self.society.crank_mark),
+                    self.society.crank_mark,
+                    speed,
+                    order,
+                    f"not within {first:g} to {MAJORS_TO:g}",
+                    at_least=is_above,
+                )
 
 
 def _drive(study: Study, settings: M68Settings) -> str:
@@ -273,14 +355,18 @@ def _cylinders(study: Study, settings: M68Settings) -> int:
     if isinstance(settings, CrankSettings) and settings.cylinders is not None:
         return settings.cylinders
     engines = [part.engine for part in study.train.parts if part.engine is not None]
-    sizes = {len(engine.cylinders) for engine in engines if len(engine.throws) == len(engine.cylinders)}
+    sizes = {
+        len(engine.cylinders) for engine in engines if len(engine.throws) == len(engine.cylinders)
+    }
     return sizes.pop() if len(sizes) == 1 == len(engines) else 0
 
 
 def _engine(settings: CrankSettings) -> tuple[str, bool]:
     """The engine in words, and whether the higher limits are its: four strokes, in line or a V of 45 or 60 degrees."""
     lacks = [
-        word for word, value in (("strokes", settings.strokes), ("arrangement", settings.arrangement)) if value is None
+        word
+        for word, value in (("strokes", settings.strokes), ("arrangement", settings.arrangement))
+        if value is None
     ]
     if settings.strokes == 2 or settings.arrangement == "other V":
         return "two-stroke, or another V than of 45 or 60 degrees", False

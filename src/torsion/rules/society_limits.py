@@ -48,10 +48,15 @@ class CrankTable:
     above_per_mm: Row = Row(0.0)
 
 
-KR_IN_LINE = CrankTable(Row(45.0, -24.0), Row(21.0, slope=237.0))  # four-stroke in-line, V 45 and 60 degrees
+KR_IN_LINE = CrankTable(
+    Row(45.0, -24.0), Row(21.0, slope=237.0)
+)  # four-stroke in-line, V 45 and 60 degrees
 KR_OTHER = CrankTable(Row(45.0, -29.0), Row(16.0, slope=237.0))  # two-stroke, and other V
 CCS_CRANK = CrankTable(
-    Row(52.0, -33.8), Row(18.1, root=87.3), below_per_mm=Row(-0.031, 0.02), above_per_mm=Row(-0.0113, root=-0.052)
+    Row(52.0, -33.8),
+    Row(18.1, root=87.3),
+    below_per_mm=Row(-0.031, 0.02),
+    above_per_mm=Row(-0.0113, root=-0.052),
 )
 KR_SET_CRANK = {"in-line": (21.0, 90.0), "other": (16.0, 90.0)}  # in use, and below
 KR_SET_SHAFT = 31.0, 118.0
@@ -80,21 +85,38 @@ _CCS = "CCS Part 3 Ch. 12"
 _M68 = "formulas of IACS UR M68 as {} has them"
 SOCIETIES: Mapping[str, Society] = {
     "kr": Society(
-        "KR", "KR Rules 2025 Part 5 Ch. 4", "rule text", NUMBERED, "kr", "", "rule text", has_majors=True, scope=1.2
+        "KR",
+        "KR Rules 2025 Part 5 Ch. 4",
+        "rule text",
+        NUMBERED,
+        "kr",
+        "",
+        "rule text",
+        has_majors=True,
+        scope=1.2,
     ),
     "lr": Society(
-        "LR", _M68.format("LR"), "to be verified", mesh=1.0 / 3.0,
+        "LR",
+        _M68.format("LR"),
+        "to be verified",
+        mesh=1.0 / 3.0,
     ),
     "dnv": Society(
-        "DNV", _M68.format("DNV"), "to be verified",
-        not_judged=(("fatigue by CG-0038", "not checked: low cycle, high cycle and transient criteria"),),
+        "DNV",
+        _M68.format("DNV"),
+        "to be verified",
+        not_judged=(
+            ("fatigue by CG-0038", "not checked: low cycle, high cycle and transient criteria"),
+        ),
     ),
     "abs": Society("ABS", _M68.format("ABS"), "to be verified"),
     "bv": Society("BV", _M68.format("BV"), "to be verified", NUMBERED),
     "ccs": Society("CCS", _M68.format(_CCS), "to be verified", crank="ccs", crank_edition=_CCS),
-    "nk": Society("NK", _M68.format("NK"), "to be verified", NUMBERED, "kr", "limits of KR 5-4, taken for NK"),
+    "nk": Society(
+        "NK", _M68.format("NK"), "to be verified", NUMBERED, "kr", "limits of KR 5-4, taken for NK"
+    ),
     "rina": Society("RINA", _M68.format("RINA"), "to be verified", NUMBERED),
-}  # fmt: skip
+}
 
 
 def strength_factor(strength: float | None, *, alloy: bool) -> float:
@@ -118,7 +140,7 @@ def yield_factor(limit: float | None) -> float:
 
 def crank_curve(
     table: CrankTable, letters: Letters, diameter: float, strength: float = 1.0, yields: float = 1.0
-) -> LimitCurve:  # fmt: skip
+) -> LimitCurve:
     """Of the crankshaft of a main engine; strength, yields: the factors f_m.
 
     >>> curve = crank_curve(KR_IN_LINE, NUMBERED, 200.0)
@@ -149,4 +171,6 @@ def set_curve(limits: tuple[float, float], factor: float) -> LimitCurve:
         return lambda ratio: np.full(ratio.shape, factor * value)
 
     (first, last), (use, below) = SET_RANGE, limits
-    return LimitCurve((Piece("tau_2", first, flat(below), is_open=True), Piece("tau_1", last, flat(use))))
+    return LimitCurve(
+        (Piece("tau_2", first, flat(below), is_open=True), Piece("tau_1", last, flat(use)))
+    )

@@ -40,7 +40,9 @@ class StableMotion(Rule):
         """Of the whole train."""
         found = evidence.need(Stability)
         line = stability_check(found, evidence.study.operation)
-        times = barred_times(evidence, tuple(BarredRange(one.first, one.last, one.at, WHOLE) for one in found.ranges))
+        times = barred_times(
+            evidence, tuple(BarredRange(one.first, one.last, one.at, WHOLE) for one in found.ranges)
+        )
         stated, laws = mean_speed_words(found, evidence.study), drive_laws(evidence.study)
         words = line.note, unstable_words(times), slope_words(evidence.study), stated
         note = "; ".join(word for word in words if word)
@@ -69,7 +71,9 @@ def mean_speed_check(found: Stability, study: Study) -> Check:
     growth, speed, notes = float(rates.max()), float(found.speed[rates.argmax()]), list[str]()
     for drift in drifting:
         growth, speed = max(growth, drift.growth), min(max(drift.at, first), last)
-        notes.append(f"a further slope of {drift.slope:.3g} N m s/rad at '{drift.machine}' stops it")
+        notes.append(
+            f"a further slope of {drift.slope:.3g} N m s/rad at '{drift.machine}' stops it"
+        )
     if not is_whole:
         notes.append(PART)
     # A drift slower than that is within the error of the growth rates.
@@ -78,7 +82,9 @@ def mean_speed_check(found: Stability, study: Study) -> Check:
         notes.append(NOT_DISTINGUISHED)
     elif growth == -np.inf and inside.any():
         notes.append("the mean speed has no slow exponent of its own at any speed")
-    line = _check("mean speed", WHOLE, "Growth of the mean speed", growth, "1/s", speed, notes, kept=kept)
+    line = _check(
+        "mean speed", WHOLE, "Growth of the mean speed", growth, "1/s", speed, notes, kept=kept
+    )
     if growth == -np.inf:
         line = replace(line, value=np.nan, speed=None)
     return _unless_doubtful(line, found, first, last)
@@ -106,12 +112,16 @@ def mean_speed_words(found: Stability, study: Study) -> str:
     why = f"the slopes of drive and load, together {drift.given:.3g} N m s/rad at '{drift.machine}', are too small"
     if abs(drift.given) <= NO_SLOPE:
         why = "the torques of drive and load do not depend on speed"
-    reach = f"faster than {SLOW:g} 1/s from {rpm[1]} to {rpm[2]} rpm, slower or not at all elsewhere"
+    reach = (
+        f"faster than {SLOW:g} 1/s from {rpm[1]} to {rpm[2]} rpm, slower or not at all elsewhere"
+    )
     words = f"{stated}, as {why}; {reach}"
     if not np.isfinite(drift.slope):
         return f"{words}. No slope was found that removes it. State `drive`."
     further = "further slope" if abs(drift.given) > NO_SLOPE else "slope"
-    slip = f" (its slip of 1 % has {drift.slip:.3g})" if np.isfinite(drift.slip) and not laws else ""
+    slip = (
+        f" (its slip of 1 % has {drift.slip:.3g})" if np.isfinite(drift.slip) and not laws else ""
+    )
     state = "" if laws else " State `drive`."
     return f"{words}. A {further} of {drift.slope:.3g} N m s/rad at '{drift.machine}' removes it{slip}.{state}"
 
@@ -145,7 +155,9 @@ def stability_check(found: Stability, operation: Operation) -> Check:
     if found.doubtful is not None and found.doubtful.size:
         notes.append(NOT_DISTINGUISHED)
     kept = is_whole and not (unstable or bare)
-    line = _check("stability", WHOLE, "Growth of small vibrations", growth, "1/s", speed, notes, kept=kept)
+    line = _check(
+        "stability", WHOLE, "Growth of small vibrations", growth, "1/s", speed, notes, kept=kept
+    )
     return _unless_doubtful(line, found, first, last)
 
 
@@ -165,20 +177,40 @@ def _is_doubtful(found: Stability, first: float, last: float) -> bool:
 
 
 def _check(
-    clause: str, where: str, what: str, value: float, unit: str, speed: float, notes: list[str], *,
-    kept: bool, at_least: bool = False,
-) -> Check:  # fmt: skip
+    clause: str,
+    where: str,
+    what: str,
+    value: float,
+    unit: str,
+    speed: float,
+    notes: list[str],
+    *,
+    kept: bool,
+    at_least: bool = False,
+) -> Check:
     """A verdict against the limit 0, which holds by the definition of stability."""
     return Check(
-        "stability", clause, where, what, value, 0.0, unit, "pass" if kept else "fail", "by definition", speed,
-        note="; ".join(notes), at_least=at_least,
-    )  # fmt: skip
+        "stability",
+        clause,
+        where,
+        what,
+        value,
+        0.0,
+        unit,
+        "pass" if kept else "fail",
+        "by definition",
+        speed,
+        note="; ".join(notes),
+        at_least=at_least,
+    )
 
 
 def _bare(found: Stability, first: float, last: float) -> list[SpeedRange]:
     """What of the operated speeds lies between speeds without a periodic motion and their neighbours that have one."""
     met = [(max(low, first), min(high, last)) for low, high in found.unknown]
-    return [(a, b) for a, b in met if a < b or ((found.unsolved >= a) & (found.unsolved <= b)).any()]
+    return [
+        (a, b) for a, b in met if a < b or ((found.unsolved >= a) & (found.unsolved <= b)).any()
+    ]
 
 
 def _bare_words(found: Stability, bare: list[SpeedRange]) -> list[str]:
@@ -199,9 +231,13 @@ def _nearest(found: Stability, first: float, last: float) -> list[str]:
     above = [one.unknown[0] or one.first for one in outside if one.first >= last]
     said = []
     if below:
-        said.append(f"the next unstable range ends {100.0 * (1.0 - max(below) / first):.3g} % below the lowest speed")
+        said.append(
+            f"the next unstable range ends {100.0 * (1.0 - max(below) / first):.3g} % below the lowest speed"
+        )
     if above:
-        said.append(f"the next unstable range begins {100.0 * (min(above) / last - 1.0):.3g} % above the highest speed")
+        said.append(
+            f"the next unstable range begins {100.0 * (min(above) / last - 1.0):.3g} % above the highest speed"
+        )
     return said
 
 
@@ -222,7 +258,9 @@ def bending_checks(found: Lateral, operation: Operation) -> tuple[Check, ...]:
             one = _whirl(shaft.name, shaft.whirl.speed, shaft.whirl.log_decrement, operation)
             checks.append(replace(one, parts=shaft.parts))
         if shaft.tilting is not None:
-            checks.append(replace(_tilting(shaft.name, shaft.tilting, operation), parts=shaft.parts))
+            checks.append(
+                replace(_tilting(shaft.name, shaft.tilting, operation), parts=shaft.parts)
+            )
     return tuple(checks)
 
 
@@ -231,20 +269,34 @@ def _operated(speed: FloatArray, operation: Operation) -> tuple[float, float, bo
     if operation.speeds is None:
         return float(speed[0]), float(speed[-1]), True
     first, last = operation.speeds.first, operation.speeds.last
-    return first, last, bool(speed[0] <= first * (1 + ROUNDING) and speed[-1] >= last * (1 - ROUNDING))
+    return (
+        first,
+        last,
+        bool(speed[0] <= first * (1 + ROUNDING) and speed[-1] >= last * (1 - ROUNDING)),
+    )
 
 
 def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Operation) -> Check:
     """The least logarithmic decrement within the operation against 0; decrement: (speeds, modes)."""
     _, _, is_whole = _operated(speed, operation)
-    known = np.where(within(operation.speeds, speed)[:, None] & np.isfinite(decrement), decrement, np.inf)
+    known = np.where(
+        within(operation.speeds, speed)[:, None] & np.isfinite(decrement), decrement, np.inf
+    )
     row = int(known.min(axis=1).argmin())
     least, what = float(known[row].min()), "Damping of the whirl (logarithmic decrement)"
     notes = ["nothing damps it"] if abs(least) <= ROUNDING else []
     value = 0.0 if notes else least
     notes += [] if is_whole else [PART]
     return _check(
-        "whirl", name, what, value, "", float(speed[row]), notes, kept=is_whole and 0 <= value < np.inf, at_least=True
+        "whirl",
+        name,
+        what,
+        value,
+        "",
+        float(speed[row]),
+        notes,
+        kept=is_whole and 0 <= value < np.inf,
+        at_least=True,
     )
 
 

@@ -33,7 +33,8 @@ class StableVibration(Rule):
             return ()
 
         sources = ", ".join(
-            system.stations[station].name for station in np.flatnonzero((damping < 0.0).any(axis=1)).tolist()
+            system.stations[station].name
+            for station in np.flatnonzero((damping < 0.0).any(axis=1)).tolist()
         )
         notes = [f"the slope of the load law of {sources} is negative: it feeds vibration"]
         try:
@@ -65,12 +66,25 @@ def largest_growth(study: Study, system: System, speeds: FloatArray) -> tuple[fl
         modes = damped(system, speed=speed, steady=known, count=None)
         worst = int(np.argmax(modes.eigenvalue.real)) if modes.eigenvalue.size else -1
         if worst >= 0 and modes.eigenvalue[worst].real > growth:
-            growth, at_speed, frequency = float(modes.eigenvalue[worst].real), speed, float(modes.frequency[worst])
+            growth, at_speed, frequency = (
+                float(modes.eigenvalue[worst].real),
+                speed,
+                float(modes.frequency[worst]),
+            )
     return growth, at_speed, frequency
 
 
 def _check(growth: float, speed: float | None, verdict: Verdict, notes: list[str]) -> Check:
     return Check(
-        "stability", "vibration", WHOLE, "Growth of small vibrations", growth, 0.0, "1/s",
-        verdict, "by definition", speed, note="; ".join(notes),
-    )  # fmt: skip
+        "stability",
+        "vibration",
+        WHOLE,
+        "Growth of small vibrations",
+        growth,
+        0.0,
+        "1/s",
+        verdict,
+        "by definition",
+        speed,
+        note="; ".join(notes),
+    )

@@ -15,7 +15,14 @@ from torsion.fields import Number, Quantity, given
 from torsion.findings import Results
 from torsion.primitives import Bar, Constraint, Spring
 from torsion.rules.demanded_states import unjudged
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, Standing, verdict_of
+from torsion.rules.verdict_line import (
+    TO_BE_VERIFIED,
+    Check,
+    Rule,
+    RuleSettings,
+    Standing,
+    verdict_of,
+)
 from torsion.study import Study
 from torsion.train import Train
 
@@ -43,17 +50,25 @@ class Tube:
     ratio: Fraction  # its speed / reference speed
     critical: float  # rad/s, lowest bending frequency without supports; NaN where it has some or something lacks
     lacks: str  # why it is not judged; empty where it is
-    has_support: bool = False  # between the joints, so that the analysis of bending knows its critical speeds
+    has_support: bool = (
+        False  # between the joints, so that the analysis of bending knows its critical speeds
+    )
 
 
 def tubes(train: Train) -> tuple[Tube, ...]:
     """Every shaft between a joint and the one before it; none where rigid or elastic links alone join the two."""
     joints = {mesh.part: mesh for mesh in train.constraints}
-    found = [_tube(train, joints[mesh.after], mesh) for mesh in train.constraints if mesh.after is not None]
+    found = [
+        _tube(train, joints[mesh.after], mesh)
+        for mesh in train.constraints
+        if mesh.after is not None
+    ]
     return tuple(tube for tube in found if tube is not None)
 
 
-def critical_speed(length: float, outer: float, bore: float, modulus: float, density: float) -> float:
+def critical_speed(
+    length: float, outer: float, bore: float, modulus: float, density: float
+) -> float:
     """pi^2/4 sqrt(E/rho) sqrt(D^2 + d^2)/L^2, rad/s: first bending frequency of a simply supported tube (Euler).
 
     In the joint makers' form 15 pi/2 sqrt(E/rho) sqrt(D^2 + d^2)/L^2 per minute.
@@ -69,11 +84,17 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     names = ", ".join(bar.name for bar in bars)
     bar, ratio, parts = bars[0], train.parts[second.part].ratio, tuple(bar.part for bar in bars)
     if any(train.shaft(bar).support for bar in bars):
-        lacking = (shaft.lacks for shaft in bending_shafts(train)[0] if shaft.lacks and set(shaft.parts) & set(parts))
+        lacking = (
+            shaft.lacks
+            for shaft in bending_shafts(train)[0]
+            if shaft.lacks and set(shaft.parts) & set(parts)
+        )
         return Tube(names, parts, ratio, math.nan, "; ".join(lacking), has_support=True)
     lacks, critical = "", math.nan
     material = train.materials[train.shaft(bar).material]
-    if len(bars) > 1 or any(isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces):
+    if len(bars) > 1 or any(
+        isinstance(piece, Spring) and piece.flexibility > 0 for piece in pieces
+    ):
         lacks = "it is not one tube from joint to joint"
     elif bar.section is not None:
         lacks = "its section is a mesh, which is not solved for bending"
@@ -82,7 +103,9 @@ def _tube(train: Train, first: Constraint, second: Constraint) -> Tube | None:
     elif material.youngs_modulus is None or material.density == 0:
         lacks = "its material has no `youngs_modulus` or no density"
     else:
-        critical = critical_speed(bar.length, bar.outer[0], bar.bore[0], material.youngs_modulus, material.density)
+        critical = critical_speed(
+            bar.length, bar.outer[0], bar.bore[0], material.youngs_modulus, material.density
+        )
     return Tube(names, parts, ratio, critical, lacks)
 
 
@@ -111,8 +134,12 @@ class JointRuleSettings(RuleSettings):
     unevenness: Annotated[float, Quantity("1", above=0, usual="fluctuation")] = given(
         "maximum tan b sin b of the resulting angle b of a line (Elbe: 3 degrees)", ELBE
     )
-    torsional: Acceleration = given("maximum acceleration downstream of a line of joints (Spicer)", SPICER_TORSIONAL)
-    inertial: Acceleration = given("maximum acceleration of a shaft between joints (Spicer)", SPICER_INERTIAL)
+    torsional: Acceleration = given(
+        "maximum acceleration downstream of a line of joints (Spicer)", SPICER_TORSIONAL
+    )
+    inertial: Acceleration = given(
+        "maximum acceleration of a shaft between joints (Spicer)", SPICER_INERTIAL
+    )
     speed_angle: Number | None = given(
         "maximum speed times angle of a joint, rpm times degrees (makers: 17000 to 27000 by size; default: not judged)"
     )
@@ -134,17 +161,36 @@ class UniversalJoints(Rule):
     def faults(self, study: Study, settings: JointRuleSettings) -> list[Fault]:
         """What the file lacks for this rule."""
         if not study.has_joints:
-            return [Fault(self.path(study, settings), f"{RULE} finds no joint in the train", "leave the rule out")]
+            return [
+                Fault(
+                    self.path(study, settings),
+                    f"{RULE} finds no joint in the train",
+                    "leave the rule out",
+                )
+            ]
         if _speed(study) is None:
             hint = "`speeds: {from: 300 rpm, to: 1800 rpm}`, or `rated: {speed: 1500 rpm}`"
-            return [Fault(("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint)]
+            return [
+                Fault(
+                    ("operation", "speeds"), f"no speed is given; {RULE} judges the highest", hint
+                )
+            ]
         return []
 
     def left_out(self, study: Study, settings: JointRuleSettings) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
-        found = [(f"{RULE}: bending of {tube.name}", tube.lacks) for tube in tubes(study.train) if tube.lacks]
+        found = [
+            (f"{RULE}: bending of {tube.name}", tube.lacks)
+            for tube in tubes(study.train)
+            if tube.lacks
+        ]
         if settings.speed_angle is None:
-            found.append((f"{RULE}: speed times angle", "`speed_angle` gives no limit; it depends on the joint's size"))
+            found.append(
+                (
+                    f"{RULE}: speed times angle",
+                    "`speed_angle` gives no limit; it depends on the joint's size",
+                )
+            )
         return tuple(found)
 
     def check(self, evidence: Results, settings: JointRuleSettings) -> tuple[Check, ...]:
@@ -157,9 +203,20 @@ class UniversalJoints(Rule):
         if settings.speed_angle is not None:
             limit: Limit = settings.speed_angle, "setting", "setting `speed_angle`"
             for joint in found.joints:
-                value = speed * float(joint.ratio) * RPM * math.degrees(joint.angle)  # as its maker counts it
+                value = (
+                    speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
+                )  # as its maker counts it
                 rows.append(
-                    _verdict("n b", joint.name, "Speed times angle", value, "deg/min", limit, speed, (joint.part,))
+                    _verdict(
+                        "n b",
+                        joint.name,
+                        "Speed times angle",
+                        value,
+                        "deg/min",
+                        limit,
+                        speed,
+                        (joint.part,),
+                    )
                 )
         for tube in tubes(evidence.study.train):
             if tube.lacks:
@@ -169,16 +226,25 @@ class UniversalJoints(Rule):
         return tuple(rows)
 
 
-def _of_line(found: Joints, line: LineFound, settings: JointRuleSettings, speed: float) -> Iterator[Check]:
+def _of_line(
+    found: Joints, line: LineFound, settings: JointRuleSettings, speed: float
+) -> Iterator[Check]:
     """Non-uniformity of the whole line, and what it does to the driven inertia."""
     joints = [found.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    limit, most = _published(settings, "unevenness"), sorted(joints, key=lambda joint: -joint.unevenness)
+    limit, most = (
+        _published(settings, "unevenness"),
+        sorted(joints, key=lambda joint: -joint.unevenness),
+    )
     parts = tuple(joint.part for joint in most)
-    yield _verdict("U", where, "Non-uniformity of the line", line.index, "1", limit, None, parts, before=bend)
+    yield _verdict(
+        "U", where, "Non-uniformity of the line", line.index, "1", limit, None, parts, before=bend
+    )
     what, value = "Angular acceleration of the driven side", _steepest(joints[-1], speed)
-    yield _verdict("torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed, parts)
+    yield _verdict(
+        "torsional", where, what, value, "rad/s2", _published(settings, "torsional"), speed, parts
+    )
 
 
 def _between(found: Joints, settings: JointRuleSettings, speed: float) -> dict[int, Check]:
@@ -206,7 +272,9 @@ def _steepest(joint: JointFound, speed: float) -> float:
 
 def _unjudged_bending(tube: Tube, why: str) -> Check:
     """The row of a tube whose critical bending speed is not known."""
-    return replace(unjudged(RULE, "n_crit", tube.name, BENDING, why, TO_BE_VERIFIED), parts=tube.parts)
+    return replace(
+        unjudged(RULE, "n_crit", tube.name, BENDING, why, TO_BE_VERIFIED), parts=tube.parts
+    )
 
 
 def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> Iterator[Check]:
@@ -216,8 +284,16 @@ def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> It
         if bent is None:
             yield _unjudged_bending(tube, "its bending was not computed")
             return
-        known = [one for shaft in bent.shafts if set(shaft.parts) & set(tube.parts) for one in shaft.critical]
-        first, second = (min((one.speed for one in known if one.order == order), default=math.inf) for order in (1, 2))
+        known = [
+            one
+            for shaft in bent.shafts
+            if set(shaft.parts) & set(tube.parts)
+            for one in shaft.critical
+        ]
+        first, second = (
+            min((one.speed for one in known if one.order == order), default=math.inf)
+            for order in (1, 2)
+        )
         origin = "bending of the shaft on its supports, order 1"
     own, critical = speed * float(tube.ratio) * RPM, first * RPM
     twice = "passes it within the speeds" if own >= second * RPM else "stays below it"
@@ -239,14 +315,36 @@ def _bending(tube: Tube, bent: Lateral | None, share: float, speed: float) -> It
 
 
 def _verdict(
-    clause: str, where: str, what: str, value: float, unit: str, limit: Limit, speed: float | None,
-    parts: tuple[int, ...], *, before: str = "", after: str = "",
-) -> Check:  # fmt: skip
+    clause: str,
+    where: str,
+    what: str,
+    value: float,
+    unit: str,
+    limit: Limit,
+    speed: float | None,
+    parts: tuple[int, ...],
+    *,
+    before: str = "",
+    after: str = "",
+) -> Check:
     """A verdict on some parts whose note is that of the limit, with what stands `before` and `after` it."""
     most, standing, words = limit
     note = "; ".join(text for text in (before, words, after) if text)
     verdict = verdict_of(value <= most, standing)
-    return Check(RULE, clause, where, what, value, most, unit, verdict, standing, speed=speed, note=note, parts=parts)
+    return Check(
+        RULE,
+        clause,
+        where,
+        what,
+        value,
+        most,
+        unit,
+        verdict,
+        standing,
+        speed=speed,
+        note=note,
+        parts=parts,
+    )
 
 
 def _published(settings: JointRuleSettings, key: str) -> Limit:
@@ -260,4 +358,6 @@ def _speed(study: Study) -> float | None:
     speeds, rated = study.operation.speeds, study.operation.rated
     if speeds is not None and study.case is not None and study.case.has_own_speeds:
         return speeds.last
-    return max((one for one in (speeds and speeds.last, rated and rated.speed) if one), default=None)
+    return max(
+        (one for one in (speeds and speeds.last, rated and rated.speed) if one), default=None
+    )

@@ -26,9 +26,12 @@ Verdict = Literal[
     "not judged",  # the rule demands it, and it could not be judged
 ]
 WORDS: Mapping[Verdict, str] = {  # what a reader sees, from the worst
-    "fail": "FAIL", "not kept": "FAIL", "not judged": "NOT JUDGED", "restricted": "PASS with restrictions",
+    "fail": "FAIL",
+    "not kept": "FAIL",
+    "not judged": "NOT JUDGED",
+    "restricted": "PASS with restrictions",
     "pass": "PASS",
-}  # fmt: skip
+}
 Standing = Literal[
     "rule text",  # compared with the published text of the rule
     "confirmed",  # the user states in `verified` that it was compared with an edition
@@ -62,17 +65,26 @@ class BarredRange:
 
     lower: float = result("rad/s", (), "lower end, reference speed")
     upper: float = result("rad/s", (), "upper end")
-    critical: float = result("rad/s", (), "speed of the worst stress, from which the rule's width follows")
+    critical: float = result(
+        "rad/s", (), "speed of the worst stress, from which the rule's width follows"
+    )
     shaft: str = result("", (), "shaft for which a range is barred")
     formula_lower: float = result(
-        "rad/s", (), "lower end by the rule's formula for that speed, without tolerance", default=math.nan
+        "rad/s",
+        (),
+        "lower end by the rule's formula for that speed, without tolerance",
+        default=math.nan,
     )
     formula_upper: float = result("rad/s", (), "upper end by the same formula", default=math.nan)
-    order: Fraction | None = result("", (), "order with the maximum torque at that speed, exact", default=None)
+    order: Fraction | None = result(
+        "", (), "order with the maximum torque at that speed, exact", default=None
+    )
     tolerance_lower: float = result(
-        "rad/s", (), "lower end that covers the critical speed at every tolerance of the file; null without such",
+        "rad/s",
+        (),
+        "lower end that covers the critical speed at every tolerance of the file; null without such",
         default=math.nan,
-    )  # fmt: skip
+    )
     tolerance_upper: float = result("rad/s", (), "upper end of the same", default=math.nan)
 
 
@@ -85,7 +97,9 @@ class BarredTime:
     upper: float = result("rad/s", (), "upper end")
     seconds: float = result("s", (), "how long it is within the range", key="time_s")
     share: float | None = result(
-        "1", (), "maximum amplitude of the resonances passed there / steady amplitude; null if unknown"
+        "1",
+        (),
+        "maximum amplitude of the resonances passed there / steady amplitude; null if unknown",
     )
     stays: bool = result("", (), "it ends within the range")
 
@@ -96,13 +110,17 @@ class Reach:
 
     first: float = result("rad/s", (), "lowest speed that was judged, reference speed")
     last: float = result("rad/s", (), "highest speed that was judged")
-    demanded: float = result("rad/s", (), "speed up to which the rule is to be judged; 0: lower speeds lack")
+    demanded: float = result(
+        "rad/s", (), "speed up to which the rule is to be judged; 0: lower speeds lack"
+    )
 
 
 class Verified(Declared):
     """The statement of a user that limits were compared with an edition of their rule."""
 
-    edition: str = required('edition that the limits were compared with: "9th ed. 2022"', min_length=1)
+    edition: str = required(
+        'edition that the limits were compared with: "9th ed. 2022"', min_length=1
+    )
     by: str = required("who compared them", min_length=1)
     on: date | str | None = given("day of the comparison")
     clauses: Annotated[tuple[str, ...], Field(min_length=1)] | None = given(
@@ -133,10 +151,11 @@ class Basis:
     """What a limit is based on."""
 
     kind: Kind = result(
-        "", (),
+        "",
+        (),
         "text (compared with the text of the rule), confirmed (by a user), unconfirmed (published practice, edition "
         "not confirmed), maker, user (stated in the file) or definition",
-    )  # fmt: skip
+    )
     edition: str = result("", (), "rule and edition", default="")
     clause: str = result("", (), "clause of the rule", default="")
     by: str = result("", (), "who confirmed the limit", default="")
@@ -171,24 +190,33 @@ class Check:
     limit: float = result("", (), "null where the rule has none")
     unit: str = result("", (), "of value and limit")
     verdict: Verdict = result(
-        "", (),
+        "",
+        (),
         "pass, restricted (PASS with restrictions: met if what the note states is met too), fail, not kept (FAIL too: "
         "a limit whose edition is not confirmed is exceeded), or not judged (the rule demands it, and it could not be "
         "judged); the exit status is 1 for the last three",
-    )  # fmt: skip
-    standing: Standing = result(
-        "", (), "where the limit is from: rule text, confirmed, to be verified, maker, setting or by definition"
     )
-    speed: float | None = result("rad/s", (), "reference speed of the worst value, or null", default=None)
+    standing: Standing = result(
+        "",
+        (),
+        "where the limit is from: rule text, confirmed, to be verified, maker, setting or by definition",
+    )
+    speed: float | None = result(
+        "rad/s", (), "reference speed of the worst value, or null", default=None
+    )
     order: Fraction | None = result(
-        "", (), "order of the reference that contributes most to the worst value, exact; null without one",
+        "",
+        (),
+        "order of the reference that contributes most to the worst value, exact; null without one",
         default=None,
-    )  # fmt: skip
+    )
     note: str = result("", (), "remarks", default="")
     at_least: bool = result(
         "", (), "the value must not be below the limit", key="limit_is_a_least_value", default=False
     )
-    barred: tuple[BarredRange, ...] = result("", (), "ranges on which the verdict depends", default=())
+    barred: tuple[BarredRange, ...] = result(
+        "", (), "ranges on which the verdict depends", default=()
+    )
     times: tuple[BarredTime, ...] = result(
         "", (), "transient responses within these, or within unstable ranges", default=()
     )
@@ -197,11 +225,15 @@ class Check:
         "", (), "computed speeds, if the rule demands more; null if all are computed", default=None
     )
     restrictions: tuple[str, ...] = result(
-        "", (), "what must be met too for the check to be met, in words; barred ranges have their own list",
+        "",
+        (),
+        "what must be met too for the check to be met, in words; barred ranges have their own list",
         default=(),
-    )  # fmt: skip
+    )
     basis: Basis | None = result("", (), "what the limit is based on", default=None)
-    parts: tuple[int, ...] = ()  # positions of the components it is about, the worst first; none: that of the name
+    parts: tuple[
+        int, ...
+    ] = ()  # positions of the components it is about, the worst first; none: that of the name
 
     @property
     def fails(self) -> bool:
@@ -213,7 +245,11 @@ class Check:
         """It counts for the verdict; a row for information alone has no limit and demands none."""
         return self.verdict != "restricted" or not math.isnan(self.limit)
 
-    @derived("1", (), "value / limit, of a required minimum limit / value; null if the limit is 0, negative or unknown")
+    @derived(
+        "1",
+        (),
+        "value / limit, of a required minimum limit / value; null if the limit is 0, negative or unknown",
+    )
     def utilisation(self) -> float | None:
         """The share of the limit that is used; infinite where no value is known that keeps it."""
         if self.at_least and self.value == 0.0 < self.limit:
@@ -227,7 +263,10 @@ def with_basis(check: Check, edition: str, verified: Verified | None = None) -> 
     clauses = () if verified is None else verified.clauses or (check.clause,)
     if verified is None or check.standing != TO_BE_VERIFIED or check.clause not in clauses:
         kind = KINDS[check.standing]
-        return replace(check, basis=Basis(kind, edition if kind in ("text", "unconfirmed") else "", check.clause))
+        return replace(
+            check,
+            basis=Basis(kind, edition if kind in ("text", "unconfirmed") else "", check.clause),
+        )
     day = "" if verified.on is None else str(verified.on)
     verdict: Verdict = "fail" if check.verdict == "not kept" else check.verdict
     basis = Basis("confirmed", f"{edition}, {verified.edition}", check.clause, verified.by, day)
@@ -247,7 +286,9 @@ def rank(check: Check) -> tuple[int, float]:
     return severity, (math.inf if check.fails else -math.inf) if used is None else used
 
 
-def worst_checks(cases: Mapping[str, tuple[Check, ...]]) -> dict[tuple[str, ...], tuple[str, Check]]:
+def worst_checks(
+    cases: Mapping[str, tuple[Check, ...]],
+) -> dict[tuple[str, ...], tuple[str, Check]]:
     """The worst of every check over cases, with the name of its case; barred ranges are those of all of them."""
     found: dict[tuple[str, ...], tuple[str, Check]] = {}
     barred: dict[tuple[str, ...], dict[BarredRange, None]] = {}
@@ -257,7 +298,10 @@ def worst_checks(cases: Mapping[str, tuple[Check, ...]]) -> dict[tuple[str, ...]
             barred.setdefault(key, {}).update(dict.fromkeys(check.barred))
             if key not in found or rank(check) > rank(found[key][1]):
                 found[key] = words, check
-    return {key: (words, replace(check, barred=tuple(barred[key]))) for key, (words, check) in found.items()}
+    return {
+        key: (words, replace(check, barred=tuple(barred[key])))
+        for key, (words, check) in found.items()
+    }
 
 
 @reported
@@ -294,7 +338,9 @@ class Rule:
     settings: type[RuleSettings] = RuleSettings
     edition: str = ""  # of the text that its limits follow
     needs: tuple[str, ...] = ()  # analyses that it reads
-    is_pointwise = False  # its clauses judge each speed by itself, and it says nothing else of what keeps them
+    is_pointwise = (
+        False  # its clauses judge each speed by itself, and it says nothing else of what keeps them
+    )
 
     def edition_of(self, check: Check, study: Study) -> str:
         """Return rule and edition of the text that the limit of a check follows."""
@@ -302,7 +348,11 @@ class Rule:
 
     def path(self, study: Study, settings: Any) -> Path:
         """Where the rule with these settings stands in the file."""
-        places = (("rules", position) for position, (_, given) in enumerate(study.rules) if given is settings)
+        places = (
+            ("rules", position)
+            for position, (_, given) in enumerate(study.rules)
+            if given is settings
+        )
         return next(places, ("rules",))
 
     def faults(self, study: Study, settings: Any) -> list[Fault]:

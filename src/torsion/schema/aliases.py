@@ -11,20 +11,44 @@ from torsion.schema.declaration_reader import keys_of, mappings_of
 from torsion.schema.fault_text import Node, Source
 
 KINDS_BY_ALIAS = {
-    "flywheel": "disc", "spring": "coupling", "clutch": "coupling", "gearbox": "gear", "cardan": "joint",
-    "universal_joint": "joint", "impeller": "pump", "roll": "machine", "load": "machine",
-}  # fmt: skip
+    "flywheel": "disc",
+    "spring": "coupling",
+    "clutch": "coupling",
+    "gearbox": "gear",
+    "cardan": "joint",
+    "universal_joint": "joint",
+    "impeller": "pump",
+    "roll": "machine",
+    "load": "machine",
+}
 KEYS_BY_ALIAS = {  # of components, and of mappings within them
-    "OD": "diameter", "outer_diameter": "diameter", "ID": "bore", "inner_diameter": "bore", "fixed": "held",
-    "relative_damping": "psi", "entrained_water": "entrained", "T_KN": "rated_torque", "T_KW": "vibratory_torque",
-    "T_Kmax": "max_torque", "P_KW": "heat_limit",
-}  # fmt: skip
+    "OD": "diameter",
+    "outer_diameter": "diameter",
+    "ID": "bore",
+    "inner_diameter": "bore",
+    "fixed": "held",
+    "relative_damping": "psi",
+    "entrained_water": "entrained",
+    "T_KN": "rated_torque",
+    "T_KW": "vibratory_torque",
+    "T_Kmax": "max_torque",
+    "P_KW": "heat_limit",
+}
 SECTIONS_BY_ALIAS = {  # of the top level, of `operation` and of `analyses: {design: }`
     "": {"shoulders": "steps"},
     "operation": {"reference": "at"},
-    "design": {"variables": "choose", "constraints": "keep", "objective": "aim", "pareto": "against"},
+    "design": {
+        "variables": "choose",
+        "constraints": "keep",
+        "objective": "aim",
+        "pareto": "against",
+    },
 }
-_ALIASES = {*KINDS_BY_ALIAS, *KEYS_BY_ALIAS, *(word for words in SECTIONS_BY_ALIAS.values() for word in words)}
+_ALIASES = {
+    *KINDS_BY_ALIAS,
+    *KEYS_BY_ALIAS,
+    *(word for words in SECTIONS_BY_ALIAS.values() for word in words),
+}
 _ANY = re.compile(rf"(?<![\w-])(?:{'|'.join(sorted(_ALIASES))})[\"']?\s*:")
 
 
@@ -39,7 +63,9 @@ def with_canonical_keys(source: Source) -> Source:
 def aliases_of(keys: Iterable[str]) -> dict[str, str]:
     """Return the aliases of the keys of a component or of a mapping within one."""
     known = set(keys)
-    return {alias: key for alias, key in KEYS_BY_ALIAS.items() if key in known and alias not in known}
+    return {
+        alias: key for alias, key in KEYS_BY_ALIAS.items() if key in known and alias not in known
+    }
 
 
 def canonical_column(name: str, known: Iterable[str]) -> str:
@@ -90,7 +116,9 @@ def _mapping_faults(node: Node, models: tuple[type[Any], ...]) -> Iterator[Fault
     for key, part in node.parts.items():
         if key == "train":
             yield from _train_faults(part)
-        elif inner := tuple(model for name, field in fields if name == key for model in mappings_of(field)):
+        elif inner := tuple(
+            model for name, field in fields if name == key for model in mappings_of(field)
+        ):
             yield from _mapping_faults(part, inner)
 
 

@@ -59,10 +59,17 @@ class Constructor:
     def __signature__(self) -> Signature:
         """The keys of the kind, for completion."""
         fields = component(self.kind).model_fields
-        names = [field.alias or name for name, field in fields.items() if (field.alias or name) != "name"]
+        names = [
+            field.alias or name for name, field in fields.items() if (field.alias or name) != "name"
+        ]
         keys = [name for name in names if name.isidentifier() and not keyword.iskeyword(name)]
         name = Parameter("name", Parameter.POSITIONAL_ONLY, default=None)
-        return Signature([name, *(Parameter(key, Parameter.KEYWORD_ONLY, default=Parameter.empty) for key in keys)])
+        return Signature(
+            [
+                name,
+                *(Parameter(key, Parameter.KEYWORD_ONLY, default=Parameter.empty) for key in keys),
+            ]
+        )
 
 
 def plain_value(value: Any) -> Any:
@@ -79,7 +86,10 @@ def plain_value(value: Any) -> Any:
         return f"{value:~C}"
     if value is None or isinstance(value, str | int | float):
         return value
-    raise refusal(f"a {type(value).__name__} is no value of a model file", "a number, a text, a list or a mapping")
+    raise refusal(
+        f"a {type(value).__name__} is no value of a model file",
+        "a number, a text, a list or a mapping",
+    )
 
 
 def build(name: str, train: Iterable[Entry], **sections: Any) -> Study:
@@ -89,7 +99,11 @@ def build(name: str, train: Iterable[Entry], **sections: Any) -> Study:
     """
     given = {"name": name, **sections}
     begin = [f"{key}: {in_brackets(plain_value(given[key]))}" for key in FIRST if key in given]
-    rest = [f"{key}: {in_brackets(plain_value(value))}" for key, value in given.items() if key not in FIRST]
+    rest = [
+        f"{key}: {in_brackets(plain_value(value))}"
+        for key, value in given.items()
+        if key not in FIRST
+    ]
     return parse("\n".join([*begin, "train:", *(entry.text for entry in train), *rest]) + "\n")
 
 

@@ -6,8 +6,10 @@ from typing import Any
 from torsion.study import CaseStates
 
 STATES = {  # last word of a key that a case sets, scales or removes: state
-    "misfire": "misfire", "stiffness": "other stiffness", "flexibility": "other stiffness",
-}  # fmt: skip
+    "misfire": "misfire",
+    "stiffness": "other stiffness",
+    "flexibility": "other stiffness",
+}
 LOAD = "operation.load"  # as a table of its own it is what a propeller takes at zero pitch; a law in a word is not
 
 
@@ -29,7 +31,12 @@ def _states_of(name: str, cases: dict[str, Any]) -> tuple[frozenset[str], tuple[
     states = frozenset(_own_states(case))
     rules = None if case.get("rules") is None else tuple(_names(case["rules"]))
     base = case.get("based_on")
-    if base in cases and base != name and isinstance(cases[base], dict) and "based_on" not in cases[base]:
+    if (
+        base in cases
+        and base != name
+        and isinstance(cases[base], dict)
+        and "based_on" not in cases[base]
+    ):
         before, of_base = _states_of(base, cases)
         return states | before, of_base if rules is None else rules
     return states, rules

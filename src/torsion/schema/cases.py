@@ -21,10 +21,17 @@ from torsion.study import Case, Change, SpeedRange, Study, case_folder
 FROM, TOLERANCES = "from", "tolerances"
 CORNERS = {"soft": -1, "stiff": 1}  # cases of the tolerances: all couplings together at one end
 STIFFNESSES = (  # of a coupling
-    ("stiffness",), ("clearance", "stiffness"), ("prony", "stiffness"), ("fractional", "stiffness"),
+    ("stiffness",),
+    ("clearance", "stiffness"),
+    ("prony", "stiffness"),
+    ("fractional", "stiffness"),
     ("fractional", "k1"),
-)  # fmt: skip
-LISTED = ((("stages",), ("stiffness",)), (("table", "stiffness"), ()), (("prony", "terms"), (0,)))  # lists, and where
+)
+LISTED = (
+    (("stages",), ("stiffness",)),
+    (("table", "stiffness"), ()),
+    (("prony", "terms"), (0,)),
+)  # lists, and where
 Read = Callable[[Source], Study]
 Factor = Annotated[float, Quantity("1", above=0, usual="factor of a case")]
 
@@ -32,13 +39,19 @@ Factor = Annotated[float, Quantity("1", above=0, usual="factor of a case")]
 class CaseKeys(Declared):
     """What one case changes of the file."""
 
-    set: dict[str, Any] = given("values in place of the file's, by `component.key`, or `section.key`", {})
+    set: dict[str, Any] = given(
+        "values in place of the file's, by `component.key`, or `section.key`", {}
+    )
     scale: dict[str, Factor] = given("factors of the file's numbers, by the same words: 115 %", {})
-    remove: Annotated[tuple[str, ...], OneOrMany] = given("components that are taken away, or keys", ())
+    remove: Annotated[tuple[str, ...], OneOrMany] = given(
+        "components that are taken away, or keys", ()
+    )
     based_on: str | None = given("another case, whose changes are made first")
     rules: Any = given("the rules of this case, in place of the file's")
     speeds: SpeedRange | None = given("the speed range of this case, in place of the file's")
-    judged: bool = given("false: for information, no part of the verdict and of the exit status", True)
+    judged: bool = given(
+        "false: for information, no part of the verdict and of the exit status", True
+    )
 
 
 @dataclass(frozen=True)
@@ -63,7 +76,9 @@ def with_cases(source: Source, read: Read) -> Study:
         raise input_error([*error.faults, *faults], source) from None
     found: dict[str, Study | None] = {}
     for one in sorted(requested, key=lambda one: one.keys.based_on is not None):
-        base = study if one.keys.based_on is None else found.get(one.keys.based_on)  # None of one that is at fault
+        base = (
+            study if one.keys.based_on is None else found.get(one.keys.based_on)
+        )  # None of one that is at fault
         found[one.name] = None if base is None else _case(one, base, study, source, read, faults)
     if faults:
         raise input_error(_each_once(faults), source)
@@ -77,7 +92,11 @@ def case_of(name: str, source: Source, read: Read) -> Study:
     requested = {one.name: one for one in _requested(source, faults)}
     own, study = requested[name], read(source)
     based_on = own.keys.based_on
-    base = study if based_on is None else _case(requested[based_on], study, study, source, read, faults)
+    base = (
+        study
+        if based_on is None
+        else _case(requested[based_on], study, study, source, read, faults)
+    )
     found = None if base is None else _case(own, base, study, source, read, faults)
     if found is None:
         raise input_error(_each_once(faults), source)
@@ -86,7 +105,9 @@ def case_of(name: str, source: Source, read: Read) -> Study:
 
 def located_in_case(error: InputError, case: Case) -> InputError:
     """The same faults in the values of the file as the case changes them."""
-    return input_error(in_case(case.name, input_error(error.faults, case.source).faults), case.source)
+    return input_error(
+        in_case(case.name, input_error(error.faults, case.source).faults), case.source
+    )
 
 
 def in_case(name: str, faults: Iterable[Fault]) -> list[Fault]:
@@ -99,7 +120,9 @@ def _each_once(faults: list[Fault]) -> list[Fault]:
     kept: dict[Any, Fault] = {}
     for fault in faults:
         words = fault.message.partition(": ")[2] if fault.line is not None else fault.message
-        kept.setdefault((fault.line, fault.column, words, fault.path if fault.line is None else ()), fault)
+        kept.setdefault(
+            (fault.line, fault.column, words, fault.path if fault.line is None else ()), fault
+        )
     return list(kept.values())
 
 
@@ -119,8 +142,12 @@ def _requested(source: Source, faults: list[Fault]) -> Iterator[_Requested]:
         if name == FROM:
             if keys != TOLERANCES:
                 message = f"{in_words(keys)} is none of '{TOLERANCES}'"
-                faults.append(Fault(path, message, "`from: tolerances` makes the cases soft and stiff"))
-            yield from (_Requested(name, path, CaseKeys(), corner) for name, corner in corners.items())
+                faults.append(
+                    Fault(path, message, "`from: tolerances` makes the cases soft and stiff")
+                )
+            yield from (
+                _Requested(name, path, CaseKeys(), corner) for name, corner in corners.items()
+            )
         elif why := _why_not(name, corners, names):
             faults.append(Fault(path, why, "give another name", at_key=True))
         else:
@@ -145,7 +172,9 @@ def _why_not(name: str, corners: Iterable[str], names: list[str]) -> str:
     return "" if like == name else f"'{name}' and '{like}' would have one folder, `{folder}`"
 
 
-def _faults_of(name: str, keys: CaseKeys, body: dict[str, Any], names: list[str], path: Path) -> Iterator[Fault]:
+def _faults_of(
+    name: str, keys: CaseKeys, body: dict[str, Any], names: list[str], path: Path
+) -> Iterator[Fault]:
     """Faults of a case by itself: that it changes nothing, and those of the case that it is based on."""
     if not (keys.set or keys.scale or keys.remove or keys.rules is not None or keys.speeds):
         hint = "`set`, `scale`, `remove`, `speeds` or `rules`; the case without changes is called normal"
@@ -156,24 +185,34 @@ def _faults_of(name: str, keys: CaseKeys, body: dict[str, Any], names: list[str]
     if base not in names:
         near = nearest(base, names)
         hint = "leave it out: every case is based on it" if base == NORMAL else ""
-        hint = hint or (f"did you mean '{near}'?" if near and near != name else f"cases: {', '.join(names)}")
+        hint = hint or (
+            f"did you mean '{near}'?" if near and near != name else f"cases: {', '.join(names)}"
+        )
         yield Fault(place, f"no case is called '{printable(base)}'", hint)
         return
     other = body.get(base)
     if base == name:
         yield Fault(place, "a case is not based on itself", "leave it out")
     elif isinstance(other, dict) and other.get("based_on") is not None:
-        yield Fault(place, f"'{base}' is itself based on '{other['based_on']}'", "one level: repeat its changes here")
+        yield Fault(
+            place,
+            f"'{base}' is itself based on '{other['based_on']}'",
+            "one level: repeat its changes here",
+        )
 
 
-def _case(one: _Requested, base: Study, study: Study, source: Source, read: Read, faults: list[Fault]) -> Study | None:
+def _case(
+    one: _Requested, base: Study, study: Study, source: Source, read: Read, faults: list[Fault]
+) -> Study | None:
     """The study of a case; None with its faults noted."""
     before = source if base.case is None else base.case.source
     overlay = Overlay(before, base.train.parts, base.operation.at or base.train.parts[0].name)
     if one.corner:
         _tolerances(one, overlay)
     else:
-        change_overlay(one.keys, one.path, node_at(source.root, one.path) or Node({}, 1, 1), overlay)
+        change_overlay(
+            one.keys, one.path, node_at(source.root, one.path) or Node({}, 1, 1), overlay
+        )
     overlay.remove(("analyses", "fit"))  # what was measured is of the file as it stands
     if not overlay.faults:
         changed = overlay.applied()
@@ -188,7 +227,9 @@ def _case(one: _Requested, base: Study, study: Study, source: Source, read: Read
             if _effect(found) != _effect(base):
                 return replace(found, name=f"{study.name}, case {one.name}", case=case)
             hint = "names, notes, sources and figures that nothing reads have no effect"
-            overlay.faults.append(Fault(one.path, "it changes no result that is requested", hint, at_key=True))
+            overlay.faults.append(
+                Fault(one.path, "it changes no result that is requested", hint, at_key=True)
+            )
     faults += in_case(one.name, input_error(overlay.faults, source).faults)
     return None
 
@@ -213,11 +254,15 @@ def change_overlay(keys: CaseKeys, path: Path, own: Node, overlay: Overlay) -> N
                 factor = Fraction(repr(keys.scale[str(words)]))
                 if factor == 1 and not overlay.permits_no_change:
                     message = f"{in_words(node.value)} of `{words}`: nothing changes"
-                    overlay.faults.append(Fault(fault, message, "a factor other than 1", at_key=True))
+                    overlay.faults.append(
+                        Fault(fault, message, "a factor other than 1", at_key=True)
+                    )
                 else:
                     overlay.multiply(str(words), factor, node, at, fault)
     if keys.speeds is not None:
-        overlay.replace("operation.speeds", own.parts["speeds"], own.keys["speeds"], (*path, "speeds"))
+        overlay.replace(
+            "operation.speeds", own.parts["speeds"], own.keys["speeds"], (*path, "speeds")
+        )
     if keys.rules is not None:
         _rules(overlay, own, (*path, "rules"))
     remove_components(overlay, keys.remove, (*path, "remove"))
@@ -227,12 +272,16 @@ def _rules(overlay: Overlay, own: Node, fault: Path) -> None:
     """The rules of a case in place of the file's."""
     there, value = node_at(overlay.source.root, ("rules",)), own.parts["rules"]
     if there is not None and there.value == value.value:
-        overlay.faults.append(Fault(fault, "these are the rules of the file: nothing changes", "leave it out", True))
+        overlay.faults.append(
+            Fault(fault, "these are the rules of the file: nothing changes", "leave it out", True)
+        )
         return
     before = "none" if there is None else in_words(there.value)
     overlay.changes.append(Change("rules", before, in_words(value.value)))
     overlay.put(("rules",), value, own.keys["rules"])
-    if not value.value:  # no limit that a design could keep; that of the file has this case among others
+    if (
+        not value.value
+    ):  # no limit that a design could keep; that of the file has this case among others
         overlay.remove(("analyses", "design"))
 
 
@@ -247,7 +296,9 @@ def _tolerances(one: _Requested, overlay: Overlay) -> None:
         tolerance = Fraction(repr(part.stiffness_tolerance))
         factor = 1 + one.corner * tolerance
         if factor <= 0:
-            message = f"a tolerance of {float(100 * tolerance):g} % leaves '{part.name}' no stiffness"
+            message = (
+                f"a tolerance of {float(100 * tolerance):g} % leaves '{part.name}' no stiffness"
+            )
             overlay.faults.append(Fault((*part.path, "tolerance"), message, "less than 100 %"))
             continue
         for path in stiffness_paths(overlay, part):
@@ -256,7 +307,10 @@ def _tolerances(one: _Requested, overlay: Overlay) -> None:
             made = None if node is None else multiplied(node.value, by)
             if node is not None and made is not None and made != node.value:
                 words = ".".join(
-                    [part.name, *(str(s + 1) if isinstance(s, int) else s for s in path[len(part.path) :])]
+                    [
+                        part.name,
+                        *(str(s + 1) if isinstance(s, int) else s for s in path[len(part.path) :]),
+                    ]
                 )
                 overlay.changes.append(Change(words, in_words(node.value), in_words(made)))
                 overlay.put(path, Node(made, at.line, at.column), (at.line, at.column))
@@ -279,12 +333,25 @@ def _effect(study: Study) -> Any:
     Ratings have an effect where a rule or a motion over time reads them.
     """
     train = study.train
-    plain: dict[str, Any] = {"name": "", "note": None, "source": None, "is_named": False, "path": ()}
+    plain: dict[str, Any] = {
+        "name": "",
+        "note": None,
+        "source": None,
+        "is_named": False,
+        "path": (),
+    }
     if not study.rules and "transient" not in study.analyses:
         plain |= {"ratings": None, "application_factor": None, "max_torque": None}
     parts = [replace(part, **plain) for part in train.parts]
     torques = [replace(torque, path=(), source=None) for torque in train.torques]
-    rest = (train.stations, train.inertias, train.springs, train.bars, train.constraints, train.dampers)
+    rest = (
+        train.stations,
+        train.inertias,
+        train.springs,
+        train.bars,
+        train.constraints,
+        train.dampers,
+    )
     analyses = {name: settings for name, settings in study.analyses.items() if name != "fit"}
     settings = (study.operation, study.model, study.fem, analyses, study.rules, train.modal_damping)
     return _content((parts, torques, rest, settings, dict(train.materials)))
@@ -295,7 +362,9 @@ def _content(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if is_dataclass(value) and not isinstance(value, type):
-        return type(value), *(_content(getattr(value, one.name)) for one in fields(value) if one.repr)
+        return type(value), *(
+            _content(getattr(value, one.name)) for one in fields(value) if one.repr
+        )
     if isinstance(value, BaseModel):
         return type(value), _content(dict(value))
     if isinstance(value, Mapping):

@@ -21,15 +21,26 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
             try:
                 said[key] = _number(row.parts[key].value, key)
                 if said[key] < 0.0:
-                    raise units.UnitFault(f"a {key} of {row.parts[key].value} is below 0", "0 or more")
+                    raise units.UnitFault(
+                        f"a {key} of {row.parts[key].value} is below 0", "0 or more"
+                    )
             except units.UnitFault as fault:
                 at = row.parts[key]
                 reading.faults.append(
-                    Fault((), fault.message, fault.hint, line=at.line, column=at.column, file=reading.tables[name].name)
+                    Fault(
+                        (),
+                        fault.message,
+                        fault.hint,
+                        line=at.line,
+                        column=at.column,
+                        file=reading.tables[name].name,
+                    )
                 )
         puts = {key: node for key, node in row.parts.items() if key not in (LABEL, *SAID)}
         origin = row.parts.get("source", row.parts[LABEL])
-        puts["source"] = replace(origin, value=f"{name}, {label}" + (f": {origin.value}" if "source" in puts else ""))
+        puts["source"] = replace(
+            origin, value=f"{name}, {label}" + (f": {origin.value}" if "source" in puts else "")
+        )
         yield Row(label, tuple(((*part.path, key), node) for key, node in puts.items()), said)
     faults += reading.faults
 

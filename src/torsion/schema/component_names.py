@@ -36,7 +36,11 @@ def kinds_by_name(entries: object) -> dict[str, tuple[str, bool]] | None:
 
 def _named(entries: object, found: dict[str, tuple[str, bool]], numbers: Counter[str]) -> bool:
     for entry in entries if isinstance(entries, list) else [None]:
-        kind, body = next(iter(entry.items())) if isinstance(entry, dict) and len(entry) == 1 else (None, None)
+        kind, body = (
+            next(iter(entry.items()))
+            if isinstance(entry, dict) and len(entry) == 1
+            else (None, None)
+        )
         if kind not in KINDS or not isinstance(body, dict | None):
             return False
         numbers[kind] += 1
@@ -45,11 +49,17 @@ def _named(entries: object, found: dict[str, tuple[str, bool]], numbers: Counter
         is_point = component(kind).sort == "point"
         if name not in found or is_point:
             found[name] = kind, is_point
-        found |= dict.fromkeys(component(kind).points_within(name, body or {}), (f"throw of {name}", True))
+        found |= dict.fromkeys(
+            component(kind).points_within(name, body or {}), (f"throw of {name}", True)
+        )
         branches = (body or {}).get("branches")
         halves, before = (body or {}).get("differential"), set(found)
         inner = [halves, body, *(branches if isinstance(branches, list) else [])]
-        trains = [item["train"] for item in inner if isinstance(item, dict) and item.get("train") is not None]
+        trains = [
+            item["train"]
+            for item in inner
+            if isinstance(item, dict) and item.get("train") is not None
+        ]
         if not all(_named(train, found, numbers) for train in trains):
             return False
         if isinstance(halves, dict):

@@ -17,7 +17,9 @@ def components(entries: object, path: Path, faults: list[Fault]) -> tuple[Compon
     """The sound components of a list; every fault of the others is noted."""
     if not isinstance(entries, list):
         hint = "`- disc: {inertia: 1.2}`, ..."
-        if isinstance(entries, dict) and (kind := next((key for key in entries if key in KINDS), None)):
+        if isinstance(entries, dict) and (
+            kind := next((key for key in entries if key in KINDS), None)
+        ):
             path, hint = (*path, kind), f"begin each component with a dash: `- {kind}: ...`"
         message = f"{shown(entries)} is not a list of components"
         faults.append(Fault(path, message, hint, at_key=path[-1] in KINDS))
@@ -34,7 +36,9 @@ def empty_lists(value: object, path: Path = ()) -> Iterator[Fault]:
     """
     for step, item in entries_of(value):
         if item == [] and path and path[-1] in (*KINDS, "differential"):
-            yield Fault((*path, step), f"`{step}` is an empty list", "list one, or leave the key out")
+            yield Fault(
+                (*path, step), f"`{step}` is an empty list", "list one, or leave the key out"
+            )
         yield from empty_lists(item, (*path, step))
 
 
@@ -59,12 +63,18 @@ def _entry(entry: object, path: Path, faults: list[Fault]) -> Component | None:
     if not isinstance(entry, dict) or not entry:
         named = without_mark(f"{entry} {{", KINDS) if isinstance(entry, str) else None
         hint = f"write `- {named[0]}: {{...}}`" if named else "`- disc: {inertia: 1.2}`"
-        faults.append(Fault(path, f"{shown(entry)} is not a component, a mapping with one key", hint))
+        faults.append(
+            Fault(path, f"{shown(entry)} is not a component, a mapping with one key", hint)
+        )
         return None
     if len(entry) > 1:
         kinds = [key for key in entry if key in KINDS]
         extra = next(key for key in entry if key != kinds[0]) if kinds else list(entry)[1]
-        hint = "start each with its own `-`" if len(kinds) > 1 else "indent the keys of a component below its kind"
+        hint = (
+            "start each with its own `-`"
+            if len(kinds) > 1
+            else "indent the keys of a component below its kind"
+        )
         message = f"a component is one key, its kind; there are {', '.join(f'`{key}`' for key in list(entry)[:5])}"
         faults.append(Fault((*path, extra), message, hint, at_key=True))
         return None

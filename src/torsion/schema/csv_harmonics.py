@@ -7,19 +7,27 @@ from torsion.schema.csv_columns import BY_PARTS, BY_POLAR, LOADS
 from torsion.schema.csv_text import Cell
 from torsion.schema.fault_text import Node
 
-Faulty = Callable[[Cell, str, str], None]  # notes what is wrong with a cell, and what would be right
+Faulty = Callable[
+    [Cell, str, str], None
+]  # notes what is wrong with a cell, and what would be right
 
 
 def list_node(node: Node, parts: list[Node]) -> Node:
     """The parts as a list in the place of a node."""
-    return replace(node, value=[part.value for part in parts], parts=dict(enumerate(parts)), keys={})
+    return replace(
+        node, value=[part.value for part in parts], parts=dict(enumerate(parts)), keys={}
+    )
 
 
 def harmonic(body: Node, columns: Sequence[str], fault: Faulty) -> Node:
     """A row from its cells: [order, amplitude, phase], or a mapping where the table has `a` and `b`."""
     keys = BY_PARTS if {"a", "b"} & set(columns) else BY_POLAR
     if lacking := [key for key in keys if key not in body.parts]:
-        fault(Cell("", body.line, body.column), f"the row has no `{lacking[0]}`", f"it has {', '.join(keys)}")
+        fault(
+            Cell("", body.line, body.column),
+            f"the row has no `{lacking[0]}`",
+            f"it has {', '.join(keys)}",
+        )
     found = [body.parts[key] for key in keys if key in body.parts]
     return body if keys == BY_PARTS else list_node(replace(body), found)
 
@@ -31,9 +39,15 @@ def by_load(rows: Sequence[Node], columns: Sequence[str], fault: Faulty) -> list
     for row in rows:
         load = row.parts.pop(key, None)
         if load is None:
-            fault(Cell("", row.line, row.column), f"the row has no `{key}`", "every order stands at one")
+            fault(
+                Cell("", row.line, row.column),
+                f"the row has no `{key}`",
+                "every order stands at one",
+            )
         else:
-            found.setdefault(str(row.value.pop(key)), (load, []))[1].append(harmonic(row, columns, fault))
+            found.setdefault(str(row.value.pop(key)), (load, []))[1].append(
+                harmonic(row, columns, fault)
+            )
     made = []
     for load, each in found.values():
         parts: dict[str | int, Node] = {key: load, "rows": list_node(replace(load), each)}

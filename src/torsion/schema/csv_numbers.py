@@ -14,7 +14,9 @@ from torsion.schema.csv_text import Cell
 from torsion.schema.yaml_source import resolved
 
 Slip = tuple[Cell, str, str]  # where, what is wrong, what would be right
-_COMMA = re.compile(r"([-+]?[0-9]*),([0-9]+(?:[eE][-+]?[0-9]+)?)(?![0-9,.])")  # a number with a decimal comma begins
+_COMMA = re.compile(
+    r"([-+]?[0-9]*),([0-9]+(?:[eE][-+]?[0-9]+)?)(?![0-9,.])"
+)  # a number with a decimal comma begins
 _POINT = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[eE][-+]?[0-9]+)?(?![0-9,.])")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}[.,][0-9]{3}")
 _FIGURE = re.compile(r"(?<![\w.,])[-+]?[0-9.,]*[0-9](?:[eE][-+]?[0-9]+)?")
@@ -43,7 +45,11 @@ class Numbers:
             return None
         inner = cell.text.strip("[] ")
         parts = re.split(r",\s+", inner) if re.search(r",\s", inner) else inner.split(",")
-        one = f"{inner} for a number, " if len(parts) == 2 and "," in inner and ", " not in inner else ""
+        one = (
+            f"{inner} for a number, "
+            if len(parts) == 2 and "," in inner and ", " not in inner
+            else ""
+        )
         right = f'write {one}"[{"; ".join(parts)}]" for a list'
         ways = "one number or a list" if one else "read in two ways"
         return cell, f"`{cell.text}` may be {ways}", right
@@ -61,9 +67,17 @@ def numbers_of(separator: str, cells: Iterable[Cell]) -> tuple[Numbers, Slip | N
     commas = [(cell, figure) for cell, figure in figures if _COMMA.fullmatch(figure)]
     made = Numbers(True, bool(points))
     if commas and points:
-        (cell, text), (other, found) = (points[0], commas[0]) if len(points) <= len(commas) else (commas[0], points[0])
-        message = f"`{text}` here, and `{found}` in line {other.line}: two decimal signs in one table"
-        return made, (cell, message, "write all numbers with one of them, and no marks between thousands")
+        (cell, text), (other, found) = (
+            (points[0], commas[0]) if len(points) <= len(commas) else (commas[0], points[0])
+        )
+        message = (
+            f"`{text}` here, and `{found}` in line {other.line}: two decimal signs in one table"
+        )
+        return made, (
+            cell,
+            message,
+            "write all numbers with one of them, and no marks between thousands",
+        )
     marked = [(cell, figure) for cell, figure in figures if len(re.findall("[.,]", figure)) == 1]
     if marked and all(_THOUSANDS.fullmatch(figure) for _, figure in marked):
         cell, text = marked[0]

@@ -54,13 +54,19 @@ class Reading:
     """What was read of a scene: its tables met so far by name, and their faults."""
 
     source: Source
-    texts: Mapping[str, str] | None  # of tables that were read before; None: they are read from their files
+    texts: (
+        Mapping[str, str] | None
+    )  # of tables that were read before; None: they are read from their files
     tables: dict[str, Source]
     faults: list[Fault]
     is_ended: bool = False  # a table whose rows cannot be read was met
-    opened: tuple[str, ...] = ()  # tables whose rows are being read, each named by a row of the one before it
+    opened: tuple[
+        str, ...
+    ] = ()  # tables whose rows are being read, each named by a row of the one before it
     inner_rows: int = 0  # of all tables that a row of a table names
-    rows: dict[tuple[str, str], list[Node]] = field(default_factory=dict)  # of every table, by its name and key
+    rows: dict[tuple[str, str], list[Node]] = field(
+        default_factory=dict
+    )  # of every table, by its name and key
 
 
 def _kind_of(cell: Cell | None) -> str:
@@ -85,27 +91,40 @@ class Rows:
         if len(self.rows) < 2:
             what = "no rows below its names of columns" if self.rows else "nothing"
             place = Cell("", self.rows[0][0].line, 1) if self.rows else Cell("", 1, 1)
-            self.fault(place, f"the table has {what}", f"first a row of {self._example()}, then the figures")
+            self.fault(
+                place,
+                f"the table has {what}",
+                f"first a row of {self._example()}, then the figures",
+            )
             ended = True
         else:
             self.columns = [self._column(cell) for cell in self.rows[0]]
             self.numbers = self._read_signs()
             ended = self._head_is_faulty()
-        found = [] if ended else [node for row in self.rows[1:] if (node := self._row(row)) is not None]
+        found = (
+            [] if ended else [node for row in self.rows[1:] if (node := self._row(row)) is not None]
+        )
         if found and self.key == BY_LOAD:
             found = by_load(found, self._columns_named, self.fault)
         reading.faults += [replace(fault, file=self.source.name) for fault in self.faults]
-        reading.is_ended |= ended or (self.key in FIGURES and self.key not in PAIRS and bool(self.faults))
+        reading.is_ended |= ended or (
+            self.key in FIGURES and self.key not in PAIRS and bool(self.faults)
+        )
         return found
 
     def fault(self, cell: Cell, message: str, hint: str = "") -> None:
-        self.faults.append(Fault((), printable(message, 200), hint, line=cell.line, column=cell.column))
+        self.faults.append(
+            Fault((), printable(message, 200), hint, line=cell.line, column=cell.column)
+        )
 
     def _example(self) -> str:
         if self.key == "train":
             return "`kind`, `name`, `inertia [kg*m**2]`, ..."
         if self.key.startswith("harmonics"):
-            return "`imep [bar]`, " * ("load" in self.key) + "`order`, `amplitude [bar]`, `phase [deg]`"
+            return (
+                "`imep [bar]`, " * ("load" in self.key)
+                + "`order`, `amplitude [bar]`, `phase [deg]`"
+            )
         if self.key == SECTIONS:
             return "`length [mm]`, `diameter [mm]`, ..."
         if self.key == TORSIOGRAM:
@@ -114,7 +133,11 @@ class Rows:
             return "`size`, `stiffness [N*m/rad]`, `psi`, ..."
         if self.key.startswith(CATALOGUE):
             return "`name`, the keys of a component with their units, and `mass [kg]`, `cost`"
-        return "`speed [rpm]`, `torque [N*m]`" if self.key in PAIRS else "`order`, `torque [N*m]`, `phase [deg]`, ..."
+        return (
+            "`speed [rpm]`, `torque [N*m]`"
+            if self.key in PAIRS
+            else "`order`, `torque [N*m]`, `phase [deg]`, ..."
+        )
 
     def _column(self, cell: Cell) -> Column | None:
         """What a column states; None where it has no name, or none that is known."""
@@ -126,7 +149,9 @@ class Rows:
             return None
         if self.key == "train" and name == _FIRST and not of:
             return Column(_FIRST, "", "", True)
-        known = {key: found for (kind, key), found in columns_of(self.key).items() if of in ("", kind)}
+        known = {
+            key: found for (kind, key), found in columns_of(self.key).items() if of in ("", kind)
+        }
         name = canonical_column(name, known)
         if name not in known:
             near = nearest(name, known)
@@ -147,7 +172,11 @@ class Rows:
             if column is None:
                 continue
             if (column.of, column.key) in first:
-                self.fault(cell, f"the column `{column.key}` stands twice", "a list is one cell: [0.9, 0.6]")
+                self.fault(
+                    cell,
+                    f"the column `{column.key}` stands twice",
+                    "a list is one cell: [0.9, 0.6]",
+                )
             first.setdefault((column.of, column.key), cell)
             self._unit_is_sound(place, cell, column)
         for key in self._needed(first):
@@ -174,22 +203,41 @@ class Rows:
     def _unit_is_sound(self, place: int, cell: Cell, column: Column) -> None:
         """Note a unit that no such quantity has, and one that is missing where numbers stand below."""
         known = columns_of(self.key)
-        expected = {unit for (_, key), found in known.items() if key == column.key for unit in found.units}
+        expected = {
+            unit for (_, key), found in known.items() if key == column.key for unit in found.units
+        }
         if column.unit:
-            faults = [fault for unit in sorted(expected) if (fault := unit_fault(column.unit, unit)) is not None]
+            faults = [
+                fault
+                for unit in sorted(expected)
+                if (fault := unit_fault(column.unit, unit)) is not None
+            ]
             if faults and len(faults) == len(expected):
-                self.fault(cell, f"the unit of the column `{column.key}`: {faults[0].message}", faults[0].hint)
+                self.fault(
+                    cell,
+                    f"the unit of the column `{column.key}`: {faults[0].message}",
+                    faults[0].hint,
+                )
             return
         if expected - {"1"} and any(
-            place < len(row) and is_number(self.numbers.plain(row[place].text)) for row in self.rows[1:]
+            place < len(row) and is_number(self.numbers.plain(row[place].text))
+            for row in self.rows[1:]
         ):
             unit = units.example(min(expected - {"1"})).partition(" ")[2]
-            self.fault(cell, f"the column `{column.key}` has no unit", f"write `{column.key} [{unit}]`")
+            self.fault(
+                cell, f"the column `{column.key}` has no unit", f"write `{column.key} [{unit}]`"
+            )
 
     def _read_signs(self) -> Numbers:
         """How the numbers of the table are written; note what is wrong with their decimal signs."""
-        texts = {place for place, column in enumerate(self.columns) if column is not None and column.is_text}
-        cells = [cell for row in self.rows[1:] for place, cell in enumerate(row) if place not in texts]
+        texts = {
+            place
+            for place, column in enumerate(self.columns)
+            if column is not None and column.is_text
+        }
+        cells = [
+            cell for row in self.rows[1:] for place, cell in enumerate(row) if place not in texts
+        ]
         found, slip = numbers_of(self.separator, cells)
         if slip is not None:
             self.fault(*slip)
@@ -201,18 +249,31 @@ class Rows:
         if len(row) != len(self.columns):
             count = f"{len(row)} cell{'s' * (len(row) != 1)}, the first row {len(self.columns)}"
             comma = self.separator == "," and len(row) > len(self.columns)
-            hint = "with decimal commas the cells are parted by semicolons" if comma else "leave cells empty, not out"
+            hint = (
+                "with decimal commas the cells are parted by semicolons"
+                if comma
+                else "leave cells empty, not out"
+            )
             if any(cell.text[:1] in ("[", "{") and cell.text[-1] not in "]}" for cell in row):
                 hint = f'put a list that holds the separator in quotes: "[0.9{self.separator} 0.6]"'
             self.fault(begin, f"this row has {count}", hint)
             return None
         filled = [
-            (cell, column) for cell, column in zip(row, self.columns, strict=False) if self._is_filled(cell, column)
+            (cell, column)
+            for cell, column in zip(row, self.columns, strict=False)
+            if self._is_filled(cell, column)
         ]
         nameless = next((cell for cell, column in filled if column is None), None)
         if nameless is not None:
-            self.fault(nameless, f"{shown(nameless.text)} is in a column without a name", "name it in the first row")
-        kind = next((cell for cell, column in filled if column and (column.of, column.key) == ("", _FIRST)), None)
+            self.fault(
+                nameless,
+                f"{shown(nameless.text)} is in a column without a name",
+                "name it in the first row",
+            )
+        kind = next(
+            (cell for cell, column in filled if column and (column.of, column.key) == ("", _FIRST)),
+            None,
+        )
         if self.key == "train" and kind is None:
             self.fault(begin, "the row has no `kind`", f"one of {', '.join(KINDS)}")
             return None
@@ -238,14 +299,20 @@ class Rows:
     def _is_filled(self, cell: Cell, column: Column | None) -> bool:
         """Whether a cell says something, as every one of a catalogue has to."""
         if self.key.startswith(CATALOGUE) and column is not None and not cell.text:
-            self.fault(cell, f"`{column.key}` is empty", "every row of a catalogue states every column")
+            self.fault(
+                cell, f"`{column.key}` is empty", "every row of a catalogue states every column"
+            )
         return bool(cell.text)
 
     def _is_new(self, body: Node, begin: Cell, key: str) -> bool:
         """Whether a row says by its own key which one it is, and no row before it is that one."""
         own = str(body.value.get(key, ""))
         if not own or own in self.sizes:
-            message = f"{key} {shown(own)} is in line {self.sizes[own]} already" if own else f"the row has no {key}"
+            message = (
+                f"{key} {shown(own)} is in line {self.sizes[own]} already"
+                if own
+                else f"the row has no {key}"
+            )
             self.fault(begin, message, f"one row a {key}")
             return False
         self.sizes[own] = begin.line
@@ -253,7 +320,13 @@ class Rows:
 
     def _node(self, value: Any, cell: Cell) -> Node:
         """A value with all that is in it, at the place of its cell."""
-        inside = dict(value if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ())
+        inside = dict(
+            value
+            if isinstance(value, dict)
+            else enumerate(value)
+            if isinstance(value, list)
+            else ()
+        )
         parts: dict[str | int, Node] = {step: self._node(one, cell) for step, one in inside.items()}
         keys = dict.fromkeys(map(str, parts), (cell.line, cell.column))
         return Node(value, cell.line, cell.column, parts, keys, source=self.source)
@@ -261,13 +334,25 @@ class Rows:
     def _state(self, body: Node, cell: Cell, column: Column, kind: str) -> None:
         """Enter a cell under its key."""
         if column.of and column.of != kind:
-            self.fault(cell, f"this column is of `{column.of}`, and the row is a `{printable(kind)}`", "leave it empty")
+            self.fault(
+                cell,
+                f"this column is of `{column.of}`, and the row is a `{printable(kind)}`",
+                "leave it empty",
+            )
             return
         if column.key in body.parts:
-            self.fault(cell, f"`{column.key}` is given twice in this row", "leave one of the two cells empty")
+            self.fault(
+                cell,
+                f"`{column.key}` is given twice in this row",
+                "leave one of the two cells empty",
+            )
             return
         if FORMULA_ERROR.fullmatch(cell.text):
-            self.fault(cell, f"`{cell.text}` is an error of the spreadsheet, no figure", "mend the formula, save again")
+            self.fault(
+                cell,
+                f"`{cell.text}` is an error of the spreadsheet, no figure",
+                "mend the formula, save again",
+            )
         body.parts[column.key] = part = self._node(self._value(cell, column), cell)
         body.keys[column.key] = (cell.line, cell.column)
         body.value[column.key] = part.value
@@ -283,13 +368,19 @@ class Rows:
             self.fault(*slip)
             return cell.text
         if text[-1] not in "]}":
-            self.fault(cell, f"{shown(cell.text)} has no closing bracket", 'put the whole cell in quotes: "[0.9, 0.6]"')
+            self.fault(
+                cell,
+                f"{shown(cell.text)} has no closing bracket",
+                'put the whole cell in quotes: "[0.9, 0.6]"',
+            )
             return cell.text
         try:
             value = parse_source(text, self.source.name).data
         except InputError as error:
             hint = error.faults[0].hint or "for example [0.9, 0.6]"
-            self.fault(cell, f"this list or mapping cannot be read: {error.faults[0].message}", hint)
+            self.fault(
+                cell, f"this list or mapping cannot be read: {error.faults[0].message}", hint
+            )
             return cell.text
         listed = isinstance(value, list)
         return [in_unit(one, str(one), column.unit) for one in value] if listed else value

@@ -27,9 +27,12 @@ from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.shaft_sections import SECTIONS, has_sections, sections
 
 BY_NAME = {  # what may be the name of a file, by the key before it and its own
-    ("gas", "table"): HARMONICS, ("gas", "motored"): HARMONICS, ("tables", "rows"): HARMONICS,
-    ("gas", "tables"): BY_LOAD, ("measured", TORSIOGRAM): TORSIOGRAM,
-}  # fmt: skip
+    ("gas", "table"): HARMONICS,
+    ("gas", "motored"): HARMONICS,
+    ("tables", "rows"): HARMONICS,
+    ("gas", "tables"): BY_LOAD,
+    ("measured", TORSIOGRAM): TORSIOGRAM,
+}
 DEEPEST = 10  # tables within each other
 INNER = ("tables", "measured")  # lists whose mappings name files
 
@@ -41,7 +44,9 @@ def with_tables(source: Source, texts: Mapping[str, str] | None = None) -> Sourc
     """
     reading = Reading(source, texts, {}, [])
     root = _spliced(source.root, "", reading)
-    read = replace(source, root=root, tables=tuple(reading.tables.items()), faults=tuple(reading.faults))
+    read = replace(
+        source, root=root, tables=tuple(reading.tables.items()), faults=tuple(reading.faults)
+    )
     if reading.is_ended:
         raise input_error(reading.faults, read)
     return read
@@ -65,7 +70,11 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
             if key == "train" and has_sections(part):
                 parts += _sections(part, reading)
             else:
-                parts += _table(part, key, reading) if is_table else [_spliced(part, key * (key in INNER), reading)]
+                parts += (
+                    _table(part, key, reading)
+                    if is_table
+                    else [_spliced(part, key * (key in INNER), reading)]
+                )
         return node if parts == list(node.parts.values()) else list_node(node, parts)
     if key == LIBRARY and isinstance(node.value, dict) and {"from", ROW} <= node.value.keys():
         return _from_library(node, reading)
@@ -80,7 +89,11 @@ def _spliced(node: Node, key: str, reading: Reading) -> Node:
         for step, part in node.parts.items():
             before, last = f"{key}.{step}".split(".")[-2:]  # a case writes `operation.load`
             name = BY_NAME.get((before, last)) if isinstance(part.value, str) else None
-            inner[step] = list_node(part, _table(part, name, reading)) if name else _spliced(part, last, reading)
+            inner[step] = (
+                list_node(part, _table(part, name, reading))
+                if name
+                else _spliced(part, last, reading)
+            )
         if inner != node.parts:
             value = node.value | {step: part.value for step, part in inner.items()}
             return replace(node, value=value, parts=inner)
@@ -96,7 +109,9 @@ def _sections(entry: Node, reading: Reading) -> list[Node]:
         if reading.is_ended:
             return []
     whole = replace(entry, parts={"shaft": replace(shaft, parts=parts)})
-    return sections(whole, reading.source, lambda node, message, hint: _end(node, message, hint, reading))
+    return sections(
+        whole, reading.source, lambda node, message, hint: _end(node, message, hint, reading)
+    )
 
 
 def _table(node: Node, key: str, reading: Reading) -> list[Node]:
@@ -104,7 +119,11 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     where = node if isinstance(node.value, str) else node.parts["table"]
     if where.value in reading.opened or len(reading.opened) >= DEEPEST:
         beyond = f"more than {DEEPEST} tables are nested"
-        what = f"the table {shown(where.value)} contains itself" if where.value in reading.opened else beyond
+        what = (
+            f"the table {shown(where.value)} contains itself"
+            if where.value in reading.opened
+            else beyond
+        )
         _end(where, what, "write its rows out", reading)
         return []
     table = _opened(where.value, where, reading)
@@ -131,7 +150,11 @@ def _opened(name: str, where: Node, reading: Reading) -> Source | None:
             text, fault = table_text(file) if reading.texts is None else (reading.texts[name], None)
         except (OSError, ValueError) as error:
             is_there = not isinstance(error, FileNotFoundError)
-            why = f"cannot be read: {getattr(error, 'strerror', None) or error}" if is_there else "does not exist"
+            why = (
+                f"cannot be read: {getattr(error, 'strerror', None) or error}"
+                if is_there
+                else "does not exist"
+            )
             hint = f"its path counts from the folder of this file, {file.parent.absolute()}"
             _end(where, f"the table {shown(name)} {why}", hint, reading)
             return None
@@ -170,11 +193,19 @@ def _from_library(node: Node, reading: Reading) -> Node:
     for key in node.parts.keys() & row.parts.keys() - {ROW, "source"}:
         line, column = node.keys.get(str(key), (size.line, size.column))
         message = f"`{key}` is given here, and as {shown(row.value[key])} by size {wanted} of {name.value}"
-        _end(Node(None, line, column, source=node.source), message, "keep one; a case may `set` another value", reading)
+        _end(
+            Node(None, line, column, source=node.source),
+            message,
+            "keep one; a case may `set` another value",
+            reading,
+        )
     said = row.parts.get("source")
     origin = f"{name.value}, size {wanted}: {said.value if said else first_comment(table.text) or 'no source stated'}"
     origin_node = replace(said or row.parts[ROW], value=origin)
     parts = row.parts | {"source": origin_node} | node.parts | {ROW: replace(size, value=wanted)}
     return replace(
-        node, value={str(step): part.value for step, part in parts.items()}, parts=parts, keys=row.keys | node.keys
+        node,
+        value={str(step): part.value for step, part in parts.items()},
+        parts=parts,
+        keys=row.keys | node.keys,
     )

@@ -41,12 +41,16 @@ def table_text(file: FilePath) -> tuple[str, Fault | None]:
         text = content.decode().removeprefix("\ufeff")
     except UnicodeDecodeError as error:
         line, column = end_of(content[: error.start].decode())
-        fault = Fault((), "the file is not UTF-8 text", "save it as `CSV UTF-8`", line=line, column=column)
+        fault = Fault(
+            (), "the file is not UTF-8 text", "save it as `CSV UTF-8`", line=line, column=column
+        )
         return content.decode(errors="replace"), fault
     if found := _NUL.search(text) or REORDERING.search(text):
         line, column = end_of(text[: found.start()])
         message = f"the character U+{ord(found[0]):04X} is not allowed"
-        return text, Fault((), message, "save the sheet as CSV, not as a workbook", line=line, column=column)
+        return text, Fault(
+            (), message, "save the sheet as CSV, not as a workbook", line=line, column=column
+        )
     return text, None
 
 
@@ -61,7 +65,9 @@ def rows_of(source: Source, faults: list[Fault]) -> tuple[str, list[list[Cell]]]
         if any(cell.text for cell in cells):
             rows.append(cells)
         if len(rows) > MOST_ROWS:
-            faults.append(Fault((), f"the table has more than {MOST_ROWS} rows", "", line=1, column=1))
+            faults.append(
+                Fault((), f"the table has more than {MOST_ROWS} rows", "", line=1, column=1)
+            )
             break
     return separator, rows
 
@@ -93,9 +99,17 @@ def _rows(text: str, begin: int, separator: str, faults: list[Fault]) -> Iterato
         elif quoted := _QUOTED.match(text, place):
             row.append(Cell(_BREAK.sub(" ", quoted[1].replace('""', '"')).strip(), *here))
             breaks = list(_BREAK.finditer(text, place, quoted.end()))
-            line, start, place = line + len(breaks), breaks[-1].end() if breaks else start, quoted.end()
+            line, start, place = (
+                line + len(breaks),
+                breaks[-1].end() if breaks else start,
+                quoted.end(),
+            )
             if place < len(text) and text[place] not in f"{separator}\r\n":
-                faults.append(_fault("text follows the closing quote", "quotes within a cell are doubled", *here))
+                faults.append(
+                    _fault(
+                        "text follows the closing quote", "quotes within a cell are doubled", *here
+                    )
+                )
                 place = (plain.match(text, place) or quoted).end()
         else:
             found = plain.match(text, place)

@@ -39,7 +39,9 @@ def declared(kind: type[Read], body: object, path: Path, faults: list[Fault]) ->
         read, details = None, error.errors(include_url=False)
         for detail in (*details, *_between_sound_keys(kind, there, details)):
             where, fault = _fault(kind, detail, body)
-            if not _is_echo(detail, body) and not any(where[: len(other)] == other[: len(where)] for other in noted):
+            if not _is_echo(detail, body) and not any(
+                where[: len(other)] == other[: len(where)] for other in noted
+            ):
                 known.append(replace(fault, path=(*path, *fault.path)))
     faults += known
     return None if known else read
@@ -55,8 +57,14 @@ def _between_sound_keys(
     faulty = {str(detail["loc"][0]) for detail in details if detail["loc"]}
     if not faulty or not faulty <= keys_of(kind).keys():
         return
-    sound = {field: key for key, field in zip(keys_of(kind), kind.model_fields, strict=True) if key not in faulty}
-    partly = kind.model_construct(_fields_set={field for field, key in sound.items() if key in there})
+    sound = {
+        field: key
+        for key, field in zip(keys_of(kind), kind.model_fields, strict=True)
+        if key not in faulty
+    }
+    partly = kind.model_construct(
+        _fields_set={field for field, key in sound.items() if key in there}
+    )
     try:
         for field in partly.model_fields_set:
             reader = TypeAdapter(kind.model_fields[field].rebuild_annotation())
@@ -70,14 +78,26 @@ def _between_sound_keys(
             try:
                 check.func(partly)
             except PydanticCustomError as refusal:
-                yield {"type": "fault", "loc": (), "msg": "", "input": there, "ctx": refusal.context or {}}
+                yield {
+                    "type": "fault",
+                    "loc": (),
+                    "msg": "",
+                    "input": there,
+                    "ctx": refusal.context or {},
+                }
             except AttributeError:  # it reads a key that is faulty
                 continue
 
 
 def entries_of(value: object) -> Iterator[tuple[str | int, Any]]:
     """What stands in a mapping or a list, with its key or position; nothing of any other value."""
-    return iter(value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ())
+    return iter(
+        value.items()
+        if isinstance(value, dict)
+        else enumerate(value)
+        if isinstance(value, list)
+        else ()
+    )
 
 
 def unbuilt(path: Path, what: str, hint: str = "") -> Fault:
@@ -85,7 +105,9 @@ def unbuilt(path: Path, what: str, hint: str = "") -> Fault:
     return Fault(path, f"{what} is part of the format but not built yet", hint, at_key=True)
 
 
-def unknown(path: Path, what: str, word: str, candidates: list[str], every: Sequence[str] = ()) -> Fault:
+def unknown(
+    path: Path, what: str, word: str, candidates: list[str], every: Sequence[str] = ()
+) -> Fault:
     """The fault of a word that is none of the candidates, or of `every` one there is."""
     marked = without_mark(word, candidates) if what == "component" or "{" in word else None
     if marked is not None:
@@ -112,7 +134,10 @@ def items_of(annotation: Any) -> Iterator[Any]:
             yield from items_of(item)
         return
     yield annotation
-    if isinstance(annotation, BeforeValidator) and annotation.json_schema_input_type is not PydanticUndefined:
+    if (
+        isinstance(annotation, BeforeValidator)
+        and annotation.json_schema_input_type is not PydanticUndefined
+    ):
         yield from items_of(annotation.json_schema_input_type)
     for part in get_args(annotation):
         yield from items_of(part)
@@ -120,7 +145,11 @@ def items_of(annotation: Any) -> Iterator[Any]:
 
 def mappings_of(annotation: Any) -> Iterator[type[Declared]]:
     """Declarations of the mappings in a field or an annotation."""
-    return (item for item in items_of(annotation) if isinstance(item, type) and issubclass(item, Declared))
+    return (
+        item
+        for item in items_of(annotation)
+        if isinstance(item, type) and issubclass(item, Declared)
+    )
 
 
 def _empty(value: object, path: Path = ()) -> Iterator[Path]:
@@ -137,7 +166,11 @@ def _without_value(path: Path, where: Path) -> Fault:
     One that holds a colon misses a blank behind it, which would part key and value.
     """
     name = next((step for step in reversed(where) if isinstance(step, str)), "the entry")
-    hint = "a decimal comma? write a point" if name[:1].isdecimal() else "give one, or leave the key out"
+    hint = (
+        "a decimal comma? write a point"
+        if name[:1].isdecimal()
+        else "give one, or leave the key out"
+    )
     if found := re.match(r"([\w-]+):(?=\S)", name):
         hint = f"a blank is missing after the colon: `{found[0]} {printable(name[found.end() :])}`"
     return Fault(path, f"`{name}` has no value", hint, True)
@@ -181,7 +214,9 @@ def _path(location: tuple[int | str, ...], body: object) -> tuple[Path, object]:
     """The steps of a location that exist in the file, and the value there; the rest are names of pydantic's own."""
     path: Path = ()
     for step in location:
-        keys = body if isinstance(body, dict) else range(len(body)) if isinstance(body, list) else ()
+        keys = (
+            body if isinstance(body, dict) else range(len(body)) if isinstance(body, list) else ()
+        )
         if step in keys:
             path, body = (*path, step), body[step]  # type: ignore[index]
     return path, body
@@ -193,20 +228,31 @@ def _words(error: str, context: dict[str, Any], value: object) -> tuple[str, str
         case "literal_error":
             choices = context["expected"].replace(" or ", ", ").split(",")
             near = nearest(str(value), [choice.strip("' ") for choice in choices])
-            return f"{shown(value)} is none of {context['expected']}", f"did you mean '{near}'?" if near else ""
+            return (
+                f"{shown(value)} is none of {context['expected']}",
+                f"did you mean '{near}'?" if near else "",
+            )
         case "int_type" | "int_parsing" | "int_from_float" | "int_parsing_size":
             return f"{shown(value)} is not a whole number", ""
         case "bool_type" | "bool_parsing":
             return f"{shown(value)} is neither true nor false", "write true or false"
         case "string_type":
-            return f"{shown(value)} is not text", "put it in quotes" if isinstance(value, int | float) else ""
+            return f"{shown(value)} is not text", "put it in quotes" if isinstance(
+                value, int | float
+            ) else ""
         case "string_too_long":
-            return f"the text is too long: {len(str(value))} characters", f"at most {context['max_length']}"
+            return (
+                f"the text is too long: {len(str(value))} characters",
+                f"at most {context['max_length']}",
+            )
         case "tuple_type":
             return f"{shown(value)} is not a list", ""
         case "missing" | "too_short" | "too_long":
             size, fits = _size(value), "long" if error == "too_long" else "short"
-            return f"the {'mapping' if value == {} else 'list'} is too {fits}: {size} value{'s' * (size != 1)}", ""
+            return (
+                f"the {'mapping' if value == {} else 'list'} is too {fits}: {size} value{'s' * (size != 1)}",
+                "",
+            )
         case "greater_than_equal" | "less_than_equal":
             limit = f"at least {context['ge']}" if "ge" in context else f"at most {context['le']}"
             return f"{shown(value)} is out of range", f"must be {limit}"
@@ -231,10 +277,16 @@ def _model(kind: type[BaseModel] | None, path: Path) -> type[BaseModel] | None:
 
 def _meaning(kind: type[BaseModel], path: Path) -> str:
     """What the key at a path is, and in which unit."""
-    place = max((position for position, step in enumerate(path) if isinstance(step, str)), default=-1)
+    place = max(
+        (position for position, step in enumerate(path) if isinstance(step, str)), default=-1
+    )
     model = None if place < 0 else _model(kind, path[:place])
     field = None if model is None else keys_of(model).get(str(path[place]))
     if field is None:
         return ""
-    quantity = next((item for item in items_of(field) if isinstance(item, Quantity) and item.unit != "1"), None)
-    return (field.description or "") + (f"; {units.speak(quantity.unit)} in {quantity.unit}" if quantity else "")
+    quantity = next(
+        (item for item in items_of(field) if isinstance(item, Quantity) and item.unit != "1"), None
+    )
+    return (field.description or "") + (
+        f"; {units.speak(quantity.unit)} in {quantity.unit}" if quantity else ""
+    )

@@ -15,7 +15,9 @@ Edit = tuple[int, int, str]  # from, to, what stands there instead
 LIBRARY = {"from", "size"}  # of a coupling whose row is written out
 
 
-def edited(source: Source, puts: Iterable[tuple[Path, Node]], gone: Iterable[Path], expected: Any) -> str:
+def edited(
+    source: Source, puts: Iterable[tuple[Path, Node]], gone: Iterable[Path], expected: Any
+) -> str:
     """The text with values put in, and without what stands at the paths `gone`.
 
     expected: what the file then says, but for what varies figures. Where the text cannot be changed in its places (a
@@ -23,17 +25,23 @@ def edited(source: Source, puts: Iterable[tuple[Path, Node]], gone: Iterable[Pat
     case, without the other cases.
     """
     with suppress(LookupError, InputError):
-        removed = [_removal(source, path) for path in gone if node_at(source.root, path) is not None]
+        removed = [
+            _removal(source, path) for path in gone if node_at(source.root, path) is not None
+        ]
         text = _applied(source.text, [*_edits(source, puts), *removed])
         if _plain(_read(text, source).data) == _plain(expected):
             return text
     is_case = _read(source.text, source).data != source.data
-    return yaml_text(_written_out({key: expected[key] for key in expected if not (is_case and key == "cases")}))
+    return yaml_text(
+        _written_out({key: expected[key] for key in expected if not (is_case and key == "cases")})
+    )
 
 
 def _read(text: str, source: Source) -> Source:
     """A text with the tables of a source."""
-    return with_tables(parse_source(text, source.name), {name: table.text for name, table in source.tables})
+    return with_tables(
+        parse_source(text, source.name), {name: table.text for name, table in source.tables}
+    )
 
 
 def _plain(data: Any) -> Any:
@@ -89,7 +97,11 @@ def _edits(source: Source, puts: Iterable[tuple[Path, Node]]) -> Iterator[Edit]:
 
 def _end(known: Extents, node: Node) -> int:
     place = node.line, node.column
-    return known.scalars[place] if not isinstance(node.value, dict | list) else known.collections[place][0]
+    return (
+        known.scalars[place]
+        if not isinstance(node.value, dict | list)
+        else known.collections[place][0]
+    )
 
 
 def _removal(source: Source, path: Path) -> Edit:
@@ -100,7 +112,9 @@ def _removal(source: Source, path: Path) -> Edit:
     known, starts, text = extents(source.text), line_starts(source.text), source.text
     line, column = parent.keys[str(path[-1])]
     begin, end = starts[line - 1] + column - 1, _end(known, node)
-    if (parent.line, parent.column) in known.collections and known.collections[parent.line, parent.column][1]:
+    if (parent.line, parent.column) in known.collections and known.collections[
+        parent.line, parent.column
+    ][1]:
         following = text[end:].lstrip()
         if following.startswith(","):
             return begin, len(text) - len(following[1:].lstrip()), ""

@@ -33,7 +33,9 @@ class Source:
 
     name: str
     text: str
-    root: Node = field(default_factory=lambda: Node(None, 1, 1))  # nothing, of a text to quote from alone
+    root: Node = field(
+        default_factory=lambda: Node(None, 1, 1)
+    )  # nothing, of a text to quote from alone
     tables: "tuple[tuple[str, Source], ...]" = ()  # every table by the name that the text gives it
     faults: tuple[Fault, ...] = ()  # of its tables, which can be read all the same
 
@@ -89,9 +91,13 @@ def locate(faults: Iterable[Fault], source: Source) -> list[Fault]:
     given = list(faults)
     known = {(fault.file, fault.line, fault.column) for fault in given if fault.line is not None}
     each = ((fault.line is not None, _located(fault, source)) for fault in given)
-    located = dict.fromkeys(one for stated, one in each if stated or (one.file, one.line, one.column) not in known)
+    located = dict.fromkeys(
+        one for stated, one in each if stated or (one.file, one.line, one.column) not in known
+    )
     order = {table.name: place for place, (_, table) in enumerate(source.tables, start=1)}
-    return sorted(located, key=lambda fault: (order.get(fault.file, 0), fault.line or 0, fault.column or 0))
+    return sorted(
+        located, key=lambda fault: (order.get(fault.file, 0), fault.line or 0, fault.column or 0)
+    )
 
 
 def input_error(faults: Iterable[Fault], source: Source) -> InputError:
@@ -114,19 +120,28 @@ def _located(fault: Fault, source: Source) -> Fault:
         message += f" in line {there}" + ("" if holds is where else f" of {holds.name}")
         message += "" if (holds, there) == (where, line) else f", `{quoted}`"
     return replace(
-        fault, message=message, line=line, column=column, file="" if where.name == source.name else where.name
+        fault,
+        message=message,
+        line=line,
+        column=column,
+        file="" if where.name == source.name else where.name,
     )
 
 
 def _text(fault: Fault, source: Source) -> str:
     """The fault, its line, cut around the column if it is long, and the caret under it (a tab stays a tab in both)."""
     line, column, source = fault.line or 1, fault.column or 1, source.of_file(fault.file)
-    head = f"{source.name}:{line}:{column}: {fault.message}" + (f" ({fault.hint})" if fault.hint else "")
+    head = f"{source.name}:{line}:{column}: {fault.message}" + (
+        f" ({fault.hint})" if fault.hint else ""
+    )
     head = without_controls(head)
     quoted = source.lines[line - 1] if 1 <= line <= len(source.lines) else ""
     if not quoted.strip():
         return head
     first = column - 1 - _BEFORE if len(quoted) > _WIDTH and column - 1 > _BEFORE else 0
-    shown = "".join(sign if sign.isprintable() or sign == "\t" else "?" for sign in quoted[first : first + _WIDTH])
+    shown = "".join(
+        sign if sign.isprintable() or sign == "\t" else "?"
+        for sign in quoted[first : first + _WIDTH]
+    )
     indent = "".join("\t" if sign == "\t" else " " for sign in shown[: column - 1 - first])
     return "\n".join([head, f"    {shown}".rstrip(), f"    {indent}^"])

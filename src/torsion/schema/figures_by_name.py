@@ -31,9 +31,15 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterator
         fault = (*place, words)
         part = next((part for part in overlay.parts if part.name == words.strip("\"'")), None)
         if law.catalogue is not None and part is not None:
-            yield from (replace(one, key=words) for one in _of_catalogue(law, law.catalogue, part, overlay))
+            yield from (
+                replace(one, key=words) for one in _of_catalogue(law, law.catalogue, part, overlay)
+            )
             continue
-        each = _of_all(words, law, overlay, fault) if words.startswith("*.") else _of_one(words, overlay, fault)
+        each = (
+            _of_all(words, law, overlay, fault)
+            if words.startswith("*.")
+            else _of_one(words, overlay, fault)
+        )
         for name, path in each:
             if path in taken and not words.startswith("*."):
                 message = f"`{words}` varies as `{taken[path]}` already"
@@ -42,7 +48,9 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, place: Path) -> Iterator
                 continue
             taken[path] = words
             there = node_at(overlay.source.root, path)
-            figure = None if there is None else _figure(name, law, path, there, overlay.faults, fault)
+            figure = (
+                None if there is None else _figure(name, law, path, there, overlay.faults, fault)
+            )
             if figure is not None:
                 yield replace(figure, key=words)
 
@@ -65,7 +73,9 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
         if there is None:
             continue
         has = True
-        is_list = isinstance(there.value, list) and not any(isinstance(one, list) for one in law.values or ())
+        is_list = isinstance(there.value, list) and not any(
+            isinstance(one, list) for one in law.values or ()
+        )
         for steps in [(key, place) for place in range(len(there.value))] if is_list else [(key,)]:
             node = node_at(overlay.source.root, (*part.path, *steps))
             amount = None if node is None else amount_of(node.value)
@@ -73,22 +83,33 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
                 name = ".".join([part.name, key, *(str(int(step) + 1) for step in steps[1:])])
                 yield name, (*part.path, *steps)
     if not has:
-        overlay.faults.append(Fault(fault, f"no component has a key `{key}`", "a key of the file", at_key=True))
+        overlay.faults.append(
+            Fault(fault, f"no component has a key `{key}`", "a key of the file", at_key=True)
+        )
 
 
 def _of_catalogue(law: Choice, name: str, part: Part, overlay: Overlay) -> Iterator[Figure]:
     """The figure whose values are the rows of a catalogue; none where those are at fault."""
     before = len(overlay.faults)
     rows = list(alternatives(name, part, overlay.source, overlay.faults))
-    there = {path: node.value for row in rows for path, _ in row.puts
-             if (node := node_at(overlay.source.root, path)) is not None}  # fmt: skip
-    own = (k for k, row in enumerate(rows)
-           if all(there.get(path) == node.value for path, node in row.puts if path[-1] != "source"))  # fmt: skip
+    there = {
+        path: node.value
+        for row in rows
+        for path, _ in row.puts
+        if (node := node_at(overlay.source.root, path)) is not None
+    }
+    own = (
+        k
+        for k, row in enumerate(rows)
+        if all(there.get(path) == node.value for path, node in row.puts if path[-1] != "source")
+    )
     if len(overlay.faults) == before:
         yield Figure(part.name, law, (), 0, float(next(own, np.nan)), tuple(rows))
 
 
-def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault], fault: Path) -> Figure | None:
+def _figure(
+    name: str, law: Choice, path: Path, there: Node, faults: list[Fault], fault: Path
+) -> Figure | None:
     """The figure whose value stands there; None with its fault noted where its law does not take such a value."""
     if law.values is not None:
         each = [list(value) if isinstance(value, tuple) else value for value in law.values]
@@ -98,19 +119,29 @@ def _figure(name: str, law: Choice, path: Path, there: Node, faults: list[Fault]
         return Figure(name, law, ((path, 1),), 0, float(own), rows)
     if law.catalogue is not None:
         faults.append(
-            Fault(fault, "a catalogue is of a component, and of no key of it", f"`{name.rpartition('.')[0]}`")
+            Fault(
+                fault,
+                "a catalogue is of a component, and of no key of it",
+                f"`{name.rpartition('.')[0]}`",
+            )
         )
         return None
     if path[-1] in EXACT:
         message = f"`{name}` is exact, and varies only by `values`"
         faults.append(Fault(fault, message, "for example {values: [41/17, 43/17]}", at_key=True))
         return None
-    if (made := multiplied(there.value, Fraction(3, 2))) is None or (made == there.value and law.first is None):
+    if (made := multiplied(there.value, Fraction(3, 2))) is None or (
+        made == there.value and law.first is None
+    ):
         message = f"`{name}` is {in_words(there.value)}, which no factor varies"
         hint = f"one of its items by number, as `{name}.1`" if isinstance(there.value, list) else ""
-        faults.append(Fault(fault, message, hint or "a number that is not 0, or `values`", at_key=True))
+        faults.append(
+            Fault(fault, message, hint or "a number that is not 0, or `values`", at_key=True)
+        )
         return None
-    return Figure(name, law, ((path, 1),), 0, 1.0 if law.first is None else _nominal(there.value, law.unit))
+    return Figure(
+        name, law, ((path, 1),), 0, 1.0 if law.first is None else _nominal(there.value, law.unit)
+    )
 
 
 def _nominal(value: object, unit: str) -> float:
@@ -129,12 +160,19 @@ def with_tolerance(study: Study, overlay: Overlay) -> Iterator[Figure]:
         if part.inertia_tolerance:
             made = (*part.path, "inertia"), (*part.path, "entrained")
             there = [(path, node_at(overlay.source.root, path)) for path in made]
-            given = [(path, 1) for path, node in there if node is not None and "%" not in str(node.value)]
-            law = Law.model_construct(uniform=part.inertia_tolerance)  # of any width, as of the stiffness
+            given = [
+                (path, 1) for path, node in there if node is not None and "%" not in str(node.value)
+            ]
+            law = Law.model_construct(
+                uniform=part.inertia_tolerance
+            )  # of any width, as of the stiffness
             yield Figure(f"{part.name}.inertia", law, tuple(given), 0, 1.0)
         if not part.stiffness_tolerance:
             continue
         law = Law.model_construct(uniform=part.stiffness_tolerance)
-        if paths := [(path, -1 if path[-1] == "flexibility" else 1) for path in stiffness_paths(overlay, part)]:
+        if paths := [
+            (path, -1 if path[-1] == "flexibility" else 1)
+            for path in stiffness_paths(overlay, part)
+        ]:
             key = "flexibility" if paths[0][1] < 0 else "stiffness"
             yield Figure(f"{part.name}.{key}", law, tuple(paths), 0, 1.0)

@@ -28,7 +28,9 @@ Schema = dict[str, Any]
 TABLE: Schema = {
     "description": "a CSV file whose rows are read here, its path relative to the folder of this file",
     "type": "object",
-    "properties": {"table": {"type": "string", "description": "the file", "examples": ["line.csv"]}},
+    "properties": {
+        "table": {"type": "string", "description": "the file", "examples": ["line.csv"]}
+    },
     "required": ["table"],
     "additionalProperties": False,
 }
@@ -48,7 +50,9 @@ class _Declarations(GenerateJsonSchema):
     def field_title_should_be_set(self, schema: Any) -> bool:
         return False
 
-    def function_before_schema(self, schema: core_schema.BeforeValidatorFunctionSchema) -> JsonSchemaValue:
+    def function_before_schema(
+        self, schema: core_schema.BeforeValidatorFunctionSchema
+    ) -> JsonSchemaValue:
         inner = super().function_before_schema(schema)
         if schema["function"]["function"] is OneOrMany.func and "items" in inner:
             return {"anyOf": [inner["items"], inner]}
@@ -59,23 +63,34 @@ def json_schema() -> Schema:
     """The schema (draft 2020-12) of a shaft-train file; parts of the format that are not built yet are absent."""
     models = declarations()
     found, shared = models_json_schema(
-        [(model, "validation") for model in dict.fromkeys(models.values())], schema_generator=_Declarations
+        [(model, "validation") for model in dict.fromkeys(models.values())],
+        schema_generator=_Declarations,
     )
     refs = {name: dict(found[model, "validation"]) for name, model in models.items()}
     schema = Scene.model_json_schema(schema_generator=_Declarations)
     for key, body in _sections(refs).items():
         schema["properties"][key] |= body
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
-    schema |= {"title": "Shaft train", "description": "A train of shafts and what is computed of it."}
+    schema |= {
+        "title": "Shaft train",
+        "description": "A train of shafts and what is computed of it.",
+    }
     keys_of_case = shared["$defs"]["CaseKeys"]["properties"]
     keys_of_case["rules"] |= {key: schema["properties"]["rules"][key] for key in ("type", "items")}
-    named = {"description": "a CSV file whose rows are read here, one component each", "type": "string"}
+    named = {
+        "description": "a CSV file whose rows are read here, one component each",
+        "type": "string",
+    }
     kinds = {kind: _kind(kind, refs[kind]) for kind in KINDS}
     kinds |= {word: refs[kind] | _other_word(kind) for word, kind in KINDS_BY_ALIAS.items()}
     train = _or_table(_list_of(_one_of({**kinds, "table": named})))
     _add_tables(shared["$defs"])
     parts = {name: body for name, body in shared["$defs"].items() if name != "Component"}
-    schema["$defs"] = {"train": {"description": "components in a row", **train}, "table": TABLE, **parts}
+    schema["$defs"] = {
+        "train": {"description": "components in a row", **train},
+        "table": TABLE,
+        **parts,
+    }
     schema["$defs"] |= _with_patterns(schema)
     _add_aliases(schema)
     return schema
@@ -84,7 +99,10 @@ def json_schema() -> Schema:
 def _add_aliases(schema: Schema) -> None:
     """Offer every other word for a key next to the key."""
     for name in {model.__name__ for kind in KINDS for model in _models_within(component(kind))}:
-        _offer(schema["$defs"].get(name, {}), aliases_of(schema["$defs"].get(name, {}).get("properties", {})))
+        _offer(
+            schema["$defs"].get(name, {}),
+            aliases_of(schema["$defs"].get(name, {}).get("properties", {})),
+        )
     _offer(schema, SECTIONS_BY_ALIAS[""])
     _offer(schema["$defs"][Operation.__name__], SECTIONS_BY_ALIAS["operation"])
     _offer(schema["$defs"][settings_classes()["design"].__name__], SECTIONS_BY_ALIAS["design"])
@@ -115,11 +133,15 @@ def _with_patterns(body: Any) -> Schema:
     if isinstance(body, dict):
         expected = body.pop("x-unit", None)
         if expected is not None:
-            name = " or ".join(units.speak(unit).removeprefix("a ").removeprefix("an ") for unit in expected)
+            name = " or ".join(
+                units.speak(unit).removeprefix("a ").removeprefix("an ") for unit in expected
+            )
             name = name.replace(" ", "-")
             body["$ref"] = f"#/$defs/{name}"
             found[name] = definition(tuple(expected))
-    for part in list(body.values()) if isinstance(body, dict) else body if isinstance(body, list) else ():
+    for part in (
+        list(body.values()) if isinstance(body, dict) else body if isinstance(body, list) else ()
+    ):
         found |= _with_patterns(part)
     return found
 
@@ -141,21 +163,32 @@ def _add_tables(models: Schema) -> None:
             body = model["properties"][key]
             lists = [one for one in (body, *body.get("anyOf", ())) if one.get("type") == "array"]
             if lists and lists[0]["items"] != {"type": "number"}:
-                words = {word: body.pop(word) for word in ("description", "default") if word in body}
+                words = {
+                    word: body.pop(word) for word in ("description", "default") if word in body
+                }
                 model["properties"][key] = _or_table(body) | words
 
 
 def _kind(kind: str, body: Schema) -> Schema:
     """A kind of component with what it is, and examples of it."""
-    words = (component(kind).__doc__ or "").strip().partition("\n")[0]  # no docstring with PYTHONOPTIMIZE=2
+    words = (
+        (component(kind).__doc__ or "").strip().partition("\n")[0]
+    )  # no docstring with PYTHONOPTIMIZE=2
     given = parse_source(EXAMPLES[kind], kind).data
-    return body | {"description": words, "examples": [entry[kind] for entry in given if kind in entry]}
+    return body | {
+        "description": words,
+        "examples": [entry[kind] for entry in given if kind in entry],
+    }
 
 
 def _rule(name: str, body: Schema) -> Schema:
     """The settings of a rule with what it judges, in the words of its module."""
     words = import_module(RULES[name].partition(":")[0]).__doc__ or ""
-    return body | {"description": words.strip().partition("\n")[0].partition(": ")[2]} | _examples(name)
+    return (
+        body
+        | {"description": words.strip().partition("\n")[0].partition(": ")[2]}
+        | _examples(name)
+    )
 
 
 def _examples(name: str) -> Schema:
@@ -164,11 +197,20 @@ def _examples(name: str) -> Schema:
 
 
 def _sections(refs: dict[str, Schema]) -> dict[str, Schema]:
-    rule = {"anyOf": [{"enum": list(RULES)}, _one_of({name: _rule(name, _or_null(refs[name])) for name in RULES})]}
+    rule = {
+        "anyOf": [
+            {"enum": list(RULES)},
+            _one_of({name: _rule(name, _or_null(refs[name])) for name in RULES}),
+        ]
+    }
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     ends["description"] = "names of the two points that the link joins"
     kinds = {kind: _kind(kind, refs[kind]) for kind in LINKS}
-    kinds |= {word: refs[kind] | _other_word(kind) for word, kind in KINDS_BY_ALIAS.items() if kind in LINKS}
+    kinds |= {
+        word: refs[kind] | _other_word(kind)
+        for word, kind in KINDS_BY_ALIAS.items()
+        if kind in LINKS
+    }
     link = _one_of(kinds, more={"between": ends})
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
     settings: Schema = {"fem": _or_null(refs["fem"]) | {"description": fem}}
@@ -194,7 +236,12 @@ def _cases(case: Schema) -> Schema:
     """Cases by name, and those of the tolerances."""
     meaning = "soft and stiff: all couplings at either end of their tolerance"
     corners = {FROM: {"const": TOLERANCES, "description": meaning}}
-    return {"type": "object", "properties": corners, "additionalProperties": case, "minProperties": 1}
+    return {
+        "type": "object",
+        "properties": corners,
+        "additionalProperties": case,
+        "minProperties": 1,
+    }
 
 
 def _mapping(properties: Schema) -> Schema:

@@ -15,9 +15,13 @@ from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 
 PLAIN = {
-    str: "text", bool: "`true` or `false`", int: "a whole number", float: "a number",
-    Fraction: "an exact number: `2`, `0.5` or `21/8`", Amount: "N*m, `5 %` or `{of_mean: 5 %}`",
-}  # fmt: skip
+    str: "text",
+    bool: "`true` or `false`",
+    int: "a whole number",
+    float: "a number",
+    Fraction: "an exact number: `2`, `0.5` or `21/8`",
+    Amount: "N*m, `5 %` or `{of_mean: 5 %}`",
+}
 COMPONENT, MAPPING = "a component", "a mapping, below"
 SEVERAL = {COMPONENT: "components", MAPPING: "mappings, below"}
 HEAD = ["| key | value | limits | default | meaning |", "|---|---|---|---|---|"]
@@ -27,12 +31,17 @@ def key_table(declared: type[Declared], keys: Iterable[str] | None = None) -> st
     """Return a Markdown table of `keys`, or of all keys, the required keys first."""
     fields = keys_of(declared)
     chosen = list(fields) if keys is None else [key for key in fields if key in set(keys)]
-    rows = [_row(key, fields[key]) for key in sorted(chosen, key=lambda key: not fields[key].is_required())]
+    rows = [
+        _row(key, fields[key])
+        for key in sorted(chosen, key=lambda key: not fields[key].is_required())
+    ]
     return "\n".join([*HEAD, *rows]) + "\n" if rows else "There are no settings.\n"
 
 
 def tables_with_parts(
-    declared: type[Declared], common: type[Declared] | None = None, groups: Mapping[str, tuple[str, ...]] | None = None
+    declared: type[Declared],
+    common: type[Declared] | None = None,
+    groups: Mapping[str, tuple[str, ...]] | None = None,
 ) -> str:
     """Return the tables of a declaration without the keys of `common`, then one for every mapping within it.
 
@@ -44,23 +53,37 @@ def tables_with_parts(
     headings = dict[type[Declared], str]()
     waiting = [declared]
     while waiting:
-        for key, field in sorted(keys_of(waiting.pop(0)).items(), key=lambda entry: not entry[1].is_required()):
+        for key, field in sorted(
+            keys_of(waiting.pop(0)).items(), key=lambda entry: not entry[1].is_required()
+        ):
             for part in mappings_of(field):
                 if not issubclass(part, Component) and part not in headings:
                     headings[part] = key
                     waiting.append(part)
-    return text + "".join(f"\n### Keys of `{key}`\n\n{key_table(part)}" for part, key in headings.items())
+    return text + "".join(
+        f"\n### Keys of `{key}`\n\n{key_table(part)}" for part, key in headings.items()
+    )
 
 
-def _grouped(declared: type[Declared], keys: list[str], groups: Mapping[str, tuple[str, ...]]) -> str:
+def _grouped(
+    declared: type[Declared], keys: list[str], groups: Mapping[str, tuple[str, ...]]
+) -> str:
     """Return one table a group, and one of the keys of no group."""
     grouped = {heading: list(names) for heading, names in groups.items()}
-    grouped["Other keys"] = [key for key in keys if all(key not in names for names in grouped.values())]
-    return "\n".join(f"### {heading}\n\n{key_table(declared, names)}" for heading, names in grouped.items() if names)
+    grouped["Other keys"] = [
+        key for key in keys if all(key not in names for names in grouped.values())
+    ]
+    return "\n".join(
+        f"### {heading}\n\n{key_table(declared, names)}"
+        for heading, names in grouped.items()
+        if names
+    )
 
 
 def _row(key: str, field: FieldInfo) -> str:
-    annotation = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
+    annotation = (
+        Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
+    )
     limits = ", ".join(dict.fromkeys(_limits(field)))
     cells = (f"`{key}`", _value(annotation), limits, _default(field), field.description or "")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
@@ -89,7 +112,11 @@ def _value(annotation: Any) -> str:
         return ", ".join(f"`{choice}`" for choice in inner)
     if origin is tuple:
         words = [_value(part) for part in inner if part is not Ellipsis]
-        return f"a list of {SEVERAL.get(words[0], words[0])}" if inner[-1] is Ellipsis else f"[{', '.join(words)}]"
+        return (
+            f"a list of {SEVERAL.get(words[0], words[0])}"
+            if inner[-1] is Ellipsis
+            else f"[{', '.join(words)}]"
+        )
     if origin in (dict, Mapping):
         return f"a mapping of names to {_value(inner[1])}"
     if isinstance(annotation, type) and issubclass(annotation, Declared):

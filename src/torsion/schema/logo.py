@@ -22,7 +22,9 @@ def read_logo(file: Path) -> str:
         raise _refused(f"{file} is not there", "a PNG, JPEG or SVG file") from None
     except (OSError, ValueError) as error:
         hint = "a PNG, JPEG or SVG file: it stands in every page that is made"
-        raise _refused(f"{file} cannot be read: {getattr(error, 'strerror', None) or error}", hint) from None
+        raise _refused(
+            f"{file} cannot be read: {getattr(error, 'strerror', None) or error}", hint
+        ) from None
     for kind, begins, is_whole in FORMS:
         if content.startswith(begins):
             if is_whole(content):
@@ -49,8 +51,14 @@ def _is_png(content: bytes) -> bool:
     """Every chunk has its checksum, and the last one is there."""
     place, kind = len(PNG), b""
     while kind != b"IEND":
-        size, kind = int.from_bytes(content[place : place + 4], "big"), content[place + 4 : place + 8]
-        data, check = content[place + 4 : place + 8 + size], content[place + 8 + size : place + 12 + size]
+        size, kind = (
+            int.from_bytes(content[place : place + 4], "big"),
+            content[place + 4 : place + 8],
+        )
+        data, check = (
+            content[place + 4 : place + 8 + size],
+            content[place + 8 + size : place + 12 + size],
+        )
         if len(check) != 4 or zlib.crc32(data) != int.from_bytes(check, "big"):
             return False
         place += 12 + size
@@ -67,8 +75,14 @@ def _is_svg(content: bytes) -> bool:
 
     found = needs(content)
     for line, message in found or ():
-        raise _refused(f"line {line}: {message}", "a logo is one file: embed its pictures, or save it as PNG")
+        raise _refused(
+            f"line {line}: {message}", "a logo is one file: embed its pictures, or save it as PNG"
+        )
     return found is not None
 
 
-FORMS = (("png", PNG, _is_png), ("jpeg", b"\xff\xd8\xff", _is_jpeg), ("svg+xml", b"", _is_svg))  # how each begins
+FORMS = (
+    ("png", PNG, _is_png),
+    ("jpeg", b"\xff\xd8\xff", _is_jpeg),
+    ("svg+xml", b"", _is_svg),
+)  # how each begins

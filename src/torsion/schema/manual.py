@@ -28,7 +28,15 @@ from torsion.schema.scene_reader import LINKS, Scene
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation
 
 FOLDER = "docs/reference/model-file"
-SECTIONS = ("operation", "materials", "document", "damping", "links", "excitations", "cases")  # pages of top-level keys
+SECTIONS = (
+    "operation",
+    "materials",
+    "document",
+    "damping",
+    "links",
+    "excitations",
+    "cases",
+)  # pages of top-level keys
 SORTS = {
     "point": "A point: it has an angle and an inertia.",
     "link": "A link: it joins the previous point to the next point.",
@@ -41,7 +49,10 @@ def pages() -> dict[str, str]:
     """Return the text of every page by its path in `FOLDER`."""
     texts = {f"{name}.md": _section(name) for name in (*SECTIONS, "tables")}
     texts |= {f"components/{kind}.md": _kind(kind) for kind in KINDS}
-    texts |= {f"analyses/{name}.md": _settings("analyses", name, kind) for name, kind in settings_classes().items()}
+    texts |= {
+        f"analyses/{name}.md": _settings("analyses", name, kind)
+        for name, kind in settings_classes().items()
+    }
     texts |= {f"rules/{name}.md": _settings("rules", name, rule_settings(name)) for name in RULES}
     texts["components/index.md"] = _page(
         "components", kinds=_kinds(), common=key_table(Component), toctree=toctree(KINDS)
@@ -58,10 +69,21 @@ def pages() -> dict[str, str]:
         unbuilt=_unbuilt(),
         aliases=_words(SECTIONS_BY_ALIAS[""]),
         toctree=toctree(
-            ["operation", "materials", "components/index", "links", "excitations", "damping", "analyses/index",
-             "rules/index", "cases", "document", "tables"]
+            [
+                "operation",
+                "materials",
+                "components/index",
+                "links",
+                "excitations",
+                "damping",
+                "analyses/index",
+                "rules/index",
+                "cases",
+                "document",
+                "tables",
+            ]
         ),
-    )  # fmt: skip
+    )
     return texts
 
 
@@ -81,10 +103,15 @@ def declarations() -> dict[str, type[Declared]]:
     return {
         **{kind: component(kind) for kind in KINDS},
         "document": FrontMatter,
-        "material": Material, "operation": Operation, "damping": ModalDamping, "excitation": Excitation,
-        "fem": FiniteElements, "case": CaseKeys,
-        **settings_classes(), **{name: rule_settings(name) for name in RULES},
-    }  # fmt: skip
+        "material": Material,
+        "operation": Operation,
+        "damping": ModalDamping,
+        "excitation": Excitation,
+        "fem": FiniteElements,
+        "case": CaseKeys,
+        **settings_classes(),
+        **{name: rule_settings(name) for name in RULES},
+    }
 
 
 def toctree(names: Iterable[str]) -> str:
@@ -108,12 +135,18 @@ def _section(name: str) -> str:
     steel = f"G {STEEL.shear_modulus / 1e9:g} GPa, E {(STEEL.youngs_modulus or 0.0) / 1e9:g} GPa, "
     steel += f"rho {STEEL.density:g} kg/m**3"
     declarations_of_sections: dict[str, type[Declared]] = {
-        "operation": Operation, "materials": Material, "document": FrontMatter, "damping": ModalDamping,
-        "excitations": Excitation, "cases": CaseKeys,
-    }  # fmt: skip
+        "operation": Operation,
+        "materials": Material,
+        "document": FrontMatter,
+        "damping": ModalDamping,
+        "excitations": Excitation,
+        "cases": CaseKeys,
+    }
     declared = declarations_of_sections.get(name)
     table = "" if declared is None else "## Keys\n\n" + tables_with_parts(declared)
-    return _page(name, table=table, steel=steel, links=_words(LINKS)) + _aliases(SECTIONS_BY_ALIAS.get(name, {}))
+    return _page(name, table=table, steel=steel, links=_words(LINKS)) + _aliases(
+        SECTIONS_BY_ALIAS.get(name, {})
+    )
 
 
 def _kind(kind: str) -> str:
@@ -124,8 +157,15 @@ def _kind(kind: str) -> str:
     keys = tables_with_parts(declared, Component, GROUPS.get(kind))
     introduction = f"{sentence} {SORTS[declared.sort]}"
     text = f"# `{kind}`: {title}\n\n{introduction}\n\n```yaml\n{EXAMPLES[kind]}\n```\n\n## Keys\n\n{keys}"
-    aliases = {word: name for word, name in KINDS_BY_ALIAS.items() if name == kind} | aliases_of(keys_of(declared))
-    return text + _notes("components", kind) + _aliases(aliases) + "\n[Keys of every component](index.md)\n"
+    aliases = {word: name for word, name in KINDS_BY_ALIAS.items() if name == kind} | aliases_of(
+        keys_of(declared)
+    )
+    return (
+        text
+        + _notes("components", kind)
+        + _aliases(aliases)
+        + "\n[Keys of every component](index.md)\n"
+    )
 
 
 def _settings(section: str, name: str, declared: type[Declared]) -> str:
@@ -160,7 +200,9 @@ def _aliases(aliases: Mapping[str, str]) -> str:
 def _kinds() -> str:
     """Return a table of all kinds."""
     rows = ["| kind | component |", "|---|---|"]
-    rows += [f"| [`{kind}`]({kind}.md) | {KINDS_OF_COMPONENTS.get(kind, (kind,))[0]} |" for kind in KINDS]
+    rows += [
+        f"| [`{kind}`]({kind}.md) | {KINDS_OF_COMPONENTS.get(kind, (kind,))[0]} |" for kind in KINDS
+    ]
     return "\n".join(rows) + "\n"
 
 
@@ -170,10 +212,18 @@ def _words(names: Iterable[str]) -> str:
 
 def _quantities() -> str:
     """Return a table of every SI unit of the format with what it measures."""
-    quantities = (quantity for declared in declarations().values() for quantity in _quantities_of(declared))
+    quantities = (
+        quantity for declared in declarations().values() for quantity in _quantities_of(declared)
+    )
     rows = ["| quantity | SI unit | a bare number |", "|---|---|---|"]
     for unit in dict.fromkeys(quantity.unit for quantity in quantities):
-        bare = "is an error" if units.needs_unit(unit) else "is in the SI unit" if unit != "1" else "or a percentage"
+        bare = (
+            "is an error"
+            if units.needs_unit(unit)
+            else "is in the SI unit"
+            if unit != "1"
+            else "or a percentage"
+        )
         rows.append(f"| {units.speak(unit)} | {'' if unit == '1' else f'`{unit}`'} | {bare} |")
     return "\n".join(rows) + "\n"
 
@@ -189,7 +239,11 @@ def _quantities_of(declared: type[Declared]) -> Iterator[Quantity]:
 
 def _unbuilt() -> str:
     """Return a list of the words that the format has and the program does not support."""
-    rows = [f"- keys of `{kind}`: {_words(component(kind).unbuilt)}" for kind in KINDS if component(kind).unbuilt]
+    rows = [
+        f"- keys of `{kind}`: {_words(component(kind).unbuilt)}"
+        for kind in KINDS
+        if component(kind).unbuilt
+    ]
     return "\n".join([*rows, f"- analyses: {_words(UNBUILT)}"]) + "\n"
 
 

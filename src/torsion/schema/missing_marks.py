@@ -11,7 +11,9 @@ from torsion.rules import RULES
 _WORD = r"([^\W\d][\w-]*)"
 _UNOPENED = re.compile(rf"(\s*(?:-\s+)*){_WORD}\s*(:?)([{{\[])")  # `- coupling {`, `- coupling:{`
 _ALONE = re.compile(rf"(\s*(?:-\s+)*){_WORD}\s*()(?:#.*)?$")  # `- coupling`
-_WITHIN = re.compile(rf"(.*[{{,]\s*){_WORD}\s*()$")  # `clearance` in front of a bracket, within braces
+_WITHIN = re.compile(
+    rf"(.*[{{,]\s*){_WORD}\s*()$"
+)  # `clearance` in front of a bracket, within braces
 _WITH_MARK = re.compile(r"([\w-]+)(?:\s*(:?)\{|\s+\S)")
 _UNDASHED = re.compile(r"\s*([\w-]+):(?:\s|$)")
 
@@ -24,18 +26,24 @@ def without_mark(word: str, known: Iterable[str]) -> tuple[str, str] | None:
 
 def words_for(word: str, mark: str, body: str = "{...}", dash: str = "") -> tuple[str, str]:
     """What is wrong with a word that misses its mark, and what would be right."""
-    where = "a blank is missing after the colon of" if mark == "blank" else "a colon is missing after"
+    where = (
+        "a blank is missing after the colon of" if mark == "blank" else "a colon is missing after"
+    )
     return f"{where} `{printable(word)}`", f"write `{dash}{printable(word)}: {body}`"
 
 
-def missing_mark(problem: str, lines: list[str], place: tuple[int, int], begin: tuple[int, int]) -> Fault | None:
+def missing_mark(
+    problem: str, lines: list[str], place: tuple[int, int], begin: tuple[int, int]
+) -> Fault | None:
     """The fault of a mark whose lack ends the reading at a place, for a reason that the parser gives; None of another.
 
     begin: where the piece begins that cannot be read on. Lines and columns from 1.
     """
     if problem.startswith("mapping values"):
         return _of_a_pair(lines, place)
-    if re.search("expected ',' or '}'", problem) and lines[place[0] - 1][place[1] - 1 : place[1]] in ("{", "["):
+    if re.search("expected ',' or '}'", problem) and lines[place[0] - 1][
+        place[1] - 1 : place[1]
+    ] in ("{", "["):
         return _without_colon(_WITHIN.match(lines[place[0] - 1][: place[1] - 1]), place[0], "{...}")
     return _of_a_block(lines, place[0]) or _without_dash(lines, place, begin)
 
@@ -51,7 +59,11 @@ def _of_a_pair(lines: list[str], place: tuple[int, int]) -> Fault | None:
         line = lines[number - 1] if number < place[0] else lines[number - 1][: place[1] - 1]
         opened += sum(map(line.count, "{[")) - sum(map(line.count, "}]"))
         if found := _UNOPENED.match(line):
-            return _without_colon(found, number, "{...}" if found[4] == "{" else "[...]") if opened > 0 else None
+            return (
+                _without_colon(found, number, "{...}" if found[4] == "{" else "[...]")
+                if opened > 0
+                else None
+            )
         if re.match(r"\s*-\s", line):
             break
     return _of_a_block(lines, place[0])
@@ -59,7 +71,10 @@ def _of_a_pair(lines: list[str], place: tuple[int, int]) -> Fault | None:
 
 def _of_a_block(lines: list[str], line: int) -> Fault | None:
     """At a key that stands deeper than the word above it, which is alone in its line."""
-    here, above = lines[line - 1], next((k for k in range(line - 1, 0, -1) if _is_filled(lines[k - 1])), None)
+    here, above = (
+        lines[line - 1],
+        next((k for k in range(line - 1, 0, -1) if _is_filled(lines[k - 1])), None),
+    )
     if above is None or not _UNDASHED.match(here) or _indent(lines[above - 1]) >= _indent(here):
         return None
     return _without_colon(_ALONE.match(lines[above - 1]), above, "{...}")
@@ -69,7 +84,9 @@ def _without_colon(found: re.Match[str] | None, line: int, body: str) -> Fault |
     """The fault of a word behind what stands in front of it in its line; None where there is none."""
     if found is None:
         return None
-    message, hint = words_for(found[2], _mark(found[3]), body, "- " if found[1].strip() == "-" else "")
+    message, hint = words_for(
+        found[2], _mark(found[3]), body, "- " if found[1].strip() == "-" else ""
+    )
     return Fault((), message, hint, line=line, column=found.end(1) + 1)
 
 
@@ -80,7 +97,11 @@ def _without_dash(lines: list[str], place: tuple[int, int], begin: tuple[int, in
         is_behind = lines[begin[0] - 1][begin[1] - 1 :].startswith("- ")
         return _dashless(lines, line) if is_behind and _indent(here) == column - 1 else None
     above = range(line - 1, 0, -1)
-    block = [k for k in takewhile(lambda k: _fits(lines[k - 1], column - 1), above) if _is_filled(lines[k - 1])]
+    block = [
+        k
+        for k in takewhile(lambda k: _fits(lines[k - 1], column - 1), above)
+        if _is_filled(lines[k - 1])
+    ]
     beside = [k for k in reversed(block) if k == block[-1] or _indent(lines[k - 1]) == column - 1]
     return next((fault for k in beside if (fault := _dashless(lines, k))), None)
 

@@ -55,16 +55,23 @@ class Numbered:
 
     def _numbers(self, of_kind: IntArray) -> tuple[list[Figure], FloatArray]:
         keys = list(self._stated[of_kind[0]][1])
-        values = np.array([[one.get(key, np.nan) for key in keys] for _, one in self._stated]).reshape(
-            len(self.kinds), len(keys)
+        values = np.array(
+            [[one.get(key, np.nan) for key in keys] for _, one in self._stated]
+        ).reshape(len(self.kinds), len(keys))
+        low, high = (
+            values[of_kind].min(axis=0, initial=np.inf),
+            values[of_kind].max(axis=0, initial=0.0),
         )
-        low, high = values[of_kind].min(axis=0, initial=np.inf), values[of_kind].max(axis=0, initial=0.0)
         varied = np.flatnonzero(high > low)
         return [self._figure(keys[k], low[k], high[k]) for k in varied.tolist()], values[:, varied]
 
     def _figure(self, key: tuple[Path, str], low: float, high: float) -> Figure:
         path, unit = key
-        law = Choice.model_validate({"from": f"{float(low)!r} {unit}".strip(), "to": f"{float(high)!r} {unit}".strip()})
+        law = Choice.model_validate(
+            {"from": f"{float(low)!r} {unit}".strip(), "to": f"{float(high)!r} {unit}".strip()}
+        )
         own = [one for one, _ in self.figure.paths]
         name = self.figure.name if own else ".".join([self.figure.name, str(path[-1])])
-        return Figure(name, law, ((path, 1),), 0, float(low), layer=self.figure.layer - 1)  # as the rows: before laws
+        return Figure(
+            name, law, ((path, 1),), 0, float(low), layer=self.figure.layer - 1
+        )  # as the rows: before laws

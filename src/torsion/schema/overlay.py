@@ -16,13 +16,25 @@ from torsion.schema.declaration_reader import entries_of
 from torsion.schema.fault_text import Node, Source
 from torsion.study import Change
 
-SECTIONS = ("materials", "operation", "damping", "links", "excitations", "analyses")  # that a key may begin with
+SECTIONS = (
+    "materials",
+    "operation",
+    "damping",
+    "links",
+    "excitations",
+    "analyses",
+)  # that a key may begin with
 NOT_BY_KEY = {  # section: what changes it
-    "rules": "the case's own key `rules`", "train": "the names of its components, as in `flywheel.inertia`",
-    "name": "nothing: the name of a case is its key", "description": "nothing: it is text",
-    "cases": "another case: `based_on`", "document": "remove it here: it is the same for all cases",
-}  # fmt: skip
-STEP = re.compile(r"""\s*("[^"]*"|'[^']*'|[^."']+)\s*(\.|$)""")  # of a key path: a word, in quotes where it has dots
+    "rules": "the case's own key `rules`",
+    "train": "the names of its components, as in `flywheel.inertia`",
+    "name": "nothing: the name of a case is its key",
+    "description": "nothing: it is text",
+    "cases": "another case: `based_on`",
+    "document": "remove it here: it is the same for all cases",
+}
+STEP = re.compile(
+    r"""\s*("[^"]*"|'[^']*'|[^."']+)\s*(\.|$)"""
+)  # of a key path: a word, in quotes where it has dots
 DIGITS = Context(prec=40)  # more than any figure has: what a factor multiplies stays exact
 LONGEST = 60  # characters of a value in words
 Place = tuple[int, int]  # line, column
@@ -53,7 +65,9 @@ class Overlay:
 
     def put(self, path: Path, value: Node, at: Place) -> None:
         """A value in place of what stands at a path, or beside it; `at` is the place of its key."""
-        own = Source(self.source.name, self.source.text)  # of what a table states, the case states this
+        own = Source(
+            self.source.name, self.source.text
+        )  # of what a table states, the case states this
         self._put.append((path, replace(value, source=value.source or own), at))
 
     def remove(self, path: Path) -> None:
@@ -69,7 +83,9 @@ class Overlay:
             if self.permits_no_change:
                 return
             message = f"`{printable(words)}` is {in_words(there.value)} already: nothing changes"
-            self.faults.append(Fault(fault, message, "give another value, or leave it out", at_key=True))
+            self.faults.append(
+                Fault(fault, message, "give another value, or leave it out", at_key=True)
+            )
             return
         before = "not given" if there is None else in_words(there.value)
         self.changes.append(Change(words, before, in_words(value.value)))
@@ -81,7 +97,9 @@ class Overlay:
             return
         there = node_at(self.source.root, path)
         if there is None:
-            message = f"`{printable(words)}` is not given, and only what the file gives is multiplied"
+            message = (
+                f"`{printable(words)}` is not given, and only what the file gives is multiplied"
+            )
             self.faults.append(Fault(fault, message, "give its value with `set`", at_key=True))
         elif (made := multiplied(there.value, factor)) is None:
             message = f"{shown(there.value)} is not a number that can be multiplied"
@@ -104,7 +122,9 @@ class Overlay:
                 return None
             if not steps:
                 hint = f"for example `{first}.inertia`; `remove: [{first}]` takes it away"
-                self.faults.append(Fault(fault, f"`{printable(words)}` is a component without a key", hint, True))
+                self.faults.append(
+                    Fault(fault, f"`{printable(words)}` is a component without a key", hint, True)
+                )
                 return None
             start = named.path
         elif named is not None:
@@ -112,7 +132,11 @@ class Overlay:
             self.faults.append(Fault(fault, f"`{first}` is a section and a component", hint, True))
             return None
         if start != (first,) and steps[0] == "name":
-            self.faults.append(Fault(fault, "a case changes no names", "components have the values of the file", True))
+            self.faults.append(
+                Fault(
+                    fault, "a case changes no names", "components have the values of the file", True
+                )
+            )
             return None
         if start[-1] == "coupling" and steps[0] in ("from", "size"):
             message = f"`{printable(words)}` changes the row that the coupling was read from"
@@ -129,7 +153,9 @@ class Overlay:
             end = step.end()
         if not found or end < len(words) or words.rstrip().endswith("."):
             hint = "names and keys with a dot between, as in `flywheel.inertia`; a name that has dots in quotes"
-            self.faults.append(Fault(fault, f"`{printable(words)}` is not a path to a key", hint, at_key=True))
+            self.faults.append(
+                Fault(fault, f"`{printable(words)}` is not a path to a key", hint, at_key=True)
+            )
             return None
         plain = [step[1:-1] if step[0] in "\"'" else step for step in found]
         return plain[0], found[0] != plain[0], canonical_steps(plain[0], plain[1:])
@@ -147,7 +173,9 @@ class Overlay:
             known = [*names, *SECTIONS]
             near = nearest(first, known)
             hint = f"did you mean `{near}`?" if near else f"there is {', '.join(known)}"
-        return Fault(fault, f"no component and no section is called `{printable(first)}`", hint, at_key=True)
+        return Fault(
+            fault, f"no component and no section is called `{printable(first)}`", hint, at_key=True
+        )
 
     def _down(self, path: Path, steps: list[str], words: str, fault: Path) -> Path | None:
         """The path that follows the steps; items of a list go by their number, from 1."""
@@ -157,7 +185,9 @@ class Overlay:
             if isinstance(value, list):
                 if not step.isdecimal() or not 1 <= int(step) <= len(value):
                     hint = f"one of its items by number, 1 to {len(value)}"
-                    message = f"`{printable(step)}` is not an item of the list in `{printable(words)}`"
+                    message = (
+                        f"`{printable(step)}` is not an item of the list in `{printable(words)}`"
+                    )
                     self.faults.append(Fault(fault, message, hint, at_key=True))
                     return None
                 path = (*path, int(step) - 1)
@@ -165,7 +195,9 @@ class Overlay:
                 path = (*path, step)
             else:
                 message = f"`{path[-1]}` is {in_words(value)}, which has no `{printable(step)}`"
-                self.faults.append(Fault(fault, message, f"set `{path[-1]}` as a whole", at_key=True))
+                self.faults.append(
+                    Fault(fault, message, f"set `{path[-1]}` as a whole", at_key=True)
+                )
                 return None
             node = None if node is None else node.parts.get(path[-1])
         return path
@@ -175,7 +207,11 @@ class Overlay:
         root = self.source.root
         for path, value, at in self._put:
             root = _with(root, path, value, at)
-        for path in sorted(self._gone, key=lambda path: [(isinstance(step, str), step) for step in path], reverse=True):
+        for path in sorted(
+            self._gone,
+            key=lambda path: [(isinstance(step, str), step) for step in path],
+            reverse=True,
+        ):
             root = _without(root, path)
         return replace(self.source, root=root)
 
@@ -198,11 +234,17 @@ def _with(node: Node, path: Path, new: Node, at: Place) -> Node:
     inner = _with(node.parts.get(step) or Node(None, *at, source=new.source), rest, new, at)
     parts = {**node.parts, step: inner}
     if isinstance(node.value, list):
-        value = [inner.value if position == step else item for position, item in enumerate(node.value)]
+        value = [
+            inner.value if position == step else item for position, item in enumerate(node.value)
+        ]
         return replace(node, value=value, parts=parts)
     known = node.keys.get(str(step), at) if rest else at
-    return replace(node, value={**(node.value or {}), step: inner.value}, parts=parts,
-                   keys={**node.keys, str(step): known})  # fmt: skip
+    return replace(
+        node,
+        value={**(node.value or {}), step: inner.value},
+        parts=parts,
+        keys={**node.keys, str(step): known},
+    )
 
 
 def _without(node: Node, path: Path) -> Node:
@@ -216,7 +258,11 @@ def _without(node: Node, path: Path) -> Node:
     else:
         kept = [(key, part) for key, part in node.parts.items() if key != step]
     if isinstance(node.value, list):
-        return replace(node, value=[part.value for _, part in kept], parts=dict(enumerate(part for _, part in kept)))
+        return replace(
+            node,
+            value=[part.value for _, part in kept],
+            parts=dict(enumerate(part for _, part in kept)),
+        )
     keys = {key: place for key, place in node.keys.items() if rest or key != step}
     return replace(node, value={key: part.value for key, part in kept}, parts=dict(kept), keys=keys)
 
@@ -260,7 +306,13 @@ def _flow(value: Any) -> str:
         return "[" + ", ".join(map(_flow, value)) + "]"
     if isinstance(value, float):
         return f"{value:.15g}"
-    return "nothing" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+    return (
+        "nothing"
+        if value is None
+        else str(value).lower()
+        if isinstance(value, bool)
+        else str(value)
+    )
 
 
 def of_list(data: Any, section: str) -> Iterable[tuple[int, dict[str, Any]]]:

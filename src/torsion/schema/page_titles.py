@@ -1,7 +1,10 @@
 """Titles and first sentences of the manual's pages: one for every kind of component, analysis and rule."""
 
 KINDS_OF_COMPONENTS = {
-    "disc": ("flywheel, flange, wheel or other lumped inertia", "A disc is a rigid inertia at one point of the train."),
+    "disc": (
+        "flywheel, flange, wheel or other lumped inertia",
+        "A disc is a rigid inertia at one point of the train.",
+    ),
     "motor": (
         "electric motor or other driver",
         "A motor drives the train, with ripple torques at orders of its shaft.",
@@ -43,8 +46,14 @@ KINDS_OF_COMPONENTS = {
         "elastic or rigid coupling, spring, clutch, backlash",
         "A coupling is an elastic or rigid connection without length, or any other massless spring of the train.",
     ),
-    "gear": ("gear stage, planetary stage and differential", "A gear joins two or more shafts at a ratio."),
-    "branch": ("side train of a point", "A branch is a side train. The main train continues from the point before it."),
+    "gear": (
+        "gear stage, planetary stage and differential",
+        "A gear joins two or more shafts at a ratio.",
+    ),
+    "branch": (
+        "side train of a point",
+        "A branch is a side train. The main train continues from the point before it.",
+    ),
     "joint": (
         "universal joint, cardan shaft, tripod, constant-velocity joint",
         "A joint joins two shafts at an angle: a cross (Cardan, Hooke), tripod or constant-velocity joint.",

@@ -46,7 +46,9 @@ def _remove_key(overlay: Overlay, words: str, place: Path) -> None:
         return
     there = node_at(overlay.source.root, path)
     if there is None:
-        overlay.faults.append(Fault(place, f"`{printable(words)}` is not given: nothing changes", "leave it out"))
+        overlay.faults.append(
+            Fault(place, f"`{printable(words)}` is not given: nothing changes", "leave it out")
+        )
         return
     overlay.changes.append(Change(words, in_words(there.value), "not given"))
     overlay.remove(path)
@@ -75,14 +77,22 @@ def _main_entries(overlay: Overlay, ends: dict[Path, Path]) -> list[Path]:
     kept = [k for k in range(first, last + 1) if (*MAIN, k) in ends]
     if first > last:
         hint = "a case keeps the component whose speed is meant, and what turns with it"
-        overlay.faults.append(Fault(next(iter(ends.values())), "nothing of the main train is left", hint))
+        overlay.faults.append(
+            Fault(next(iter(ends.values())), "nothing of the main train is left", hint)
+        )
     for k in kept:
         hint = "name all components from it to an end of the main train; a branch leaves with its first component"
-        overlay.faults.append(Fault(ends[*MAIN, k], "it stands between other parts of the main train", hint))
+        overlay.faults.append(
+            Fault(ends[*MAIN, k], "it stands between other parts of the main train", hint)
+        )
     before = [k for k in range(first) if any((*MAIN, j) in ends for j in range(k + 1))]
     while last + 1 < len(body) and carried[last + 1]:  # by the last point that stays
         last += 1
-    return [(*MAIN, k) for k in (*before, *range(last + 1, len(body)))] if not kept and first <= last else []
+    return (
+        [(*MAIN, k) for k in (*before, *range(last + 1, len(body)))]
+        if not kept and first <= last
+        else []
+    )
 
 
 def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
@@ -94,10 +104,16 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
     gone = {part.name: part for part in overlay.parts if goes(part)}
     if overlay.reference in gone:
         message = f"'{overlay.reference}', the reference of all speeds, is removed too"
-        overlay.faults.append(Fault(fault, message, "keep it, or state another in `operation: {at: ...}` of the file"))
+        overlay.faults.append(
+            Fault(fault, message, "keep it, or state another in `operation: {at: ...}` of the file")
+        )
         return
     data = overlay.source.data
-    links = {k: body for k, body in of_list(data, "links") if set(map(str, body.get("between") or ())) & set(gone)}
+    links = {
+        k: body
+        for k, body in of_list(data, "links")
+        if set(map(str, body.get("between") or ())) & set(gone)
+    }
     acting = [k for k, body in of_list(data, "excitations") if body.get("at") in gone]
     entries = [*entries, *(("links", k) for k in links), *(("excitations", k) for k in acting)]
     gone |= {part.name: part for part in overlay.parts if goes(part)}
@@ -116,5 +132,7 @@ def _keep_names(overlay: Overlay, gone: dict[str, Part]) -> None:
         if part.path[-1] == part.kind in kinds and not part.is_named and part.name not in gone:
             at = node_at(overlay.source.root, part.path) or overlay.source.root
             overlay.put(
-                (*part.path, "name"), Node(part.name, at.line, at.column, source=at.source), (at.line, at.column)
+                (*part.path, "name"),
+                Node(part.name, at.line, at.column, source=at.source),
+                (at.line, at.column),
             )

@@ -26,7 +26,15 @@ from torsion.schema.fault_text import Source, input_error
 from torsion.schema.other_words import of_its_number
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
-from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, Several, ShaftModel, Study
+from torsion.study import (
+    FiniteElements,
+    FrontMatter,
+    ModalDamping,
+    Operation,
+    Several,
+    ShaftModel,
+    Study,
+)
 from torsion.train import Link, Train, lowered, name_fault
 
 LINKS = ("coupling", "shaft")  # kinds that can close a loop
@@ -50,7 +58,9 @@ class Scene(Declared):
     operation: Any = given("speeds, rated point and law of load")
     damping: Any = given("damping by mode, in place of the damping of the components: {modal: 2 %}")
     train: Any = required("the components from one end to the other")
-    steps: StepForm = given("twist of corners between shafts that say no `step`: sharp, handbook or none", "none")
+    steps: StepForm = given(
+        "twist of corners between shafts that say no `step`: sharp, handbook or none", "none"
+    )
     links: Any = given("links that close loops between named points")
     excitations: Any = given("torques beyond those that components bring")
     analyses: Any = given("what is computed (default: modes, and response when something excites)")
@@ -76,7 +86,9 @@ def located(error: InputError, study: Study) -> InputError:
         from torsion.schema.cases import located_in_case
 
         return located_in_case(error, study.case)
-    return input_error(list(error.faults), _with_tables(parse_source(study.text, study.file), dict(study.tables)))
+    return input_error(
+        list(error.faults), _with_tables(parse_source(study.text, study.file), dict(study.tables))
+    )
 
 
 def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
@@ -87,7 +99,9 @@ def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
 
 def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:
     """The source with the rows of the tables that it names, from their files or as they were read before."""
-    if not any(word in source.text for word in ("table", "size", "torsiogram", "catalogue", "sections")):
+    if not any(
+        word in source.text for word in ("table", "size", "torsiogram", "catalogue", "sections")
+    ):
         return source
     from torsion.schema.csv_tables import with_tables
 
@@ -145,7 +159,9 @@ def _with_meshes(study: Study, faults: list[Fault]) -> Study:
     folder, bars = FilePath(study.file).parent, list(study.train.bars)
     for place, bar in enumerate(bars):
         if isinstance(bar.section, SectionMesh):
-            bars[place] = replace(bar, section=replace(bar.section, file=str(folder / bar.section.file)))
+            bars[place] = replace(
+                bar, section=replace(bar.section, file=str(folder / bar.section.file))
+            )
     train = replace(study.train, bars=tuple(bars))
     faults += mesh_faults(train)
     return replace(study, train=train)
@@ -167,8 +183,15 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         return None
     materials = _materials(data, faults)
     operation = declared(Operation, data.get("operation"), ("operation",), faults)
-    analyses, model, rules = _analyses(data, faults), _shaft_model(data, faults), _rules(data, faults)
-    damping, document = _section(ModalDamping, data, "damping", faults), _section(FrontMatter, data, "document", faults)
+    analyses, model, rules = (
+        _analyses(data, faults),
+        _shaft_model(data, faults),
+        _rules(data, faults),
+    )
+    damping, document = (
+        _section(ModalDamping, data, "damping", faults),
+        _section(FrontMatter, data, "document", faults),
+    )
     train = _train(data, materials, operation, faults, str(FilePath(source.name).parent))
     if train is None:
         return None
@@ -191,7 +214,9 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     )
 
 
-def _section(kind: type[Section], data: dict[str, Any], name: str, faults: list[Fault]) -> Section | None:
+def _section(
+    kind: type[Section], data: dict[str, Any], name: str, faults: list[Fault]
+) -> Section | None:
     """A section that is one mapping; None where it is not there."""
     return None if data.get(name) is None else declared(kind, data[name], (name,), faults)
 
@@ -208,7 +233,9 @@ def _top(data: object) -> object:
     if not isinstance(data, dict):
         return {} if data is None else data
     plain = ("name", "description", "steps")
-    return {key: value if key in plain or value is None else "present" for key, value in data.items()}
+    return {
+        key: value if key in plain or value is None else "present" for key, value in data.items()
+    }
 
 
 def _entries(data: dict[str, Any], section: str, faults: list[Fault]) -> Iterator[tuple[Path, Any]]:
@@ -231,13 +258,21 @@ def _materials(data: dict[str, Any], faults: list[Fault]) -> dict[str, Material]
 def _link(entry: object, path: Path, faults: list[Fault]) -> Link | None:
     kinds = [key for key in entry if key != "between"] if isinstance(entry, dict) else []
     if not isinstance(entry, dict) or len(kinds) != 1:
-        faults.append(Fault(path, "a link has `between` and one kind", "`{between: [a, b], coupling: {...}}`"))
+        faults.append(
+            Fault(path, "a link has `between` and one kind", "`{between: [a, b], coupling: {...}}`")
+        )
         return None
     before = len(faults)
     ends = entry.get("between")
-    if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(end, str) for end in ends):
+    if (
+        not isinstance(ends, list)
+        or len(ends) != 2
+        or not all(isinstance(end, str) for end in ends)
+    ):
         where = (*path, "between") if "between" in entry else path
-        faults.append(Fault(where, "`between` is a list of the names of two points", "`between: [a, b]`"))
+        faults.append(
+            Fault(where, "`between` is a list of the names of two points", "`between: [a, b]`")
+        )
     kind = kinds[0]
     if kind in ("gear", "joint"):
         faults.append(unbuilt((*path, kind), f"a {kind} that closes a loop"))
@@ -263,9 +298,14 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
             known = [key for key, analysis in ANALYSES.items() if analysis.settings]
             faults.append(unknown(path, "analysis", name, [*ShaftModel.model_fields, *known]))
         elif isinstance(body, list) and ANALYSES[name].is_listed:
-            each = [declared(ANALYSES[name].settings_class(), one, (*path, k), faults) for k, one in enumerate(body)]
+            each = [
+                declared(ANALYSES[name].settings_class(), one, (*path, k), faults)
+                for k, one in enumerate(body)
+            ]
             read[name] = Several(each=tuple(one for one in each if one is not None))
-        elif (settings := declared(ANALYSES[name].settings_class(), body, path, faults)) is not None:
+        elif (
+            settings := declared(ANALYSES[name].settings_class(), body, path, faults)
+        ) is not None:
             read[name] = settings
     return read
 
@@ -294,10 +334,14 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
             faults.append(Fault(place, f"{shown(entry)} is not a rule", hint))
             continue
         if name not in RULES:
-            faults.append(unknown(path, "rule", name, of_its_number(name, list(RULES)), list(RULES)))
+            faults.append(
+                unknown(path, "rule", name, of_its_number(name, list(RULES)), list(RULES))
+            )
             continue
         if name in seen:
-            faults.append(Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True))
+            faults.append(
+                Fault(path, f"the rule `{name}` is named twice", "keep one of them", at_key=True)
+            )
         seen.add(name)
         if (settings := declared(rule_settings(name), body, path, faults)) is not None:
             read.append((name, settings))
@@ -305,10 +349,17 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
 
 
 def _train(
-    data: dict[str, Any], materials: dict[str, Material], operation: Operation | None, faults: list[Fault], folder: str
+    data: dict[str, Any],
+    materials: dict[str, Material],
+    operation: Operation | None,
+    faults: list[Fault],
+    folder: str,
 ) -> Train | None:
     """The train as a whole, without the links and excitations that are faulty; None where a component is."""
-    excitations = [declared(Excitation, body, path, faults) for path, body in _entries(data, "excitations", faults)]
+    excitations = [
+        declared(Excitation, body, path, faults)
+        for path, body in _entries(data, "excitations", faults)
+    ]
     links = [_link(entry, path, faults) for path, entry in _entries(data, "links", faults)]
     before = len(faults)
     parts = components(data["train"], ("train",), faults) if data.get("train") is not None else ()
@@ -318,25 +369,41 @@ def _train(
         faults += _unknown_names(data, reference, excitations, links)
         return None
     found, more = lowered(
-        parts, excitations=excitations, links=links, materials=materials, reference=reference, folder=folder
+        parts,
+        excitations=excitations,
+        links=links,
+        materials=materials,
+        reference=reference,
+        folder=folder,
     )
     faults += more
     return found
 
 
 def _unknown_names(
-    data: dict[str, Any], reference: str | None, excitations: list[Excitation | None], links: list[Link | None]
+    data: dict[str, Any],
+    reference: str | None,
+    excitations: list[Excitation | None],
+    links: list[Link | None],
 ) -> Iterator[Fault]:
     """Names that no component goes by, of a train that is too faulty to be lowered."""
     known = kinds_by_name(data.get("train"))
     if known is None:
         return
-    ends = ((place, side, end) for place, link in enumerate(links) if link for side, end in enumerate(link.between))
-    named: list[tuple[str, Path]] = [(end, ("links", place, "between", side)) for place, side, end in ends]
+    ends = (
+        (place, side, end)
+        for place, link in enumerate(links)
+        if link
+        for side, end in enumerate(link.between)
+    )
+    named: list[tuple[str, Path]] = [
+        (end, ("links", place, "between", side)) for place, side, end in ends
+    ]
     named += [
-        (one.at, ("excitations", place, "at")) for place, one in enumerate(excitations)
+        (one.at, ("excitations", place, "at"))
+        for place, one in enumerate(excitations)
         if one is not None and known.get(one.at.partition(" wheel ")[0], ("", True))[0] != "gear"
-    ]  # fmt: skip
+    ]
     found = [name_fault(name, path, known) for name, path in named]
     if reference is not None and not data.get("links"):  # a component of `links` may be meant
         found.append(name_fault(reference, ("operation", "at"), known, point=False))

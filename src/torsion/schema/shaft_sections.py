@@ -14,7 +14,9 @@ from torsion.schema.fault_text import Node, Source
 SECTIONS = "sections"
 ROW = ("length", "diameter", "bore")  # of a row that is a list
 OF_A_ROW = ("length", "step", "support", "notches", "hub")  # keys that the rows alone may have
-Faulty = Callable[[Node, str, str], None]  # notes what is wrong with a value, and what would be right
+Faulty = Callable[
+    [Node, str, str], None
+]  # notes what is wrong with a value, and what would be right
 
 
 def has_sections(entry: Node) -> bool:
@@ -30,11 +32,19 @@ def sections(entry: Node, source: Source, fault: Faulty) -> list[Node]:
         fault(listed, f"{shown(listed.value)} is not a list of sections", EXAMPLE)
         return []
     if name is None or not isinstance(name.value, str) or not name.value:
-        fault(name or shaft, "a shaft of `sections` needs a name", f"`name: line`: its sections are {_named(1)}, ...")
+        fault(
+            name or shaft,
+            "a shaft of `sections` needs a name",
+            f"`name: line`: its sections are {_named(1)}, ...",
+        )
         return []
     for key in OF_A_ROW:
         if key in shaft.parts:
-            fault(shaft.parts[key], f"`{key}` belongs to one section", f"state it in its row, as `{{{key}: ...}}`")
+            fault(
+                shaft.parts[key],
+                f"`{key}` belongs to one section",
+                f"state it in its row, as `{{{key}: ...}}`",
+            )
     common = {key: part for key, part in shaft.parts.items() if key not in (SECTIONS, "name")}
     found = []
     for number, row in enumerate(listed.parts.values(), start=1):
@@ -45,13 +55,19 @@ def sections(entry: Node, source: Source, fault: Faulty) -> list[Node]:
             }
             keys = {key: place for key, place in shaft.keys.items() if key in kept} | own.keys
             named = Node(section_name(name.value, number), row.line, row.column, source=row.source)
-            found.append(_mapping("shaft", _with(replace(own, keys=keys), {"name": named, **kept, **own.parts})))
+            found.append(
+                _mapping(
+                    "shaft", _with(replace(own, keys=keys), {"name": named, **kept, **own.parts})
+                )
+            )
     if not found:
         fault(listed, "there is no section", EXAMPLE)
     return found
 
 
-EXAMPLE = "one row a section: [[0.6 m, 100 mm], [0.5 m, 200 mm, 80 mm]], rows in keys, or a CSV file"
+EXAMPLE = (
+    "one row a section: [[0.6 m, 100 mm], [0.5 m, 200 mm, 80 mm]], rows in keys, or a CSV file"
+)
 
 
 def _named(number: int) -> str:
@@ -67,9 +83,17 @@ def _row(row: Node, fault: Faulty) -> Node | None:
     if isinstance(row.value, dict):
         for key in ("name", SECTIONS):
             if key in row.parts:
-                fault(row.parts[key], f"a section has no `{key}`", f"its name is {_named(1)}, {_named(2)}, ...")
+                fault(
+                    row.parts[key],
+                    f"a section has no `{key}`",
+                    f"its name is {_named(1)}, {_named(2)}, ...",
+                )
         return row
-    fault(row, f"{shown(row.value)} is no section", "a row is [length, diameter], [length, diameter, bore], or by keys")
+    fault(
+        row,
+        f"{shown(row.value)} is no section",
+        "a row is [length, diameter], [length, diameter, bore], or by keys",
+    )
     return None
 
 

@@ -20,7 +20,9 @@ def study_faults(study: Study, faulty: Collection[str] = ()) -> list[Fault]:
 
     faulty: sections that have faults of their own; what reads one of them is not judged.
     """
-    return [fault for check, reads in _CHECKS if not set(reads) & set(faulty) for fault in check(study)]
+    return [
+        fault for check, reads in _CHECKS if not set(reads) & set(faulty) for fault in check(study)
+    ]
 
 
 def _model_faults(study: Study) -> Iterator[Fault]:
@@ -35,27 +37,51 @@ def _damping_faults(study: Study) -> Iterator[Fault]:
     if not study.train.modal_damping:
         return
     if name := study.train.damping_of_components:
-        message = f"damping by mode replaces the damping of the components, and '{name}' has damping"
+        message = (
+            f"damping by mode replaces the damping of the components, and '{name}' has damping"
+        )
         yield Fault(("damping",), message, "leave one of them out")
     if study.model != "lumped" and study.train.has_shafts:
-        yield Fault(("analyses", "model"), f"damping by mode is not for the model {study.model}", "model: lumped")
+        yield Fault(
+            ("analyses", "model"),
+            f"damping by mode is not for the model {study.model}",
+            "model: lumped",
+        )
     for name in ("stability", "check"):
         if name in study.analyses:
-            yield Fault(("damping",), f"`{name}` does not support damping by mode", "give the components their damping")
+            yield Fault(
+                ("damping",),
+                f"`{name}` does not support damping by mode",
+                "give the components their damping",
+            )
     if study.train.has_nonlinear_couplings and len(study.train.modal_damping) > 1:
         message = "a clutch, backlash or friction changes the modes, so that a list of ratios by mode has no meaning"
-        yield Fault(("damping",), message, "one ratio for all, or give the components their damping")
-    limited = [part.name for part in study.train.parts if part.ratings is not None and part.ratings.limit_heat]
+        yield Fault(
+            ("damping",), message, "one ratio for all, or give the components their damping"
+        )
+    limited = [
+        part.name
+        for part in study.train.parts
+        if part.ratings is not None and part.ratings.limit_heat
+    ]
     if limited and any(rule == "coupling-maker" for rule, _ in study.rules):
-        message = f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"
-        yield Fault(("damping",), message, "give the components their damping, or leave `heat_limit` out")
+        message = (
+            f"coupling-maker judges the heat of '{limited[0]}', which damping by mode does not say"
+        )
+        yield Fault(
+            ("damping",), message, "give the components their damping, or leave `heat_limit` out"
+        )
     if any(torque.mesh for torque in study.train.torques):
         yield Fault(
-            ("damping",), "a mesh that excites does not support damping by mode", "give the components their damping"
+            ("damping",),
+            "a mesh that excites does not support damping by mode",
+            "give the components their damping",
         )
     if study.has_joints:
         yield Fault(
-            ("damping",), "a train with joints does not support damping by mode", "give the components their damping"
+            ("damping",),
+            "a train with joints does not support damping by mode",
+            "give the components their damping",
         )
 
 
@@ -82,7 +108,9 @@ def _response_faults(study: Study) -> Iterator[Fault]:
         from torsion.analyses.steady import table_faults
 
         yield from table_faults(study)
-    yield from _speed_faults(study, speeds=speeds or requested is not None or ruled, frequencies=frequencies)
+    yield from _speed_faults(
+        study, speeds=speeds or requested is not None or ruled, frequencies=frequencies
+    )
     if speeds and not study.has_mean_torque:
         yield from _mean_torque_faults(study)
 
@@ -93,9 +121,15 @@ def _speed_faults(study: Study, *, speeds: bool, frequencies: bool) -> Iterator[
         if torque.order is None and torque.frequency is None:
             if not frequencies:
                 hint = "give it `order` or `frequency`, or `analyses: {response: {frequencies: {from: 1, to: 200}}}`"
-                yield Fault(torque.path, "this torque acts at every frequency, and no frequencies are requested", hint)
+                yield Fault(
+                    torque.path,
+                    "this torque acts at every frequency, and no frequencies are requested",
+                    hint,
+                )
         elif not speeds:
-            yield Fault(torque.path, "this excitation needs the speeds at which the train runs", _SPEEDS)
+            yield Fault(
+                torque.path, "this excitation needs the speeds at which the train runs", _SPEEDS
+            )
             speeds = True
 
 
@@ -103,13 +137,21 @@ def _mean_torque_faults(study: Study) -> Iterator[Fault]:
     """The first value that needs the mean torque, where it is not known."""
     needs = [torque.path for torque in study.train.torques if torque.of_mean]
     parts, stations = study.train.parts, study.train.stations
-    needs += [(*parts[stations[d.station].part].path, "damping") for d in study.train.dampers if d.needs_torque]
+    needs += [
+        (*parts[stations[d.station].part].path, "damping")
+        for d in study.train.dampers
+        if d.needs_torque
+    ]
     if needs:
-        yield Fault(needs[0], "this needs the mean torque, and the rated power is not given", _RATED)
+        yield Fault(
+            needs[0], "this needs the mean torque, and the rated power is not given", _RATED
+        )
 
 
 def _of_analysis(
-    place: str, applies: Callable[[Study], bool], arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,)
+    place: str,
+    applies: Callable[[Study], bool],
+    arguments: Callable[[Study], tuple[Any, ...]] = lambda study: (study,),
 ) -> Check:
     """What a function of an analysis (module:name) finds where it applies; it is imported then."""
 
@@ -117,16 +159,21 @@ def _of_analysis(
         if not applies(study):
             return ()
         module, name = place.split(":")
-        found: Iterable[Fault] = getattr(import_module(f"torsion.analyses.{module}"), name)(*arguments(study))
+        found: Iterable[Fault] = getattr(import_module(f"torsion.analyses.{module}"), name)(
+            *arguments(study)
+        )
         return found
 
     return check
 
 
-_order_faults = _of_analysis("response.over_speed:order_faults", lambda study: "response" in study.analyses)
+_order_faults = _of_analysis(
+    "response.over_speed:order_faults", lambda study: "response" in study.analyses
+)
 _power_faults = _of_analysis("steady:power_faults", lambda study: study.has_mean_torque)
 _drive_faults = _of_analysis(
-    "law_slopes:drive_faults", lambda study: any(part.machine and part.machine.drive for part in study.train.parts)
+    "law_slopes:drive_faults",
+    lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
 )
 _check_faults = _of_analysis(
     "compare.candidates:loop_faults",
@@ -134,26 +181,30 @@ _check_faults = _of_analysis(
     lambda study: (study, ("analyses", "check")),
 )
 _joint_faults = _of_analysis(
-    "joints.joint_analysis:settings_faults", lambda study: "joints" in study.analyses,
+    "joints.joint_analysis:settings_faults",
+    lambda study: "joints" in study.analyses,
     lambda study: (study.train, study.analyses["joints"]),
-)  # fmt: skip
+)
 _motion_faults = _of_analysis(
     "motion.requested_motion:requested_motion_faults",
     lambda study: (
-        "stability" in study.analyses or study.setting("analyses", "response", "method") == "harmonic-balance"
+        "stability" in study.analyses
+        or study.setting("analyses", "response", "method") == "harmonic-balance"
     ),
 )
 _engine_faults = _of_analysis(
-    "engine.engine_analysis:engine_faults", lambda study: any(part.engine is not None for part in study.train.parts)
+    "engine.engine_analysis:engine_faults",
+    lambda study: any(part.engine is not None for part in study.train.parts),
 )
 _transient_faults = _of_analysis(
     "transient.transient_settings:transient_faults", lambda study: "transient" in study.analyses
 )
 _fit_faults = _of_analysis("fit.fit_faults:fit_faults", lambda study: "fit" in study.analyses)
 _lateral_faults = _of_analysis(
-    "lateral.shaft_bending:lateral_faults", lambda study: "lateral" in study.analyses or study.has_supports,
+    "lateral.shaft_bending:lateral_faults",
+    lambda study: "lateral" in study.analyses or study.has_supports,
     lambda study: (study.train, study.analyses.get("lateral")),
-)  # fmt: skip
+)
 _table_faults = _of_analysis("coupling_tables:table_faults", lambda study: study.train.has_tables)
 _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
     (lambda study: fixed_point_faults(study.train), ("train", "links")),

@@ -68,7 +68,9 @@ def pattern(*expected: str) -> str:
 
 def definition(expected: tuple[str, ...]) -> dict[str, object]:
     """The schema of a text in one of these SI units."""
-    words = " or ".join(f"{units.speak(unit)}" + ("" if unit == "1" else f" in {unit}") for unit in expected)
+    words = " or ".join(
+        f"{units.speak(unit)}" + ("" if unit == "1" else f" in {unit}") for unit in expected
+    )
     shown = [units.example(unit) for unit in expected]
     return {
         "type": "string",

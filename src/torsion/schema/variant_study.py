@@ -16,10 +16,14 @@ from torsion.schema.yaml_source import parse_source, yaml_text
 from torsion.study import Study
 
 
-def vary(study: Study, values: Mapping[str, Any], factors: Mapping[str, Any], removed: Sequence[str]) -> Study:
+def vary(
+    study: Study, values: Mapping[str, Any], factors: Mapping[str, Any], removed: Sequence[str]
+) -> Study:
     """Return the study of the changed text, without its cases; raises InputError. A value as it stands is no fault."""
     if not study.text:
-        raise refusal("the study was not read from a text, so that it has no keys to change", "torsion.build")
+        raise refusal(
+            "the study was not read from a text, so that it has no keys to change", "torsion.build"
+        )
     keys = {"set": plain_value(values), "scale": plain_value(factors), "remove": list(removed)}
     case = parse_source(yaml_text({key: value for key, value in keys.items() if value}), "with_")
     faults: list[Fault] = []
@@ -29,7 +33,10 @@ def vary(study: Study, values: Mapping[str, Any], factors: Mapping[str, Any], re
 
     source, _ = reread(study)
     overlay = Overlay(
-        source, study.train.parts, study.operation.at or study.train.parts[0].name, permits_no_change=True
+        source,
+        study.train.parts,
+        study.operation.at or study.train.parts[0].name,
+        permits_no_change=True,
     )
     change_overlay(stated, (), case.root, overlay)
     if overlay.faults:
@@ -39,4 +46,6 @@ def vary(study: Study, values: Mapping[str, Any], factors: Mapping[str, Any], re
     text = edited(source, overlay.puts, overlay.removed, overlay.applied().data)
     earlier = study.changes if study.case is None else study.case.changes
     changed = parse(text, study.file or "train.yaml")
-    return replace(changed, changes=merge_changes((*earlier, *overlay.changes)), memory=study.memory)
+    return replace(
+        changed, changes=merge_changes((*earlier, *overlay.changes)), memory=study.memory
+    )

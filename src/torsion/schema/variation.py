@@ -72,7 +72,9 @@ class Variation:
         from torsion.schema.edited_text import edited
 
         source, puts = self.changed(values)
-        return edited(self.source, list(puts.items()), [("analyses", name) for name in without], source.data)
+        return edited(
+            self.source, list(puts.items()), [("analyses", name) for name in without], source.data
+        )
 
     def file(self, values: Sequence[float]) -> Source:
         """The file with every figure at its value, without what varies figures."""
@@ -80,13 +82,21 @@ class Variation:
 
     def changed(self, values: Sequence[float]) -> tuple[Source, dict[Path, Node]]:
         """That file, and what is put in it, where; the figures stage by stage."""
-        each, source, puts = list(zip(self.figures, values, strict=True)), self.source, dict[Path, Node]()
+        each, source, puts = (
+            list(zip(self.figures, values, strict=True)),
+            self.source,
+            dict[Path, Node](),
+        )
         for stage in sorted({one.stage for one in self.figures}) or [(0, True)]:
             overlay = overlay_of(self.base, source)
             for name in VARYING:
                 overlay.remove(("analyses", name))
-            own = {path: node for figure, value in each if figure.stage == stage
-                   for path, node in figure.puts(float(value), source)}  # fmt: skip
+            own = {
+                path: node
+                for figure, value in each
+                if figure.stage == stage
+                for path, node in figure.puts(float(value), source)
+            }
             for path, node in own.items():
                 overlay.put(path, node, (node.line, node.column))
             puts |= own
@@ -106,13 +116,18 @@ class Variation:
         apart: places of figures of which every value makes a group of its own. None where a list varies behind what
         another variation puts in the file.
         """
-        listed = [place for place, one in enumerate(self.figures) if one.rows and place not in apart]
+        listed = [
+            place for place, one in enumerate(self.figures) if one.rows and place not in apart
+        ]
         if any(self.figures[place].layer > 0 for place in (*listed, *apart)):
             return
-        which = np.array([
-            self._numbered[place].kinds[column.astype(np.intp)] if place in listed else column
-            for place, column in enumerate(values.T) if place in listed or place in apart
-        ]).reshape(-1, len(values))  # fmt: skip
+        which = np.array(
+            [
+                self._numbered[place].kinds[column.astype(np.intp)] if place in listed else column
+                for place, column in enumerate(values.T)
+                if place in listed or place in apart
+            ]
+        ).reshape(-1, len(values))
         kinds, place_of = np.unique(which, axis=1, return_inverse=True)
         for number, kind in enumerate(kinds.T):
             places = np.flatnonzero(place_of.ravel() == number)
@@ -123,9 +138,13 @@ class Variation:
         return {place: Numbered(one) for place, one in enumerate(self.figures) if one.rows}
 
     def _group(
-        self, places: IntArray, key: tuple[float, ...], values: FloatArray, listed: Collection[int],
+        self,
+        places: IntArray,
+        key: tuple[float, ...],
+        values: FloatArray,
+        listed: Collection[int],
         apart: Collection[int],
-    ) -> Group:  # fmt: skip
+    ) -> Group:
         """The group of variants with these values; keys that do not vary are as in the first of them."""
         own, columns = list[Figure](), [np.empty((len(values), 0))]
         for place, one in enumerate(self.figures):
@@ -138,8 +157,14 @@ class Variation:
             elif place not in apart:
                 own.append(one)
                 columns.append(column[:, None])
-        numbers, row = np.hstack(columns), {place: float(values[0, place]) for place in (*listed, *apart)}
-        own = [replace(one, nominal=_middle(one, value)) for one, value in zip(own, numbers[0], strict=True)]
+        numbers, row = (
+            np.hstack(columns),
+            {place: float(values[0, place]) for place in (*listed, *apart)},
+        )
+        own = [
+            replace(one, nominal=_middle(one, value))
+            for one, value in zip(own, numbers[0], strict=True)
+        ]
 
         def made() -> Variation:
             return replace(self.fixed(row) if row else self, figures=tuple(own))
@@ -158,7 +183,9 @@ class Variation:
         return replace(self, figures=tuple(one for one in self.figures if one.layer <= 0))
 
 
-def with_variations(study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault]) -> Study:
+def with_variations(
+    study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault]
+) -> Study:
     """The study with the figures that its sweep, design and fit vary; those that cannot vary are noted."""
     found = {}
     for name in VARYING:
@@ -177,16 +204,25 @@ def movable(study: Study, source: Source, read: Callable[[Source], Study]) -> Va
             column = columns.setdefault((name, figure.column), len(columns))
             figures.setdefault(figure.name, replace(figure, column=column))
     for figure in with_tolerance(study, overlay_of(study, source)):
-        figures.setdefault(figure.name, replace(figure, column=columns.setdefault(figure.name, len(columns))))
+        figures.setdefault(
+            figure.name, replace(figure, column=columns.setdefault(figure.name, len(columns)))
+        )
     return Variation(tuple(figures.values()), source, read, study)
 
 
 def _variation(
-    study: Study, source: Source, read: Callable[[Source], Study], faults: list[Fault], name: str, settings: Varying
-) -> Variation:  # fmt: skip
+    study: Study,
+    source: Source,
+    read: Callable[[Source], Study],
+    faults: list[Fault],
+    name: str,
+    settings: Varying,
+) -> Variation:
     overlay, before, place = overlay_of(study, source), len(faults), ("analyses", name)
     key, varied = settings.varied
-    found = list(named(varied, overlay, (*place, key)) if varied else with_tolerance(study, overlay))
+    found = list(
+        named(varied, overlay, (*place, key)) if varied else with_tolerance(study, overlay)
+    )
     faults += overlay.faults
     if not found and len(faults) == before:
         hint = "give components their `tolerance`, or name figures: `{vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
@@ -195,7 +231,9 @@ def _variation(
     figures = list(_in_columns(found, as_one, (*place, "together"), faults))
     variation = Variation(tuple(figures), source, read, study)
     if len(faults) == before and isinstance(settings, Refusing):
-        faults += [replace(one, path=(*place, *one.path)) for one in settings.refused(study, figures)]
+        faults += [
+            replace(one, path=(*place, *one.path)) for one in settings.refused(study, figures)
+        ]
     if len(faults) == before:
         faults += _faults_at_ends(variation, (*place, key))
     return variation
@@ -204,12 +242,14 @@ def _variation(
 def _middle(figure: Figure, value: float) -> float:
     """What the file gives where that is a value of the figure and not 0, else that value, else the middle."""
     low, high = sorted(figure.ends.tolist())
-    return next((one for one in (figure.nominal, value) if low <= one <= high and one), 0.5 * (low + high))
+    return next(
+        (one for one in (figure.nominal, value) if low <= one <= high and one), 0.5 * (low + high)
+    )
 
 
 def _in_columns(
     figures: Iterable[Figure], together: Sequence[Sequence[str]], place: Path, faults: list[Fault]
-) -> Iterator[Figure]:  # fmt: skip
+) -> Iterator[Figure]:
     """Each figure with the column of the samples that it takes."""
     known = {figure.name: figure for figure in figures}
     group: dict[str, int] = {}
@@ -218,15 +258,19 @@ def _in_columns(
         for name in names:
             if name not in known:
                 near = nearest(name, list(known))
-                hint = f"did you mean '{near}'?" if near else f"figures that vary: {', '.join(known)}"
+                hint = (
+                    f"did you mean '{near}'?" if near else f"figures that vary: {', '.join(known)}"
+                )
                 faults.append(Fault(path, f"no figure '{name}' varies", hint))
             elif name in group:
                 faults.append(Fault(path, f"'{name}' varies together twice", "name it once"))
-            elif known[name].law != known[names[0]].law and not _in_pairs(known[name], known[names[0]]):
-                message = (
-                    f"'{name}' ({known[name].law.words}) and '{names[0]}' ({known[names[0]].law.words}) vary as one"
+            elif known[name].law != known[names[0]].law and not _in_pairs(
+                known[name], known[names[0]]
+            ):
+                message = f"'{name}' ({known[name].law.words}) and '{names[0]}' ({known[names[0]].law.words}) vary as one"
+                faults.append(
+                    Fault(path, message, "give both the same law, or lists of as many values")
                 )
-                faults.append(Fault(path, message, "give both the same law, or lists of as many values"))
             else:
                 group[name] = number
     columns: dict[object, int] = {}
@@ -268,14 +312,20 @@ def _to_be_read(figure: Figure, source: Source) -> list[float]:
     for kind in np.unique(numbered.kinds).tolist():
         of_kind = np.flatnonzero(numbered.kinds == kind)
         values = numbered.numbers(kind)[1][of_kind]
-        chosen |= {int(of_kind[0]), *of_kind[values.argmin(axis=0)].tolist(), *of_kind[values.argmax(axis=0)].tolist()}
+        chosen |= {
+            int(of_kind[0]),
+            *of_kind[values.argmin(axis=0)].tolist(),
+            *of_kind[values.argmax(axis=0)].tolist(),
+        }
     for place, row in enumerate(figure.rows):
         path, faults = row.puts[0][0][:-1], list[Fault]()
         if path[-1] not in KINDS:
             continue
         there = node_at(source.root, path)
         own = {str(key[-1]): node.value for key, node in row.puts}
-        one_component(str(path[-1]), {**({} if there is None else there.value or {}), **own}, path, faults)
+        one_component(
+            str(path[-1]), {**({} if there is None else there.value or {}), **own}, path, faults
+        )
         if faults:
             chosen.add(place)
     return [float(place) for place in sorted(chosen)[:MOST_TRIALS]]

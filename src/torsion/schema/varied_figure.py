@@ -36,7 +36,9 @@ class Figure:
 
     name: str  # as the file names it
     law: Choice
-    paths: tuple[tuple[Path, int], ...]  # of its values, and the power of the factor that each takes
+    paths: tuple[
+        tuple[Path, int], ...
+    ]  # of its values, and the power of the factor that each takes
     column: int  # of the samples; figures that vary together share one
     nominal: float  # its value in the file as it stands; NaN where the file's is none of the alternatives
     rows: tuple[Row, ...] = ()
@@ -82,7 +84,9 @@ class Figure:
         """Its values as numbers, and their unit; NaN where they are no numbers of one unit."""
         if not self.rows:
             return self.every(), self.law.unit
-        stated = [amount_of(row.puts[0][1].value) if len(row.puts) == 1 else None for row in self.rows]
+        stated = [
+            amount_of(row.puts[0][1].value) if len(row.puts) == 1 else None for row in self.rows
+        ]
         units_of = {one[1] for one in stated if one is not None}
         if None in stated or len(units_of) != 1:
             return np.full(len(self.rows), np.nan), ""
@@ -99,7 +103,11 @@ class Figure:
         """A value of it as the file would state it."""
         if self.rows:
             return self.rows[int(value)].label
-        return f"{value:.6g} {self.law.unit}".strip() if self.law.first is not None else f"times {value:.6g}"
+        return (
+            f"{value:.6g} {self.law.unit}".strip()
+            if self.law.first is not None
+            else f"times {value:.6g}"
+        )
 
     def puts(self, value: float, source: Source) -> Iterator[tuple[Path, Node]]:
         """What stands in the file with a value of it."""
@@ -110,7 +118,9 @@ class Figure:
         for path, power in self.paths:
             there = node_at(source.root, path) or Node(None, 1, 1)
             if self.law.first is not None:
-                new: object = f"{repr(value).removesuffix('.0')} {self.law.unit}" if self.law.unit else value
+                new: object = (
+                    f"{repr(value).removesuffix('.0')} {self.law.unit}" if self.law.unit else value
+                )
                 if new == value and value.is_integer():  # of teeth, say
                     new = int(value)
             else:

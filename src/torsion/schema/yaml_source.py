@@ -23,33 +23,69 @@ _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scen
 _LARGEST = 100_000  # values after aliases are written out; bounds what a few lines can blow up to
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-_FORBIDDEN = re.compile("[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+_FORBIDDEN = re.compile(
+    "[^\t\n\r -~\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
+)
 _BREAK = re.compile("[\t\n]")
 _WORDS: dict[str, bool | None] = {"": None, "~": None}
 _WORDS |= dict.fromkeys(("null", "Null", "NULL"))
-_WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(("false", "False", "FALSE"), False)
+_WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(
+    ("false", "False", "FALSE"), False
+)
 _HALF = re.compile(r"([0-9]+),$")  # of a number with a decimal comma, in a mapping within braces
 _WHOLE = re.compile(r"[-+]?[0-9]+(?:_[0-9]+)*|0x[0-9a-fA-F]+|0o[0-7]+")
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"
 _DECIMAL = re.compile(rf"[-+]?(?:\.{_DIGITS}|{_DIGITS}(?:\.(?:{_DIGITS})?)?)(?:[eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"([-+]?)\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
-_INDENTED = "check the indentation of this line and the one above; put text that holds ': ' in quotes"
+_INDENTED = (
+    "check the indentation of this line and the one above; put text that holds ': ' in quotes"
+)
 _ALIGNED = "what belongs to one list or mapping begins in one column"
 _SYNTAX = (  # what yaml says; in plain words; what to do; whether the fault stands where the piece begins
-    (r"expected ',' or '(.)'", "no closing '{0}' for this bracket, or no comma before {at}", "", True),
+    (
+        r"expected ',' or '(.)'",
+        "no closing '{0}' for this bracket, or no comma before {at}",
+        "",
+        True,
+    ),
     (r"unexpected (?:end of stream|document)", "this quote is not closed", "", True),
     (r"could not find expected ':'", "this key has no ':' after it", "", True),
     (r"tab character|'\\t'", "a tab is used for indentation", "use spaces", False),
     (r"mapping values are not allowed", "a ':' is not allowed here", _INDENTED, False),
-    (r"cannot start any token", "a value cannot begin with this character", "put text in quotes", False),
-    (r"sequence entries are not allowed", "a list cannot begin here", "begin it on a new line", False),
-    (r"expected key|expected <block end>|expected '-' indicator", "this does not fit the lines above", _ALIGNED, False),
+    (
+        r"cannot start any token",
+        "a value cannot begin with this character",
+        "put text in quotes",
+        False,
+    ),
+    (
+        r"sequence entries are not allowed",
+        "a list cannot begin here",
+        "begin it on a new line",
+        False,
+    ),
+    (
+        r"expected key|expected <block end>|expected '-' indicator",
+        "this does not fit the lines above",
+        _ALIGNED,
+        False,
+    ),
     (r"node content", "a value is missing in front of this", "", False),
     (r"expected '?<document start>", "this belongs to nothing before it", "", False),
-    (r"escape|hexdecimal", "the backslash stands for no character here", r"write \\ or use single quotes", False),
+    (
+        r"escape|hexdecimal",
+        "the backslash stands for no character here",
+        r"write \\ or use single quotes",
+        False,
+    ),
     (r"alphabetic or numeric", "a name is missing after '&' or '*'", "put text in quotes", False),
     (r"directive|YAML document", "lines that begin with % are not read", "remove it", False),
-    (r"\btag\b|expected '>'|expected the '>'", "tags (!) are not read", "put text in quotes", False),
+    (
+        r"\btag\b|expected '>'|expected the '>'",
+        "tags (!) are not read",
+        "put text in quotes",
+        False,
+    ),
     (r"line break|chomping", "nothing may follow '|' or '>' in its line", "", False),
 )
 
@@ -95,7 +131,9 @@ def parse_source(text: str, name: str) -> Source:
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         builder.faults.append(_fault(f"this is not YAML: {error}", "", 1, 1))
     if builder.root.value is None and not builder.faults:
-        builder.faults.append(_fault("the file is empty", "a model file needs at least a name and a train", 1, 1))
+        builder.faults.append(
+            _fault("the file is empty", "a model file needs at least a name and a train", 1, 1)
+        )
     if builder.faults:
         raise input_error(builder.faults, bare)
     return with_canonical_keys(Source(name, text, builder.root))
@@ -129,13 +167,17 @@ def extents(text: str) -> Extents:
 
 def yaml_text(value: object) -> str:
     """A mapping as YAML, in the order of its keys."""
-    made: str = yaml.safe_dump(value, default_flow_style=None, sort_keys=False, allow_unicode=True, width=110)
+    made: str = yaml.safe_dump(
+        value, default_flow_style=None, sort_keys=False, allow_unicode=True, width=110
+    )
     return made
 
 
 def in_brackets(value: object) -> str:
     """A value as it may stand on one line, in brackets with others."""
-    made: str = yaml.safe_dump([value], default_flow_style=True, sort_keys=False, allow_unicode=True, width=math.inf)
+    made: str = yaml.safe_dump(
+        [value], default_flow_style=True, sort_keys=False, allow_unicode=True, width=math.inf
+    )
     return made.strip()[1:-1]
 
 
@@ -155,14 +197,18 @@ class _Builder:
         self.faults: list[Fault] = []
         self._anchors: dict[str, Node] = {}
         self._open: list[Node] = []
-        self._keys: list[str | int | None] = []  # of every open node: what the next value belongs to
+        self._keys: list[
+            str | int | None
+        ] = []  # of every open node: what the next value belongs to
         self._documents = 0
 
     def take(self, event: Any) -> None:
         if isinstance(event, yaml.DocumentStartEvent):
             self._documents += 1
             if self._documents > 1:
-                raise _EndError("a second document begins here", "one file, one model: remove '---'", event)
+                raise _EndError(
+                    "a second document begins here", "one file, one model: remove '---'", event
+                )
         elif isinstance(event, yaml.ScalarEvent) and self._awaits_key():
             self._take_key(event)
         elif isinstance(event, yaml.NodeEvent):
@@ -183,12 +229,16 @@ class _Builder:
         self._check_controls(event)
         if event.implicit[0] and not isinstance(resolved(key), str):
             hint = self._decimal_comma(key, place) or "put it in quotes"
-            self.faults.append(_fault(f"the key {key or 'before this colon'} is not text", hint, *place))
+            self.faults.append(
+                _fault(f"the key {key or 'before this colon'} is not text", hint, *place)
+            )
         elif event.implicit[0] and key == "<<":
             self.faults.append(_fault("merge keys (<<) are not read", "write the keys out", *place))
         self._keys[-1] = key
         if key in keys:
-            self.faults.append(_fault(f"the key '{key}' is already in line {keys[key][0]}", "remove one", *place))
+            self.faults.append(
+                _fault(f"the key '{key}' is already in line {keys[key][0]}", "remove one", *place)
+            )
         else:
             keys[key] = place
 
@@ -221,14 +271,20 @@ class _Builder:
     def _aliased(self, event: Any) -> Node:
         target = self._anchors.get(event.anchor)
         if target is None:
-            raise _EndError(f"nothing above is named &{event.anchor}", "put text that begins with * in quotes", event)
+            raise _EndError(
+                f"nothing above is named &{event.anchor}",
+                "put text that begins with * in quotes",
+                event,
+            )
         if target in self._open:
             raise _EndError(f"*{event.anchor} lies within the part that it repeats", "", event)
         if len(self._open) + target.height > _DEEPEST:
             raise _EndError(f"more than {_DEEPEST} lists and mappings within each other", "", event)
         if sum(node.size for node in self._open) + target.size > _LARGEST:
             raise _EndError(f"aliases make more than {_LARGEST} values of this file", "", event)
-        return Node(target.value, *_mark(event), target.parts, target.keys, target.size, target.height)
+        return Node(
+            target.value, *_mark(event), target.parts, target.keys, target.size, target.height
+        )
 
     def _attach(self, node: Node) -> None:
         """Put a complete node where it belongs."""
@@ -252,15 +308,23 @@ class _Builder:
         """Note a character that an escape makes and that the text itself must not hold: "\\u001b"; names are a line."""
         if sign := CONTROLS.search(event.value):
             hint = "remove its escape: names and texts are printed on terminals"
-            self.faults.append(_fault(f"the character U+{ord(sign[0]):04X} is not allowed", hint, *_mark(event)))
-        elif self._keys and self._keys[-1] in (None, "name") and (sign := _BREAK.search(event.value)):
+            self.faults.append(
+                _fault(f"the character U+{ord(sign[0]):04X} is not allowed", hint, *_mark(event))
+            )
+        elif (
+            self._keys and self._keys[-1] in (None, "name") and (sign := _BREAK.search(event.value))
+        ):
             message = f"the character U+{ord(sign[0]):04X} is not allowed in a name or key"
             self.faults.append(_fault(message, "write it on one line", *_mark(event)))
 
     def _check_tag(self, event: Any) -> None:
         if event.tag is not None:
             tag = event.tag.replace("tag:yaml.org,2002:", "!!")
-            self.faults.append(_fault(f"tags are not read: {tag}", "remove it, or put text in quotes", *_mark(event)))
+            self.faults.append(
+                _fault(
+                    f"tags are not read: {tag}", "remove it, or put text in quotes", *_mark(event)
+                )
+            )
 
 
 def resolved(text: str) -> str | int | float | bool | None:
@@ -290,18 +354,27 @@ def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
     for pattern, words, hint, at_begin in _SYNTAX:
         if found := re.search(pattern, problem):
             message = words.format(*found.groups(), at=f"line {line}, column {column}")
-            return _fault(message, hint, *(begin if at_begin and error.context_mark else (line, column)))
+            return _fault(
+                message, hint, *(begin if at_begin and error.context_mark else (line, column))
+            )
     return _fault(f"this is not YAML: {problem}", "", line, column)
 
 
 def _forbidden(sign: str, line: int, column: int) -> Fault:
     if sign == "\ufeff":
-        return _fault("there is a byte order mark (U+FEFF) here", "save the file as UTF-8 without it", line, column)
+        return _fault(
+            "there is a byte order mark (U+FEFF) here",
+            "save the file as UTF-8 without it",
+            line,
+            column,
+        )
     return _fault(f"the character U+{ord(sign):04X} is not allowed", "remove it", line, column)
 
 
 def _fault(message: str, hint: str, line: int, column: int) -> Fault:
-    return Fault((), printable(message, 200), hint, line=line, column=column)  # the message may quote the file
+    return Fault(
+        (), printable(message, 200), hint, line=line, column=column
+    )  # the message may quote the file
 
 
 def _mark(event: Any) -> tuple[int, int]:

@@ -18,10 +18,14 @@ from torsion.errors import Fault, InputError, SolveError
 from torsion.sweeping.worker_task import Errand, answered, others
 
 ENVIRONMENT = {  # of the workers of this machine
-    "MALLOC_TRIM_THRESHOLD_": str(1 << 30),  # else every larger array is a fresh mapping: 3 times the time (measured)
+    "MALLOC_TRIM_THRESHOLD_": str(
+        1 << 30
+    ),  # else every larger array is a fresh mapping: 3 times the time (measured)
     "MALLOC_MMAP_THRESHOLD_": str(1 << 30),
-    "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
-}  # fmt: skip
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+}
 AHEAD = 2  # chunks sent for every thread of the workers, so that none waits
 ANSWER, JOIN = 30.0, 120.0  # seconds until a scheduler answers, and until its first worker joins
 DEATHS = 10  # workers that a chunk may end before it is given up: they may be ended by others
@@ -53,9 +57,14 @@ def checked(given: Scheduler) -> Scheduler:
     if given.address and given.file is not None:
         raise _refused("--scheduler and --scheduler-file name two schedulers", "give one of them")
     if given.workers > 1 and (given.address or given.file is not None):
-        raise _refused("--workers are of this machine, and a scheduler has its own", "give one of them")
+        raise _refused(
+            "--workers are of this machine, and a scheduler has its own", "give one of them"
+        )
     if find_spec("pyarrow") is None:
-        raise _refused("`torsion sweep` keeps its parts as Parquet, which needs pyarrow", "pip install '.[sweep]'")
+        raise _refused(
+            "`torsion sweep` keeps its parts as Parquet, which needs pyarrow",
+            "pip install '.[sweep]'",
+        )
     if given.is_needed and (find_spec("dask") is None or find_spec("distributed") is None):
         raise _refused("workers need dask", "pip install '.[sweep]'")
     for option, file in {**tls, "--scheduler-file": given.file}.items():
@@ -63,10 +72,14 @@ def checked(given: Scheduler) -> Scheduler:
             raise _refused(f"{option} {file}: no such file", "give its path")
     address = given.address if given.file is None else _address(given.file)
     if named and not address.startswith("tls://"):
-        raise _refused(f"{named[0]} is of a scheduler tls://...", "give its address, or leave it out")
+        raise _refused(
+            f"{named[0]} is of a scheduler tls://...", "give its address, or leave it out"
+        )
     if address.startswith("tls://") and len(named) < len(tls):
         missing = ", ".join(option for option in tls if option not in named)
-        raise _refused(f"the scheduler {address} needs {missing}", "the files that it was started with")
+        raise _refused(
+            f"the scheduler {address} needs {missing}", "the files that it was started with"
+        )
     return Scheduler(given.workers, address, given.file, given.ca, given.cert, given.key)
 
 
@@ -74,7 +87,9 @@ def _address(file: Path) -> str:
     try:
         return str(json.loads(file.read_text(encoding="utf-8"))["address"])
     except (OSError, ValueError, KeyError, TypeError):
-        hint = f"it is written by: dask scheduler --scheduler-file FILE --dashboard-address {ANY_PORT}"
+        hint = (
+            f"it is written by: dask scheduler --scheduler-file FILE --dashboard-address {ANY_PORT}"
+        )
         raise _refused(f"{file} is not a file of a scheduler", hint) from None
 
 
@@ -108,7 +123,7 @@ class Workers:
 
     def answers(
         self, errand: Errand, chunks: Sequence[Chunk], waiting: Callable[[str], None]
-    ) -> Iterator[tuple[Chunk, Part]]:  # fmt: skip
+    ) -> Iterator[tuple[Chunk, Part]]:
         """Every chunk with its answers, as they come; raises InputError or SolveError where workers cannot.
 
         waiting: is given words for what is waited for.
@@ -149,17 +164,35 @@ class Workers:
             dask.config.set({"distributed.scheduler.allowed-failures": DEATHS})
             with _undisturbed():
                 cluster = LocalCluster(
-                    n_workers=given.workers, threads_per_worker=1, processes=True, dashboard_address=ANY_PORT,
-                    worker_dashboard_address=ANY_PORT, scheduler_kwargs={"dashboard": False}, memory_limit=0,
-                    host="127.0.0.1", silence_logs=logging.CRITICAL,
-                )  # fmt: skip
+                    n_workers=given.workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=ANY_PORT,
+                    worker_dashboard_address=ANY_PORT,
+                    scheduler_kwargs={"dashboard": False},
+                    memory_limit=0,
+                    host="127.0.0.1",
+                    silence_logs=logging.CRITICAL,
+                )
             return self._open.enter_context(Client(self._open.enter_context(cluster)))
         protected = given.ca is not None
-        files = {"tls_ca_file": given.ca, "tls_client_cert": given.cert, "tls_client_key": given.key}
-        security = Security(require_encryption=True, **{name: str(file) for name, file in files.items()})
+        files = {
+            "tls_ca_file": given.ca,
+            "tls_client_cert": given.cert,
+            "tls_client_key": given.key,
+        }
+        security = Security(
+            require_encryption=True, **{name: str(file) for name, file in files.items()}
+        )
         try:
             client = Client(given.address, timeout=ANSWER, security=security if protected else None)
-        except (OSError, TimeoutError, ValueError, RuntimeError, MemoryError) as error:  # it may be no scheduler
+        except (
+            OSError,
+            TimeoutError,
+            ValueError,
+            RuntimeError,
+            MemoryError,
+        ) as error:  # it may be no scheduler
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise _refused(
                 f"no scheduler answers at {given.address}: {reason}",
@@ -206,10 +239,14 @@ def _result(future: Any, chunk: Chunk) -> Part:
         return values, answers
     except KilledWorker as error:
         message = f"the variants {chunk.begin} to {chunk.end - 1} ended every worker that took them: {error}"
-        raise SolveError(message, hint="more memory for each worker, or fewer workers on a machine") from None
+        raise SolveError(
+            message, hint="more memory for each worker, or fewer workers on a machine"
+        ) from None
     except (CancelledError, OSError, TimeoutError) as error:
         message = f"the scheduler is gone: {error}"
-        raise SolveError(message, hint="the parts stay; start it again and give the same command") from None
+        raise SolveError(
+            message, hint="the parts stay; start it again and give the same command"
+        ) from None
     except InputError as error:
         hint = "the same files and programs on every machine"
         raise _refused(f"a worker cannot join: {error}", hint) from None

@@ -23,7 +23,9 @@ def alone(folder: Path, notice: Callable[[str], object]) -> Iterator[None]:
         before = lock.read_text(encoding="utf-8", errors="replace") if lock.exists() else ""
         if not _has_ended(before):
             process, _, host = before.partition(" ")
-            who = f"process {printable(process)} on {printable(host)}" if host else "another command"
+            who = (
+                f"process {printable(process)} on {printable(host)}" if host else "another command"
+            )
             message = f"{who} is at work in {folder}, as {lock} says"
             hint = "wait for it, or choose another folder with -o; if the process has ended, remove that file"
             raise InputError([Fault((), message, hint)], f"{message} ({hint})")
@@ -58,7 +60,9 @@ def _taken(lock: Path, own: str) -> bool:
 def _has_ended(said: str) -> bool:
     """Of a process of this machine that is there no longer; also of this one, which took the number of that."""
     process, _, host = said.partition(" ")
-    if host != socket.gethostname() or not process.isdecimal() or os.name != "posix":  # elsewhere a signal may end it
+    if (
+        host != socket.gethostname() or not process.isdecimal() or os.name != "posix"
+    ):  # elsewhere a signal may end it
         return False
     try:
         os.kill(int(process), 0)

@@ -24,11 +24,16 @@ def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, di
     """The columns of a part, and what they hold."""
     values, answers = part
     found: dict[str, np.ndarray] = {"variant": np.arange(chunk.begin, chunk.end)}
-    about: dict[str, Any] = {"figures": [one.name for one in variation.figures], "method": answers.method}
+    about: dict[str, Any] = {
+        "figures": [one.name for one in variation.figures],
+        "method": answers.method,
+    }
     for figure, own in zip(variation.figures, values.T, strict=True):
         found[figure.name] = own
         if figure.rows:
-            found[f"{figure.name} label"] = np.array([figure.words(value) for value in own.tolist()])
+            found[f"{figure.name} label"] = np.array(
+                [figure.words(value) for value in own.tolist()]
+            )
     about["modes"] = [f"mode {mode} (Hz)" for mode in range(1, 1 + len(answers.frequency))]
     found |= dict(zip(about["modes"], answers.frequency, strict=True))
     about["checks"] = []
@@ -43,7 +48,11 @@ def columns(chunk: Chunk, variation: Variation, part: Part) -> tuple[Columns, di
 def part_of(found: Columns, about: Mapping[str, Any]) -> Part:
     """What the columns of a part hold, to the last bit as they were written."""
     values = np.stack([found[name] for name in about["figures"]], axis=1)
-    frequency = np.stack([found[name] for name in about["modes"]]) if about["modes"] else np.empty((0, len(values)))
+    frequency = (
+        np.stack([found[name] for name in about["modes"]])
+        if about["modes"]
+        else np.empty((0, len(values)))
+    )
     checks = {
         (rule, clause, where, what): (found[f"{name}: utilisation"], found[f"{name}: fails"])
         for rule, clause, where, what, name in about["checks"]
@@ -59,7 +68,9 @@ def write_part(path: Path, found: Columns, about: Mapping[str, Any]) -> str:
 
     table = pyarrow.table({name: pyarrow.array(own) for name, own in found.items()})
     content = io.BytesIO()
-    parquet.write_table(table.replace_schema_metadata({ABOUT: json.dumps(about)}), content, write_page_checksum=True)
+    parquet.write_table(
+        table.replace_schema_metadata({ABOUT: json.dumps(about)}), content, write_page_checksum=True
+    )
     under_way = path.with_name(f"{path.name}.part")
     with under_way.open("wb") as file:
         file.write(content.getbuffer())
@@ -76,10 +87,14 @@ def read_part(path: Path, checksum: str) -> tuple[Columns, dict[str, Any]]:
     try:
         content = path.read_bytes()
         if sha256(content).hexdigest() != checksum:
-            raise ValueError("it is damaged: its SHA-256 differs from the SHA-256 of the file that was written")
+            raise ValueError(
+                "it is damaged: its SHA-256 differs from the SHA-256 of the file that was written"
+            )
         table = parquet.read_table(io.BytesIO(content), page_checksum_verification=True)
         about = json.loads(table.schema.metadata[ABOUT.encode()])
         return {name: table[name].to_numpy() for name in table.column_names}, about
     except (ArrowException, OSError, ValueError, KeyError, TypeError) as error:
         message = f"{path} cannot be read as a part of a sweep: {error}"
-        raise InputError([Fault((), message)], f"{message} (remove it; it is then solved again)") from None
+        raise InputError(
+            [Fault((), message)], f"{message} (remove it; it is then solved again)"
+        ) from None

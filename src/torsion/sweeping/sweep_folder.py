@@ -61,9 +61,14 @@ class SweepFolder:
             return
         if any(OWN.fullmatch(path.name) for path in self.parts.glob("part-*")):
             message = f"{self.parts} holds parts of a sweep, and {OF}, which identifies the sweep, is missing"
-            raise InputError([Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)")
+            raise InputError(
+                [Fault((), message)],
+                f"{message} (--fresh to begin anew, or another folder with -o)",
+            )
         under_way = place.with_name(f"{OF}.part")
-        under_way.write_text(json.dumps({"hash": hash_of(identity), **identity}, indent=1), encoding="utf-8")
+        under_way.write_text(
+            json.dumps({"hash": hash_of(identity), **identity}, indent=1), encoding="utf-8"
+        )
         under_way.replace(place)
 
     def _remove(self, names: re.Pattern[str]) -> None:
@@ -109,7 +114,9 @@ class SweepFolder:
         found, about = read_part(path, self.checksums[path.name])
         if not np.array_equal(found["variant"], np.arange(chunk.begin, chunk.end)):
             message = f"{path} does not hold the variants {chunk.begin} to {chunk.end - 1}"
-            raise InputError([Fault((), message)], f"{message} (remove it; it is then solved again)")
+            raise InputError(
+                [Fault((), message)], f"{message} (remove it; it is then solved again)"
+            )
         return part_of(found, about)
 
     def write_csv(self, chunks: Sequence[Chunk]) -> Path:
@@ -149,11 +156,14 @@ def identity(work: Work, variation: Variation, chunks: Sequence[Chunk]) -> dict[
         "scene": Path(study.file).name,
         "case": "" if study.case is None else study.case.name,
         "files": digests(study),
-        "settings": work.settings("sweep", SweepSettings).model_dump(mode="json", exclude_defaults=True),
+        "settings": work.settings("sweep", SweepSettings).model_dump(
+            mode="json", exclude_defaults=True
+        ),
         "figures": [f"{one.name} ({one.law.words})" for one in variation.figures],
-        "variants": chunks[-1].end, "variants of a chunk": chunks[0].size,
+        "variants": chunks[-1].end,
+        "variants of a chunk": chunks[0].size,
         "versions": {name: version(name) for name in LIBRARIES},
-    }  # fmt: skip
+    }
 
 
 def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
@@ -166,8 +176,14 @@ def digests(study: Study, *, shipped: bool = True) -> dict[str, str]:
     found = {}
     for path in inputs(study):
         if shipped:
-            name = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()
-            found[name] = digest(known[path].encode() if path in known else read_file(path, LARGEST_SIGNAL))
+            name = (
+                path.relative_to(folder).as_posix()
+                if path.is_relative_to(folder)
+                else path.as_posix()
+            )
+            found[name] = digest(
+                known[path].encode() if path in known else read_file(path, LARGEST_SIGNAL)
+            )
         elif path not in known:
             found[str(path)] = digest(read_file(path, LARGEST_SIGNAL))
     return found
@@ -196,13 +212,17 @@ def _refuse_another(place: Path, identity: Mapping[str, Any]) -> None:
     except (OSError, ValueError, KeyError, AttributeError, TypeError):
         words = "it cannot be read"
     message = f"{place} is of another sweep: {words}"
-    raise InputError([Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)")
+    raise InputError(
+        [Fault((), message)], f"{message} (--fresh to begin anew, or another folder with -o)"
+    )
 
 
 def _differences(known: Mapping[str, Any], now: Mapping[str, Any], above: str = "") -> list[str]:
     """What differs, in words; of another scene that alone."""
     if not above and known.get("scene") != now.get("scene"):
-        return [f"of the model file {_said(known.get('scene'))}, and this is {_said(now.get('scene'))}"]
+        return [
+            f"of the model file {_said(known.get('scene'))}, and this is {_said(now.get('scene'))}"
+        ]
     return list(_each_difference(known, now, above))
 
 
@@ -214,7 +234,13 @@ def _each_difference(known: Mapping[str, Any], now: Mapping[str, Any], above: st
         if isinstance(before, Mapping) and isinstance(after, Mapping):
             yield from _differences(before, after, key)
         elif above == "files":
-            change = "is new" if before is None else "is no longer read" if after is None else "was changed"
+            change = (
+                "is new"
+                if before is None
+                else "is no longer read"
+                if after is None
+                else "was changed"
+            )
             yield f"the file {key} {change}"
         else:
             name = {"settings": f"`{key}`", "versions": key}.get(above, key)
@@ -222,4 +248,8 @@ def _each_difference(known: Mapping[str, Any], now: Mapping[str, Any], above: st
 
 
 def _said(value: object) -> str:
-    return "not given" if value is None else printable(value if isinstance(value, str) else json.dumps(value))
+    return (
+        "not given"
+        if value is None
+        else printable(value if isinstance(value, str) else json.dumps(value))
+    )

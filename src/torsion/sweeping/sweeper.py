@@ -45,7 +45,9 @@ class Sweeper:
         try:
             with alone(place.folder, self.notice):
                 place.open(identity(work, variation, chunks), fresh=self.fresh and is_new)
-                self.kept += sum(place.found(chunk) is not None for chunk in chunks) if is_new else 0
+                self.kept += (
+                    sum(place.found(chunk) is not None for chunk in chunks) if is_new else 0
+                )
                 self._complete(place, work, variation, chunks)
                 if self.csv and is_new:
                     place.write_csv(chunks)
@@ -53,10 +55,14 @@ class Sweeper:
         except (InputError, SolveError) as error:
             raise Stopped(error) from None
 
-    def _complete(self, place: SweepFolder, work: Work, variation: Variation, chunks: Sequence[Chunk]) -> None:
+    def _complete(
+        self, place: SweepFolder, work: Work, variation: Variation, chunks: Sequence[Chunk]
+    ) -> None:
         """Solve the chunks that are not there, each written as soon as it is answered."""
         left = [chunk for chunk in chunks if place.found(chunk) is None]
-        pace = Pace(chunks[-1].end, work.progress, chunks[-1].end - sum(chunk.size for chunk in left))
+        pace = Pace(
+            chunks[-1].end, work.progress, chunks[-1].end - sum(chunk.size for chunk in left)
+        )
         for chunk, part in self._answers(work, variation, left, pace):
             place.write(chunk, variation, part)
             self.solved += 1
@@ -64,10 +70,12 @@ class Sweeper:
 
     def _answers(
         self, work: Work, variation: Variation, left: Sequence[Chunk], pace: Pace
-    ) -> Iterator[tuple[Chunk, Part]]:  # fmt: skip
+    ) -> Iterator[tuple[Chunk, Part]]:
         if self.workers is not None and left:
             share = pace.kept / pace.count
-            yield from self.workers.answers(errand(work, variation), left, lambda words: work.progress(words, share))
+            yield from self.workers.answers(
+                errand(work, variation), left, lambda words: work.progress(words, share)
+            )
             return
         for chunk in left:
             yield chunk, answered(replace(work, progress=pace.within(chunk)), variation, chunk)

@@ -31,10 +31,19 @@ class Errand:
 
 def errand(work: Work, variation: Variation) -> Errand:
     """The errand of a sweep, which any process can do."""
-    study, names = replace(work.study, cases={}), ("system", "modes", *(() if unfit(work) else ("mean", "response")))
-    plain = Work(study, {name: work.results[name] for name in names if name in work.results}, ruled=work.ruled)
+    study, names = (
+        replace(work.study, cases={}),
+        ("system", "modes", *(() if unfit(work) else ("mean", "response"))),
+    )
+    plain = Work(
+        study,
+        {name: work.results[name] for name in names if name in work.results},
+        ruled=work.ruled,
+    )
     files = tuple(digests(study, shipped=False).items())
-    return Errand(pickle.dumps((plain, variation)), files, tuple((name, version(name)) for name in LIBRARIES))
+    return Errand(
+        pickle.dumps((plain, variation)), files, tuple((name, version(name)) for name in LIBRARIES)
+    )
 
 
 def answered(given: Errand, chunk: Chunk) -> Part:
@@ -45,7 +54,9 @@ def answered(given: Errand, chunk: Chunk) -> Part:
 
 @lru_cache(maxsize=4)
 def _opened(given: Errand) -> tuple[Work, Variation]:
-    fault = others(given.versions, {name: version(name) for name, _ in given.versions}) or _other_files(given.files)
+    fault = others(
+        given.versions, {name: version(name) for name, _ in given.versions}
+    ) or _other_files(given.files)
     if fault:
         raise InputError([Fault((), fault)], fault)
     work, variation = pickle.loads(given.scene)
@@ -55,10 +66,16 @@ def _opened(given: Errand) -> tuple[Work, Variation]:
 def others(versions: Iterable[tuple[str, str]], found: Mapping[str, str | None]) -> str:
     """Which of the versions found on a worker are others, in words; empty where none is."""
     differ = ((name, own) for name, own in versions if found.get(name) != own)
-    return ", ".join(f"{name} {own} is needed and {found.get(name) or 'none'} is there" for name, own in differ)
+    return ", ".join(
+        f"{name} {own} is needed and {found.get(name) or 'none'} is there" for name, own in differ
+    )
 
 
 def _other_files(files: Iterable[tuple[str, str]]) -> str:
     """Which files are not here as they were, in words; empty where all are."""
-    missing = [name for name, own in files if not Path(name).is_file() or digest(Path(name).read_bytes()) != own]
+    missing = [
+        name
+        for name, own in files
+        if not Path(name).is_file() or digest(Path(name).read_bytes()) != own
+    ]
     return f"not there as where the sweep was begun: {', '.join(missing)}" if missing else ""

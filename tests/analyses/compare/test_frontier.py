@@ -25,9 +25,12 @@ def names(rows: tuple[TimedRow, ...]) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("tolerance", "name"), [(0.1, "coarse"), (2e-2, "coarse"), (1e-3, "lumped"), (1e-4, "exact"), (1e-12, "exact")]
+    ("tolerance", "name"),
+    [(0.1, "coarse"), (2e-2, "coarse"), (1e-3, "lumped"), (1e-4, "exact"), (1e-12, "exact")],
 )
-def test_the_fastest_method_that_keeps_the_tolerance_is_recommended(tolerance: float, name: str) -> None:
+def test_the_fastest_method_that_keeps_the_tolerance_is_recommended(
+    tolerance: float, name: str
+) -> None:
     found = fastest(ROWS, tolerance)
     assert found is not None
     assert found.curve == name
@@ -55,7 +58,9 @@ def test_no_method_of_the_pareto_set_is_beaten_by_any_other() -> None:
     assert names(found) == ["coarse", "lumped", "exact"]
     for one in found:
         assert not any(
-            other.total.median < one.total.median and other.error <= one.error for other in ROWS if other is not one
+            other.total.median < one.total.median and other.error <= one.error
+            for other in ROWS
+            if other is not one
         )
 
 

@@ -12,7 +12,9 @@ from torsion.analyses.compare.run_times import study_times
 from torsion.analyses.compare.timing import Effort, TimedQuantity, Timings
 from torsion.study import Study
 
-SHORT = Effort(rounds=2, longest=5.0, segments=64, unknowns=24, degrees=(1, 2, 3), modes=32, dense=16, speeds=7)
+SHORT = Effort(
+    rounds=2, longest=5.0, segments=64, unknowns=24, degrees=(1, 2, 3), modes=32, dense=16, speeds=7
+)
 SHAFT = """
 name: a shaft between two discs
 operation: {speeds: {from: 600 rpm, to: 3000 rpm}}
@@ -23,7 +25,9 @@ train:
 excitations: [{at: right, order: 6, torque: 100 N*m}, {at: left, order: 2, torque: 30 N*m}]
 """
 JOINT = SHAFT.replace("  - disc: {name: right", "  - joint: {angle: 8 deg}\n  - disc: {name: right")
-BRAKED = JOINT.replace("inertia: 0.03}", "inertia: 0.03, damping: 0.4}").replace(", loss_factor: 0.01", "")
+BRAKED = JOINT.replace("inertia: 0.03}", "inertia: 0.03, damping: 0.4}").replace(
+    ", loss_factor: 0.01", ""
+)
 DISCS = """
 name: three discs
 operation: {speeds: {from: 600 rpm, to: 3000 rpm}}
@@ -86,21 +90,29 @@ def rate(found: TimedQuantity, curve: str, coarse: int) -> float:
 
 
 @pytest.mark.parametrize("key", ["frequencies", "response"])
-def test_the_error_of_lumped_shafts_falls_with_the_square_of_their_segments(timings: dict, key: str) -> None:
+def test_the_error_of_lumped_shafts_falls_with_the_square_of_their_segments(
+    timings: dict, key: str
+) -> None:
     curve = {"frequencies": "lumped", "response": "lumped, elimination"}[key]
     assert rate(quantity(timings["shaft"], key), curve, 32) == pytest.approx(2.0, rel=0.03)
 
 
 @pytest.mark.parametrize(("degree", "coarse"), [(1, 8), (2, 4), (3, 4)])
-def test_the_error_of_finite_elements_falls_with_twice_their_degree(timings: dict, degree: int, coarse: int) -> None:
+def test_the_error_of_finite_elements_falls_with_twice_their_degree(
+    timings: dict, degree: int, coarse: int
+) -> None:
     found = quantity(timings["shaft"], "frequencies")
     assert rate(found, f"fem, degree {degree}", coarse) == pytest.approx(2.0 * degree, rel=0.05)
 
 
 @pytest.mark.parametrize(("degree", "coarse"), [(1, 8), (2, 2)])
-def test_the_error_of_torques_by_finite_elements_falls_likewise(timings: dict, degree: int, coarse: int) -> None:
+def test_the_error_of_torques_by_finite_elements_falls_likewise(
+    timings: dict, degree: int, coarse: int
+) -> None:
     found = quantity(timings["shaft"], "response")
-    assert rate(found, f"fem, degree {degree}, elimination", coarse) == pytest.approx(2.0 * degree, rel=0.05)
+    assert rate(found, f"fem, degree {degree}, elimination", coarse) == pytest.approx(
+        2.0 * degree, rel=0.05
+    )
 
 
 @pytest.mark.parametrize("key", ["frequencies", "response"])
@@ -114,7 +126,9 @@ def test_the_exact_model_errs_by_rounding_alone(timings: dict, key: str) -> None
 def test_dense_solve_and_elimination_agree_on_lumped_shafts(timings: dict, scene: str) -> None:
     found = quantity(timings[scene], "response")
     dense, swept = errors(found, "lumped, dense solve"), errors(found, "lumped, elimination")
-    assert [dense[size] for size in dense] == pytest.approx([swept[size] for size in dense], rel=1e-7)
+    assert [dense[size] for size in dense] == pytest.approx(
+        [swept[size] for size in dense], rel=1e-7
+    )
 
 
 def test_all_modes_of_a_train_that_damps_them_alike_give_its_response(timings: dict) -> None:
@@ -127,7 +141,9 @@ def test_all_modes_of_a_train_that_damps_them_alike_give_its_response(timings: d
     assert errors(found, "dense solve")[1] < 1e-12
 
 
-def test_damping_in_proportion_to_inertia_and_stiffness_does_not_couple_the_modes(timings: dict) -> None:
+def test_damping_in_proportion_to_inertia_and_stiffness_does_not_couple_the_modes(
+    timings: dict,
+) -> None:
     found = quantity(timings["damped"], "response")
     for curve in ("modal superposition", "modal superposition, static correction"):
         assert errors(found, curve)[2] < 1e-12
@@ -144,10 +160,14 @@ def test_a_speed_in_resonance_without_damping_is_left_out(monkeypatch: pytest.Mo
     discs = "train: [disc: {name: a, inertia: 0.5}, coupling: {stiffness: 1600}, disc: {name: b, inertia: 0.5}]"
     rest = "operation: {speeds: {from: 80 rad/s, to: 140 rad/s}}\nexcitations: [{at: a, order: 1, torque: 1}]"
     found = study_times(parsed(f"name: x\n{discs}\n{rest}\n"), highest=30.0, quick=True)
-    assert any(remark.startswith("1 of 7 speeds are omitted") for remark in found.quantities[0].remarks)
+    assert any(
+        remark.startswith("1 of 7 speeds are omitted") for remark in found.quantities[0].remarks
+    )
 
 
-def test_frequencies_are_compared_up_to_the_highest_excited_one_or_the_last_requested_mode(timings: dict) -> None:
+def test_frequencies_are_compared_up_to_the_highest_excited_one_or_the_last_requested_mode(
+    timings: dict,
+) -> None:
     assert quantity(timings["joint"], "frequencies").highest == 300.0
     found = quantity(timings["shaft"], "frequencies")
     assert len(found.columns) == 3
@@ -162,11 +182,15 @@ def test_finite_elements_have_no_more_unknowns_than_the_effort_says(timings: dic
 
 def test_the_reference_has_twice_the_pieces_of_the_exact_model() -> None:
     coarse, fine = reference(plain(parsed(SHAFT)), 3000.0, None)
-    assert fine.system.segments == {name: 2 * number for name, number in coarse.system.segments.items()}
+    assert fine.system.segments == {
+        name: 2 * number for name, number in coarse.system.segments.items()
+    }
     assert fine.frequency[-1] < 3000.0
 
 
-def test_modes_of_a_continuum_converge_and_a_static_correction_gains_two_orders(timings: dict) -> None:
+def test_modes_of_a_continuum_converge_and_a_static_correction_gains_two_orders(
+    timings: dict,
+) -> None:
     found = quantity(timings["shaft"], "response")
     plain = errors(found, "modal superposition")
     corrected = errors(found, "modal superposition, static correction")
@@ -187,7 +211,9 @@ def test_a_division_with_too_few_modes_has_no_error(timings: dict) -> None:
     assert errors(found, "lumped")[1] == float("inf")
 
 
-def test_a_train_without_shafts_says_so_and_compares_the_methods_of_the_response(timings: dict) -> None:
+def test_a_train_without_shafts_says_so_and_compares_the_methods_of_the_response(
+    timings: dict,
+) -> None:
     found = timings["discs"]
     assert [one.key for one in found.quantities] == ["response"]
     assert any("nothing to divide" in remark for remark in found.remarks)
@@ -200,7 +226,9 @@ def test_every_method_has_its_turn_in_every_round(timings: dict) -> None:
             assert len(row.assembly) == len(row.solve) == row.total.runs >= SHORT.rounds
 
 
-def test_segments_of_the_file_are_not_used_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_segments_of_the_file_are_not_used_and_that_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(module, "QUICK", replace(SHORT, segments=4, degrees=(1,), unknowns=2))
     given = parsed(SHAFT.replace("length: 1.5 m", "length: 1.5 m, segments: 3"))
     found = study_times(given, count=1, no_response="it is not requested", quick=True)

@@ -16,7 +16,9 @@ from torsion.analyses.compare.torque_methods import driving_ends, eliminated, lo
 from torsion.assembly.lumped import SHARE_OF_ERROR
 from torsion.errors import InputError
 
-SCENE = (Path(__file__).parents[3] / "shafting_specs" / "geared_branch_check.yaml").read_text(encoding="utf-8")
+SCENE = (Path(__file__).parents[3] / "shafting_specs" / "geared_branch_check.yaml").read_text(
+    encoding="utf-8"
+)
 COARSE = SCENE.replace("length:", "segments: 1, length:").replace("count: 6", "count: 2")
 STEPS = ("steps: 181", "steps: 19")  # for tests that need no fine grid
 
@@ -58,7 +60,11 @@ def test_one_segment_a_shaft_fails_a_tight_tolerance_and_passes_a_loose_one(tole
 
 def test_the_error_of_lumped_segments_falls_with_the_square_of_their_number():
     errors = [
-        np.array(compared(SCENE.replace("length:", f"segments: {n}, length:"), models=("lumped",)).models[0].largest)
+        np.array(
+            compared(SCENE.replace("length:", f"segments: {n}, length:"), models=("lumped",))
+            .models[0]
+            .largest
+        )
         for n in (64, 128)
     ]
     np.testing.assert_allclose(errors[0][[0, 2]] / errors[1][[0, 2]], 4.0, rtol=0.02)
@@ -68,7 +74,9 @@ def test_the_error_of_lumped_segments_falls_with_the_square_of_their_number():
 def test_a_mode_that_a_model_does_not_have_is_an_error_without_bounds():
     found = compared(SCENE.replace("length:", "segments: 1, length:"), tolerance=0.5)
     lumped, fem = found.models
-    assert np.count_nonzero(np.isfinite(lumped.frequency)) == 4  # six inertias, of which two are joined by a gear
+    assert (
+        np.count_nonzero(np.isfinite(lumped.frequency)) == 4
+    )  # six inertias, of which two are joined by a gear
     assert np.all(np.isinf(lumped.frequency_error[4:]))
     assert lumped.below == 4
     assert found.failed == ("lumped",)
@@ -104,18 +112,25 @@ def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
     found, study = check(torsion.parse(text)), torsion.parse(text)
     harmonics, highest, _ = operating_harmonics(study, torsion.assemble(study.train, "lumped"))
     speed = study.operation.speeds.values()
-    assert highest == pytest.approx(max(one.line.order for one in loaded_orders(study)) * speed[-1] / (2.0 * math.pi))
-    systems = [torsion.assemble(study.train, model, frequency=1000.0) for model in ("lumped", "exact")]
+    assert highest == pytest.approx(
+        max(one.line.order for one in loaded_orders(study)) * speed[-1] / (2.0 * math.pi)
+    )
+    systems = [
+        torsion.assemble(study.train, model, frequency=1000.0) for model in ("lumped", "exact")
+    ]
     given = [loaded(system, harmonics) for system in systems]
     lumped, exact = (torsion.modes(system, count=3).frequency for system in systems)
     assert exact[-1] > highest
     loads = (
-        replace(load, w=load.w * np.interp(load.w, 2.0 * np.pi * exact, lumped / exact)) for load in given[0].loads
+        replace(load, w=load.w * np.interp(load.w, 2.0 * np.pi * exact, lumped / exact))
+        for load in given[0].loads
     )
     given[0] = replace(given[0], loads=tuple(loads))
     ratio = systems[1].span_ratio[given[1].ends.span]
     assert len(set(ratio.tolist())) > 1
-    lumped, exact = (np.stack(eliminated(one), axis=1) * ratio for one in given)  # (speeds, orders, ends)
+    lumped, exact = (
+        np.stack(eliminated(one), axis=1) * ratio for one in given
+    )  # (speeds, orders, ends)
     error = np.abs(lumped - exact) / np.abs(exact).max(axis=2, keepdims=True)
     worst = np.unravel_index(error.argmax(), error.shape)
     torques = found.models[0].torques
@@ -129,8 +144,10 @@ def test_torques_differ_over_the_largest_of_all_ends_referred_to_one_speed():
 
 
 def loaded_orders(study):
-    return loaded(torsion.assemble(study.train, "lumped"), operating_harmonics(
-        study, torsion.assemble(study.train, "lumped"))[0]).loads  # fmt: skip
+    return loaded(
+        torsion.assemble(study.train, "lumped"),
+        operating_harmonics(study, torsion.assemble(study.train, "lumped"))[0],
+    ).loads
 
 
 def test_orders_that_the_response_names_are_compared_alone():
@@ -141,10 +158,17 @@ def test_orders_that_the_response_names_are_compared_alone():
 def test_every_component_has_one_driving_end_in_every_model():
     study = torsion.parse(SCENE)
     names = [
-        driving_ends(torsion.assemble(study.train, model, frequency=500.0)).name for model in ("lumped", "fem", "exact")
+        driving_ends(torsion.assemble(study.train, model, frequency=500.0)).name
+        for model in ("lumped", "fem", "exact")
     ]
     assert names[0] == names[1] == names[2]
-    assert {"intermediate shaft", "reduction", "pump coupling", "main coupling", "tail shaft"} == set(names[0])
+    assert {
+        "intermediate shaft",
+        "reduction",
+        "pump coupling",
+        "main coupling",
+        "tail shaft",
+    } == set(names[0])
 
 
 def test_shapes_of_one_frequency_may_be_any_mixture():
@@ -154,7 +178,9 @@ def test_shapes_of_one_frequency_may_be_any_mixture():
     turn = np.array([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
     together, apart = np.array([1.0, 1.0 + 1e-9, 2.0]), np.array([1.0, 1.1, 2.0])
     np.testing.assert_allclose(shape_errors(exact @ turn, exact, together, weight), 0.0, atol=1e-30)
-    np.testing.assert_allclose(shape_errors(exact @ turn, exact, apart, weight), [0.64, 0.64, 0.0], atol=1e-15)
+    np.testing.assert_allclose(
+        shape_errors(exact @ turn, exact, apart, weight), [0.64, 0.64, 0.0], atol=1e-15
+    )
 
 
 def test_a_shape_that_no_station_tells_has_no_error():
@@ -163,7 +189,11 @@ def test_a_shape_that_no_station_tells_has_no_error():
 
 def test_three_equal_branches_with_repeated_frequencies_pass():
     branch = "- branch: {train: [shaft: {length: 1, diameter: 40 mm}, disc: {inertia: 1}]}\n"
-    found = compared("name: star\ntrain:\n- disc: {inertia: 3}\n" + 3 * branch + "analyses: {modes: {count: 3}}\n")
+    found = compared(
+        "name: star\ntrain:\n- disc: {inertia: 3}\n"
+        + 3 * branch
+        + "analyses: {modes: {count: 3}}\n"
+    )
     assert found.exact.frequency[1] == pytest.approx(found.exact.frequency[0], rel=1e-12)
     assert found.failed == ()
     assert max(model.largest[1] for model in found.models) < 1e-6
@@ -180,7 +210,9 @@ for link in ("coupling: {stiffness: 9}", "shaft: {length: 1, diameter: 50 mm, ma
     assert found.same and found.exact is None and not found.failed
 print("skfem" in sys.modules)
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "False"
 
 
@@ -194,7 +226,11 @@ print("skfem" in sys.modules)
 )
 def test_torques_that_cannot_be_computed_are_told_and_frequencies_compared(old, new, why):
     text = SCENE.replace(*STEPS).replace(", power: 100 kW", "")
-    text = text.replace(old, new) if why != "nothing excites" else text.replace(old, new).split("excitations:")[0]
+    text = (
+        text.replace(old, new)
+        if why != "nothing excites"
+        else text.replace(old, new).split("excitations:")[0]
+    )
     found = check(torsion.parse(text))
     assert why in found.no_torques
     assert found.speed is None
@@ -207,7 +243,9 @@ def test_answers_exactly_in_resonance_are_left_out():
     text = "name: rod\ntrain: [disc: {held: true}, shaft: {length: 2, diameter: 50 mm}, disc: {name: end, inertia: 1}]"
     first = float(check(torsion.parse(text)).exact.frequency[0])
     driven = f"excitations: [{{at: end, frequency: {first!r}, torque: 1}}]\n"
-    found = check(torsion.parse(text + "\noperation: {speeds: {from: 1 rpm, to: 2 rpm, steps: 2}}\n" + driven))
+    found = check(
+        torsion.parse(text + "\noperation: {speeds: {from: 1 rpm, to: 2 rpm, steps: 2}}\n" + driven)
+    )
     assert all(model.torques.left_out == 2 for model in found.models)
     assert all(math.isnan(model.largest[2]) for model in found.models)
 
@@ -251,7 +289,8 @@ def test_default_model_keeps_its_promised_errors_for_any_number_of_modes(count):
 
 def test_torques_have_a_tolerance_of_their_own():
     found = check(
-        torsion.parse(PUMP + "analyses: {modes: {count: 1}, response: }\n"), CheckSettings(torque_tolerance=1e-3)
+        torsion.parse(PUMP + "analyses: {modes: {count: 1}, response: }\n"),
+        CheckSettings(torque_tolerance=1e-3),
     )
     assert found.failed == ("lumped",)
 
@@ -260,7 +299,9 @@ def test_peaks_of_the_models_agree_within_the_error_that_is_reported():
     """The largest torques of order 12 about its resonance with mode 4 (1141 rpm), at speeds 1e-5 apart."""
     study, peaks = torsion.parse(PUMP), []
     for model in ("lumped", "exact"):
-        system = torsion.modes(torsion.assemble(study.train, model, frequency=320.0), count=7).system
+        system = torsion.modes(
+            torsion.assemble(study.train, model, frequency=320.0), count=7
+        ).system
         speed = 228.242047 * 2.0 * np.pi / 12.0 * np.linspace(0.999, 1.001, 201)
         torque = np.abs(torsion.response(study, system, speeds=speed).torque)
         peaks.append(torque.max(axis=(0, 1))[: len(study.train.springs)])

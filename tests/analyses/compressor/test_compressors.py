@@ -51,7 +51,15 @@ class End:
 
 STAGES = ((0.400, 1.0e5, 3.2e5), (0.235, 3.1e5, 10.2e5))
 ENDS = [
-    End(f"reciprocating_compressor_{stage}_{side}.csv", bore, rod, clearance, suction, discharge, sense)
+    End(
+        f"reciprocating_compressor_{stage}_{side}.csv",
+        bore,
+        rod,
+        clearance,
+        suction,
+        discharge,
+        sense,
+    )
     for stage, (bore, suction, discharge) in enumerate(STAGES, 1)
     for side, rod, clearance, sense in (("head", 0.0, 0.10, 1), ("crank", 0.06, 0.12, -1))
 ]
@@ -61,8 +69,14 @@ def ideal(end: End, exponent: float = 1.35, points: int = 25) -> tuple[FloatArra
     """Volumes (m3) and pressures (Pa): polytropic re-expansion, suction, polytropic compression, discharge."""
     least, whole = end.clearance * end.swept, (1.0 + end.clearance) * end.swept
     ratio = (end.discharge / end.suction) ** (1.0 / exponent)
-    out, back = np.geomspace(least, least * ratio, points), np.geomspace(whole, whole / ratio, points)
-    expands, compresses = end.discharge * (least / out) ** exponent, end.suction * (whole / back) ** exponent
+    out, back = (
+        np.geomspace(least, least * ratio, points),
+        np.geomspace(whole, whole / ratio, points),
+    )
+    expands, compresses = (
+        end.discharge * (least / out) ** exponent,
+        end.suction * (whole / back) ** exponent,
+    )
     volume = np.concatenate([out, back, [least]])
     return volume, np.concatenate([expands, compresses, [end.discharge]])
 
@@ -75,7 +89,11 @@ def rows(end: End) -> FloatArray:
 def away(angle: float) -> float:
     """m, travel of the piston from its outer dead centre: by the lengths of crank and rod, nothing of the program."""
     radius = STROKE / 2.0
-    return radius + ROD - (radius * math.cos(angle) + math.sqrt(ROD**2 - (radius * math.sin(angle)) ** 2))
+    return (
+        radius
+        + ROD
+        - (radius * math.cos(angle) + math.sqrt(ROD**2 - (radius * math.sin(angle)) ** 2))
+    )
 
 
 def lever(angle: float) -> float:
@@ -126,14 +144,20 @@ def harmonic(end: End, order: int) -> complex:
             return end.sense * pressure * end.area * lever(angle)
 
         for part, weight in ((math.cos, 1.0), (math.sin, -1j)):
-            whole += weight * quad(lambda angle: torque(angle) * part(order * angle), a, b, epsabs=1e-12)[0]  # noqa: B023
+            whole += (
+                weight
+                * quad(lambda angle: torque(angle) * part(order * angle), a, b, epsabs=1e-12)[0]  # noqa: B023
+            )
     return whole / (2.0 * math.pi if order == 0 else math.pi)
 
 
 @cache
 def masses(order: int, mass: float) -> complex:
     """N m s2: of -m x' x'', by adaptive quadrature of -(m/2) d(x'^2)/dangle, integrated by parts."""
-    square = quad(lambda a: lever(a) ** 2 * math.cos(order * a), 0.0, 2.0 * math.pi, epsabs=1e-15)[0] / math.pi
+    square = (
+        quad(lambda a: lever(a) ** 2 * math.cos(order * a), 0.0, 2.0 * math.pi, epsabs=1e-15)[0]
+        / math.pi
+    )
     return -0.5j * order * mass * square
 
 
@@ -155,20 +179,31 @@ def test_the_files_are_the_ideal_cycle_to_their_digits(end: End) -> None:
 
 
 @pytest.mark.parametrize("throw", [0, 1])
-def test_harmonics_of_a_throw_are_those_of_an_adaptive_quadrature(throw: int, compressor: CompressorFound) -> None:
+def test_harmonics_of_a_throw_are_those_of_an_adaptive_quadrature(
+    throw: int, compressor: CompressorFound
+) -> None:
     own = compressor.throws[throw]
-    wanted = np.array([sum(harmonic(end, n) for end in ENDS[2 * throw : 2 * throw + 2]) for n in range(ORDERS + 1)])
+    wanted = np.array(
+        [
+            sum(harmonic(end, n) for end in ENDS[2 * throw : 2 * throw + 2])
+            for n in range(ORDERS + 1)
+        ]
+    )
     largest = np.abs(wanted).max()
     np.testing.assert_allclose(own.mean_torque, -wanted[0].real, rtol=1e-10)
     np.testing.assert_allclose([one.gas for one in own.harmonics], wanted[1:], atol=1e-10 * largest)
     speed = 742.0 * RPM
     inertia = [masses(n, 128.0) * speed**2 for n in range(1, ORDERS + 1)]
-    np.testing.assert_allclose([one.masses for one in own.harmonics], inertia, atol=1e-10 * np.abs(inertia).max())
+    np.testing.assert_allclose(
+        [one.masses for one in own.harmonics], inertia, atol=1e-10 * np.abs(inertia).max()
+    )
 
 
 def test_the_torque_absorbed_is_the_work_of_the_ideal_cycle(compressor: CompressorFound) -> None:
     """W = n/(n - 1) p_s V_drawn (r^((n-1)/n) - 1); straight pieces over the angle are 2e-4 beside its curves."""
-    for end, mine in zip(ENDS, [one for throw in compressor.throws for one in throw.ends], strict=True):
+    for end, mine in zip(
+        ENDS, [one for throw in compressor.throws for one in throw.ends], strict=True
+    ):
         ratio, n = end.discharge / end.suction, 1.35
         drawn = end.swept * (1.0 + end.clearance - end.clearance * ratio ** (1.0 / n))
         work = n / (n - 1.0) * end.suction * drawn * (ratio ** ((n - 1.0) / n) - 1.0)
@@ -178,11 +213,19 @@ def test_the_torque_absorbed_is_the_work_of_the_ideal_cycle(compressor: Compress
 
 def dense(speed: float, stiffness: float = 16e3) -> tuple[ComplexArray, FloatArray]:
     """(orders, spans) N m at a speed of the scene by full matrices written out here, and natural frequencies (Hz)."""
-    mean = 0.5 * 128.0 * 2.0 * quad(lambda a: lever(a) ** 2, 0.0, 2.0 * math.pi, epsabs=1e-15)[0] / (2.0 * math.pi)
+    mean = (
+        0.5
+        * 128.0
+        * 2.0
+        * quad(lambda a: lever(a) ** 2, 0.0, 2.0 * math.pi, epsabs=1e-15)[0]
+        / (2.0 * math.pi)
+    )
     inertia = np.array([9.5 + 0.8, 0.8 + 12.0, 1.4 + mean, 1.4 + mean])
     springs, loss = np.array([stiffness, 6e6, 5e6]), np.array([1.0 / (2.0 * math.pi), 0.01, 0.01])
     between = np.array([[1.0, -1.0, 0, 0], [0, 1.0, -1.0, 0], [0, 0, 1.0, -1.0]])
-    frequency = np.sqrt(np.abs(eigh(between.T @ np.diag(springs) @ between, np.diag(inertia))[0][1:])) / (2 * math.pi)
+    frequency = np.sqrt(
+        np.abs(eigh(between.T @ np.diag(springs) @ between, np.diag(inertia))[0][1:])
+    ) / (2 * math.pi)
     answers = []
     for n in range(1, ORDERS + 1):
         w = n * speed
@@ -190,7 +233,9 @@ def dense(speed: float, stiffness: float = 16e3) -> tuple[ComplexArray, FloatArr
         for throw in (0, 1):
             gas = sum(harmonic(end, n) for end in ENDS[2 * throw : 2 * throw + 2])
             force[2 + throw] = gas + masses(n, 128.0) * speed**2
-        matrix = between.T @ np.diag(springs * (1.0 + 1j * loss)) @ between - w**2 * np.diag(inertia)
+        matrix = between.T @ np.diag(springs * (1.0 + 1j * loss)) @ between - w**2 * np.diag(
+            inertia
+        )
         matrix = matrix + 1j * w * np.diag([0.0, 0.0, 4.0, 4.0])
         twist = between @ np.linalg.solve(matrix, force)
         answers.append(springs * (1.0 + 1j * loss) * twist)
@@ -207,7 +252,9 @@ def test_the_train_answers_as_dense_matrices(rpm: float, found: Findings) -> Non
     np.testing.assert_allclose(response.torque[at], wanted, atol=1e-9 * np.abs(wanted).max())
     angle = np.linspace(0.0, 2.0 * math.pi, 20001)
     wave = np.real(np.exp(1j * np.outer(angle, np.arange(1, ORDERS + 1))) @ wanted)
-    np.testing.assert_allclose(found.need(Synthesis).half_range[at], np.ptp(wave, axis=0) / 2.0, rtol=2e-5)
+    np.testing.assert_allclose(
+        found.need(Synthesis).half_range[at], np.ptp(wave, axis=0) / 2.0, rtol=2e-5
+    )
 
 
 def test_the_mean_torque_leaves_at_the_throws_in_proportion_to_their_work(
@@ -263,8 +310,12 @@ analyses: {modes: , response: }
 """
 
 
-def solved(folder: Path, sides: str, keys: str = "orders: 12", text: str = TRAIN) -> CompressorFound:
-    (folder / "scene.yaml").write_text(text.replace("SIDES", sides).replace("KEYS", keys), encoding="utf-8")
+def solved(
+    folder: Path, sides: str, keys: str = "orders: 12", text: str = TRAIN
+) -> CompressorFound:
+    (folder / "scene.yaml").write_text(
+        text.replace("SIDES", sides).replace("KEYS", keys), encoding="utf-8"
+    )
     return torsion.run(torsion.read(folder / "scene.yaml")).need(Compressors).each[0]
 
 
@@ -293,7 +344,9 @@ def test_volume_travel_stroke_and_angle_say_the_same(end: End, tmp_path: Path) -
         "stroke [%], pressure [bar]": np.column_stack([share * 100.0, data[:, 1] / 1e5]),
         "volume [dm3], p [MPa]": rolled * [1e3, 1e-6],
     }
-    corners = np.array([(a, p) for a, _, p, _ in pieces(end)] + [(2.0 * math.pi, pieces(end)[0][2])])
+    corners = np.array(
+        [(a, p) for a, _, p, _ in pieces(end)] + [(2.0 * math.pi, pieces(end)[0][2])]
+    )
     tables["angle [deg], pressure [bar]"] = corners * [180.0 / math.pi, 1e-5] + [90.0, 0.0]
     wanted = np.array([harmonic(end, n) for n in range(1, ORDERS + 1)])
     for head, values in tables.items():
@@ -302,7 +355,9 @@ def test_volume_travel_stroke_and_angle_say_the_same(end: End, tmp_path: Path) -
         gas = np.array([one.gas for one in own.harmonics])
         np.testing.assert_allclose(gas, wanted, atol=1e-9 * np.abs(wanted).max(), err_msg=head)
     write(tmp_path, "volume [m3], pressure [Pa]", data - [0.0, AROUND])
-    own = solved(tmp_path, f"{key}: p.csv", text=TRAIN.replace("absolute: true", "absolute: false")).throws[0]
+    own = solved(
+        tmp_path, f"{key}: p.csv", text=TRAIN.replace("absolute: true", "absolute: false")
+    ).throws[0]
     gas = np.array([one.gas for one in own.harmonics])
     np.testing.assert_allclose(gas, wanted, atol=1e-9 * np.abs(wanted).max())
 
@@ -311,7 +366,10 @@ def test_a_constant_pressure_takes_no_work_and_still_excites(tmp_path: Path) -> 
     own = solved(tmp_path, "head_end: 3 bar, reciprocating: 10").throws[0]
     assert own.mean_torque == 0.0
     area = math.pi / 4.0 * 0.4**2
-    wanted = quad(lambda a: (3e5 - AROUND) * area * lever(a) * math.sin(a), 0.0, 2.0 * math.pi)[0] / math.pi
+    wanted = (
+        quad(lambda a: (3e5 - AROUND) * area * lever(a) * math.sin(a), 0.0, 2.0 * math.pi)[0]
+        / math.pi
+    )
     assert own.harmonics[0].gas == pytest.approx(-1j * wanted, rel=1e-10)
 
 
@@ -322,9 +380,15 @@ WRONG = {
     "one branch": (np.concatenate([LOOP[:26], LOOP[:1]]), "do not form a loop of two branches"),
     "too long": (LOOP * [1.05, 1.0], "its volume spans"),
     "back": (np.insert(LOOP, 10, LOOP[5], axis=0), "turns back between its ends"),
-    "two pressures": (np.insert(LOOP, 10, LOOP[9] * [1.0, 1.2], axis=0), "two pressures at one volume"),
+    "two pressures": (
+        np.insert(LOOP, 10, LOOP[9] * [1.0, 1.2], axis=0),
+        "two pressures at one volume",
+    ),
     "vacuum": (LOOP * [1.0, -1.0], "not above 0"),
-    "open": (np.concatenate([LOOP[:-1], LOOP[-1:] * [1.0, 0.8]]), "another pressure than it begins with"),
+    "open": (
+        np.concatenate([LOOP[:-1], LOOP[-1:] * [1.0, 0.8]]),
+        "another pressure than it begins with",
+    ),
 }
 
 
@@ -354,11 +418,17 @@ def test_keys_of_a_throw_that_cannot_be_are_refused(sides: str, tmp_path: Path) 
 
 
 def test_a_file_over_the_angle_needs_its_dead_centre(tmp_path: Path) -> None:
-    write(tmp_path, "angle [deg], pressure [bar]", np.array([[0.0, 3.0], [180.0, 1.0], [360.0, 3.0]]))
+    write(
+        tmp_path, "angle [deg], pressure [bar]", np.array([[0.0, 3.0], [180.0, 1.0], [360.0, 3.0]])
+    )
     assert "`tdc` is missing" in faults(tmp_path, "head_end: p.csv")
-    write(tmp_path, "angle [deg], pressure [bar]", np.array([[0.0, 3.0], [180.0, 1.0], [350.0, 3.0]]))
+    write(
+        tmp_path, "angle [deg], pressure [bar]", np.array([[0.0, 3.0], [180.0, 1.0], [350.0, 3.0]])
+    )
     assert "covers 350 deg" in faults(tmp_path, "head_end: p.csv", "tdc: 0 deg")
-    write(tmp_path, "angle [deg], pressure [bar]", np.array([[0.0, 3.0], [180.0, 1.0], [360.0, 2.0]]))
+    write(
+        tmp_path, "angle [deg], pressure [bar]", np.array([[0.0, 3.0], [180.0, 1.0], [360.0, 2.0]])
+    )
     assert "other pressures" in faults(tmp_path, "head_end: p.csv", "tdc: 0 deg")
     write(tmp_path, "way [V], pressure [bar]", LOOP)
     assert "volume [dm3]" in faults(tmp_path, "head_end: p.csv")
@@ -371,7 +441,11 @@ def test_a_file_over_the_angle_needs_its_dead_centre(tmp_path: Path) -> None:
         ("inertia: 4", "", "give `inertia`, or `crank_inertia`"),
         ("inertia: 4", "inertia: [4, 4]", "`inertia` has 2 values"),
         ("rod_length: 430 mm", "rod_length: 80 mm", "not longer than half the stroke"),
-        ("throws: [", "throws: [{angle: 0 deg, bore: 0.4, reciprocating: 3}, ", "`stiffness` of the crank spans"),
+        (
+            "throws: [",
+            "throws: [{angle: 0 deg, bore: 0.4, reciprocating: 3}, ",
+            "`stiffness` of the crank spans",
+        ),
         (
             "analyses",
             "- coupling: {stiffness: 1e5}\n- propeller: {name: pump, inertia: 1}\nanalyses",
@@ -379,7 +453,9 @@ def test_a_file_over_the_angle_needs_its_dead_centre(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_compressor_that_cannot_be_is_refused(old: str, new: str, words: str, tmp_path: Path) -> None:
+def test_a_compressor_that_cannot_be_is_refused(
+    old: str, new: str, words: str, tmp_path: Path
+) -> None:
     assert words in faults(tmp_path, "head_end: 3 bar", text=TRAIN.replace(old, new))
 
 

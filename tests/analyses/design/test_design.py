@@ -63,11 +63,14 @@ def stiffness_at(frequency: float) -> float:
 
 def test_stiffness_for_a_frequency_is_the_closed_form() -> None:
     found = designed(
-        TWO % "  design: {choose: {coupling-1.stiffness: {from: 1e4, to: 4e4}}, aim: {mode-1.frequency: 33 Hz}}"
+        TWO
+        % "  design: {choose: {coupling-1.stiffness: {from: 1e4, to: 4e4}}, aim: {mode-1.frequency: 33 Hz}}"
     )
     assert found.picked[0] == pytest.approx(stiffness_at(33.0), rel=2e-6)
     assert found.chosen == 1
-    assert found.before_frequency == pytest.approx(np.sqrt(20000 * 2.0 / 0.96) / (2 * pi), rel=1e-14)
+    assert found.before_frequency == pytest.approx(
+        np.sqrt(20000 * 2.0 / 0.96) / (2 * pi), rel=1e-14
+    )
     assert found.evaluations == found.solves <= 250
 
 
@@ -81,7 +84,10 @@ def test_a_robust_choice_is_the_best_at_the_worst_of_the_samples_of_the_sweep() 
     words = [one.worst_at.rpartition(" ")[2] for one in found.best]
     assert found.solves == 17 * found.evaluations
     factor = np.array([float(word) for word in words if word])
-    low, high = factor.min(), factor.max()  # of all samples: the softest and the stiffest are the worst
+    low, high = (
+        factor.min(),
+        factor.max(),
+    )  # of all samples: the softest and the stiffest are the worst
     assert found.picked[0] == pytest.approx(stiffness_at(33.0) / np.sqrt(low * high), rel=1e-5)
     best = found.aims[found.allowed].max()
     assert best == pytest.approx(-log(high / low) / 4.0, rel=1e-5)
@@ -108,7 +114,9 @@ def test_a_robust_choice_keeps_a_condition_in_every_sample_of_a_case() -> None:
     )
     found = designed(text)
     softest = 1.0 - 0.03 * (1.0 - 2.0 * units(16, 1, "latin", 1).min())
-    assert found.picked[0] * softest == pytest.approx((2 * pi * 30.0) ** 2 / (1 / 1.2 + 1 / 1.6), rel=2e-5)
+    assert found.picked[0] * softest == pytest.approx(
+        (2 * pi * 30.0) ** 2 / (1 / 1.2 + 1 / 1.6), rel=2e-5
+    )
 
 
 def largest_first_frequency() -> float:
@@ -116,7 +124,9 @@ def largest_first_frequency() -> float:
     best = 0.0
     soft, stiff = np.meshgrid(np.linspace(5e3, 6e4, 221), np.linspace(2e4, 9e4, 281))
     zero = np.zeros_like(soft)
-    k = np.array([[soft, -soft, zero], [-soft, soft + stiff, -stiff], [zero, -stiff, stiff]]).transpose(2, 3, 0, 1)
+    k = np.array(
+        [[soft, -soft, zero], [-soft, soft + stiff, -stiff], [zero, -stiff, stiff]]
+    ).transpose(2, 3, 0, 1)
     for inertia in np.arange(0.1, 1.001, 0.05):
         root = np.sqrt(np.array([1.2, inertia, 0.8]))
         f = np.sqrt(np.abs(np.linalg.eigvalsh(k / np.outer(root, root)))) / (2 * pi)
@@ -137,17 +147,21 @@ def test_the_true_optimum_is_found_from_five_of_five_seeds() -> None:
 
 def written(size: str, diameter: int) -> str:
     """The scene with the figures of a row written in by hand, without its design."""
-    rows = [line.split(",") for line in (SCENES / "design_coupling_series.csv").read_text().splitlines()[2:]]
+    rows = [
+        line.split(",")
+        for line in (SCENES / "design_coupling_series.csv").read_text().splitlines()[2:]
+    ]
     (row,) = (one for one in rows if one[0] == size)
     text = SCENE.read_text()
     head, _, tail = text.partition("  # what may be chosen")
     text = head + tail[tail.index("rules:") :]
     for before, after in (
-        ("stiffness: 13 kN", f"stiffness: {row[1]} kN"), ("psi: 0.85", f"psi: {row[2]}"),
+        ("stiffness: 13 kN", f"stiffness: {row[1]} kN"),
+        ("psi: 0.85", f"psi: {row[2]}"),
         ("rated_torque: 1.6 kN", f"rated_torque: {row[3]} kN"),
         ("vibratory_torque: 220 N", f"vibratory_torque: {row[4]} N"),
         ("diameter: 60 mm", f"diameter: {diameter} mm"),
-    ):  # fmt: skip
+    ):
         assert before in text
         text = text.replace(before, after)
     return text
@@ -162,24 +176,38 @@ def scene() -> Findings:
 def enumerated() -> dict[tuple[str, str], tuple[float, float, float]]:
     """Margin, second frequency (Hz) and mass (kg) of every combination, each a file of its own."""
     found = {}
-    for size, diameter in product(("R 100", "R 125", "R 160", "R 200", "R 250", "R 315"), (55, 60, 65, 70)):
+    for size, diameter in product(
+        ("R 100", "R 125", "R 160", "R 200", "R 250", "R 315"), (55, 60, 65, 70)
+    ):
         one = torsion.run(torsion.parse(written(size, diameter)))
         margin = min(log(check.limit / check.value) for check in one.need(Checks).lines)
         mass = 7850 * pi / 4 * (diameter / 1000) ** 2 * 1.4
         mass += dict(
-            zip(("R 100", "R 125", "R 160", "R 200", "R 250", "R 315"), (28, 34, 43, 53, 66, 82), strict=True)
+            zip(
+                ("R 100", "R 125", "R 160", "R 200", "R 250", "R 315"),
+                (28, 34, 43, 53, 66, 82),
+                strict=True,
+            )
         )[size]
         found[size, f"{diameter} mm"] = margin, float(one.results["modes"].frequency[1]), mass
     return found
 
 
-def test_margins_conditions_and_masses_are_those_of_every_file_by_itself(scene: Findings, enumerated) -> None:
+def test_margins_conditions_and_masses_are_those_of_every_file_by_itself(
+    scene: Findings, enumerated
+) -> None:
     found = scene.need(Design)
-    allowed = {key: one for key, one in enumerated.items()
-               if not 118.0 < one[1] < 132.0 and one[2] < 130.0}  # fmt: skip
-    names = [(found.rows[0][int(size)], f"{55 + 5 * round((diameter - 55) / 5)} mm") for size, diameter in found.values]
+    allowed = {
+        key: one for key, one in enumerated.items() if not 118.0 < one[1] < 132.0 and one[2] < 130.0
+    }
+    names = [
+        (found.rows[0][int(size)], f"{55 + 5 * round((diameter - 55) / 5)} mm")
+        for size, diameter in found.values
+    ]
     assert sorted(names) == sorted(enumerated)
-    assert found.aims == pytest.approx([enumerated[name][0] for name in names], abs=5e-4)  # side by side
+    assert found.aims == pytest.approx(
+        [enumerated[name][0] for name in names], abs=5e-4
+    )  # side by side
     assert found.amounts == pytest.approx([enumerated[name][2] for name in names], rel=1e-12)
     kept = [name in allowed and enumerated[name][0] >= 0.0 for name in names]
     assert found.allowed.tolist() == kept
@@ -189,9 +217,15 @@ def test_margins_conditions_and_masses_are_those_of_every_file_by_itself(scene: 
     assert found.best[0].proven_margin == pytest.approx(allowed[best][0], rel=1e-12)
     fails = [check for check in scene.need(Checks).lines if check.fails]
     assert found.before == pytest.approx(-log(fails[0].utilisation), rel=1e-12)
-    front = [(mass, margin) for margin, _, mass in allowed.values()
-             if not any(other[2] <= mass and other[0] > margin + 1e-12 for other in allowed.values())]  # fmt: skip
-    lightest = {round(margin, 9): min(m for m, other in front if abs(other - margin) < 1e-9) for _, margin in front}
+    front = [
+        (mass, margin)
+        for margin, _, mass in allowed.values()
+        if not any(other[2] <= mass and other[0] > margin + 1e-12 for other in allowed.values())
+    ]
+    lightest = {
+        round(margin, 9): min(m for m, other in front if abs(other - margin) < 1e-9)
+        for _, margin in front
+    }
     assert found.front_margin == pytest.approx(sorted(lightest), abs=5e-4)
     assert found.front_amount == pytest.approx(sorted(lightest.values()), rel=1e-12)
 
@@ -220,11 +254,18 @@ BLOCK = """coupling:
         (BLOCK % 20000, f"{BLOCK % '30000 N*m/rad'}\n      psi: 0.8\n      source: 'k.csv, one'"),
     ],
 )
-def test_keys_that_a_catalogue_adds_are_written_beside_the_others(before: str, after: str, tmp_path: Path) -> None:
+def test_keys_that_a_catalogue_adds_are_written_beside_the_others(
+    before: str, after: str, tmp_path: Path
+) -> None:
     (tmp_path / "k.csv").write_text("name,stiffness [N*m/rad],psi\none,30000,0.8\n")
     text = (TWO % "").replace("coupling: {stiffness: 20000, tolerance: 15 %}", before)
-    design = "  design: {choose: {coupling-1: {catalogue: k.csv}}, aim: {mode-1.frequency: 33 Hz}}\n"
-    study = torsion.parse(text.replace("modes: {count: 1}\n", "modes: {count: 1}\n" + design), str(tmp_path / "t.yaml"))
+    design = (
+        "  design: {choose: {coupling-1: {catalogue: k.csv}}, aim: {mode-1.frequency: 33 Hz}}\n"
+    )
+    study = torsion.parse(
+        text.replace("modes: {count: 1}\n", "modes: {count: 1}\n" + design),
+        str(tmp_path / "t.yaml"),
+    )
     assert study.variations["design"].text([0.0], without=["design"]) == text.replace(
         before, after.replace('"k.csv, one"', "'k.csv, one'")
     )
@@ -233,7 +274,8 @@ def test_keys_that_a_catalogue_adds_are_written_beside_the_others(before: str, a
 def test_a_file_with_aliases_is_written_anew() -> None:
     text = TWO.replace("inertia: 1.2", "inertia: &own 1.2").replace("inertia: 0.8", "inertia: *own")
     study = torsion.parse(
-        text % "  design: {choose: {disc-1.inertia: {from: 1, to: 2}}, aim: {mode-1.frequency: 33 Hz}}"
+        text
+        % "  design: {choose: {disc-1.inertia: {from: 1, to: 2}}, aim: {mode-1.frequency: 33 Hz}}"
     )
     again = torsion.parse(study.variations["design"].text([1.5], without=["design"]))
     assert [one.inertia for one in again.train.inertias] == [1.5, 1.2]
@@ -259,9 +301,15 @@ def test_a_choice_that_the_ordinary_solution_disagrees_with_gives_way_to_the_nex
 @pytest.mark.parametrize(
     ("chosen", "words"),
     [
-        ("coupling-1: {catalogue: one.csv}", "coupling-1 only: mode-1.frequency at 33 Hz is not reached"),
+        (
+            "coupling-1: {catalogue: one.csv}",
+            "coupling-1 only: mode-1.frequency at 33 Hz is not reached",
+        ),
         ("coupling-1.source: {values: [one, two]}", "is not reached"),
-        ("disc-1.inertia: {values: [1, 2]}, propeller-1.blades: {from: 3, to: 5, step: 1}", "propeller-1.blades 3"),
+        (
+            "disc-1.inertia: {values: [1, 2]}, propeller-1.blades: {from: 3, to: 5, step: 1}",
+            "propeller-1.blades 3",
+        ),
     ],
 )
 def test_odd_choices_have_an_answer(chosen: str, words: str, tmp_path: Path) -> None:
@@ -292,7 +340,11 @@ AT_3 = "aim: {mode-1.frequency: 3}"
         (f"choose: {{{ONE}}}, aim: {{mass: 3}}", "3}", "is no aim"),
         (f"choose: {{{ONE}}}, aim: {{mode-1.frequency: 3 mm}}", "3 mm", "mm"),
         (f"choose: {{{ONE}}}, {AT_3}, keep: [{{mass: {{}}}}]", "{}", "nothing says"),
-        (f"choose: {{{ONE}}}, {AT_3}, keep: [{{mass: {{outside: [3, 2]}}}}]", "{outside", "not below"),
+        (
+            f"choose: {{{ONE}}}, {AT_3}, keep: [{{mass: {{outside: [3, 2]}}}}]",
+            "{outside",
+            "not below",
+        ),
         (f"choose: {{{ONE}}}, {AT_3}, against: cost", "against", "no catalogue states a cost"),
         (f"choose: {{{ONE}}}, {AT_3}, robust: true", "true", "does not name"),
         (f"choose: {{coupling-1.psi: {{from: 1, to: 2}}}}, {AT_3}", "coupling-1", "does not give"),
@@ -328,9 +380,13 @@ def test_faults_of_a_design_are_located(design: str, place: str, words: str) -> 
         ("name,stiffness [N*m/rad]\na,3\nb,-4", "3:3", "out of range"),
     ],
 )
-def test_faults_of_a_catalogue_are_located_in_it(table: str, place: str, words: str, tmp_path: Path) -> None:
+def test_faults_of_a_catalogue_are_located_in_it(
+    table: str, place: str, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "k.csv").write_text(table + "\n")
-    text = TWO % "  design: {choose: {coupling-1: {catalogue: k.csv}}, aim: {mode-1.frequency: 33 Hz}}"
+    text = (
+        TWO % "  design: {choose: {coupling-1: {catalogue: k.csv}}, aim: {mode-1.frequency: 33 Hz}}"
+    )
     with pytest.raises(InputError) as caught:
         torsion.parse(text, str(tmp_path / "t.yaml"))
     (fault,) = caught.value.faults
@@ -339,7 +395,9 @@ def test_faults_of_a_catalogue_are_located_in_it(table: str, place: str, words: 
 
 
 def test_a_catalogue_varies_in_a_sweep_as_well(tmp_path: Path) -> None:
-    (tmp_path / "k.csv").write_text("name,stiffness [N*m/rad],mass [kg]\none,30000,3\ntwo,20000,4\n")
+    (tmp_path / "k.csv").write_text(
+        "name,stiffness [N*m/rad],mass [kg]\none,30000,3\ntwo,20000,4\n"
+    )
     text = TWO % "  sweep: {vary: {coupling-1: {catalogue: k.csv}}, samples: 128}"
     found = torsion.run(torsion.parse(text, str(tmp_path / "t.yaml"))).need(Sweep)
     exact = np.sqrt(np.where(found.factor[:, 0] == 0, 30000, 20000) * 2.0 / 0.96) / (2 * pi)

@@ -46,12 +46,21 @@ rules: [coupling-maker]
 """
 CATALOGUE, DIAMETER = "rubber: {catalogue: k.csv}", "tail.diameter: {from: 40 mm, to: 75 mm}"
 PHASE = "motor.ripple.1.phase: {from: 0 deg, to: 180 deg}"
-CASES = "cases: {worn: {scale: {rubber.stiffness: 70 %}}, half: {set: {operation.rated.power: 60 kW}}}"
+CASES = (
+    "cases: {worn: {scale: {rubber.stiffness: 70 %}}, half: {set: {operation.rated.power: 60 kW}}}"
+)
 VARIED = "  sweep: {vary: {rubber.stiffness: {uniform: 15 %}, pump.inertia: {uniform: 5 %}}, samples: 128}"
 
 
 def text(*chosen: str, more: str = "", design: str = "", sweep: str = "") -> str:
-    choose = "\n".join(["  design:", *([design] if design else []), "    choose:", *(f"      {one}" for one in chosen)])
+    choose = "\n".join(
+        [
+            "  design:",
+            *([design] if design else []),
+            "    choose:",
+            *(f"      {one}" for one in chosen),
+        ]
+    )
     return TRAIN.format(design=choose + ("\n" + sweep if sweep else ""), more=more)
 
 
@@ -71,11 +80,15 @@ def designed(scene: str, folder: Path) -> Design:
     [
         text(CATALOGUE, "tail.diameter: {from: 40 mm, to: 75 mm, steps: 12}"),
         text(CATALOGUE, "tail.diameter: {from: 50 mm, to: 70 mm, steps: 3}", more=CASES),
-        text("hub.inertia: {values: [0.1, 0.15]}", "tail.diameter: {values: [40 mm, 60 mm]}",
-             design="    robust: true", sweep=VARIED),
+        text(
+            "hub.inertia: {values: [0.1, 0.15]}",
+            "tail.diameter: {values: [40 mm, 60 mm]}",
+            design="    robust: true",
+            sweep=VARIED,
+        ),
     ],
     ids=["catalogue and range", "cases", "robust"],
-)  # fmt: skip
+)
 def test_side_by_side_finds_the_choices_of_one_by_one(
     scene: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -87,8 +100,14 @@ def test_side_by_side_finds_the_choices_of_one_by_one(
     assert [one.values for one in found.best] == [one.values for one in alone.best]
     for one, other in zip(found.best, alone.best, strict=True):
         assert one.margin == pytest.approx(other.margin, rel=1e-9)
-        assert (one.decides, one.worst_at, one.is_allowed) == (other.decides, other.worst_at, other.is_allowed)
-    near = alone.aims > -log(judgement.OBVIOUS)  # what is farther from its limit is looked at less sharply
+        assert (one.decides, one.worst_at, one.is_allowed) == (
+            other.decides,
+            other.worst_at,
+            other.is_allowed,
+        )
+    near = alone.aims > -log(
+        judgement.OBVIOUS
+    )  # what is farther from its limit is looked at less sharply
     assert found.aims[near] == pytest.approx(alone.aims[near], abs=1e-3)
     assert np.array_equal(found.allowed, alone.allowed)
     assert (found.picked.tolist(), found.verdict) == (alone.picked.tolist(), alone.verdict)
@@ -107,8 +126,13 @@ BY_PHASE = """  - motor: {name: motor, inertia: 1.2, ripple: [{order: 2, torque:
 @pytest.fixture(scope="module")
 def mixed(folder: Path) -> str:
     """A coupling of a catalogue, a diameter and a phase; stiffer rows may carry more torque, up to one of them."""
-    rows = [f"{k},{6 * 1.06**k:.6g},{0.9 - 0.01 * k:.4g},{150 + 30 * k - 1.2 * k**2:.6g}" for k in range(ROWS)]
-    (folder / "rows.csv").write_text("name,stiffness [kN*m/rad],psi,vibratory_torque [N*m]\n" + "\n".join(rows) + "\n")
+    rows = [
+        f"{k},{6 * 1.06**k:.6g},{0.9 - 0.01 * k:.4g},{150 + 30 * k - 1.2 * k**2:.6g}"
+        for k in range(ROWS)
+    ]
+    (folder / "rows.csv").write_text(
+        "name,stiffness [kN*m/rad],psi,vibratory_torque [N*m]\n" + "\n".join(rows) + "\n"
+    )
     scene = text(
         "rubber: {catalogue: rows.csv}",
         DIAMETER,
@@ -119,7 +143,9 @@ def mixed(folder: Path) -> str:
     return head + BY_PHASE + tail
 
 
-def test_the_true_optimum_of_a_mixed_choice_is_found_from_five_of_five_seeds(mixed: str, folder: Path) -> None:
+def test_the_true_optimum_of_a_mixed_choice_is_found_from_five_of_five_seeds(
+    mixed: str, folder: Path
+) -> None:
     """It is no end of any range, and two limits meet there."""
     found = bench(mixed.replace("SEED", "1"), folder)
     axes = np.arange(float(ROWS)), np.linspace(40, 75, 15), np.linspace(-90, 90, 13)
@@ -137,7 +163,9 @@ def test_the_true_optimum_of_a_mixed_choice_is_found_from_five_of_five_seeds(mix
 
 def bench(scene: str, folder: Path) -> JudgedInGroups:
     study = torsion.parse(scene, str(folder / "train.yaml"))
-    own = replace(study, analyses={key: one for key, one in study.analyses.items() if key != "design"})
+    own = replace(
+        study, analyses={key: one for key, one in study.analyses.items() if key != "design"}
+    )
     work = Work(own, {}, ruled=rules.needed(own), rules=judgement, solve=torsion.run)
     return JudgedInGroups(work, study.variations["design"], 2)
 
@@ -145,7 +173,10 @@ def bench(scene: str, folder: Path) -> JudgedInGroups:
 def test_shares_at_the_same_speeds_are_those_of_the_ordinary_solution(folder: Path) -> None:
     """Rows of a catalogue, a diameter and a phase at once; limits vary with the row."""
     found, rng = bench(text(CATALOGUE, DIAMETER, PHASE), folder), np.random.default_rng(1)
-    values = np.stack([rng.choice([0.0, 1.0, 2.0, 4.0], 30), rng.uniform(40, 75, 30), rng.uniform(0, 180, 30)], axis=1)
+    values = np.stack(
+        [rng.choice([0.0, 1.0, 2.0, 4.0], 30), rng.uniform(40, 75, 30), rng.uniform(0, 180, 30)],
+        axis=1,
+    )
     (group,) = found.variation.groups(values)
     train = found._train(group)
     factor = train.enters.factors(group.values)
@@ -154,17 +185,26 @@ def test_shares_at_the_same_speeds_are_those_of_the_ordinary_solution(folder: Pa
         speed = alone.need(Response).speed
         shares = train.shares(speed[None], factor[:, place, None])
         clauses = list(judgement.pointwise(Results(alone.study, alone.results)))
-        assert [one[:2] for one in shares.keys] == [(rule, clause.clause) for rule, clause in clauses]
+        assert [one[:2] for one in shares.keys] == [
+            (rule, clause.clause) for rule, clause in clauses
+        ]
         for own, (_, clause) in zip(shares.share[:, 0], clauses, strict=True):
-            assert own == pytest.approx(clause.curve.utilisation() if clause.spans.size else own, rel=1e-9)
+            assert own == pytest.approx(
+                clause.curve.utilisation() if clause.spans.size else own, rel=1e-9
+            )
             assert own.max() == pytest.approx(clause.curve.utilisation().max(), rel=1e-9)
     assert train.enters.turn.any(axis=0).sum() == 1
 
 
-def test_rows_with_other_keys_are_a_group_of_their_own_or_solved_by_themselves(folder: Path) -> None:
+def test_rows_with_other_keys_are_a_group_of_their_own_or_solved_by_themselves(
+    folder: Path,
+) -> None:
     (folder / "odd.csv").write_text(
         "name,stiffness [kN*m/rad],psi,vibratory_torque [N*m],source\n"
-        + "".join(f"r{k},{9 + k / 10},{0 if k % 20 == 7 else 0.8},{200 + k},maker page {k}\n" for k in range(40))
+        + "".join(
+            f"r{k},{9 + k / 10},{0 if k % 20 == 7 else 0.8},{200 + k},maker page {k}\n"
+            for k in range(40)
+        )
     )
     found = bench(text("rubber: {catalogue: odd.csv}"), folder)
     values = np.arange(40.0)[:, None]
@@ -183,8 +223,15 @@ def margin(found: Findings) -> float:
 
 
 def test_the_worst_of_all_cases_counts_and_each_is_proven(folder: Path) -> None:
-    found = torsion.run(torsion.parse(text("hub.inertia: {values: [0.05, 0.15, 0.3, 0.6, 0.9]}",
-                                           "tail.diameter: {values: [40 mm, 50 mm, 60 mm]}", more=CASES)))  # fmt: skip
+    found = torsion.run(
+        torsion.parse(
+            text(
+                "hub.inertia: {values: [0.05, 0.15, 0.3, 0.6, 0.9]}",
+                "tail.diameter: {values: [40 mm, 50 mm, 60 mm]}",
+                more=CASES,
+            )
+        )
+    )
     design = found.need(Design)
     true = {}
     for inertia, diameter in product((0.05, 0.15, 0.3, 0.6, 0.9), (40, 50, 60)):
@@ -213,9 +260,9 @@ def test_a_choice_is_never_kept_where_a_case_fails() -> None:
             chosen = "rubber.stiffness: {values: [11 kN*m/rad, 13 kN*m/rad]}"
             found = torsion.run(
                 torsion.parse(
-                    text(chosen, "hub.inertia: {values: [0.1, 0.15]}", design=aim, more=more).replace(
-                        "150 N*m", "900 N*m"
-                    )
+                    text(
+                        chosen, "hub.inertia: {values: [0.1, 0.15]}", design=aim, more=more
+                    ).replace("150 N*m", "900 N*m")
                 )
             )
             one = found.need(Design)
@@ -228,13 +275,17 @@ def test_a_choice_is_never_kept_where_a_case_fails() -> None:
 def test_a_case_without_rules_has_no_limit_that_counts() -> None:
     chosen = "hub.inertia: {values: [0.1, 0.15]}"
     more = "cases: {free: {rules: [], scale: {rubber.stiffness: 20 %}}}"
-    found, alone = (torsion.run(torsion.parse(text(chosen, more=one))).need(Design) for one in (more, ""))
+    found, alone = (
+        torsion.run(torsion.parse(text(chosen, more=one))).need(Design) for one in (more, "")
+    )
     assert [one.margin for one in found.best] == [one.margin for one in alone.best]
     assert found.best[0].worst_at == ""
 
 
 def test_ranges_from_nothing_are_judged_side_by_side_but_for_nothing_itself(folder: Path) -> None:
-    found = bench(text("plates.psi: {from: 0, to: 0.2}", "tail.length: {from: 0.4 m, to: 3 m}"), folder)
+    found = bench(
+        text("plates.psi: {from: 0, to: 0.2}", "tail.length: {from: 0.4 m, to: 3 m}"), folder
+    )
     values = np.stack([np.linspace(0.0, 0.2, 30), np.linspace(3.0, 0.4, 30)], axis=1)
     own, alone = found.answers(values), solved(found.work, found.variation, values, 2, judged=True)
     assert 1 <= found.alone < 10

@@ -32,19 +32,30 @@ def lack(frequency: float, length: float, diameter: float) -> float:
 @pytest.mark.parametrize(
     ("what", "first", "last", "aim"),
     [
-        ("diameter", "60 mm", "200 mm", "2.frequency: 800"), ("length", "1 m", "4 m", "1.frequency: 70"),
+        ("diameter", "60 mm", "200 mm", "2.frequency: 800"),
+        ("length", "1 m", "4 m", "1.frequency: 70"),
         ("diameter", "60 mm", "100 mm", "1.frequency: 60"),
     ],
-)  # fmt: skip
-def test_a_design_over_segments_ends_with_a_choice_at_its_frequency(what, first, last, aim, count) -> None:
+)
+def test_a_design_over_segments_ends_with_a_choice_at_its_frequency(
+    what, first, last, aim, count
+) -> None:
     """Trials were divided for the mode that is aimed at, and the file for all of its modes."""
     text = SCENE
-    for key, value in (("WHAT", what), ("FROM", first), ("TO", last), ("AIM", aim), ("COUNT", count)):
+    for key, value in (
+        ("WHAT", what),
+        ("FROM", first),
+        ("TO", last),
+        ("AIM", aim),
+        ("COUNT", count),
+    ):
         text = text.replace(key, value)
     design = torsion.run(torsion.parse(text)).need(Design)
     assert (design.chosen, design.best[0].proven) == (1, "kept")
     (chosen,) = design.picked.tolist()
-    sizes = {"length": 2.0, "diameter": 0.08} | {what: chosen * (1e-3 if what == "diameter" else 1.0)}
+    sizes = {"length": 2.0, "diameter": 0.08} | {
+        what: chosen * (1e-3 if what == "diameter" else 1.0)
+    }
     wanted = float(aim.split()[-1])
     assert design.best[0].frequency == pytest.approx(wanted, rel=1e-6)
     assert lack(0.999 * wanted, **sizes) * lack(1.001 * wanted, **sizes) < 0.0

@@ -81,8 +81,11 @@ def sampled(found: Findings, number: int = 7200) -> FloatArray:
     return np.asarray((wave.max(axis=0) - wave.min(axis=0)) / 2.0)
 
 
-STATES = {"normal": "", **{f"misfire {k}": f"misfire: {k}" for k in range(1, 7)},
-          "imbalance +-5 % in 1, 6": "imbalance: [[1, 105 %], [6, 95 %]]"}  # fmt: skip
+STATES = {
+    "normal": "",
+    **{f"misfire {k}": f"misfire: {k}" for k in range(1, 7)},
+    "imbalance +-5 % in 1, 6": "imbalance: [[1, 105 %], [6, 95 %]]",
+}
 
 
 @pytest.mark.parametrize("case", STATES)
@@ -105,12 +108,20 @@ def written_out(rows: list[tuple[Fraction, complex]], mass: float) -> str:
     """The train of discs with a torque for every cylinder and order: those of gas rows and of a reciprocating mass."""
     inertia = CrankSlider.of_stroke(0.137, 0.207).inertia_torque(12, mass)
     inertias = (0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487)
-    throws = [f"- disc: {{name: cylinder {k}, inertia: {J}, damping: 2}}" for k, J in enumerate(inertias, 1)]
-    springs = [f"- coupling: {{stiffness: {k}, loss_factor: 0.035}}" for k in
-               (1.253e6, 1.253e6, 1.678e6, 1.253e6, 1.253e6)]  # fmt: skip
+    throws = [
+        f"- disc: {{name: cylinder {k}, inertia: {J}, damping: 2}}"
+        for k, J in enumerate(inertias, 1)
+    ]
+    springs = [
+        f"- coupling: {{stiffness: {k}, loss_factor: 0.035}}"
+        for k in (1.253e6, 1.253e6, 1.678e6, 1.253e6, 1.253e6)
+    ]
     crank = [line for pair in zip(throws, [*springs, ""], strict=True) for line in pair if line]
     text = SCENE.partition("  - engine:")[0] + "".join(f"  {line}\n" for line in crank)
-    text += "  - coupling: {stiffness: 1.976e6" + SCENE.partition("  - coupling: {stiffness: 1.976e6")[2]
+    text += (
+        "  - coupling: {stiffness: 1.976e6"
+        + SCENE.partition("  - coupling: {stiffness: 1.976e6")[2]
+    )
     text += "excitations:\n"
     for order, gas in rows:
         whole = gas + (inertia[int(order)] * SPEED**2 if order.denominator == 1 else 0.0)
@@ -138,17 +149,27 @@ def test_torque_follows_from_pressure_by_area_and_crank_radius() -> None:
     tangential = math.pi / 4 * 0.105**2 * 0.137 / 2
     in_torque = solved(f"table: [[1.5, {2e5 * tangential!r} N*m, -80 deg]]")
     in_pressure = solved("table: [[1.5, 2 bar, -80 deg]]")
-    by_parts = solved(f"table: [{{order: 1.5, a: {2 * math.cos(math.radians(80))!r} bar, "
-                      f"b: {2 * math.sin(math.radians(80))!r} bar}}]")  # fmt: skip
+    by_parts = solved(
+        f"table: [{{order: 1.5, a: {2 * math.cos(math.radians(80))!r} bar, "
+        f"b: {2 * math.sin(math.radians(80))!r} bar}}]"
+    )
     for other in (in_pressure, by_parts):
-        np.testing.assert_allclose(other.need(Response).torque, in_torque.need(Response).torque, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(
+            other.need(Response).torque, in_torque.need(Response).torque, rtol=0, atol=1e-9
+        )
 
 
 def test_the_table_at_one_load_follows_the_mean_torque() -> None:
-    found = solved("table: [[3, 600 N*m, 0 deg]], at: {torque: 1000 N*m}", masses="note: none #masses")
+    found = solved(
+        "table: [[3, 600 N*m, 0 deg]], at: {torque: 1000 N*m}", masses="note: none #masses"
+    )
     response = found.need(Response)
     mean = 2039.07372 / 2000.0 * (response.speed * 30.0 / math.pi - 1000.0)
-    (torque,) = [one for one in found.study.train.torques if one.station == found.study.train.torques[0].station]
+    (torque,) = [
+        one
+        for one in found.study.train.torques
+        if one.station == found.study.train.torques[0].station
+    ]
     amplitude = torque.cylinder.amplitude(response.speed, mean / 6.0)
     np.testing.assert_allclose(amplitude, 0.6 * mean, rtol=1e-12)
 
@@ -157,22 +178,36 @@ def test_tables_over_speed_are_interpolated_as_complex_numbers() -> None:
     tables = "tables: [{speed: 1900 rpm, rows: [[3, 400 N*m, 0 deg]]}, {speed: 2100 rpm, rows: [[3, 400 N*m, 90 deg]]}]"
     found = solved(tables, masses="note: none #masses")
     torque = found.study.train.torques[0]
-    assert torque.cylinder.amplitude(np.array([SPEED]), None)[0] == pytest.approx(200 + 200j, rel=1e-12)
+    assert torque.cylinder.amplitude(np.array([SPEED]), None)[0] == pytest.approx(
+        200 + 200j, rel=1e-12
+    )
 
 
-@pytest.mark.parametrize(("state", "whole"), [("", 1.0), ("misfire: 3", 5 / 6), ("cut_out: [1, 2]", 4 / 6),
-                                              ("misfire: 3\n      keep_power: true", 1.0)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("state", "whole"),
+    [
+        ("", 1.0),
+        ("misfire: 3", 5 / 6),
+        ("cut_out: [1, 2]", 4 / 6),
+        ("misfire: 3\n      keep_power: true", 1.0),
+    ],
+)
 def test_mean_torque_enters_at_the_cylinders_that_fire(state: str, whole: float) -> None:
     found = solved(state=state)
     at = steady(found.study.train, found.system, found.study.operation, np.array([SPEED]))
     applied = {
-        station.name: float(value) for station, value in zip(found.system.stations, at.applied[:, 0], strict=True)
+        station.name: float(value)
+        for station, value in zip(found.system.stations, at.applied[:, 0], strict=True)
     }
     engine = [value for name, value in applied.items() if name.startswith("main engine")]
     assert sum(engine) == pytest.approx(whole * 1019.53686, rel=1e-9)
     assert applied["flywheel"] == pytest.approx(-sum(engine), rel=1e-12)
-    assert len([value for value in engine if value]) == 6 - ("misfire" in state) - 2 * ("cut" in state)
-    np.testing.assert_allclose(found.need(Steady).torque[-1], -found.need(Steady).applied[-1], rtol=1e-12)
+    assert len([value for value in engine if value]) == 6 - ("misfire" in state) - 2 * (
+        "cut" in state
+    )
+    np.testing.assert_allclose(
+        found.need(Steady).torque[-1], -found.need(Steady).applied[-1], rtol=1e-12
+    )
 
 
 def test_misfires_by_superposition_are_those_of_runs_of_their_own() -> None:
@@ -189,16 +224,24 @@ def test_the_sums_of_phasors_with_the_first_shape_are_those_of_the_vector() -> N
     engine = found.need(Engines).each[0]
     shape = ORACLES["phasor_sums"]["in-line 6, 1-5-3-6-2-4"]["shape (mode 1 of the train below)"]
     sums = [one.by_mode[0] * max(shape) for one in engine.harmonics[:12]]
-    np.testing.assert_allclose(sums, ORACLES["phasor_sums"]["in-line 6, 1-5-3-6-2-4"]["orders .5..6 by .5"], atol=2e-6)
+    np.testing.assert_allclose(
+        sums, ORACLES["phasor_sums"]["in-line 6, 1-5-3-6-2-4"]["orders .5..6 by .5"], atol=2e-6
+    )
     rigid = [one.rigid for one in engine.harmonics]
-    np.testing.assert_allclose(rigid, [6.0 if one.order % 3 == 0 else 0.0 for one in engine.harmonics], atol=4e-15)
+    np.testing.assert_allclose(
+        rigid, [6.0 if one.order % 3 == 0 else 0.0 for one in engine.harmonics], atol=4e-15
+    )
 
 
 def test_balance_of_mean_torque_and_mean_pressure() -> None:
     engine = solved(state="mechanical_efficiency: 90 %", rated="rated").need(Engines).each[0]
     swept = math.pi / 4 * 0.105**2 * 0.137
-    assert engine.mean_torque == pytest.approx(2039.07372 * 1010 / 2000, rel=1e-9)  # at the highest speed
-    assert engine.imep == pytest.approx(engine.mean_torque / 0.9 / 6 * 4 * math.pi / swept, rel=1e-12)
+    assert engine.mean_torque == pytest.approx(
+        2039.07372 * 1010 / 2000, rel=1e-9
+    )  # at the highest speed
+    assert engine.imep == pytest.approx(
+        engine.mean_torque / 0.9 / 6 * 4 * math.pi / swept, rel=1e-12
+    )
     assert engine.stated == pytest.approx(18e5, rel=1e-9)
 
 
@@ -215,25 +258,40 @@ analyses: {response: }
 
 
 def v_engine(cylinders: int, firing: str) -> dict[Fraction, np.ndarray]:
-    response = torsion.run(torsion.parse(V.replace("Z", str(cylinders)).replace("FIRING", firing))).need(Response)
+    response = torsion.run(
+        torsion.parse(V.replace("Z", str(cylinders)).replace("FIRING", firing))
+    ).need(Response)
     return {line.order: response.torque[0, k] for k, line in enumerate(response.lines)}
 
 
-def test_two_cylinders_of_a_throw_a_revolution_apart_double_whole_orders_and_cancel_half_ones() -> None:
-    one, two = v_engine(1, "firing_order: [1]"), v_engine(2, "firing_angles: [0 deg, 360 deg], throws: [[1, 2]]")
+def test_two_cylinders_of_a_throw_a_revolution_apart_double_whole_orders_and_cancel_half_ones() -> (
+    None
+):
+    one, two = (
+        v_engine(1, "firing_order: [1]"),
+        v_engine(2, "firing_angles: [0 deg, 360 deg], throws: [[1, 2]]"),
+    )
     np.testing.assert_allclose(two[Fraction(1)], 2 * one[Fraction(1)], rtol=1e-13)
-    np.testing.assert_allclose(two[Fraction(1, 2)], 0.0, atol=1e-13 * np.abs(one[Fraction(1, 2)]).max())
+    np.testing.assert_allclose(
+        two[Fraction(1, 2)], 0.0, atol=1e-13 * np.abs(one[Fraction(1, 2)]).max()
+    )
 
 
 def test_a_bank_angle_adds_as_its_cosine() -> None:
-    one, two = v_engine(1, "firing_order: [1]"), v_engine(2, "firing_angles: [0 deg, 90 deg], throws: [[1, 2]]")
+    one, two = (
+        v_engine(1, "firing_order: [1]"),
+        v_engine(2, "firing_angles: [0 deg, 90 deg], throws: [[1, 2]]"),
+    )
     for order, torque in two.items():
         factor = 1 + cmath.exp(-1j * math.radians(90.0) * float(order))
         np.testing.assert_allclose(torque, factor * one[order], rtol=1e-12)
 
 
 def test_a_phase_turns_the_whole_engine() -> None:
-    plain, turned = v_engine(1, "firing_order: [1]"), v_engine(1, "firing_order: [1], phase: 40 deg")
+    plain, turned = (
+        v_engine(1, "firing_order: [1]"),
+        v_engine(1, "firing_order: [1], phase: 40 deg"),
+    )
     for order, torque in turned.items():
         np.testing.assert_allclose(
             torque, cmath.exp(-1j * math.radians(40.0) * float(order)) * plain[order], rtol=1e-12
@@ -242,8 +300,16 @@ def test_a_phase_turns_the_whole_engine() -> None:
 
 def test_reversed_the_train_meets_the_last_throw_first() -> None:
     text = SCENE.replace("GAS", CYCLE).replace("STATE", "reverse: true")
-    names = [part.name for part in torsion.parse(text).train.parts if part.name.startswith("main engine ")]
-    assert names[:3] == ["main engine cylinder 6", "main engine crank 5-6", "main engine cylinder 5"]
+    names = [
+        part.name
+        for part in torsion.parse(text).train.parts
+        if part.name.startswith("main engine ")
+    ]
+    assert names[:3] == [
+        "main engine cylinder 6",
+        "main engine crank 5-6",
+        "main engine cylinder 5",
+    ]
 
 
 def test_crank_inertia_takes_the_mean_of_its_masses() -> None:
@@ -269,7 +335,9 @@ def test_a_diagram_of_a_file_gives_back_the_harmonics_of_its_cycle(tmp_path: Pat
     )
     (tmp_path / "p.csv").write_text(text.replace("np.float64", ""), encoding="utf-8")
     gas = "diagram: p.csv, tdc: 360 deg, absolute: true, crankcase: 0, imep: 18 bar"
-    (tmp_path / "scene.yaml").write_text(SCENE.replace("GAS", gas).replace("STATE", ""), encoding="utf-8")
+    (tmp_path / "scene.yaml").write_text(
+        SCENE.replace("GAS", gas).replace("STATE", ""), encoding="utf-8"
+    )
     measured = torsion.run(torsion.read(tmp_path / "scene.yaml")).need(Engines).each[0]
     computed = solved().need(Engines).each[0]
     assert measured.curves[0].imep == pytest.approx(18e5, rel=2e-3)  # a degree between the points
@@ -281,20 +349,26 @@ def test_a_diagram_of_a_file_gives_back_the_harmonics_of_its_cycle(tmp_path: Pat
 def test_names_of_throws_may_be_excited() -> None:
     text = V.replace("Z", "1").replace("FIRING", "firing_order: [1]")
     text += "excitations: [{at: e cylinder 1, order: 2, torque: 5 N*m}]\n"
-    assert Fraction(2) in {line.order for line in torsion.run(torsion.parse(text)).need(Response).lines}
+    assert Fraction(2) in {
+        line.order for line in torsion.run(torsion.parse(text)).need(Response).lines
+    }
 
 
 def test_results_say_the_engine_in_json() -> None:
     from torsion.output.results_json import results
 
-    found = json.loads(json.dumps(results(solved())["engines"], default=lambda value: value.tolist()))
+    found = json.loads(
+        json.dumps(results(solved())["engines"], default=lambda value: value.tolist())
+    )
     assert found[0]["harmonics"][0]["order"] == "1/2"
     assert [case["cylinder"] for case in found[0]["misfires"]] == list(range(7))
 
 
 def test_a_scene_with_an_engine_is_valid_against_the_schema() -> None:
     validator = pytest.importorskip("jsonschema").Draft202012Validator(json_schema())
-    data = parse_source(SCENE.replace("GAS", CYCLE).replace("STATE", "misfire: [1, 2]"), "x.yaml").data
+    data = parse_source(
+        SCENE.replace("GAS", CYCLE).replace("STATE", "misfire: [1, 2]"), "x.yaml"
+    ).data
     assert [error.message for error in validator.iter_errors(data)] == []
 
 
@@ -323,13 +397,17 @@ def test_a_run_up_with_an_engine_is_that_with_its_torques_written_out() -> None:
         for order, size, phase in ((0.5, 7, 0), (1, 10, 20), (3, 4, -50))
     )
     own, other = (
-        torsion.run(torsion.parse(RUN_UP.replace("TRAIN", train).replace("EXTRA", extra))).need(Transients).each[0]
+        torsion.run(torsion.parse(RUN_UP.replace("TRAIN", train).replace("EXTRA", extra)))
+        .need(Transients)
+        .each[0]
         for train, extra in ((engine, ""), ("disc: {name: d, inertia: 0.1}", plain))
     )
     np.testing.assert_allclose(own.torque, other.torque, atol=1e-7 * np.abs(other.torque).max())
 
 
-def test_the_estimate_of_parametric_resonance_is_that_of_the_undamped_equation_to_first_order() -> None:
+def test_the_estimate_of_parametric_resonance_is_that_of_the_undamped_equation_to_first_order() -> (
+    None
+):
     """J_0 (1 + e cos 2 angle): growth e/4 of the frequency, a range of e/2 of it; the vector's are exact.
 
     The range lies about twice the frequency over the harmonic, to first order in e.
@@ -340,14 +418,18 @@ def test_the_estimate_of_parametric_resonance_is_that_of_the_undamped_equation_t
     assert share / 4 == pytest.approx(growth, rel=0.02)
 
     mean = 3.0
-    train = f"train: [disc: {{inertia: {mean}}}, coupling: {{stiffness: 5e4}}, disc: {{held: true}}]"
+    train = (
+        f"train: [disc: {{inertia: {mean}}}, coupling: {{stiffness: 5e4}}, disc: {{held: true}}]"
+    )
     findings = torsion.run(torsion.parse(f"name: x\n{train}\n"), only=("modes",))
     work = Work(findings.study, dict(findings.results))
     (mode,) = varying_inertia(work, [(0, mean * np.array([0.0, -share]))])
     assert (mode.mode, mode.harmonic, mode.share) == (1, 2, pytest.approx(share, rel=1e-12))
     frequency = math.sqrt(5e4 / mean)
     assert (mode.upper - mode.lower) / frequency == pytest.approx(last - first, rel=0.02)
-    assert (mode.upper + mode.lower) / 2 / frequency == pytest.approx((first + last) / 2, abs=share**2)
+    assert (mode.upper + mode.lower) / 2 / frequency == pytest.approx(
+        (first + last) / 2, abs=share**2
+    )
     assert not mode.is_stable
     assert replace(mode, damping=growth * 1.02).is_stable
     assert not replace(mode, damping=growth * 0.98 / 1.02).is_stable
@@ -376,7 +458,9 @@ def test_the_worst_phase_of_two_engines_is_above_every_phase_and_met_by_single_o
     bound = np.abs(worst.need(Response).torque)
     found = np.array([np.abs(one.need(Response).torque) for one in each])
     assert np.all(found <= bound * (1 + 1e-12))
-    np.testing.assert_allclose(found.max(axis=0), bound, rtol=0.04)  # a phase of each order within 15 degrees
+    np.testing.assert_allclose(
+        found.max(axis=0), bound, rtol=0.04
+    )  # a phase of each order within 15 degrees
     half = np.array([one.need(Synthesis).half_range for one in each]).max(axis=0)
     assert np.all(half <= worst.need(Synthesis).half_range)
     assert worst.need(Synthesis).turns == 0
@@ -406,13 +490,17 @@ analyses: {response: }
 """
 
 
-def test_a_two_stroke_engine_has_whole_orders_up_to_fifteen_and_majors_at_its_number_of_cylinders() -> None:
+def test_a_two_stroke_engine_has_whole_orders_up_to_fifteen_and_majors_at_its_number_of_cylinders() -> (
+    None
+):
     found = torsion.run(torsion.parse(TWO_STROKE.replace("STATE", "")))
     engine = found.need(Engines).each[0]
     assert [one.order for one in engine.harmonics] == list(range(1, 16))
     assert [int(one.order) for one in engine.harmonics if one.rigid > 1] == [6, 12]
     swept = math.pi / 4 * 0.5**2 * 2.0
-    assert engine.imep == pytest.approx(9e6 / (105 * math.pi / 30) / 6 * 2 * math.pi / swept, rel=1e-12)
+    assert engine.imep == pytest.approx(
+        9e6 / (105 * math.pi / 30) / 6 * 2 * math.pi / swept, rel=1e-12
+    )
     assert len(engine.misfires) == 7
 
 
@@ -424,16 +512,25 @@ def test_a_misfire_changes_no_torque_of_the_masses() -> None:
             wanted = other.cylinder.turned * other.cylinder.inertia * speed**2
             np.testing.assert_allclose(other.cylinder.amplitude(speed, None), wanted, rtol=1e-15)
         else:
-            np.testing.assert_allclose(other.cylinder.amplitude(speed, None), one.cylinder.amplitude(speed, None))
+            np.testing.assert_allclose(
+                other.cylinder.amplitude(speed, None), one.cylinder.amplitude(speed, None)
+            )
 
 
 def test_tables_over_the_load_are_interpolated_and_not_left() -> None:
     rows = "{imep: IMEP bar, rows: [[3, SIZE N*m, 0 deg]]}"
-    low, high = (rows.replace("IMEP", str(at)).replace("SIZE", str(size)) for at, size in ((4, 100), (20, 500)))
-    text = SCENE.replace("STATE", "").replace("load: [[1000 rpm, 0 N*m], [3000 rpm, 2039.07372 N*m]]",
-                                              "load: [[1000 rpm, LOW N*m], [3000 rpm, 1000 N*m]]")  # fmt: skip
+    low, high = (
+        rows.replace("IMEP", str(at)).replace("SIZE", str(size))
+        for at, size in ((4, 100), (20, 500))
+    )
+    text = SCENE.replace("STATE", "").replace(
+        "load: [[1000 rpm, 0 N*m], [3000 rpm, 2039.07372 N*m]]",
+        "load: [[1000 rpm, LOW N*m], [3000 rpm, 1000 N*m]]",
+    )
     swept = 6 * math.pi / 4 * 0.105**2 * 0.137 / (4 * math.pi)  # mean torque of the engine / imep
-    found = torsion.parse(text.replace("LOW", str(12e5 * swept * 2 - 1000)).replace("GAS", f"tables: [{low}, {high}]"))
+    found = torsion.parse(
+        text.replace("LOW", str(12e5 * swept * 2 - 1000)).replace("GAS", f"tables: [{low}, {high}]")
+    )
     torque = next(one for one in found.train.torques if one.order == 3).cylinder
     mean = np.array([12e5 * swept / 6])
     assert torque.of_gas(np.array([SPEED]), mean)[0] == pytest.approx(300.0, rel=1e-12)
@@ -442,15 +539,21 @@ def test_tables_over_the_load_are_interpolated_and_not_left() -> None:
 
 
 def test_a_phase_that_is_any_is_not_for_motion_over_time() -> None:
-    text = TWIN.replace("PHASE", "phase: worst,").replace("{response: }", "{transient: {duration: 1 s, events: []}}")
-    with pytest.raises(torsion.InputError, match=r"`phase: worst` adds magnitudes, and a motion over time"):
+    text = TWIN.replace("PHASE", "phase: worst,").replace(
+        "{response: }", "{transient: {duration: 1 s, events: []}}"
+    )
+    with pytest.raises(
+        torsion.InputError, match=r"`phase: worst` adds magnitudes, and a motion over time"
+    ):
         torsion.parse(text)
 
 
 def test_the_first_page_names_the_cylinder_that_misfires() -> None:
     from torsion.output.chapters.first_page import box
 
-    assert ("Engine state", "main engine with cylinder 2 motored (misfire)") in box(solved(state="misfire: 2")).lines
+    assert ("Engine state", "main engine with cylinder 2 motored (misfire)") in box(
+        solved(state="misfire: 2")
+    ).lines
     assert "Engine state" not in dict(box(solved()).lines)
 
 
@@ -458,13 +561,21 @@ RATED = "{stiffness: 1.976e6, loss_factor: 0.035, vibratory_torque: 5 kN*m, max_
 
 
 def test_the_worst_misfire_is_the_worst_of_every_check_with_its_cylinder() -> None:
-    changed = {"{stiffness: 1.976e6, loss_factor: 0.035}": RATED, "response: }": "response: }\nrules: [coupling-maker]"}
+    changed = {
+        "{stiffness: 1.976e6, loss_factor: 0.035}": RATED,
+        "response: }": "response: }\nrules: [coupling-maker]",
+    }
     worst = solved(state="misfire: worst", **changed)
     single = [solved(state=f"misfire: {number}", **changed) for number in range(1, 7)]
     for check in worst.need(Checks).lines:
-        values = [next(one.value for one in found.need(Checks).lines if one.what == check.what) for found in single]
+        values = [
+            next(one.value for one in found.need(Checks).lines if one.what == check.what)
+            for found in single
+        ]
         assert check.value == pytest.approx(max(values), rel=1e-12)
-        assert check.note.startswith(f"cylinder {values.index(max(values)) + 1} of main engine motored")
+        assert check.note.startswith(
+            f"cylinder {values.index(max(values)) + 1} of main engine motored"
+        )
     vibratory = next(one for one in worst.need(Checks).lines if one.clause == "T_KW")
     assert vibratory.note.startswith("cylinder 3 ")
     assert worst.failed
@@ -479,22 +590,47 @@ def test_the_worst_misfire_of_a_case_is_that_of_the_file() -> None:
     }
     journal = "journal: {diameter: 90 mm}"
     alone = solved(state=f"{journal}\n      misfire: worst", **changed, ROOM="")
-    cases = solved(state=journal, **changed, ROOM="cases: {out: {set: {main engine.misfire: worst}}}").cases["out"]
+    cases = solved(
+        state=journal, **changed, ROOM="cases: {out: {set: {main engine.misfire: worst}}}"
+    ).cases["out"]
     found = alone.need(Checks).lines
     assert cases.need(Checks).lines == found
-    assert {check.clause for check in found if check.where == "main engine crank 1-2"} >= {"tau_1", "tau_2"}
+    assert {check.clause for check in found if check.where == "main engine crank 1-2"} >= {
+        "tau_1",
+        "tau_2",
+    }
 
 
 def test_no_barred_range_and_no_missing_answer_of_a_case_is_dropped() -> None:
     found = solved()
     lost = Unanswered("lateral", "bending", "it does not converge", "", None, False, False, "")
     bands = [BarredRange(20.0 + n, 30.0, 24.0, "crank", 21.0, 29.0, Fraction(2)) for n in range(2)]
-    line = Check("rule", "clause", "crank", "stress", 60.0, 50.0, "N/mm2", "fail", "setting", 30.0, Fraction(2))
+    line = Check(
+        "rule",
+        "clause",
+        "crank",
+        "stress",
+        60.0,
+        50.0,
+        "N/mm2",
+        "fail",
+        "setting",
+        30.0,
+        Fraction(2),
+    )
     first = found.having(checks=Checks((replace(line, barred=(bands[0],)),)))
-    second = found.having(checks=Checks((replace(line, value=40.0, verdict="pass", barred=(bands[1],)),)))
-    whole = _worst({"one": first, "two": replace(second, plan=replace(second.plan, unanswered=(lost,)))})
+    second = found.having(
+        checks=Checks((replace(line, value=40.0, verdict="pass", barred=(bands[1],)),))
+    )
+    whole = _worst(
+        {"one": first, "two": replace(second, plan=replace(second.plan, unanswered=(lost,)))}
+    )
     (check,) = whole.need(Checks).lines
-    assert (check.verdict, check.note, check.barred) == ("fail", "one", (bands[0],))  # united: 20 to 30
+    assert (check.verdict, check.note, check.barred) == (
+        "fail",
+        "one",
+        (bands[0],),
+    )  # united: 20 to 30
     assert whole.plan.unanswered == (lost,)
     assert (lost.what, lost.words) in whole.plan.left_out
 
@@ -502,5 +638,7 @@ def test_no_barred_range_and_no_missing_answer_of_a_case_is_dropped() -> None:
 def test_no_order_of_a_table_is_lost_but_those_above_the_orders_that_are_named() -> None:
     table = "table: [[3, 5 N*m, 0 deg], [18.5, 2 N*m, 0 deg]]"
     for state, wanted in (("", {3, Fraction(37, 2)}), ("orders: 12", {3})):
-        text = SCENE.replace("GAS", table).replace("STATE", state).replace("masses:", "note: none #")
+        text = (
+            SCENE.replace("GAS", table).replace("STATE", state).replace("masses:", "note: none #")
+        )
         assert {one.order for one in torsion.parse(text).train.torques} == wanted

@@ -56,8 +56,10 @@ def test_a_case_of_a_file_that_tries_every_cylinder_does_so_too() -> None:
 
 
 def test_modes_alone_are_found_of_an_engine_that_tries_every_cylinder() -> None:
-    found, plain = (torsion.run(torsion.parse(DIESEL.replace("STATE", state)), only=["modes"])
-                    for state in ("misfire: worst", ""))  # fmt: skip
+    found, plain = (
+        torsion.run(torsion.parse(DIESEL.replace("STATE", state)), only=["modes"])
+        for state in ("misfire: worst", "")
+    )
     np.testing.assert_array_equal(found.need(Modes).frequency, plain.need(Modes).frequency)
 
 
@@ -85,8 +87,14 @@ train:
 analyses: {response: }
 rules: [nvh: {at: screw, acceleration: 300 rad/s**2, fluctuation: 15 rpm}, coupling-maker]
 """
-BOTH = "[[0.5, 300 N*m, 0 deg], [1.5, 300 N*m, 40 deg]]", "[[0.5, 200 N*m, 70 deg], [1.5, 400 N*m, 0 deg]]"
-EACH = "[[0.5, 300 N*m, 0 deg], [1.5, 300 N*m, 40 deg]]", "[[1, 300 N*m, 70 deg], [2, 700 N*m, 0 deg]]"
+BOTH = (
+    "[[0.5, 300 N*m, 0 deg], [1.5, 300 N*m, 40 deg]]",
+    "[[0.5, 200 N*m, 70 deg], [1.5, 400 N*m, 0 deg]]",
+)
+EACH = (
+    "[[0.5, 300 N*m, 0 deg], [1.5, 300 N*m, 40 deg]]",
+    "[[1, 300 N*m, 70 deg], [2, 700 N*m, 0 deg]]",
+)
 
 
 def two(tables: tuple[str, str], phase: str) -> Findings:
@@ -95,8 +103,13 @@ def two(tables: tuple[str, str], phase: str) -> Findings:
 
 
 @pytest.mark.parametrize("tables", [BOTH, EACH], ids=["of one order", "of orders of their own"])
-def test_nothing_of_two_engines_at_any_phase_exceeds_their_worst_phase(tables: tuple[str, str]) -> None:
-    worst, each = two(tables, "worst"), [two(tables, f"{degrees} deg") for degrees in range(0, 720, 40)]
+def test_nothing_of_two_engines_at_any_phase_exceeds_their_worst_phase(
+    tables: tuple[str, str],
+) -> None:
+    worst, each = (
+        two(tables, "worst"),
+        [two(tables, f"{degrees} deg") for degrees in range(0, 720, 40)],
+    )
     half = np.array([one.need(Synthesis).half_range.max(axis=0) for one in each]).max(axis=0)
     assert np.all(half <= worst.need(Synthesis).half_range.max(axis=0))
     checks = {one.what: one.value for one in worst.need(Checks).lines}
@@ -110,7 +123,9 @@ def test_half_ranges_at_any_phase_are_sums_of_magnitudes() -> None:
     found = two(EACH, "worst")
     torque = np.abs(found.need(Response).torque).sum(axis=1)
     np.testing.assert_allclose(found.need(Synthesis).half_range, torque, rtol=1e-13)
-    angle = np.abs(found.need(Response).angle[:, :, -1]) * (2 * np.pi * found.need(Response).frequency)
+    angle = np.abs(found.need(Response).angle[:, :, -1]) * (
+        2 * np.pi * found.need(Response).frequency
+    )
     (speed,) = (one for one in found.need(Checks).lines if one.clause == "fluctuation")
     assert speed.value == pytest.approx(angle.sum(axis=1).max() * 30 / np.pi, rel=1e-12)
 
@@ -119,11 +134,17 @@ LOADS = "{tables: [{torque: 10 N*m, rows: [[2, 100 N*m, 0 deg]]}, {torque: TOP N
 
 
 def test_a_load_that_tables_do_not_cover_is_refused_of_each_of_several_engines() -> None:
-    text = TWO.replace("{table: FIRST}", "{table: [[1, 5 N*m, 0 deg]]}").replace("PHASE", "90 deg, power: 60 kW")
-    text = text.replace("inertia: 0.5,", "inertia: 0.5, power: 140 kW,").replace("{table: SECOND}", LOADS)
+    text = TWO.replace("{table: FIRST}", "{table: [[1, 5 N*m, 0 deg]]}").replace(
+        "PHASE", "90 deg, power: 60 kW"
+    )
+    text = text.replace("inertia: 0.5,", "inertia: 0.5, power: 140 kW,").replace(
+        "{table: SECOND}", LOADS
+    )
     most = 200e3 / (1500 * np.pi / 30) * 0.3  # N m of the second engine, at the highest speed
     torsion.parse(text.replace("TOP", f"{most * 1.001}"))
-    with pytest.raises(torsion.InputError, match=rf"'two' cover 10 to 300 N m .* 137\.\d+ to {most:.5g} "):
+    with pytest.raises(
+        torsion.InputError, match=rf"'two' cover 10 to 300 N m .* 137\.\d+ to {most:.5g} "
+    ):
         torsion.parse(text.replace("TOP", "300"))
 
 
@@ -135,7 +156,9 @@ def test_the_order_table_at_the_rated_speed_is_covered_too() -> None:
 
 
 def test_a_motion_over_time_counts_its_orders_from_the_engine_that_the_operation_names() -> None:
-    text = DIESEL.replace("STATE", "").replace("rules: [coupling-maker]", "analyses: {transient: {duration: 0.1 s}}")
+    text = DIESEL.replace("STATE", "").replace(
+        "rules: [coupling-maker]", "analyses: {transient: {duration: 0.1 s}}"
+    )
     found = torsion.run(torsion.parse(text))
     assert len(found.need(Transients).each) == 1
 
@@ -155,4 +178,7 @@ def test_misfires_are_not_superposed_where_the_mean_torque_sets_the_stiffness() 
     assert len(torsion.run(torsion.parse(plain)).results["engines"].each[0].misfires) == 5
     found = torsion.run(torsion.parse(plain.replace("stiffness: 18 kN*m/rad, psi: 1.1", BY_TORQUE)))
     assert found.results["engines"].each[0].misfires == ()
-    assert "the stiffness of a coupling changes" in dict(found.plan.left_out)["misfire of each cylinder of diesel"]
+    assert (
+        "the stiffness of a coupling changes"
+        in dict(found.plan.left_out)["misfire of each cylinder of diesel"]
+    )

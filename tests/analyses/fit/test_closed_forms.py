@@ -13,10 +13,18 @@ from torsion.analyses.fit.predictions import Train, resolved_for
 from torsion.findings import silent
 
 FIGURES = {  # of the train below, in the order of their deviations
-    "soft.stiffness": 20e3, "soft.psi": 0.8, "hard.stiffness": 9e4, "hard.viscous": 15.0, "p.inertia": 0.3,
-    "p.damping": 2.5, "m.inertia": 1.2, "m.ripple.1.torque": 40.0,
-    "m.ripple.1.phase": 0.3, "d.damping": 30.0, "d.ring": 0.4,
-}  # fmt: skip
+    "soft.stiffness": 20e3,
+    "soft.psi": 0.8,
+    "hard.stiffness": 9e4,
+    "hard.viscous": 15.0,
+    "p.inertia": 0.3,
+    "p.damping": 2.5,
+    "m.inertia": 1.2,
+    "m.ripple.1.torque": 40.0,
+    "m.ripple.1.phase": 0.3,
+    "d.damping": 30.0,
+    "d.ring": 0.4,
+}
 SCENE = """\
 name: Geared drive
 operation: {at: m, speeds: {from: 300 rpm, to: 1800 rpm}}
@@ -98,19 +106,27 @@ def exact_slopes(vary, at, quantity, frequencies, link):
         for sign in (1, -1):
             figures = {key: mp.mpf(value) for key, value in FIGURES.items()}
             figures[name] *= mp.exp(sign * step)
-            ends.append([
-                *(log_frequency(figures, one, link) for one in frequencies),
-                *(mp.log(answer(figures, at, quantity, rpm, link)) for rpm in RPM),
-            ])  # fmt: skip
+            ends.append(
+                [
+                    *(log_frequency(figures, one, link) for one in frequencies),
+                    *(mp.log(answer(figures, at, quantity, rpm, link)) for rpm in RPM),
+                ]
+            )
         each = [(high - low) / (2 * step) for high, low in zip(*ends, strict=True)]
         modes, values = each[:2], each[2:]
-        columns.append([*map(float, modes), *(float(v.real) for v in values), *(float(v.imag) for v in values)])
+        columns.append(
+            [*map(float, modes), *(float(v.real) for v in values), *(float(v.imag) for v in values)]
+        )
     return np.array(columns).T
 
 
 @pytest.mark.parametrize("links", ["", LINK], ids=["tree", "loop"])
-@pytest.mark.parametrize(("at", "quantity"), [("p", "angle"), ("m", "speed"), ("soft", "torque"), ("hard", "torque")])
-def test_slopes_of_frequencies_amplitudes_and_phases_are_right_to_rounding(at, quantity, links) -> None:
+@pytest.mark.parametrize(
+    ("at", "quantity"), [("p", "angle"), ("m", "speed"), ("soft", "torque"), ("hard", "torque")]
+)
+def test_slopes_of_frequencies_amplitudes_and_phases_are_right_to_rounding(
+    at, quantity, links
+) -> None:
     vary = list(FIGURES)
     train = trained(study(at, quantity, vary, links))
     assert train.closed is not None
@@ -126,12 +142,18 @@ def test_a_figure_that_enters_otherwise_is_read_with_every_trial() -> None:
     one = study("p", "angle", ["soft.psi", "p.inertia"])
     train = trained(one).by_reading()
     with mp.workdps(60):
-        exact = exact_slopes(["soft.psi", "p.inertia"], "p", "angle", train.frequencies([1.0, 1.0]), link=False)
+        exact = exact_slopes(
+            ["soft.psi", "p.inertia"], "p", "angle", train.frequencies([1.0, 1.0]), link=False
+        )
     assert np.abs(train.slopes(np.zeros(2), (0, 1)) - exact).max() < 1e-7 * np.abs(exact).max()
-    shaft = SCENE.replace("coupling: {name: hard, stiffness: 90 kN*m/rad, viscous: 15}",
-                          "shaft: {name: hard, length: 0.6 m, diameter: [50 mm, 60 mm]}")  # fmt: skip
+    shaft = SCENE.replace(
+        "coupling: {name: hard, stiffness: 90 kN*m/rad, viscous: 15}",
+        "shaft: {name: hard, length: 0.6 m, diameter: [50 mm, 60 mm]}",
+    )
     settings = "{vary: {hard.diameter.1: 3 %}, measured: [{frequency: 40 Hz, within: 1 %}]}"
-    assert trained(torsion.parse(shaft.replace("FIT", settings).replace("LINKS", ""))).closed is None
+    assert (
+        trained(torsion.parse(shaft.replace("FIT", settings).replace("LINKS", ""))).closed is None
+    )
 
 
 def test_minima_that_the_file_does_not_confirm_are_searched_by_reading_it() -> None:

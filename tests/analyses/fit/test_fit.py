@@ -18,8 +18,16 @@ from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.output.headline import headline
 
-MEASURED = (22.977711237348152, 54.9944875814668042, 192.812725684694512)  # Hz, of 17600, 310000, 51700 N m/rad
-NOMINAL = (24.0742737742577806, 53.3289702398578454, 192.889039168961031)  # of the stiffnesses below
+MEASURED = (
+    22.977711237348152,
+    54.9944875814668042,
+    192.812725684694512,
+)  # Hz, of 17600, 310000, 51700 N m/rad
+NOMINAL = (
+    24.0742737742577806,
+    53.3289702398578454,
+    192.889039168961031,
+)  # of the stiffnesses below
 TRAIN = """\
 name: Four discs
 train:
@@ -67,7 +75,9 @@ def by_frequency(hertz: float, within: str = "1e-7", mode: int | None = None) ->
 
 
 def test_three_frequencies_give_the_three_stiffnesses_of_the_oracle() -> None:
-    text = chain("{c1.stiffness: 20 %, c2.stiffness: 20 %, c3.stiffness: 20 %}", *map(by_frequency, MEASURED))
+    text = chain(
+        "{c1.stiffness: 20 %, c2.stiffness: 20 %, c3.stiffness: 20 %}", *map(by_frequency, MEASURED)
+    )
     one = fit(text)
     assert [figure.factor for figure in one.figures] == pytest.approx([0.88, 1.0, 1.1], rel=1e-11)
     assert [figure.fitted for figure in one.figures] == ["17600", "310 kN*m/rad", "51700"]
@@ -78,7 +88,11 @@ def test_three_frequencies_give_the_three_stiffnesses_of_the_oracle() -> None:
 
 
 def test_the_fitted_file_keeps_words_and_comments_and_has_the_fitted_frequencies() -> None:
-    text = chain("{c1.stiffness: 20 %, c3.stiffness: 20 %}", by_frequency(MEASURED[0]), by_frequency(MEASURED[1]))
+    text = chain(
+        "{c1.stiffness: 20 %, c3.stiffness: 20 %}",
+        by_frequency(MEASURED[0]),
+        by_frequency(MEASURED[1]),
+    )
     scene = fit(text).scene
     assert "310 kN*m/rad}  # by the maker" in scene
     assert "fit" not in scene.replace("fitted", "")
@@ -93,11 +107,15 @@ def test_a_file_on_one_line_is_written_anew() -> None:
 analyses: {{modes: {{count: 1}}, fit: {{vary: {{coupling-1.stiffness: 10 %}}, measured: [{one}]}}}}}}"""
     scene = fit(text).scene
     assert "fit" not in scene
-    assert torsion.run(torsion.parse(scene)).results["modes"].frequency == pytest.approx(fit(text).frequency, rel=1e-15)
+    assert torsion.run(torsion.parse(scene)).results["modes"].frequency == pytest.approx(
+        fit(text).frequency, rel=1e-15
+    )
 
 
 def test_what_no_measurement_sees_is_said_and_keeps_its_deviation() -> None:
-    text = chain("{c1.stiffness: 20 %, c3.psi: 25 %}", by_frequency(MEASURED[0]), by_frequency(MEASURED[1]))
+    text = chain(
+        "{c1.stiffness: 20 %, c3.psi: 25 %}", by_frequency(MEASURED[0]), by_frequency(MEASURED[1])
+    )
     one = fit(text)
     assert one.rank == 1
     assert one.directions[1].is_unidentified
@@ -139,7 +157,10 @@ def test_a_frequency_outside_its_band_fails_loudly() -> None:
 
 
 def test_values_that_contradict_each_other_say_that_none_explain_them() -> None:
-    shifted = [by_frequency(value * factor, "0.5 %") for value, factor in zip(NOMINAL, (1.03, 0.97, 1.0), strict=True)]
+    shifted = [
+        by_frequency(value * factor, "0.5 %")
+        for value, factor in zip(NOMINAL, (1.03, 0.97, 1.0), strict=True)
+    ]
     one = fit(chain("{c2.stiffness: 20 %}", *shifted))
     assert one.reduced is not None
     assert one.reduced > 2.0
@@ -164,25 +185,40 @@ def test_more_frequencies_than_modes_have_no_answer() -> None:
 
 
 def test_modes_rise_with_the_frequencies_though_others_would_lie_in_more_bands() -> None:
-    low = found(chain("{c1.stiffness: 20 %}", *(by_frequency(hertz, "1 %") for hertz in (8.0, 23.0, 53.0)))).need(Fit)
+    low = found(
+        chain("{c1.stiffness: 20 %}", *(by_frequency(hertz, "1 %") for hertz in (8.0, 23.0, 53.0)))
+    ).need(Fit)
     assert [mode.mode for mode in low.modes] == [1, 2, 3]
     assert low.fails
 
 
 def test_a_frequency_beside_a_named_mode_keeps_its_side() -> None:
-    one = fit(chain("{c1.stiffness: 20 %}", by_frequency(24.0, "1 %", 2), by_frequency(23.0, "1 %")))
+    one = fit(
+        chain("{c1.stiffness: 20 %}", by_frequency(24.0, "1 %", 2), by_frequency(23.0, "1 %"))
+    )
     assert [mode.mode for mode in one.modes] == [2, 1]
-    refused = found(chain("{c1.stiffness: 20 %}", by_frequency(24.0, "1 %", 1), by_frequency(23.0, "1 %")))
+    refused = found(
+        chain("{c1.stiffness: 20 %}", by_frequency(24.0, "1 %", 1), by_frequency(23.0, "1 %"))
+    )
     assert "no mode is left between those that are named" in refused.plan.unanswered[0].why
 
 
 def between(first: str, second: str, *measured: float) -> Fit:
     """A heavy disc between two light ones, on couplings of 10 and 11 kN m/rad."""
-    discs = [f"  - disc: {{name: d{k}, inertia: {inertia}}}\n" for k, inertia in enumerate((1, 100, 1), start=1)]
-    couplings = [f"  - coupling: {{name: c{k}, stiffness: {value}}}\n" for k, value in ((1, 10000), (2, 11000))]
+    discs = [
+        f"  - disc: {{name: d{k}, inertia: {inertia}}}\n"
+        for k, inertia in enumerate((1, 100, 1), start=1)
+    ]
+    couplings = [
+        f"  - coupling: {{name: c{k}, stiffness: {value}}}\n"
+        for k, value in ((1, 10000), (2, 11000))
+    ]
     head = f"name: Light, heavy, light\ntrain:\n{discs[0]}{couplings[0]}{discs[1]}{couplings[1]}{discs[2]}"
     text = f"{head}analyses:\n  modes: {{count: 2}}\n  fit:\n"
-    each = [f"{{mode: {mode}, frequency: {hertz} Hz, within: 0.3 %}}" for mode, hertz in enumerate(measured, start=1)]
+    each = [
+        f"{{mode: {mode}, frequency: {hertz} Hz, within: 0.3 %}}"
+        for mode, hertz in enumerate(measured, start=1)
+    ]
     return fit(chain(f"{{c1.stiffness: {first}, c2.stiffness: {second}}}", *each, text=text))
 
 
@@ -190,7 +226,9 @@ def two_modes(first: float, second: float) -> tuple[float, float]:
     """Of that train, Hz: w^4 - w^2 (k1 + k2) 1.01 + k1 k2 1.02 = 0."""
     half, product = 1.01 * (first + second) / 2.0, 1.02 * first * second
     root = np.sqrt(half**2 - product)
-    return tuple(float(np.sqrt(square) / (2.0 * np.pi)) for square in (product / (half + root), half + root))
+    return tuple(
+        float(np.sqrt(square) / (2.0 * np.pi)) for square in (product / (half + root), half + root)
+    )
 
 
 @pytest.mark.parametrize("truth", [13000.0, 14500.0])
@@ -205,14 +243,19 @@ def test_other_figures_that_agree_as_well_are_reported() -> None:
     one = between("20 %", "20 %", *two_modes(12500.0, 9500.0))
     (other,) = one.others
     factors = np.array([one_figure.factor for one_figure in one.figures])
-    assert sorted(np.array([10000.0, 11000.0]) * factors) == pytest.approx([9500.0, 12500.0], rel=2e-3)
+    assert sorted(np.array([10000.0, 11000.0]) * factors) == pytest.approx(
+        [9500.0, 12500.0], rel=2e-3
+    )
     assert np.array([10000.0, 11000.0]) * other.factor == pytest.approx(
         (np.array([10000.0, 11000.0]) * factors)[::-1], rel=2e-3
     )
     for place, figure in enumerate(one.figures):
         assert figure.lower < min(figure.factor, other.factor[place])
         assert figure.upper > max(figure.factor, other.factor[place])
-    assert any(words.startswith("Other values agree nearly as well: c1.stiffness") for words in one.warnings)
+    assert any(
+        words.startswith("Other values agree nearly as well: c1.stiffness")
+        for words in one.warnings
+    )
 
 
 def test_what_is_known_is_what_all_minima_agree_on() -> None:
@@ -238,7 +281,13 @@ def test_what_was_measured_is_of_the_file_and_of_none_of_its_cases() -> None:
 
 
 def test_the_band_of_a_mode_has_every_figure_at_two_deviations() -> None:
-    one = fit(chain("{c1.stiffness: 20 %, d4.inertia: 10 %}", by_frequency(23.0, "1 %"), by_frequency(53.0, "1 %")))
+    one = fit(
+        chain(
+            "{c1.stiffness: 20 %, d4.inertia: 10 %}",
+            by_frequency(23.0, "1 %"),
+            by_frequency(53.0, "1 %"),
+        )
+    )
     for side, name in ((-1.0, "lower"), (1.0, "upper")):
         stiff, heavy = float(20000.0 * np.exp(0.4 * side)), float(0.95 * np.exp(-0.2 * side))
         plain = TRAIN.removesuffix("  fit:\n")
@@ -255,7 +304,9 @@ def torsiogram(true: str, at: str, quantity: str, order: int, *, phase: bool = F
     one = response_of_orders(study, system, [order], speed)
     if quantity == "torque":
         part = study.train.position(at)
-        values = one.torque[:, 0, next(k for k, span in enumerate(system.spans) if span.part == part)]
+        values = one.torque[
+            :, 0, next(k for k, span in enumerate(system.spans) if span.part == part)
+        ]
     else:
         station = next(k for k, each in enumerate(system.stations) if each.name == at)
         values = one.angle[:, 0, station] * (1j * order * speed if quantity == "speed" else 1.0)
@@ -268,28 +319,46 @@ def torsiogram(true: str, at: str, quantity: str, order: int, *, phase: bool = F
 
 
 @pytest.mark.parametrize(
-    ("at", "quantity", "phase"), [("p", "angle", False), ("m", "speed", True), ("soft", "torque", False)]
+    ("at", "quantity", "phase"),
+    [("p", "angle", False), ("m", "speed", True), ("soft", "torque", False)],
 )
-def test_an_exact_torsiogram_gives_the_true_figures_through_a_gear(at: str, quantity: str, phase: bool) -> None:
+def test_an_exact_torsiogram_gives_the_true_figures_through_a_gear(
+    at: str, quantity: str, phase: bool
+) -> None:
     plain = re.sub(", fit: FIT", "", DRIVEN)
-    true = plain.replace("20 kN*m/rad", "18 kN*m/rad").replace("psi: 0.8", "psi: 1").replace("a: 0.3", "a: 0.32")
+    true = (
+        plain.replace("20 kN*m/rad", "18 kN*m/rad")
+        .replace("psi: 0.8", "psi: 1")
+        .replace("a: 0.3", "a: 0.32")
+    )
     rows = torsiogram(true, at, quantity, 2, phase=phase)
     settings = f"""{{vary: {{soft.stiffness: 20 %, soft.psi: 30 %, p.inertia: 10 %}}, measured: [
   {{torsiogram: [{", ".join(rows)}], at: {at}, order: 2, quantity: {quantity}, within: 1e-5}}]}}"""
     one = fit(DRIVEN.replace("FIT", settings))
-    assert [figure.factor for figure in one.figures] == pytest.approx([0.9, 1.25, 0.32 / 0.3], rel=1e-7)
+    assert [figure.factor for figure in one.figures] == pytest.approx(
+        [0.9, 1.25, 0.32 / 0.3], rel=1e-7
+    )
     assert one.curves[0].after == pytest.approx(one.curves[0].measured, rel=1e-5)
     assert not one.fails
 
 
 def test_slopes_are_the_closed_forms_of_both_energies() -> None:
-    text = chain("{c1.stiffness: 20 %, d4.inertia: 10 %}", by_frequency(23.0, "1 %"), by_frequency(53.0, "1 %"))
+    text = chain(
+        "{c1.stiffness: 20 %, d4.inertia: 10 %}",
+        by_frequency(23.0, "1 %"),
+        by_frequency(53.0, "1 %"),
+    )
     study = torsion.parse(text)
     train = Train(study.variations["fit"], resolved_for(torsion.assemble(study.train), ()), (), 3)
-    exact = [[0.403343153160794559, -0.164302497776000125], [0.0842550621870688425, -0.182110224743479586],
-             [0.0124017846521365989, -0.000361471028907385519]]  # fmt: skip
+    exact = [
+        [0.403343153160794559, -0.164302497776000125],
+        [0.0842550621870688425, -0.182110224743479586],
+        [0.0124017846521365989, -0.000361471028907385519],
+    ]
     assert train.mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=1e-15)
-    assert train.by_reading().mode_slopes(np.zeros(2), range(3)) == pytest.approx(np.array(exact), abs=2e-11)
+    assert train.by_reading().mode_slopes(np.zeros(2), range(3)) == pytest.approx(
+        np.array(exact), abs=2e-11
+    )
 
 
 def two_discs() -> Train:
@@ -307,7 +376,9 @@ analyses: {modes: {count: 1}, fit: FIT}
     settings = f"{{vary: {{soft.stiffness: 9 %, p.inertia: 9 %}}, measured: [{{torsiogram: [{rows}], at: p, order: 2,"
     study = torsion.parse(scene.replace("FIT", f"{settings} quantity: angle, within: 1 %}}]}}"))
     made = curves(study, study.analyses["fit"].measured)
-    return Train(study.variations["fit"], resolved_for(torsion.assemble(study.train), made), made, 1)
+    return Train(
+        study.variations["fit"], resolved_for(torsion.assemble(study.train), made), made, 1
+    )
 
 
 def test_slopes_of_an_amplitude_are_those_of_its_closed_form() -> None:
@@ -326,7 +397,9 @@ def test_slopes_of_an_amplitude_are_those_of_its_closed_form() -> None:
 def test_a_phase_on_the_other_side_of_half_a_revolution_is_near() -> None:
     train = two_discs()
     train.curves = (replace(train.curves[0], has_phase=True),)
-    found = train.wrapped(np.array([5.0, 4.0, 4.1, 4.2, 6.2, -6.2, 0.1]), 1)  # a mode, three amplitudes, their phases
+    found = train.wrapped(
+        np.array([5.0, 4.0, 4.1, 4.2, 6.2, -6.2, 0.1]), 1
+    )  # a mode, three amplitudes, their phases
     assert found == pytest.approx([5.0, 4.0, 4.1, 4.2, 6.2 - 2.0 * np.pi, 2.0 * np.pi - 6.2, 0.1])
 
 
@@ -382,8 +455,11 @@ FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
     [
         ("{vary: {soft.stiffness: 20 %}}", "9", "`measured` is missing"),
         (of_frequencies("", FREQUENCY), "9:", "`vary` is empty"),
-        (of_frequencies("soft.stiffness: 20 %, soft.psi: 20 %", FREQUENCY), "9:37",
-         "2 parameters vary, and 1 value was measured"),
+        (
+            of_frequencies("soft.stiffness: 20 %, soft.psi: 20 %", FREQUENCY),
+            "9:37",
+            "2 parameters vary, and 1 value was measured",
+        ),
         (of_frequencies("soft.stifness: 20 %", FREQUENCY), "9:44", "soft.stifness"),
         (of_frequencies("soft.loss_factor: 20 %", FREQUENCY), "9:44", "does not give"),
         (of_frequencies("sift.stiffness: 20 %", FREQUENCY), "9:44", "did you mean `soft`"),
@@ -391,25 +467,55 @@ FREQUENCY, SOFT = "frequency: 20 Hz, within: 1 %", "soft.stiffness: 20 %"
         (of_frequencies(SOFT, "frequency: 20 Hz, within: 0"), "9:105", "out of range"),
         (of_frequencies(SOFT, "within: 1 %"), "9:", "nothing is measured"),
         (of_frequencies(SOFT, "at: m, " + FREQUENCY), "9:", "`at` does not go with `frequency`"),
-        (of_frequencies(SOFT, "mode: 1, " + FREQUENCY, "mode: 1, " + FREQUENCY), "9:", "mode 1 is measured twice"),
-        (of_frequencies(SOFT, "mode: 3, frequency: 30 Hz, within: 1 %", "mode: 1, " + FREQUENCY,
-                        "mode: 2, frequency: 19 Hz, within: 1 %"),
-         "9:169", "mode 2 is measured at 19 Hz, below mode 1 at 20 Hz"),
-        (of_frequencies(SOFT, "signal: none.csv, at: m, orders: [2], within: 1 %"), "9:", "cannot be read"),
-        (of_frequencies(SOFT, "signal: none.csv, at: m, orders: [2, 2], within: 1 %"), "9:", "an order is named twice"),
+        (
+            of_frequencies(SOFT, "mode: 1, " + FREQUENCY, "mode: 1, " + FREQUENCY),
+            "9:",
+            "mode 1 is measured twice",
+        ),
+        (
+            of_frequencies(
+                SOFT,
+                "mode: 3, frequency: 30 Hz, within: 1 %",
+                "mode: 1, " + FREQUENCY,
+                "mode: 2, frequency: 19 Hz, within: 1 %",
+            ),
+            "9:169",
+            "mode 2 is measured at 19 Hz, below mode 1 at 20 Hz",
+        ),
+        (
+            of_frequencies(SOFT, "signal: none.csv, at: m, orders: [2], within: 1 %"),
+            "9:",
+            "cannot be read",
+        ),
+        (
+            of_frequencies(SOFT, "signal: none.csv, at: m, orders: [2, 2], within: 1 %"),
+            "9:",
+            "an order is named twice",
+        ),
         (of_curve(f"[{GOOD}]", "at: m"), "9:", "`quantity` is missing"),
-        (of_curve(f"[{GOOD}]", "at: m, quantity: angle").replace("order: 2", "order: 3"), "9:",
-         "no excitation has order 3"),
+        (
+            of_curve(f"[{GOOD}]", "at: m, quantity: angle").replace("order: 2", "order: 3"),
+            "9:",
+            "no excitation has order 3",
+        ),
         (of_curve(f"[{GOOD}]", "at: x, quantity: angle"), "9:", "no component is called 'x'"),
         (of_curve(f"[{GOOD}]", "at: m, quantity: torque"), "9:", "0.1 deg"),
         (of_curve(f"[{GOOD}, {GOOD}]", "at: m, quantity: angle"), "9:", "the speed does not rise"),
-        (of_curve(f"[{GOOD}]", "at: m, quantity: angle").replace("600", "2600"), "9:100",
-         "2600 rpm lies outside the speeds 300 to 1800 rpm"),
-        (of_curve(f"[{GOOD}]", "at: m, quantity: torque").replace("0.1 deg", "5 N*m"), "9:",
-         "'m' is neither a coupling nor a shaft"),
+        (
+            of_curve(f"[{GOOD}]", "at: m, quantity: angle").replace("600", "2600"),
+            "9:100",
+            "2600 rpm lies outside the speeds 300 to 1800 rpm",
+        ),
+        (
+            of_curve(f"[{GOOD}]", "at: m, quantity: torque").replace("0.1 deg", "5 N*m"),
+            "9:",
+            "'m' is neither a coupling nor a shaft",
+        ),
     ],
-)  # fmt: skip
-def test_what_does_not_go_is_refused_where_it_stands(settings: str, place: str, expected: str) -> None:
+)
+def test_what_does_not_go_is_refused_where_it_stands(
+    settings: str, place: str, expected: str
+) -> None:
     words = message(DRIVEN.replace("FIT", settings))
     assert f"train.yaml:{place}" in words
     assert expected in words
@@ -417,19 +523,27 @@ def test_what_does_not_go_is_refused_where_it_stands(settings: str, place: str, 
 
 def test_a_mode_that_the_train_does_not_have_has_no_answer() -> None:
     findings = found(chain("{c1.stiffness: 20 %}", by_frequency(23.0, "1 %", 9)))
-    assert [one.why for one in findings.plan.unanswered] == ["mode 9 is not among the 3 of the train"]
+    assert [one.why for one in findings.plan.unanswered] == [
+        "mode 9 is not among the 3 of the train"
+    ]
     assert findings.exit_status == 2
 
 
 TABLES = [
     ("speed [rpm],amplitude [deg]\n400,0.1\n300,0.2\n", "run.csv:3:1: the speed does not rise"),
-    ("speed [rpm],amplitude [deg]\n400,0.1\n2300,0.2\n", "run.csv:3:1: 2300 rpm lies outside the speeds"),
+    (
+        "speed [rpm],amplitude [deg]\n400,0.1\n2300,0.2\n",
+        "run.csv:3:1: 2300 rpm lies outside the speeds",
+    ),
     ("speed [rpm],amplitude [N*m]\n400,0.1\n", "run.csv:2:5: angle: "),
     ("speed [rpm],amplitude [kg]\n400,0.1\n", "run.csv:1:13: the unit of the column `amplitude`"),
     ("speed [rpm]\n400\n", "run.csv:1:1: the column `amplitude` is missing"),
     ("speed [rpm],amplitude [deg]\n", "run.csv:1:1: the table has no rows below"),
     ("", "run.csv:1:1: the table has nothing"),
-    ("speed [rpm],amplitude [deg],phase [deg]\n400,0.1,5\n500,0.1,\n", "run.csv:3:1: some rows have a phase"),
+    (
+        "speed [rpm],amplitude [deg],phase [deg]\n400,0.1,5\n500,0.1,\n",
+        "run.csv:3:1: some rows have a phase",
+    ),
     ("speed [rpm],amplitude [deg]\n400,0\n", "run.csv:2:5: angle: 0 deg is out of range"),
     ("speed [rpm],amplitude [deg]\n400,x\n", "run.csv:2:5"),
     ("speed [rpm],amplitud [deg]\n400,1\n", "did you mean `amplitude`?"),
@@ -437,7 +551,9 @@ TABLES = [
 
 
 @pytest.mark.parametrize(("table", "expected"), TABLES)
-def test_faults_of_a_torsiogram_stand_in_its_file(tmp_path: Path, table: str, expected: str) -> None:
+def test_faults_of_a_torsiogram_stand_in_its_file(
+    tmp_path: Path, table: str, expected: str
+) -> None:
     settings = """{vary: {soft.stiffness: 20 %}, measured: [
       {torsiogram: run.csv, at: m, order: 2, quantity: angle, within: 1 %}]}"""
     with pytest.raises(InputError) as caught:
@@ -457,13 +573,17 @@ def marks(places: list[float]) -> str:
         ("time [s]\n0\n0.2\n0.1\n", ", pulses: 8", "the time does not rise"),
         ("time [s],speed [rpm]\n0,600\n0.1,600\n", "", "samples a revolution"),
         ("time [s],speed [rpm]\n0,600\n0.001,0\n", "", "the speed is not above 0 throughout"),
-        (marks([0, 1, 2, 3, 5, 6, 7, 8]), ", pulses: 8", "at 0.05 s pulses are missing, or there is one too many"),
+        (
+            marks([0, 1, 2, 3, 5, 6, 7, 8]),
+            ", pulses: 8",
+            "at 0.05 s pulses are missing, or there is one too many",
+        ),
         (marks([0, 1, 2, 3, 3.5, 4, 5, 6, 7]), ", pulses: 8", "at 0.035 s pulses are missing"),
         (marks([0, 1, 2, 3, 4, 5, 7, 8, 9, 10]), ", pulses: 8", "at 0.07 s pulses are missing"),
         ("time [s],speed [rpm]\n0,600\n0.1,600\n", ", pulses: 8", "has 2 columns in line 1, not 1"),
         ("time [s]\n0\n0.1\n", ", pulses: 4", "order 2 needs more than 4 samples"),
     ],
-)  # fmt: skip
+)
 def test_faults_of_a_signal(tmp_path: Path, text: str, more: str, expected: str) -> None:
     settings = f"""{{vary: {{soft.stiffness: 20 %}}, measured: [
       {{signal: run.csv, at: m, orders: [2], within: 1 %{more}}}, {{frequency: 20 Hz, within: 1 %}}]}}"""
@@ -480,7 +600,9 @@ def test_a_signal_outside_the_speeds_is_refused(tmp_path: Path) -> None:
         read_scene(tmp_path, {"run.csv": f"time [s]\n{rows}"}, settings)
 
 
-def test_a_fit_that_misses_what_was_measured_fails_though_no_measurement_is_left_over(tmp_path: Path) -> None:
+def test_a_fit_that_misses_what_was_measured_fails_though_no_measurement_is_left_over(
+    tmp_path: Path,
+) -> None:
     file = tmp_path / "crossing.yaml"
     file.write_text(
         "name: two branches whose modes cross on the way\n"

@@ -47,7 +47,9 @@ def marks() -> np.ndarray:
 
 
 def of_speed(time: np.ndarray, speed: np.ndarray) -> str:
-    return "time [s],speed [rad/s]\n" + "".join(f"{a:.6f},{b:.9f}\n" for a, b in zip(time, speed, strict=True))
+    return "time [s],speed [rad/s]\n" + "".join(
+        f"{a:.6f},{b:.9f}\n" for a, b in zip(time, speed, strict=True)
+    )
 
 
 def of_marks(time: np.ndarray) -> str:
@@ -70,11 +72,16 @@ def test_pulses_give_the_true_stiffness(tmp_path: Path) -> None:
     assert not one.fails
 
 
-def test_jitter_widens_the_deviations_of_a_signal_and_leaves_the_figures_true(tmp_path: Path) -> None:
+def test_jitter_widens_the_deviations_of_a_signal_and_leaves_the_figures_true(
+    tmp_path: Path,
+) -> None:
     """Seeded, 0.3 % of the distance of the marks: weak amplitudes drown and are not used."""
     rng, time = np.random.default_rng(2), marks()
     jitter = 0.003 * np.gradient(time) * rng.standard_normal(time.size)
-    (curve,), figure = (one := solved(tmp_path, of_marks(time + jitter), PULSES).need(Fit)).curves, one.figures[0]
+    (curve,), figure = (
+        (one := solved(tmp_path, of_marks(time + jitter), PULSES).need(Fit)).curves,
+        one.figures[0],
+    )
     assert figure.lower < TRUE < figure.upper
     assert one.chi2 < 2.0 * one.freedom
     assert not one.fails
@@ -96,7 +103,11 @@ def test_decimal_commas_between_semicolons_are_read(tmp_path: Path) -> None:
     text = of_speed(time[::4], speed[::4])
     found = [
         solved(tmp_path, one, "orders: [2]").need(Fit).figures[0].factor
-        for one in (text, text.replace(",", ";").replace(".", ","), "\ufeff" + text.replace("\n", "\r\n"))
+        for one in (
+            text,
+            text.replace(",", ";").replace(".", ","),
+            "\ufeff" + text.replace("\n", "\r\n"),
+        )
     ]
     assert found[0] == found[1] == found[2]
 
@@ -114,24 +125,66 @@ REFUSED = {
     "second pulse lost": (lambda: of_marks(np.delete(marks(), 1)), PULSES, LOST),
     "last but one lost": (lambda: of_marks(np.delete(marks(), -2)), PULSES, LOST),
     "marks with a gap": (lambda: of_marks(marks()[np.arange(marks().size) % 60 > 1]), PULSES, LOST),
-    "pulse too many": (lambda: of_marks(np.sort(np.append(marks(), marks()[:2].mean()))), PULSES, LOST),
-    "jitter": (lambda: of_marks(marks() + 2e-3 * np.sin(np.arange(marks().size) ** 2)), PULSES, "line"),
+    "pulse too many": (
+        lambda: of_marks(np.sort(np.append(marks(), marks()[:2].mean()))),
+        PULSES,
+        LOST,
+    ),
+    "jitter": (
+        lambda: of_marks(marks() + 2e-3 * np.sin(np.arange(marks().size) ** 2)),
+        PULSES,
+        "line",
+    ),
     "reversed": (lambda: of_marks(marks()[::-1]), PULSES, "line 3: the time does not rise"),
     "twice": (lambda: of_marks(np.repeat(marks(), 2)), PULSES, "line 3: the time does not rise"),
-    "half the marks": (lambda: of_marks(marks()), "orders: [2], pulses: 30", "does not exceed the noise"),
-    "other marks": (lambda: of_marks(marks()), "orders: [2], pulses: 8", "outside the speeds of `operation`"),
-    "gap": (lambda: without(slice(9000, 9200)), "orders: [2]", "after 4.498 s samples are missing, for 0.102 s"),
+    "half the marks": (
+        lambda: of_marks(marks()),
+        "orders: [2], pulses: 30",
+        "does not exceed the noise",
+    ),
+    "other marks": (
+        lambda: of_marks(marks()),
+        "orders: [2], pulses: 8",
+        "outside the speeds of `operation`",
+    ),
+    "gap": (
+        lambda: without(slice(9000, 9200)),
+        "orders: [2]",
+        "after 4.498 s samples are missing, for 0.102 s",
+    ),
     "gap at once": (lambda: without(slice(1, 200)), "orders: [2]", "after 0 s samples are missing"),
-    "coarse": (lambda: of_speed(*(one[::40] for one in recorded()[::2])), "orders: [2]", "order 2 needs more than 4"),
-    "close": (lambda: of_marks(marks()), f"orders: [2.02, 2], pulses: {MARKS}",
-              "orders 2 and 101/50 differ by 0.32 cycles in a window of 16 revolutions (1 are"),
-    "slow": (lambda: of_marks(marks()), f"orders: [2, 0.1], pulses: {MARKS}",
-             "order 1/10 has 1.6 cycles in a window of 16 revolutions (3 are needed: `revolutions: 30`)"),
-    "latin": (lambda: "Zeit [s];Drehzahl [°/s]\n0;1\n1;2\n".encode("latin-1"), "orders: [2]", "cannot be read"),
+    "coarse": (
+        lambda: of_speed(*(one[::40] for one in recorded()[::2])),
+        "orders: [2]",
+        "order 2 needs more than 4",
+    ),
+    "close": (
+        lambda: of_marks(marks()),
+        f"orders: [2.02, 2], pulses: {MARKS}",
+        "orders 2 and 101/50 differ by 0.32 cycles in a window of 16 revolutions (1 are",
+    ),
+    "slow": (
+        lambda: of_marks(marks()),
+        f"orders: [2, 0.1], pulses: {MARKS}",
+        "order 1/10 has 1.6 cycles in a window of 16 revolutions (3 are needed: `revolutions: 30`)",
+    ),
+    "latin": (
+        lambda: "Zeit [s];Drehzahl [°/s]\n0;1\n1;2\n".encode("latin-1"),
+        "orders: [2]",
+        "cannot be read",
+    ),
     "other code": (lambda: of_marks(marks()).encode("utf-16"), PULSES, "cannot be read"),
-    "decimal commas": (lambda: of_marks(marks()).replace(".", ","), PULSES, "decimal commas and semicolons"),
-    "no number": (lambda: "time [s],speed [rpm]\n0,600\n1,nan\n2,600\n", "orders: [2]", "line 3: a finite speed"),
-}  # fmt: skip
+    "decimal commas": (
+        lambda: of_marks(marks()).replace(".", ","),
+        PULSES,
+        "decimal commas and semicolons",
+    ),
+    "no number": (
+        lambda: "time [s],speed [rpm]\n0,600\n1,nan\n2,600\n",
+        "orders: [2]",
+        "line 3: a finite speed",
+    ),
+}
 
 
 @pytest.mark.parametrize("name", REFUSED)

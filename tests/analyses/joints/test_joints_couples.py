@@ -20,7 +20,9 @@ from torsion.components.propeller import Propeller
 from torsion.study import Operation
 from torsion.train import train
 
-ORACLES = json.loads((Path(__file__).parents[2] / "kinematics" / "oracles.json").read_text(encoding="utf-8"))
+ORACLES = json.loads(
+    (Path(__file__).parents[2] / "kinematics" / "oracles.json").read_text(encoding="utf-8")
+)
 TRIPOD = {"kind": "tripod", "radius": 0.03, "arm": 0.6}
 
 
@@ -38,22 +40,30 @@ def test_liu_2023_couples_at_8_degrees_and_800_newton_metres():
     assert -driving.yoke[300] == pytest.approx(exact["M1"], rel=1e-13)
     assert driven.yoke[300] == pytest.approx(exact["M2"], rel=1e-13)
     assert 800.0 * joint.torque_ratio[300] == pytest.approx(exact["T2"], rel=1e-13)
-    assert (driving.largest, driven.largest) == pytest.approx((exact["M1_max"], exact["M2_max"]), rel=1e-13)
+    assert (driving.largest, driven.largest) == pytest.approx(
+        (exact["M1_max"], exact["M2_max"]), rel=1e-13
+    )
 
 
 @pytest.mark.parametrize("carrier", ["driving", "driven"])
 @pytest.mark.parametrize("keys", [{}, TRIPOD])
 def test_mean_and_harmonic_are_those_of_the_curve_over_the_carrier_s_angle(keys, carrier):
     """A cross joint has no other harmonic; a tripod's first is compared as a Fourier integral."""
-    turned, joint = one(Joint(angle="30 deg", phase="25 deg", **keys), torque=70.0, carrier=carrier, steps=1440)
+    turned, joint = one(
+        Joint(angle="30 deg", phase="25 deg", **keys), torque=70.0, carrier=carrier, steps=1440
+    )
     own = turned if carrier == "driving" else turned + joint.error - joint.error[0]
     share = (np.ones_like(turned) if carrier == "driving" else joint.speed_ratio)[:-1]
     for couple in joint.couples:
         assert couple.order == joint.order
-        for curve, mean, amplitude in zip((couple.normal, couple.inplane), couple.mean, couple.amplitude, strict=True):
+        for curve, mean, amplitude in zip(
+            (couple.normal, couple.inplane), couple.mean, couple.amplitude, strict=True
+        ):
             wave = np.exp(-1j * couple.order * own)
             assert mean == pytest.approx(np.mean(curve[:-1] * share), rel=1e-11, abs=1e-11)
-            assert amplitude == pytest.approx(2.0 * np.mean(curve[:-1] * share * wave[:-1]), rel=1e-11, abs=1e-11)
+            assert amplitude == pytest.approx(
+                2.0 * np.mean(curve[:-1] * share * wave[:-1]), rel=1e-11, abs=1e-11
+            )
             if not keys:
                 assert curve == pytest.approx(mean + (amplitude / wave).real, abs=1e-11)
 
@@ -64,7 +74,9 @@ def test_mean_and_harmonic_are_those_of_the_curve_over_the_carrier_s_angle(keys,
 def test_largest_couple_is_the_greatest_of_the_curve(keys, angle, carrier):
     _, joint = one(Joint(angle=f"{angle} deg", **keys), torque=70.0, carrier=carrier, steps=7200)
     for couple in joint.couples:
-        assert couple.largest == pytest.approx(np.hypot(couple.normal, couple.inplane).max(), rel=1e-6)
+        assert couple.largest == pytest.approx(
+            np.hypot(couple.normal, couple.inplane).max(), rel=1e-6
+        )
 
 
 @pytest.mark.parametrize(
@@ -90,13 +102,17 @@ def test_tripod_couples_of_chang_and_li_at_200_newton_metres(angle, least, most,
 def test_single_tripod_pushes_across_its_driving_shaft_and_a_twin_does_not():
     """V1/L of Chang and Li: 29.2 N at 10 degrees, 121 N at 40."""
     for angle, force in ((10, 29.2), (40, 121.0)):
-        assert one(Joint(angle=f"{angle} deg", **TRIPOD), torque=200.0)[1].force == pytest.approx(force, rel=0.05)
+        assert one(Joint(angle=f"{angle} deg", **TRIPOD), torque=200.0)[1].force == pytest.approx(
+            force, rel=0.05
+        )
     assert one(Joint(angle="10 deg", **TRIPOD, bearing="twin"), torque=200.0)[1].force == 0.0
 
 
 def test_bearings_share_the_largest_couple_over_their_distance():
     _, joint = one(Joint(angle="8 deg", name="a"), torque=800.0, bearings={"a": 0.25})
-    assert [couple.bearing for couple in joint.couples] == [couple.largest / 0.25 for couple in joint.couples]
+    assert [couple.bearing for couple in joint.couples] == [
+        couple.largest / 0.25 for couple in joint.couples
+    ]
     assert one(Joint(angle="8 deg"), torque=800.0)[1].couples[0].bearing is None
 
 
@@ -110,11 +126,19 @@ def test_couple_of_a_later_joint_is_read_at_its_own_yoke():
 
 
 def test_every_joint_carries_the_mean_torque_of_its_own_shaft():
-    branch = Branch(train=(Joint(name="side", angle="4 deg"), Propeller(name="one", inertia=1.0, power=30e3)))
+    branch = Branch(
+        train=(Joint(name="side", angle="4 deg"), Propeller(name="one", inertia=1.0, power=30e3))
+    )
     line = [
-        Motor(inertia=1.0), Joint(name="a", angle="6 deg"), Coupling(stiffness=1e4), Disc(inertia=1.0), branch,
-        Gear(ratio=2), Joint(name="b", angle="5 deg"), Propeller(name="two", inertia=1.0, power=30e3),
-    ]  # fmt: skip
+        Motor(inertia=1.0),
+        Joint(name="a", angle="6 deg"),
+        Coupling(stiffness=1e4),
+        Disc(inertia=1.0),
+        branch,
+        Gear(ratio=2),
+        Joint(name="b", angle="5 deg"),
+        Propeller(name="two", inertia=1.0, power=30e3),
+    ]
     built, operation = train(line), Operation(rated={"speed": "100 rad/s", "power": "60 kW"})
     found = {joint.name: joint.torque for joint in joints(built, operation).joints}
     assert found == pytest.approx({"a": 600.0, "side": 300.0, "b": 600.0}, rel=1e-14)

@@ -8,7 +8,13 @@ import pytest
 from scipy.linalg import eigh
 
 from torsion.analyses.lateral.beam_elements import Segment
-from torsion.analyses.lateral.beam_matrices import LONGEST_PHASE, Beam, Point, assemble_lateral, places
+from torsion.analyses.lateral.beam_matrices import (
+    LONGEST_PHASE,
+    Beam,
+    Point,
+    assemble_lateral,
+    places,
+)
 
 E, RHO, G, LENGTH = 210e9, 7850.0, 80e9, 1.5
 OUTER, BORE = 0.120, 0.108
@@ -27,7 +33,9 @@ def frequencies_at_rest(system, plane=0):
     rigid, inertia = system.beam.rigid_motions(plane), system.inertia[at]
     shift = UNIT**2 * 100.0 if rigid else 0.0
     scale = 1.0 / np.sqrt(np.diagonal(stiffness + shift * inertia))
-    held, inert = (scale[:, None] * matrix * scale for matrix in (stiffness + shift * inertia, inertia))
+    held, inert = (
+        scale[:, None] * matrix * scale for matrix in (stiffness + shift * inertia, inertia)
+    )
     inverse = eigh(inert, held, eigvals_only=True)[::-1]  # the largest keep all their digits
     elastic = inverse[rigid:][inverse[rigid:] > len(inverse) * np.finfo(float).eps * inverse[0]]
     return np.concatenate([np.zeros(rigid), np.sqrt(1.0 / elastic - shift)])
@@ -52,7 +60,10 @@ def _end_mass(x):
 
 CASES = {
     "simply supported": (PINNED, np.pi * np.arange(1, 5)),
-    "fixed-free": ((Point(0.0, fixation="clamped"),), _roots(_cantilever, (1.875, 4.694, 7.855, 10.9955))),
+    "fixed-free": (
+        (Point(0.0, fixation="clamped"),),
+        _roots(_cantilever, (1.875, 4.694, 7.855, 10.9955)),
+    ),
     "free-free": ((), _roots(_free, (4.73, 7.853, 10.9956, 14.137))),
     "end mass": (
         (Point(0.0, fixation="clamped"), Point(LENGTH, mass=RATIO * RHO * AREA * LENGTH)),
@@ -64,7 +75,9 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_frequencies_of_euler_beams(name: str) -> None:
     points, wave = CASES[name]
-    system = assemble_lateral(Beam((TUBE,), points), frequency=UNIT * wave[-1] ** 2, rotary_inertia=False)
+    system = assemble_lateral(
+        Beam((TUBE,), points), frequency=UNIT * wave[-1] ** 2, rotary_inertia=False
+    )
     found = frequencies_at_rest(system)
     rigid = 2 if name == "free-free" else 0
     np.testing.assert_array_equal(found[:rigid], 0.0)
@@ -93,7 +106,12 @@ def test_shear_lowers_as_timoshenko_says() -> None:
     k = np.pi * np.arange(1, 5) / LENGTH
     poisson = E / (2 * G) - 1
     m = (BORE / OUTER) ** 2
-    kappa = 6 * (1 + poisson) * (1 + m) ** 2 / ((7 + 6 * poisson) * (1 + m) ** 2 + (20 + 12 * poisson) * m)
+    kappa = (
+        6
+        * (1 + poisson)
+        * (1 + m) ** 2
+        / ((7 + 6 * poisson) * (1 + m) ** 2 + (20 + 12 * poisson) * m)
+    )
     a = RHO * RHO * MOMENT / (kappa * G)  # a w^4 - b w^2 + c = 0
     b = RHO * AREA + RHO * MOMENT * k**2 + E * MOMENT * RHO * k**2 / (kappa * G)
     c = E * MOMENT * k**4
@@ -105,7 +123,9 @@ def test_shear_lowers_as_timoshenko_says() -> None:
 def test_a_slender_shaft_with_shear_is_one_without() -> None:
     slender = Segment(LENGTH, (2e-4, 2e-4), (0.0, 0.0), E, RHO, G)
     both = [assemble_lateral(Beam((slender,), PINNED), shear=shear) for shear in (False, True)]
-    assert frequencies_at_rest(both[1])[0] == pytest.approx(frequencies_at_rest(both[0])[0], rel=1e-7)
+    assert frequencies_at_rest(both[1])[0] == pytest.approx(
+        frequencies_at_rest(both[0])[0], rel=1e-7
+    )
 
 
 def test_cone_clamped_at_its_thick_end_against_bessel_functions() -> None:
@@ -113,7 +133,12 @@ def test_cone_clamped_at_its_thick_end_against_bessel_functions() -> None:
     near, far, diameter = 0.5, 1.5, 0.1
     start = diameter * near / far
     wave = math.sqrt(E / RHO) * diameter / 4 / far  # b^4 = (w/wave)^2
-    kinds = (mpmath.besselj, 1, -1), (mpmath.bessely, 1, -1), (mpmath.besseli, 1, 1), (mpmath.besselk, -1, -1)
+    kinds = (
+        (mpmath.besselj, 1, -1),
+        (mpmath.bessely, 1, -1),
+        (mpmath.besseli, 1, 1),
+        (mpmath.besselk, -1, -1),
+    )
 
     def equation(w):
         b = mpmath.sqrt(w / wave)
@@ -127,15 +152,24 @@ def test_cone_clamped_at_its_thick_end_against_bessel_functions() -> None:
         return mpmath.det(mpmath.matrix(rows))
 
     cone = Segment(far - near, (start, diameter), (0.0, 0.0), E, RHO, G)
-    system = assemble_lateral(Beam((cone,), (Point(far - near, fixation="clamped"),)), rotary_inertia=False)
+    system = assemble_lateral(
+        Beam((cone,), (Point(far - near, fixation="clamped"),)), rotary_inertia=False
+    )
     found = frequencies_at_rest(system)[:2]
-    exact = [float(mpmath.findroot(equation, (0.99 * w, 1.01 * w), solver="anderson")) for w in found]
+    exact = [
+        float(mpmath.findroot(equation, (0.99 * w, 1.01 * w), solver="anderson")) for w in found
+    ]
     np.testing.assert_allclose(found, exact, rtol=1e-11)
 
 
 def test_pieces_of_one_shaft_are_the_shaft() -> None:
-    pieces = tuple(Segment(part, (OUTER, OUTER), (BORE, BORE), E, RHO, G) for part in (0.2, 0.9, 0.4))
-    whole, cut = (frequencies_at_rest(assemble_lateral(Beam(s, PINNED), elements=3)) for s in ((TUBE,), pieces))
+    pieces = tuple(
+        Segment(part, (OUTER, OUTER), (BORE, BORE), E, RHO, G) for part in (0.2, 0.9, 0.4)
+    )
+    whole, cut = (
+        frequencies_at_rest(assemble_lateral(Beam(s, PINNED), elements=3))
+        for s in ((TUBE,), pieces)
+    )
     np.testing.assert_allclose(cut[:4], whole[:4], rtol=1e-12)
 
 
@@ -149,7 +183,9 @@ def test_springs_at_the_ends_carry_a_rigid_shaft() -> None:
 
 
 def test_moment_along_a_cantilever_under_an_end_force() -> None:
-    system = assemble_lateral(Beam((TUBE,), (Point(0.0, fixation="clamped"), Point(LENGTH))), elements=2)
+    system = assemble_lateral(
+        Beam((TUBE,), (Point(0.0, fixation="clamped"), Point(LENGTH))), elements=2
+    )
     force = np.zeros(len(system.inertia))
     force[system.place[1]] = 1.0
     unknown = np.zeros_like(force)
@@ -164,7 +200,9 @@ def test_moment_along_a_cantilever_under_an_end_force() -> None:
 
 def test_rigid_motions_are_counted_from_what_holds_the_shaft() -> None:
     spring = Point(0.3, stiffness=(1e6, 0.0))
-    assert [Beam((TUBE,), points).rigid_motions(0) for points in ((), PINNED[:1], PINNED, (spring,))] == [2, 1, 0, 1]
+    assert [
+        Beam((TUBE,), points).rigid_motions(0) for points in ((), PINNED[:1], PINNED, (spring,))
+    ] == [2, 1, 0, 1]
     assert Beam((TUBE,), (PINNED[0], spring)).rigid_motions(0) == 0
     assert Beam((TUBE,), (PINNED[0], spring)).rigid_motions(1) == 1
 

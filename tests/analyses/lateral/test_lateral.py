@@ -33,7 +33,9 @@ def _turning(points=PINNED, segment=TUBE, elements=3):
 def _rayleigh(order, sign):
     """Speeds at which order * speed is the whirl of a simply supported Rayleigh shaft: modes 1, 2."""
     k = np.arange(1, 3) * math.pi / LENGTH
-    return np.sqrt(STIFF * k**4 / (order**2 * (MASS + ROTARY * k**2) - sign * order * 2 * ROTARY * k**2))
+    return np.sqrt(
+        STIFF * k**4 / (order**2 * (MASS + ROTARY * k**2) - sign * order * 2 * ROTARY * k**2)
+    )
 
 
 def test_whirl_of_a_rayleigh_shaft_splits_as_its_quadratic_says() -> None:
@@ -42,7 +44,9 @@ def test_whirl_of_a_rayleigh_shaft_splits_as_its_quadratic_says() -> None:
     root = np.sqrt(b * b + 4 * a * c)
     found = whirl(_turning(), np.array([0.0, speed]), 3)
     exact = np.concatenate([2 * c / (b + root), (b + root) / (2 * a)]) / TWO_PI
-    np.testing.assert_allclose(found.frequency[1], [*np.sort((root - b) / (2 * a)) / TWO_PI, *exact[3:]], rtol=1e-12)
+    np.testing.assert_allclose(
+        found.frequency[1], [*np.sort((root - b) / (2 * a)) / TWO_PI, *exact[3:]], rtol=1e-12
+    )
     np.testing.assert_array_equal(found.direction[1], [-1, -1, -1, 1, 1, 1])
     np.testing.assert_array_equal(found.log_decrement, 0.0)
     np.testing.assert_allclose(found.frequency[0, :3], found.frequency[0, 3:], rtol=1e-12)
@@ -64,7 +68,9 @@ def test_critical_speeds_of_the_tube_lie_about_the_formula_of_the_joint_makers()
     share = MOMENT / AREA * (math.pi / LENGTH) ** 2
     backward, forward = criticals(_turning(), 1, 1.2 * formula)
     assert forward.speed / formula == pytest.approx((1 - share) ** -0.5, rel=1e-12)  # 0.36 % higher
-    assert backward.speed / formula == pytest.approx((1 + 3 * share) ** -0.5, rel=1e-12)  # 1.1 % lower
+    assert backward.speed / formula == pytest.approx(
+        (1 + 3 * share) ** -0.5, rel=1e-12
+    )  # 1.1 % lower
 
 
 MASS_OF_DISC, DIAMETRAL, POLAR = 30.0, 0.6, 1.1
@@ -115,7 +121,9 @@ def test_damped_supports_decay_as_their_cubic_says(damping: tuple[float, float])
         exact.append(roots[np.argmax(roots.imag)])
     exact.sort(key=abs)
     found = whirl(_supported(stiffness, damping), np.array([40.0]), 1)
-    np.testing.assert_allclose(found.frequency[0] * TWO_PI, [root.imag for root in exact], rtol=1e-10)
+    np.testing.assert_allclose(
+        found.frequency[0] * TWO_PI, [root.imag for root in exact], rtol=1e-10
+    )
     decrement = [-TWO_PI * root.real / root.imag for root in exact]
     np.testing.assert_allclose(found.log_decrement[0], decrement, rtol=1e-9)
 
@@ -135,7 +143,9 @@ def test_heavily_damped_whirl_is_an_eigenvalue_of_the_whole_shaft() -> None:
         damped[part, part] = system.support("damping", plane)[at]
         heavy[part, part] = system.inertia[at]
     turning[:n, n:], turning[n:, :n] = system.gyroscopic[at], -system.gyroscopic[at]
-    top = np.hstack([-np.linalg.solve(stiff, damped + speed * turning), -np.linalg.solve(stiff, heavy)])
+    top = np.hstack(
+        [-np.linalg.solve(stiff, damped + speed * turning), -np.linalg.solve(stiff, heavy)]
+    )
     inverse = np.linalg.eigvals(np.vstack([top, np.eye(2 * n, 4 * n)]))
     roots = 1 / inverse[np.argsort(-np.abs(inverse))[:30]]
     exact = roots[roots.imag > 1.0][:8]
@@ -164,8 +174,12 @@ def test_a_loss_factor_drives_the_forward_whirl_above_its_critical_speed() -> No
             a, b = MASS + ROTARY * k**2, 2 * ROTARY * k**2 * speed
             w = found.frequency[row, column] * TWO_PI * sign
             stiff = STIFF * k**4 * (1 + 1j * eta * np.sign(w - speed))
-            exact = w - (a * w * w - b * w - stiff) / (2 * a * w - b)  # Newton: the loss moves it by 1e-6
-            assert found.log_decrement[row, column] == pytest.approx(TWO_PI * exact.imag / abs(w), rel=1e-5)
+            exact = w - (a * w * w - b * w - stiff) / (
+                2 * a * w - b
+            )  # Newton: the loss moves it by 1e-6
+            assert found.log_decrement[row, column] == pytest.approx(
+                TWO_PI * exact.imag / abs(w), rel=1e-5
+            )
     assert found.log_decrement[1, 1] < 0 < found.log_decrement[1, 0]
 
 
@@ -174,7 +188,9 @@ def _line(stiff, w, speed, couple, x):
 
     E I u'''' + (rho I w2 - 2 rho I Omega w) u'' - rho A w2 u = 0, and E I u'' = i couple at the start.
     """
-    a, b = np.sqrt(np.roots([stiff, ROTARY * w * w - 2 * ROTARY * speed * w, -MASS * w * w]).astype(complex))
+    a, b = np.sqrt(
+        np.roots([stiff, ROTARY * w * w - 2 * ROTARY * speed * w, -MASS * w * w]).astype(complex)
+    )
     shapes = [np.sinh(r * (LENGTH - x)) / np.sinh(r * LENGTH) for r in (a, b)]
     size = 1j * couple / (stiff * (a * a - b * b))
     return size * (shapes[0] - shapes[1]), size * stiff * (a * a * shapes[0] - b * b * shapes[1])
@@ -222,7 +238,9 @@ def test_answer_to_a_couple_is_its_sum_over_the_modes() -> None:
 def test_joints_bear_a_standing_couple_as_two_bearings_do() -> None:
     couple = np.array([[[50.0, -20.0], [0, 0]]], dtype=complex)
     found = answer(_turning(), 0, np.array([100.0]), couple)
-    exact = -np.array([20.0, 50.0]) / LENGTH  # of the shaft on the farther bearing: x times force + couple = 0
+    exact = (
+        -np.array([20.0, 50.0]) / LENGTH
+    )  # of the shaft on the farther bearing: x times force + couple = 0
     np.testing.assert_allclose(found.force[0, 1], exact, rtol=1e-10)
     np.testing.assert_allclose(found.force[0, 0], -exact, rtol=1e-10)
 
@@ -233,7 +251,10 @@ def test_forces_on_joints_and_supports_balance_the_inertia() -> None:
     found = answer(both, 2, np.array([330.0]), np.concatenate([COUPLE, np.zeros((1, 2))])[None])
     boole = np.array([7, 32, 12, 32, 7]) / 90
     fine = found.displacement[0].reshape(len(both.system.cells), 5, 2)
-    moved = sum(MASS * cell.section.length * (boole @ line) for cell, line in zip(both.system.cells, fine, strict=True))
+    moved = sum(
+        MASS * cell.section.length * (boole @ line)
+        for cell, line in zip(both.system.cells, fine, strict=True)
+    )
     at = int(np.argmin(np.abs(places(both.system).position - spring.at)))
     moved = moved + spring.mass * found.displacement[0, at]
     np.testing.assert_allclose(found.force[0].sum(axis=0), (2 * 330.0) ** 2 * moved, rtol=1e-7)
@@ -259,7 +280,10 @@ def test_a_damped_resonance_is_met_at_its_peak() -> None:
     speed = speeds_for(np.linspace(200.0, 600.0, 5), resonances)
     couple = np.concatenate([COUPLE, np.zeros((1, 2))])
     dense = np.linspace(0.97 * resonances[0].speed, 1.03 * resonances[1].speed, 301)
-    few, many = (answer(both, 2, grid, np.tile(couple, (len(grid), 1, 1))).orbit.max() for grid in (speed, dense))
+    few, many = (
+        answer(both, 2, grid, np.tile(couple, (len(grid), 1, 1))).orbit.max()
+        for grid in (speed, dense)
+    )
     assert few == pytest.approx(many, rel=1e-2)
     assert all(crossing.damping_ratio > 0 for crossing in resonances)
 
@@ -268,7 +292,10 @@ def test_equal_supports_given_apart_answer_as_equal_ones() -> None:
     # the path of unequal planes against that of y + i z
     springs = [(1e7, 1e7), (1e7, 1e7 * (1 + 1e-13))]
     one, other = (
-        _turning((PINNED[0], Point(1.3, stiffness=pair, damping=(5e3, 5e3))), replace(TUBE, loss_factor=0.01))
+        _turning(
+            (PINNED[0], Point(1.3, stiffness=pair, damping=(5e3, 5e3))),
+            replace(TUBE, loss_factor=0.01),
+        )
         for pair in springs
     )
     assert (one.is_isotropic, other.is_isotropic) == (True, False)

@@ -37,7 +37,9 @@ def _cardan(first: Joint, second: Joint):
 
 
 def test_a_tube_between_two_joints_has_the_critical_speeds_of_rayleigh() -> None:
-    found = lateral(_cardan(Joint(angle="5 deg"), Joint(angle="5 deg")), SPEEDS, LateralSettings(torque=500.0))
+    found = lateral(
+        _cardan(Joint(angle="5 deg"), Joint(angle="5 deg")), SPEEDS, LateralSettings(torque=500.0)
+    )
     (shaft,) = found.shafts
     square, k = (0.12**2 + 0.108**2) / 16, math.pi / 1.5
     euler = k**2 * math.sqrt(206e9 * square / 7850)
@@ -53,22 +55,36 @@ def test_a_tube_between_two_joints_has_the_critical_speeds_of_rayleigh() -> None
 
 def test_shear_lowers_the_critical_speeds() -> None:
     built = _cardan(Joint(angle="5 deg"), Joint(angle="5 deg"))
-    plain, soft = (lateral(built, SPEEDS, LateralSettings(modes=2, shear=shear)).shafts[0] for shear in (False, True))
+    plain, soft = (
+        lateral(built, SPEEDS, LateralSettings(modes=2, shear=shear)).shafts[0]
+        for shear in (False, True)
+    )
     drop = 1 - soft.critical[0].speed / plain.critical[0].speed
     # first order of Timoshenko: E/(kappa G) times that of rotary inertia, half of r2 k2
-    assert drop == pytest.approx(0.5 * (0.12**2 + 0.108**2) / 16 * (math.pi / 1.5) ** 2 * 206 / 79.3 / 0.534, rel=0.1)
+    assert drop == pytest.approx(
+        0.5 * (0.12**2 + 0.108**2) / 16 * (math.pi / 1.5) ** 2 * 206 / 79.3 / 0.534, rel=0.1
+    )
 
 
 def _ends(built, torque: float = 100.0, shaft: int = 0) -> dict[int, np.ndarray]:
     every, shafts = placed(built), bending_shafts(built)[0]
-    return {order: c[0] for order, c in couples_at(every, shafts[shaft], np.full((len(every), 1), torque)).items()}
+    return {
+        order: c[0]
+        for order, c in couples_at(every, shafts[shaft], np.full((len(every), 1), torque)).items()
+    }
 
 
 @pytest.mark.parametrize("angle", [5, 30])
 def test_couples_of_a_joint_are_its_mean_and_twice_a_turn(angle: int) -> None:
     phase = 0.3
     joint = Joint(angle=f"{angle} deg", phase="0.3 rad")
-    built = train([Disc(inertia=1.0), joint, Shaft(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7})])
+    built = train(
+        [
+            Disc(inertia=1.0),
+            joint,
+            Shaft(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7}),
+        ]
+    )
     found, exact = _ends(built), couple_harmonics(math.radians(angle), 100.0)[1]
     turn = np.exp(2j * phase)
     np.testing.assert_allclose(found[0][0], [0.0, exact.mean], atol=1e-12)
@@ -77,7 +93,9 @@ def test_couples_of_a_joint_are_its_mean_and_twice_a_turn(angle: int) -> None:
 
 
 def test_couples_of_parallel_shafts_cancel_on_the_tube_as_a_whole() -> None:
-    found = _ends(_cardan(Joint(angle="20 deg"), Joint(angle="20 deg", plane="180 deg", phase="180 deg")))
+    found = _ends(
+        _cardan(Joint(angle="20 deg"), Joint(angle="20 deg", plane="180 deg", phase="180 deg"))
+    )
     for order in (0, 2):
         np.testing.assert_allclose(found[order].sum(axis=0), 0.0, atol=1e-11)
         assert np.abs(found[order][0]).max() > 1.0
@@ -91,17 +109,28 @@ def test_couples_of_a_double_cardan_that_bends_one_way_add_up() -> None:
 
 
 def test_the_constant_torque_may_be_that_of_the_last_shaft() -> None:
-    built = train([Shaft(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7}), Joint(angle="30 deg")])
+    built = train(
+        [
+            Shaft(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7}),
+            Joint(angle="30 deg"),
+        ]
+    )
     (shaft,) = bending_shafts(built)[0]
     found = couples_at(placed(built), shaft, np.full((1, 1), 100.0), "driven")
     c, x = math.cos(math.radians(30)), 2 * np.pi * np.arange(512) / 512
-    curve = 100.0 * math.tan(math.radians(30)) * np.sin(x) ** 2 * c / (1 - (1 - c * c) * np.cos(x) ** 2)
+    curve = (
+        100.0 * math.tan(math.radians(30)) * np.sin(x) ** 2 * c / (1 - (1 - c * c) * np.cos(x) ** 2)
+    )
     assert found[0][0, 0, 1] == pytest.approx(curve.mean(), rel=1e-12)
     assert found[2][0, 0, 1] == pytest.approx(2 * np.mean(curve * np.exp(-2j * x)), rel=1e-12)
 
 
 def test_a_support_counts_from_the_end_that_faces_the_joint() -> None:
-    held = Shaft(length=1.0, diameter=0.05, support={"at": 0.3, "stiffness": [2e7, 1e7], "damping": 50.0, "mass": 4.0})
+    held = Shaft(
+        length=1.0,
+        diameter=0.05,
+        support={"at": 0.3, "stiffness": [2e7, 1e7], "damping": 50.0, "mass": 4.0},
+    )
     for line, place in (([held, JOINT, Disc(inertia=1)], 0.7), ([JOINT, held], 0.3)):
         (shaft,) = bending_shafts(train([Disc(inertia=1.0), Coupling(stiffness=1e4), *line]))[0]
         point = shaft.beam.points[1]
@@ -111,10 +140,17 @@ def test_a_support_counts_from_the_end_that_faces_the_joint() -> None:
 
 
 def test_shafts_in_a_row_bend_as_one_and_elastic_couplings_part_them() -> None:
-    built = train([
-        Shaft(length=0.5, diameter=0.05), Disc(name="flange", inertia=0.1), Shaft(length=0.7, diameter=0.06), JOINT,
-        Shaft(length=0.4, diameter=0.05), Coupling(stiffness=1e4), Shaft(length=0.3, diameter=0.05),
-    ])  # fmt: skip
+    built = train(
+        [
+            Shaft(length=0.5, diameter=0.05),
+            Disc(name="flange", inertia=0.1),
+            Shaft(length=0.7, diameter=0.06),
+            JOINT,
+            Shaft(length=0.4, diameter=0.05),
+            Coupling(stiffness=1e4),
+            Shaft(length=0.3, diameter=0.05),
+        ]
+    )
     shafts, faults = bending_shafts(built)
     assert [len(shaft.parts) for shaft in shafts] == [2, 1, 1]
     assert shafts[0].loads == ("flange",)
@@ -145,10 +181,16 @@ analyses: {lateral: }
             "one place only, because its support lies on the joint itself",
         ),
         ("support: {at: 0.8, stiffness: 1e-9}", "1e-9", "too soft to compute"),
-        ("note: a", "lateral", "shaft-1: it is not supported: it needs a joint at either end, a joint and a `support`"),
+        (
+            "note: a",
+            "lateral",
+            "shaft-1: it is not supported: it needs a joint at either end, a joint and a `support`",
+        ),
     ],
 )
-def test_why_a_shaft_cannot_bend_is_told_at_the_key_that_would_mend_it(keys: str, at: str, words: str) -> None:
+def test_why_a_shaft_cannot_bend_is_told_at_the_key_that_would_mend_it(
+    keys: str, at: str, words: str
+) -> None:
     text = BENT.replace("KEYS", keys)
     with pytest.raises(InputError) as caught:
         parse(text)
@@ -158,7 +200,9 @@ def test_why_a_shaft_cannot_bend_is_told_at_the_key_that_would_mend_it(keys: str
 
 
 def test_a_shaft_that_is_held_but_weighs_nothing_is_told_at_its_material() -> None:
-    text = BENT.replace("KEYS", "support: {at: 0.8, stiffness: 1e6}").replace("density: 7850", "density: 0")
+    text = BENT.replace("KEYS", "support: {at: 0.8, stiffness: 1e6}").replace(
+        "density: 7850", "density: 0"
+    )
     with pytest.raises(InputError) as caught:
         parse(text)
     (fault,) = caught.value.faults
@@ -172,7 +216,9 @@ def test_a_soft_support_lets_the_shaft_swing_as_a_rigid_pendulum(share: float) -
     bending = 206e9 * math.pi * 0.06**4 / 64
     stiffness = share * bending / 0.8**2  # so that it holds the tilt with this share
     tail = Shaft(length=1.0, diameter=0.06, support={"at": 0.8, "stiffness": stiffness})
-    (shaft,) = lateral(train([Disc(inertia=1.0), JOINT, tail]), SPEEDS, LateralSettings(modes=1)).shafts
+    (shaft,) = lateral(
+        train([Disc(inertia=1.0), JOINT, tail]), SPEEDS, LateralSettings(modes=1)
+    ).shafts
     mass = 7850 * math.pi / 4 * 0.06**2
     rigid = math.sqrt(stiffness * 0.64 / (mass * (1 / 3 + 0.06**2 / 16))) / (2 * math.pi)
     assert shaft.at_rest.y[0] == pytest.approx(rigid, rel=1e-3 * share + 1e-6)
@@ -197,10 +243,13 @@ def test_a_shaft_behind_a_gear_turns_at_its_own_speed() -> None:
 
 def test_the_answer_grows_with_the_mean_torque() -> None:
     built = _cardan(JOINT, JOINT)
-    rated = Operation(speeds=SPEEDS.speeds, rated=Rated(speed="6000 rpm", power="100 kW"), load="constant")
+    rated = Operation(
+        speeds=SPEEDS.speeds, rated=Rated(speed="6000 rpm", power="100 kW"), load="constant"
+    )
     torque = 100e3 / (200 * math.pi)
     one, other = (
-        lateral(built, *given).shafts[0].answers for given in ((rated,), (SPEEDS, LateralSettings(torque=torque)))
+        lateral(built, *given).shafts[0].answers
+        for given in ((rated,), (SPEEDS, LateralSettings(torque=torque)))
     )
     np.testing.assert_allclose(one[1].displacement, other[1].displacement, rtol=1e-9)
 
@@ -215,14 +264,21 @@ def test_what_is_left_out_is_told() -> None:
 
 
 def test_a_train_without_a_held_shaft_is_refused() -> None:
-    with pytest.raises(InputError, match="no shaft of the train can bend: shaft-1: it is not supported"):
-        lateral(train([Disc(inertia=1.0), Shaft(length=1.0, diameter=0.05), Disc(inertia=1.0)]), SPEEDS)
+    with pytest.raises(
+        InputError, match="no shaft of the train can bend: shaft-1: it is not supported"
+    ):
+        lateral(
+            train([Disc(inertia=1.0), Shaft(length=1.0, diameter=0.05), Disc(inertia=1.0)]), SPEEDS
+        )
 
 
 def test_a_support_beside_its_shaft_and_a_material_without_a_modulus_are_faults() -> None:
     rubber = Material(shear_modulus=79e9, density=7850.0)
     held = Shaft(length=1.0, diameter=0.05, support={"at": 1.1, "stiffness": 1e7})
-    built = train([JOINT, held, Joint(angle="1 deg"), _tube(material="rubber"), JOINT], materials={"rubber": rubber})
+    built = train(
+        [JOINT, held, Joint(angle="1 deg"), _tube(material="rubber"), JOINT],
+        materials={"rubber": rubber},
+    )
     with pytest.raises(InputError) as caught:
         lateral(built, SPEEDS)
     assert [fault.path for fault in caught.value.faults] == [
@@ -255,7 +311,9 @@ def test_a_faulty_support_is_refused(keys: dict, words: str) -> None:
 
 
 def test_a_support_reads_the_units_of_the_trade() -> None:
-    support = Support(at="120 mm", stiffness=["50 MN/m", "40 kN/mm"], damping="2 kN*s/m", mass="3 kg")
+    support = Support(
+        at="120 mm", stiffness=["50 MN/m", "40 kN/mm"], damping="2 kN*s/m", mass="3 kg"
+    )
     assert support.stiffness_of_planes == (50e6, 40e6)
     assert support.damping_of_planes == (2e3, 2e3)
     assert (support.at, support.mass) == (0.12, 3.0)

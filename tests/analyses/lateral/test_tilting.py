@@ -12,7 +12,9 @@ from torsion.findings import Findings
 from torsion.rules.verdict_line import Checks
 
 LENGTH, INERTIA, POLAR = 0.46, 4.597e-3, 3.96e-5
-RADIUS = math.sqrt(POLAR * LENGTH**2 / 3.0 / (0.5 - POLAR / 4.0))  # of a rod with that polar / transverse inertia
+RADIUS = math.sqrt(
+    POLAR * LENGTH**2 / 3.0 / (0.5 - POLAR / 4.0)
+)  # of a rod with that polar / transverse inertia
 DENSITY = INERTIA / (math.pi * RADIUS**2 * LENGTH * (LENGTH**2 / 3.0 + RADIUS**2 / 4.0))
 ROD = """
 name: Zhu and Wang
@@ -39,7 +41,9 @@ analyses: {{lateral: }}
 
 
 def rod(first: float, last: float, damping: float = 1e-3) -> Findings:
-    text = ROD.format(density=DENSITY, diameter=2.0 * RADIUS, first=first, last=last, damping=damping)
+    text = ROD.format(
+        density=DENSITY, diameter=2.0 * RADIUS, first=first, last=last, damping=damping
+    )
     return torsion.run(torsion.parse(text))
 
 
@@ -49,7 +53,9 @@ def bar(shaft: str, joint: str = "joint: {name: cross, angle: 5 deg}") -> ShaftF
     return found.shafts[0]
 
 
-@pytest.mark.parametrize(("damping", "rates"), [(1e-3, (0.28903193, 0.01699056)), (0.0, (0.31205048, 0.04000852))])
+@pytest.mark.parametrize(
+    ("damping", "rates"), [(1e-3, (0.28903193, 0.01699056)), (0.0, (0.31205048, 0.04000852))]
+)
 def test_file_gives_the_growth_of_zhu_and_wang(damping: float, rates: tuple[float, float]) -> None:
     for speed, rate in zip((25.9, 26.2), rates, strict=True):
         tilting = rod(25.0, speed, damping).need(Lateral).shafts[0].tilting
@@ -73,13 +79,20 @@ def test_file_gives_the_zone_of_zhu_and_wang_and_fails_the_verdict() -> None:
 def test_file_gives_every_published_boundary_of_zhu_and_wang() -> None:
     found = rod(4.0, 36.0).need(Lateral).shafts[0].tilting.zones
     assert [zone.kind for zone in found] == [
-        "difference of 2 and 1", "principal of 1", "sum of 1 and 2", "principal of 2",
-    ]  # fmt: skip
+        "difference of 2 and 1",
+        "principal of 1",
+        "sum of 1 and 2",
+        "principal of 2",
+    ]
     expected = [
-        (6.6247381078, 7.1833181926), (18.4726571828, 19.3380958794), (25.2412094394, 26.3253892466),
+        (6.6247381078, 7.1833181926),
+        (18.4726571828, 19.3380958794),
+        (25.2412094394, 26.3253892466),
         (32.4240786602, 32.9273342758),
-    ]  # fmt: skip
-    np.testing.assert_allclose([(zone.lower, zone.upper) for zone in found], expected, rtol=0.0, atol=1e-9)
+    ]
+    np.testing.assert_allclose(
+        [(zone.lower, zone.upper) for zone in found], expected, rtol=0.0, atol=1e-9
+    )
 
 
 def test_inertia_about_the_joint_is_that_of_a_hollow_bar_with_a_mass() -> None:
@@ -89,13 +102,19 @@ def test_inertia_about_the_joint_is_that_of_a_hollow_bar_with_a_mass() -> None:
     mass = 7850.0 * np.pi / 4.0 * (0.06**2 - 0.04**2) * 0.5
     across = mass * (0.5**2 / 3.0 + (0.06**2 + 0.04**2) / 16.0) + 3.0 * 0.4**2
     assert tilting.shaft.inertia == pytest.approx(across, rel=1e-14)
-    assert tilting.shaft.polar * across == pytest.approx(mass * (0.06**2 + 0.04**2) / 8.0, rel=1e-14)
-    assert tilting.frequency["y"] == pytest.approx(0.4 * math.sqrt(1e3 / across) / (2.0 * np.pi), rel=1e-14)
+    assert tilting.shaft.polar * across == pytest.approx(
+        mass * (0.06**2 + 0.04**2) / 8.0, rel=1e-14
+    )
+    assert tilting.frequency["y"] == pytest.approx(
+        0.4 * math.sqrt(1e3 / across) / (2.0 * np.pi), rel=1e-14
+    )
     assert tilting.frequency["z"] == tilting.frequency["y"]
 
 
 def test_inertia_of_a_cone_is_its_integral() -> None:
-    tilting = bar("{length: 0.5 m, diameter: [80 mm, 40 mm], support: {at: 0.5 m, stiffness: 1 kN/m}}").tilting
+    tilting = bar(
+        "{length: 0.5 m, diameter: [80 mm, 40 mm], support: {at: 0.5 m, stiffness: 1 kN/m}}"
+    ).tilting
     polynomial = np.polynomial.Polynomial
     across, place = polynomial([0.08, -0.08]), polynomial([0.0, 1.0])
     area, second = np.pi / 4.0 * across**2, np.pi / 64.0 * across**4
@@ -108,15 +127,23 @@ def test_supports_of_both_planes_keep_their_axes() -> None:
         "{length: 0.5 m, diameter: 60 mm, support: {at: 0.4 m, stiffness: [1 kN/m, 4 kN/m], damping: [1, 2]}}"
     ).tilting
     assert tilting.frequency["z"] == pytest.approx(2.0 * tilting.frequency["y"], rel=1e-14)
-    assert tilting.shaft.frequency[1] == pytest.approx(2.0 * np.pi * tilting.frequency["z"], rel=1e-4)
-    assert tilting.shaft.decay[::-1] == pytest.approx(0.16 * np.array([1.0, 2.0]) / tilting.shaft.inertia, rel=1e-6)
+    assert tilting.shaft.frequency[1] == pytest.approx(
+        2.0 * np.pi * tilting.frequency["z"], rel=1e-4
+    )
+    assert tilting.shaft.decay[::-1] == pytest.approx(
+        0.16 * np.array([1.0, 2.0]) / tilting.shaft.inertia, rel=1e-6
+    )
 
 
 def test_torque_follows_the_load_at_every_speed() -> None:
-    shaft = bar("{length: 0.5 m, diameter: 60 mm, support: {at: 0.4 m, stiffness: 1 kN/m}}").tilting.shaft
+    shaft = bar(
+        "{length: 0.5 m, diameter: 60 mm, support: {at: 0.4 m, stiffness: 1 kN/m}}"
+    ).tilting.shaft
     speeds = np.array([3.0, 30.0 * np.pi])
     rated = 5000.0 / (30.0 * np.pi)
-    np.testing.assert_allclose(shaft.pull_at(speeds) * shaft.inertia, rated * (speeds / speeds[1]) ** 2, rtol=1e-13)
+    np.testing.assert_allclose(
+        shaft.pull_at(speeds) * shaft.inertia, rated * (speeds / speeds[1]) ** 2, rtol=1e-13
+    )
 
 
 def test_isotropic_undamped_shaft_grows_by_the_mean_couple_alone() -> None:
@@ -138,7 +165,11 @@ def rod_of_one_frequency() -> Findings:
 @pytest.mark.parametrize(
     ("shaft", "joint", "words"),
     [
-        ("{length: 2 m, diameter: 20 mm, support: {at: 2 m, stiffness: 1 MN/m}}", None, "bends too easily"),
+        (
+            "{length: 2 m, diameter: 20 mm, support: {at: 2 m, stiffness: 1 MN/m}}",
+            None,
+            "bends too easily",
+        ),
         (
             "{length: 0.5 m, diameter: 60 mm, support: {at: 0.4 m, stiffness: 1 kN/m}}",
             "joint: {kind: tripod, angle: 5 deg, radius: 30 mm, arm: 0.6 m, bearing: single}",

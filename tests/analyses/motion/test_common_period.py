@@ -35,14 +35,25 @@ train:
   - disc: {{name: screw, inertia: {screw}, damping: {damping}}}
 excitations: [{{at: motor-1, order: 1, torque: 3}}, {{at: screw, order: 3, torque: 10}}]
 analyses: {{stability: {{method: {method}}}}}
-"""  # fmt: skip
+"""
 
 
 def read(first: float, last: float, steps: int = 2, method: str = "monodromy") -> Study:
-    return torsion.parse(SCENE.format(
-        first=first, last=last, steps=steps, method=method, torque=TORQUE, motor=MOTOR, angle=ANGLE, screw=SCREW,
-        stiffness=STIFFNESS, viscous=VISCOUS, damping=DAMPING,
-    ))  # fmt: skip
+    return torsion.parse(
+        SCENE.format(
+            first=first,
+            last=last,
+            steps=steps,
+            method=method,
+            torque=TORQUE,
+            motor=MOTOR,
+            angle=ANGLE,
+            screw=SCREW,
+            stiffness=STIFFNESS,
+            viscous=VISCOUS,
+            damping=DAMPING,
+        )
+    )
 
 
 def rates(y: np.ndarray, mean: float, drive: float) -> np.ndarray:
@@ -70,20 +81,33 @@ def floquet(speed: float) -> np.ndarray:
 
     def after(start: np.ndarray, drive: float) -> np.ndarray:
         solved = solve_ivp(
-            lambda t, y: rates(y, mean, drive), (0.0, period), start, method="DOP853", rtol=1e-12, atol=1e-13
+            lambda t, y: rates(y, mean, drive),
+            (0.0, period),
+            start,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-13,
         )
         return solved.y[:, -1]
 
     def missed(unknown: np.ndarray) -> np.ndarray:
         start = np.array([0.0, *unknown[:3]])
-        return (after(start, unknown[3]) - start - [np.pi, np.pi, 0.0, 0.0]) / [1.0, 1.0, mean, mean]
+        return (after(start, unknown[3]) - start - [np.pi, np.pi, 0.0, 0.0]) / [
+            1.0,
+            1.0,
+            mean,
+            mean,
+        ]
 
     load = TORQUE / RATIO
-    found, _, _, words = fsolve(missed, [-load / STIFFNESS, mean, mean, load], xtol=1e-12, full_output=True)
+    found, _, _, words = fsolve(
+        missed, [-load / STIFFNESS, mean, mean, load], xtol=1e-12, full_output=True
+    )
     assert np.abs(missed(found)).max() < 1e-9, words
     start, step = np.array([0.0, *found[:3]]), np.array([1e-5, 1e-5, 1e-5 * mean, 1e-5 * mean])
     columns = [
-        (after(start + one, found[3]) - after(start - one, found[3])) / (2.0 * one.max()) for one in np.diag(step)
+        (after(start + one, found[3]) - after(start - one, found[3])) / (2.0 * one.max())
+        for one in np.diag(step)
     ]
     multiplier = np.linalg.eigvals(np.array(columns).T)
     free = int(np.argmin(np.abs(multiplier - 1.0)))
@@ -92,8 +116,12 @@ def floquet(speed: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("method", ["monodromy", "hill"])
-def test_joint_behind_a_gear_of_37_and_211_teeth_has_the_growth_of_its_equations_written_out(method):
-    mode = np.sqrt(STIFFNESS * (RATIO**2 / MOTOR + 1.0 / SCREW)) / RATIO  # principal zone: order 2 at twice the mode
+def test_joint_behind_a_gear_of_37_and_211_teeth_has_the_growth_of_its_equations_written_out(
+    method,
+):
+    mode = (
+        np.sqrt(STIFFNESS * (RATIO**2 / MOTOR + 1.0 / SCREW)) / RATIO
+    )  # principal zone: order 2 at twice the mode
     found = torsion.run(read(0.97 * mode, mode, 2, method)).need(Stability)
     for speed in (0.97 * mode, mode):
         at = int(np.argmin(np.abs(found.speed - speed)))
@@ -106,7 +134,9 @@ def test_stability_takes_the_period_of_the_joints_alone():
     study = read(300.0, 600.0)
     system = assemble(study.train)
     at = scene(study, system, vibratory=False)
-    assert 1 / at.order == Fraction(211, 74)  # revolutions of the motor: half of one of the joint's shaft
+    assert 1 / at.order == Fraction(
+        211, 74
+    )  # revolutions of the motor: half of one of the joint's shaft
     assert harmonics_at_least(at) < 20
     assert 1 / scene(study, system).order == 211
 
@@ -147,7 +177,11 @@ def test_teeth_that_are_offered_are_near_and_enough(seed):
     assert f"name: {gear}" in text.splitlines()[3 + error.path[1]]
     offered = re.search(r"teeth: \[(\d+), (\d+)\]", error.hint)
     if offered is None:
-        every = [(own, Fraction(round(own * teeth), teeth)) for own in ratio.values() for teeth in range(1, most)]
+        every = [
+            (own, Fraction(round(own * teeth), teeth))
+            for own in ratio.values()
+            for teeth in range(1, most)
+        ]
         near = [new / own for own, new in every if abs(new / own - 1) <= 0.02]
         assert all(harmonics(Fraction(1), whole * one, rank) > most for one in near)
         return
@@ -163,14 +197,19 @@ def test_orders_of_one_shaft_that_rarely_repeat_are_named_without_a_gear():
         "excitations: [{at: b, order: 1/977, torque: 1}]\n"
     ).train
     error = too_long(train, 5, 400, vibratory=True)
-    assert re.search(r"joint-1 \(order 2 of its shaft\) and b .*1/977.* only every 977 revolutions", error.message)
+    assert re.search(
+        r"joint-1 \(order 2 of its shaft\) and b .*1/977.* only every 977 revolutions",
+        error.message,
+    )
     assert error.path == ()
 
 
 def test_gear_with_joints_on_both_sides_is_named_with_its_line():
     text = TWO_GEARS.format(1, 2, 97, 101) + "operation: {speeds: {from: 10 rad/s, to: 20 rad/s}}\n"
     study = torsion.parse(text)
-    with pytest.raises(SolveError, match=r"'far' .teeth 97/101. and repeat together only every 101 rev") as caught:
+    with pytest.raises(
+        SolveError, match=r"'far' .teeth 97/101. and repeat together only every 101 rev"
+    ) as caught:
         harmonics_at_least(scene(study, assemble(study.train)))
     assert study.train.parts[5].name == "far"
     assert caught.value.path == study.train.parts[5].path

@@ -34,30 +34,49 @@ def made(line: list, operation: Operation | None = None) -> tuple[Study, System]
 
 def seven_parts(loss: float = 0.05, *, damping: float = 5.0) -> tuple[Study, System]:
     """Two joints of 25 deg whose effects add up, the last coupling with a loss factor."""
-    return made([
-        Motor(inertia=2.0), Coupling(stiffness=2e4, viscous=0.4), Joint(angle="25 deg", inertia=(0.02, 0.02)),
-        Coupling(stiffness=1.5e4, viscous=0.3), Disc(inertia=0.05),
-        Joint(angle="25 deg", phase="90 deg", inertia=(0.0, 0.03)), Coupling(stiffness=3e4, loss_factor=loss),
-        Disc(inertia=0.8, damping=damping),
-    ])  # fmt: skip
+    return made(
+        [
+            Motor(inertia=2.0),
+            Coupling(stiffness=2e4, viscous=0.4),
+            Joint(angle="25 deg", inertia=(0.02, 0.02)),
+            Coupling(stiffness=1.5e4, viscous=0.3),
+            Disc(inertia=0.05),
+            Joint(angle="25 deg", phase="90 deg", inertia=(0.0, 0.03)),
+            Coupling(stiffness=3e4, loss_factor=loss),
+            Disc(inertia=0.8, damping=damping),
+        ]
+    )
 
 
 def ringed(damping: float = 12.0) -> tuple[Study, System]:
     """The same with a ring that hangs by damping alone."""
-    return made([
-        Motor(inertia=2.0), Coupling(stiffness=2e4, loss_factor=0.05), Joint(angle="25 deg", inertia=(0.02, 0.02)),
-        Coupling(stiffness=1.5e4), RingDamper(housing=0.3, ring=0.3, damping=damping),
-        Coupling(stiffness=3e4, loss_factor=0.05), Disc(inertia=0.8, damping=2.0),
-    ])  # fmt: skip
+    return made(
+        [
+            Motor(inertia=2.0),
+            Coupling(stiffness=2e4, loss_factor=0.05),
+            Joint(angle="25 deg", inertia=(0.02, 0.02)),
+            Coupling(stiffness=1.5e4),
+            RingDamper(housing=0.3, ring=0.3, damping=damping),
+            Coupling(stiffness=3e4, loss_factor=0.05),
+            Disc(inertia=0.8, damping=2.0),
+        ]
+    )
 
 
 def massless() -> tuple[Study, System]:
     """The first with joints that have no inertia."""
-    return made([
-        Motor(inertia=2.0), Coupling(stiffness=2e4, viscous=0.4), Joint(angle="25 deg"),
-        Coupling(stiffness=1.5e4, viscous=0.3), Disc(inertia=0.05), Joint(angle="25 deg", phase="90 deg"),
-        Coupling(stiffness=3e4, loss_factor=0.05), Disc(inertia=0.8, damping=5.0),
-    ])  # fmt: skip
+    return made(
+        [
+            Motor(inertia=2.0),
+            Coupling(stiffness=2e4, viscous=0.4),
+            Joint(angle="25 deg"),
+            Coupling(stiffness=1.5e4, viscous=0.3),
+            Disc(inertia=0.05),
+            Joint(angle="25 deg", phase="90 deg"),
+            Coupling(stiffness=3e4, loss_factor=0.05),
+            Disc(inertia=0.8, damping=5.0),
+        ]
+    )
 
 
 def long_train(number: int) -> tuple[Study, System]:
@@ -114,10 +133,15 @@ def test_growth_of_the_exact_response_leaves_the_free_turning_out(line):
 def test_vibratory_torque_of_the_joints_order_does_not_hold_the_free_turning_to_a_phase(phase):
     def growth(torque: float) -> float:
         line = [
-            Motor(inertia=2.0), Coupling(stiffness=2e4, viscous=0.4), Joint(angle="25 deg", inertia=(0.02, 0.02)),
-            Coupling(stiffness=1.5e4, viscous=0.3), Disc(name="load", inertia=0.8, damping=5.0),
-        ]  # fmt: skip
-        built = train(line, excitations=[Excitation(at="load", order=2, torque=torque, phase=f"{phase} deg")])
+            Motor(inertia=2.0),
+            Coupling(stiffness=2e4, viscous=0.4),
+            Joint(angle="25 deg", inertia=(0.02, 0.02)),
+            Coupling(stiffness=1.5e4, viscous=0.3),
+            Disc(name="load", inertia=0.8, damping=5.0),
+        ]
+        built = train(
+            line, excitations=[Excitation(at="load", order=2, torque=torque, phase=f"{phase} deg")]
+        )
         study, system = Study("shaken", built, operation=CONSTANT), assemble(built)
         return growth_there(study, system, 70.0)
 
@@ -130,7 +154,9 @@ def test_vibratory_torque_of_the_joints_order_does_not_hold_the_free_turning_to_
 @pytest.mark.parametrize("method", ["monodromy", "hill"])
 def test_train_on_few_modes_turns_as_freely_as_the_whole(method):
     whole = growth_search(*long_train(12)).growth(90.0)
-    assert growth_search(*long_train(12), modes=4, method=method).growth(90.0) == pytest.approx(whole, rel=1e-4)
+    assert growth_search(*long_train(12), modes=4, method=method).growth(90.0) == pytest.approx(
+        whole, rel=1e-4
+    )
 
 
 def test_slow_motion_of_a_free_train_goes_by_what_the_drive_must_give_at_other_speeds():
@@ -149,11 +175,17 @@ def test_growth_with_dampers_for_loss_factors_is_that_of_the_motion_in_time(in_t
     whole, loading, free = raw_monodromy(ask, 104.0), here.now.loading, ask.at.layout.free
     motion = motion_of(here.found.harmonic, loading.w0, points_in_time(here.found.count))
     start = np.concatenate([motion.deviation[:, 0], motion.speed[:, 0]])
-    away = 1e-5 * np.random.default_rng(3).standard_normal(2 * free) * np.repeat([1.0, loading.w0], free)
+    away = (
+        1e-5
+        * np.random.default_rng(3).standard_normal(2 * free)
+        * np.repeat([1.0, loading.w0], free)
+    )
 
     def after_a_period(state: np.ndarray) -> np.ndarray:
         slope = in_time(ask.at.layout, loading, here.found.load)
-        return solve_ivp(slope, (0.0, loading.period), state, method="DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
+        return solve_ivp(
+            slope, (0.0, loading.period), state, method="DOP853", rtol=1e-11, atol=1e-13
+        ).y[:, -1]
 
     assert after_a_period(start) == pytest.approx(start, abs=1e-9 * np.abs(motion.speed).max())
     grown = (after_a_period(start + away) - after_a_period(start - away)) / 2.0
@@ -165,7 +197,10 @@ def test_dampers_lose_in_a_straight_train_what_the_loss_factors_lose_between_any
     line: list = [Motor(inertia=1.0)]
     for _ in range(4):
         stiffness, loss = random.uniform(1e4, 5e4), random.uniform(0.01, 0.1)
-        line += [Coupling(stiffness=stiffness, loss_factor=loss), Disc(inertia=float(random.uniform(0.1, 1.0)))]
+        line += [
+            Coupling(stiffness=stiffness, loss_factor=loss),
+            Disc(inertia=float(random.uniform(0.1, 1.0))),
+        ]
     study, system = made(line)
     at = scene(study, system)
     shapes = basis(at.layout)
@@ -174,15 +209,20 @@ def test_dampers_lose_in_a_straight_train_what_the_loss_factors_lose_between_any
     w = shapes.frequency[1:]
     lost = twist.T @ (at.layout.hysteretic[:, None] * twist) / np.sqrt(np.outer(w, w))
     onto = dampers.onto.T @ twist
-    assert onto.T @ (dampers.size[:, None] * onto) == pytest.approx(lost, rel=1e-9, abs=1e-10 * lost.max())
+    assert onto.T @ (dampers.size[:, None] * onto) == pytest.approx(
+        lost, rel=1e-9, abs=1e-10 * lost.max()
+    )
 
 
 def test_train_that_turns_rigidly_through_its_joints_loses_nothing_by_loss_factors():
     stiff = 1e9
     line = [
-        Motor(inertia=1.0), Coupling(stiffness=stiff, loss_factor=0.2), Joint(angle="20 deg", inertia=(0.1, 0.1)),
-        Coupling(stiffness=stiff, loss_factor=0.2), Disc(inertia=1.0),
-    ]  # fmt: skip
+        Motor(inertia=1.0),
+        Coupling(stiffness=stiff, loss_factor=0.2),
+        Joint(angle="20 deg", inertia=(0.1, 0.1)),
+        Coupling(stiffness=stiff, loss_factor=0.2),
+        Disc(inertia=1.0),
+    ]
     ask = growth_search(*made(line, Operation()))
     assert abs(ask(50.0)[0].found.load[0]) < 1e-6 * 50.0**2
 

@@ -21,7 +21,12 @@ from torsion.train import train
 
 
 def long_train(
-    angle: float = 20.0, *, torque: float = 300.0, factor: float = 1.0, loss: float = 0.002, **joint: object
+    angle: float = 20.0,
+    *,
+    torque: float = 300.0,
+    factor: float = 1.0,
+    loss: float = 0.002,
+    **joint: object,
 ) -> tuple[Study, System]:
     """Twelve discs with two joints in line; damping times a factor."""
     joint.setdefault("inertia", (0.05, 0.05))
@@ -70,7 +75,9 @@ def test_map_over_mean_torque_is_that_of_the_whole_trains():
 def test_error_of_the_map_falls_with_the_modes_kept():
     angles = np.radians([20.0, 30.0])
     line = long_train(loss=0.0)
-    errors = [stability_map(*line, SPEEDS, "angle", angles, modes=modes).error for modes in (2, 4, 8)]
+    errors = [
+        stability_map(*line, SPEEDS, "angle", angles, modes=modes).error for modes in (2, 4, 8)
+    ]
     assert errors[1] < 0.5 * errors[0]
     assert errors[2] < 0.1 * errors[1]
 
@@ -84,8 +91,11 @@ def test_map_of_a_train_with_massless_joints_is_that_of_the_whole_trains():
 def geared_train(angle: float = 20.0) -> tuple[Study, System]:
     """Two joints with a gear between them that makes their common order a third of the highest."""
     line: list = [Motor(inertia=2.0, damping=0.2)]
-    between = {2: Joint(angle=f"{angle} deg", inertia=(0.05, 0.05)), 4: Gear(teeth=(20, 30), inertia=(0.1, 0.2)),
-               6: Joint(angle=f"{angle} deg", inertia=(0.05, 0.05))}  # fmt: skip
+    between = {
+        2: Joint(angle=f"{angle} deg", inertia=(0.05, 0.05)),
+        4: Gear(teeth=(20, 30), inertia=(0.1, 0.2)),
+        6: Joint(angle=f"{angle} deg", inertia=(0.05, 0.05)),
+    }
     for k in range(8):
         line += [between[k]] if k in between else []
         line += [Coupling(stiffness=4e4 + 3e3 * k, viscous=0.2), Disc(inertia=0.08)]
@@ -108,7 +118,11 @@ def test_map_of_a_geared_train_keeps_the_modes_that_its_stability_keeps():
 def test_map_tells_its_progress_and_needs_a_joint():
     stated: list[float] = []
     stability_map(
-        *long_train(), SPEEDS[:1], "angle", np.radians([5.0]), progress=lambda what, share: stated.append(share)
+        *long_train(),
+        SPEEDS[:1],
+        "angle",
+        np.radians([5.0]),
+        progress=lambda what, share: stated.append(share),
     )
     assert stated == [0.0]
     built = train([Disc(inertia=1.0), Coupling(stiffness=1e4), Disc(inertia=1.0)])
@@ -117,9 +131,15 @@ def test_map_tells_its_progress_and_needs_a_joint():
 
 
 def test_settings_read_ranges_and_refuse_what_cannot_be():
-    requested = StabilitySettings(method="hill", map={"over": "angle", "from": "1 deg", "to": "30 deg", "steps": 3})
+    requested = StabilitySettings(
+        method="hill", map={"over": "angle", "from": "1 deg", "to": "30 deg", "steps": 3}
+    )
     assert requested.map.values() == pytest.approx(np.radians([1.0, 15.5, 30.0]))
-    for wrong in ({"from": "3 deg", "to": "1 deg"}, {"from": "0 deg", "to": "95 deg"}, {"from": 1, "to": "2 deg"}):
+    for wrong in (
+        {"from": "3 deg", "to": "1 deg"},
+        {"from": "0 deg", "to": "95 deg"},
+        {"from": 1, "to": "2 deg"},
+    ):
         with pytest.raises(ValueError, match=r"`from`|out of range|no unit"):
             MapSettings(over="angle", **wrong)
     with pytest.raises(ValueError, match="range"):

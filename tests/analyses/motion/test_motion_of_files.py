@@ -39,29 +39,67 @@ FIRST_MODE = 107.103746  # rad/s
 
 
 def solved(
-    analyses: str, *, angle: float = 20, phase: float = 0, damping: float = 8, first: float = 50, last: float = 80,
+    analyses: str,
+    *,
+    angle: float = 20,
+    phase: float = 0,
+    damping: float = 8,
+    first: float = 50,
+    last: float = 80,
     steps: int = 2,
-) -> Findings:  # fmt: skip
+) -> Findings:
     text = TRAIN.format(
-        analyses=analyses, angle=angle, phase=phase, damping=damping, first=first, last=last, steps=steps
+        analyses=analyses,
+        angle=angle,
+        phase=phase,
+        damping=damping,
+        first=first,
+        last=last,
+        steps=steps,
     )
     return torsion.run(torsion.parse(text, "six.yaml"))
 
 
 PUBLISHED = [
-    (10, 0, 50, (28.1573702516, 30.5347522996, 25.0471257435), (0.3043810289, 0.05876792978, 0.2249929484),
-     300.008109078),
-    (20, 0, 50, (115.908011946, 125.563788691, 103.109324886), (5.083490124, 0.9798571905, 3.757834528),
-     300.1374715618),
-    (20, 0, 80, (32.6899100665, 14.5556194383, 38.3684059712), (1.418590806, 0.4609776401, 2.339605435),
-     300.004889001),
-    (30, 90, 80, (1747.96965329, 1722.59208262, 1646.20523637), (70.15310037, 69.40240531, 196.4070239),
-     309.795942077),
-]  # fmt: skip # joint angle, phase, speed, torques of order 2 and 4, mean torque of the motor
+    (
+        10,
+        0,
+        50,
+        (28.1573702516, 30.5347522996, 25.0471257435),
+        (0.3043810289, 0.05876792978, 0.2249929484),
+        300.008109078,
+    ),
+    (
+        20,
+        0,
+        50,
+        (115.908011946, 125.563788691, 103.109324886),
+        (5.083490124, 0.9798571905, 3.757834528),
+        300.1374715618,
+    ),
+    (
+        20,
+        0,
+        80,
+        (32.6899100665, 14.5556194383, 38.3684059712),
+        (1.418590806, 0.4609776401, 2.339605435),
+        300.004889001,
+    ),
+    (
+        30,
+        90,
+        80,
+        (1747.96965329, 1722.59208262, 1646.20523637),
+        (70.15310037, 69.40240531, 196.4070239),
+        309.795942077,
+    ),
+]  # joint angle, phase, speed, torques of order 2 and 4, mean torque of the motor
 
 
 @pytest.mark.parametrize(("angle", "phase", "speed", "second", "fourth", "motor"), PUBLISHED)
-def test_six_station_train_of_a_file_has_the_published_torques(angle, phase, speed, second, fourth, motor):
+def test_six_station_train_of_a_file_has_the_published_torques(
+    angle, phase, speed, second, fourth, motor
+):
     found = solved("response: {method: harmonic-balance}", angle=angle, phase=phase)
     exact, elastic = found.need(PeriodicResponse), found.system.flexibility > 0
     at = int(np.argmin(np.abs(exact.speed - speed)))
@@ -77,11 +115,15 @@ def test_six_station_train_of_a_file_has_the_published_torques(angle, phase, spe
     [
         ("response: ", 20, 0, True, "beyond 10 degrees"),
         ("response: {method: first-order}", 20, 0, False, "first-order"),
-        ("response: ", 5, 0, False, "10 degrees"), ("response: ", 10, 90, True, "beyond 1 %"),
-        ("response: {method: harmonic-balance}", 5, 0, True, "requested"), ("modes: ", 20, 0, False, ""),
+        ("response: ", 5, 0, False, "10 degrees"),
+        ("response: ", 10, 90, True, "beyond 1 %"),
+        ("response: {method: harmonic-balance}", 5, 0, True, "requested"),
+        ("modes: ", 20, 0, False, ""),
     ],
-)  # fmt: skip
-def test_exact_response_is_the_default_where_the_first_order_does_not_hold(analyses, angle, phase, is_exact, words):
+)
+def test_exact_response_is_the_default_where_the_first_order_does_not_hold(
+    analyses, angle, phase, is_exact, words
+):
     found = solved(analyses, angle=angle, phase=phase, first=40, last=FIRST_MODE / 2)
     assert (found.get(PeriodicResponse) is not None) == is_exact
     said = [line.why for line in found.plan.done if line.what == "exact periodic response"]
@@ -91,7 +133,9 @@ def test_exact_response_is_the_default_where_the_first_order_does_not_hold(analy
 
 def test_peak_of_the_exact_response_is_resolved():
     found = solved("response: ", phase=90, first=45, last=62, steps=9)
-    size = np.abs(found.need(PeriodicResponse).torque[:, found.need(PeriodicResponse).orders.index(2), 0])
+    size = np.abs(
+        found.need(PeriodicResponse).torque[:, found.need(PeriodicResponse).orders.index(2), 0]
+    )
     top = int(np.argmax(size))
     assert 0 < top < len(size) - 1
     assert min(size[top - 1], size[top + 1]) > 0.97 * size[top]
@@ -99,7 +143,8 @@ def test_peak_of_the_exact_response_is_resolved():
 
 
 @pytest.mark.parametrize(
-    ("angle", "damping", "growth"), [(10, 1.5, None), (20, 1.5, 0.67), (30, 1.5, 2.57), (20, 8, None)]
+    ("angle", "damping", "growth"),
+    [(10, 1.5, None), (20, 1.5, 0.67), (30, 1.5, 2.57), (20, 8, None)],
 )
 def test_train_is_unstable_at_its_first_mode_as_published(angle, damping, growth):
     found = solved("stability: ", angle=angle, damping=damping, first=104, last=110, steps=3)
@@ -151,23 +196,39 @@ def test_scene_without_joints_imports_nothing_of_the_exact_motion():
         "train: [disc: {inertia: 2}, coupling: {stiffness: 120, viscous: 1}, disc: {name: b, inertia: 3}]\n"
         "excitations: [{at: b, order: 1, torque: 1}]\n"
     )
-    done = subprocess.run([sys.executable, "-c", LIGHT.format(scene=scene)], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", LIGHT.format(scene=scene)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert done.stdout.strip() == "[]"
 
 
 def test_closed_loops_and_other_models_of_shafts_are_refused_where_exact_motion_is_asked():
-    text = TRAIN.format(analyses="stability: ", angle=5, phase=0, damping=1, first=50, last=80, steps=2)
+    text = TRAIN.format(
+        analyses="stability: ", angle=5, phase=0, damping=1, first=50, last=80, steps=2
+    )
     for bad, words in (
-        (text.replace("analyses: {", "analyses: {model: fem, ").replace(
-            "coupling: {stiffness: 3e4, viscous: 0.6}", "shaft: {length: 1, diameter: 0.05}"), "lumped"),
-        (text + "links: [{between: [motor-1, screw], coupling: {stiffness: 1e4}}]\n", "closed loops"),
+        (
+            text.replace("analyses: {", "analyses: {model: fem, ").replace(
+                "coupling: {stiffness: 3e4, viscous: 0.6}", "shaft: {length: 1, diameter: 0.05}"
+            ),
+            "lumped",
+        ),
+        (
+            text + "links: [{between: [motor-1, screw], coupling: {stiffness: 1e4}}]\n",
+            "closed loops",
+        ),
         (text.replace("  speeds: {from: 50 rad/s, to: 80 rad/s, steps: 2}\n", ""), "needs speeds"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(torsion.InputError, match=words):
             torsion.parse(bad, "six.yaml")
     with pytest.raises(torsion.InputError, match="no joint"):
-        torsion.parse("name: a\noperation: {speeds: {from: 5 rad/s, to: 9 rad/s}}\ntrain: [disc: {inertia: 2}]\n"
-                      "analyses: {stability: }\n")  # fmt: skip
+        torsion.parse(
+            "name: a\noperation: {speeds: {from: 5 rad/s, to: 9 rad/s}}\ntrain: [disc: {inertia: 2}]\n"
+            "analyses: {stability: }\n"
+        )
 
 
 NOTHING_TO_VARY = [
@@ -176,9 +237,17 @@ NOTHING_TO_VARY = [
         ("  load: constant\n  rated: {speed: 100 rad/s, power: 30 kW}\n", ""),
         "mean torque, and the train has none",
     ),
-    ("torque", ("load: constant", "load: [[1 rad/s, 0], [900 rad/s, 0]]"), "mean torque, and the train has none"),
+    (
+        "torque",
+        ("load: constant", "load: [[1 rad/s, 0], [900 rad/s, 0]]"),
+        "mean torque, and the train has none",
+    ),
     ("damping", (r", (viscous|damping): [\d.]+", ""), "nothing in the train damps"),
-    ("angle", ("joint: {angle: 20 deg", "joint: {kind: cv, angle: 20 deg"), "none of the train is bent"),
+    (
+        "angle",
+        ("joint: {angle: 20 deg", "joint: {kind: cv, angle: 20 deg"),
+        "none of the train is bent",
+    ),
     ("angle", ("angle: 20 deg", "angle: 0 deg"), "none of the train is bent"),
 ]
 
@@ -187,7 +256,9 @@ NOTHING_TO_VARY = [
 def test_map_over_what_the_train_does_not_have_is_refused_where_it_is_asked(over, change, words):
     ends = "from: 1 deg, to: 2 deg" if over == "angle" else "from: 0, to: 2"
     requested = f"stability: {{map: {{over: {over}, {ends}}}}}"
-    text = TRAIN.format(analyses=requested, angle=20, phase=0, damping=8, first=50, last=80, steps=2)
+    text = TRAIN.format(
+        analyses=requested, angle=20, phase=0, damping=8, first=50, last=80, steps=2
+    )
     torsion.parse(text, "six.yaml")
     without = re.sub(*change, text)
     assert without != text
@@ -198,18 +269,28 @@ def test_map_over_what_the_train_does_not_have_is_refused_where_it_is_asked(over
 
 
 def test_long_train_is_reduced_to_the_modes_that_matter_and_keeps_its_growth():
-    text = TRAIN.format(analyses="stability: ", angle=25, phase=0, damping=1.5, first=104, last=110, steps=3)
+    text = TRAIN.format(
+        analyses="stability: ", angle=25, phase=0, damping=1.5, first=104, last=110, steps=3
+    )
     shaft = "  - shaft: {length: 0.5, diameter: 60 mm, segments: SEGMENTS}\n"
     text = text.replace("  - disc: {name: screw", shaft + "  - disc: {name: screw")
     whole = text.replace("stability: ", "stability: {modes: 100}")
-    texts = (whole.replace("SEGMENTS", "4"), text.replace("SEGMENTS", "4"), text.replace("SEGMENTS", "24"))
+    texts = (
+        whole.replace("SEGMENTS", "4"),
+        text.replace("SEGMENTS", "4"),
+        text.replace("SEGMENTS", "24"),
+    )
     every, short, long = (torsion.run(torsion.parse(one, "long.yaml")) for one in texts)
     assert every.need(Stability).kept is None
     assert short.need(Stability).kept == long.need(Stability).kept == 1
     assert short.need(Stability).left_out < 1e-8
     assert long.need(Stability).left_out < 1e-3
-    assert short.need(Checks).lines[0].value == pytest.approx(every.need(Checks).lines[0].value, rel=1e-8)
-    assert long.need(Checks).lines[0].value == pytest.approx(every.need(Checks).lines[0].value, rel=1e-2)
+    assert short.need(Checks).lines[0].value == pytest.approx(
+        every.need(Checks).lines[0].value, rel=1e-8
+    )
+    assert long.need(Checks).lines[0].value == pytest.approx(
+        every.need(Checks).lines[0].value, rel=1e-2
+    )
 
 
 GEARED = """
@@ -243,14 +324,19 @@ def test_joints_that_repeat_together_only_after_many_turns_are_left_out_unasked(
 @pytest.mark.parametrize("requested", ["response: {method: harmonic-balance}", "stability: "])
 def test_joints_that_never_repeat_within_reach_leave_out_what_needs_it_and_nothing_else(requested):
     text = GEARED.format(teeth="97, 101", analyses=f"modes: , {requested}")
-    found, plain = torsion.run(torsion.parse(text)), torsion.run(torsion.parse(text.replace(f", {requested}", "")))
+    found, plain = (
+        torsion.run(torsion.parse(text)),
+        torsion.run(torsion.parse(text.replace(f", {requested}", ""))),
+    )
     assert found.get(PeriodicResponse) is None
     assert found.get(Stability) is None
     assert found.need(Modes).frequency.tolist() == plain.need(Modes).frequency.tolist()
     assert found.need(Joints).angle.tolist() == plain.need(Joints).angle.tolist()
     (one,) = found.plan.unanswered
     assert one.is_named
-    assert "every 50.5 revolutions of the reference shaft, which takes about 606 harmonics" in one.why
+    assert (
+        "every 50.5 revolutions of the reference shaft, which takes about 606 harmonics" in one.why
+    )
     assert "'gear-1' (teeth 97/101)" in one.why
     assert text.splitlines()[one.line - 1].strip().startswith("- gear")
     assert dict(found.plan.left_out)[one.what] == one.words

@@ -10,7 +10,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from torsion.analyses.motion.mechanism_loads import scene
-from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse, continued, orbit, others, response_of
+from torsion.analyses.motion.periodic_orbits import (
+    Found,
+    PeriodicResponse,
+    continued,
+    orbit,
+    others,
+    response_of,
+)
 from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
@@ -36,11 +43,14 @@ FIRST_MODE = 107.103746  # rad/s of the six-station train
 def six_stations(angle: float, phase: float, damping: float = 8.0) -> tuple[Study, System]:
     """Motor, two joints of one angle (deg) with yokes, propeller; 300 N m."""
     line = [
-        Motor(inertia=2.0, damping=0.5), Coupling(stiffness=2e4, viscous=0.4),
-        Joint(angle=f"{angle} deg", inertia=(0.02, 0.02)), Coupling(stiffness=1.5e4, viscous=0.3),
+        Motor(inertia=2.0, damping=0.5),
+        Coupling(stiffness=2e4, viscous=0.4),
+        Joint(angle=f"{angle} deg", inertia=(0.02, 0.02)),
+        Coupling(stiffness=1.5e4, viscous=0.3),
         Joint(angle=f"{angle} deg", phase=f"{phase} deg", inertia=(0.02, 0.02)),
-        Coupling(stiffness=3e4, viscous=0.6), Disc(inertia=0.8, damping=damping),
-    ]  # fmt: skip
+        Coupling(stiffness=3e4, viscous=0.6),
+        Disc(inertia=0.8, damping=damping),
+    ]
     built = train(line)
     return Study("six stations", built, operation=CONSTANT), assemble(built)
 
@@ -50,7 +60,9 @@ def over(study: Study, system: System, speeds: np.ndarray) -> PeriodicResponse:
     at, found = scene(study, system), [(None, "")]
     for speed in speeds.tolist():
         found.append(continued(at, speed, found[-1][0]))
-    return response_of(at, [there for there, _ in found[1:]], speeds, tuple(why for _, why in found[1:]))
+    return response_of(
+        at, [there for there, _ in found[1:]], speeds, tuple(why for _, why in found[1:])
+    )
 
 
 def at_one(study: Study, system: System, speed: float) -> PeriodicResponse:
@@ -65,7 +77,9 @@ def shafts(system: System, found: PeriodicResponse, order: int) -> np.ndarray:
     return found.torque[0, found.orders.index(Fraction(order))][system.flexibility > 0]
 
 
-def departure(study: Study, system: System, found: PeriodicResponse, in_time: Callable, rtol: float = 1e-12) -> float:
+def departure(
+    study: Study, system: System, found: PeriodicResponse, in_time: Callable, rtol: float = 1e-12
+) -> float:
     """Largest difference (rad) over one period between the orbit and an integration in time that starts on it."""
     here, at = found.orbits[0], scene(study, system)
     times, period = points_in_time(here.found.count), here.now.loading.period
@@ -79,17 +93,47 @@ def departure(study: Study, system: System, found: PeriodicResponse, in_time: Ca
 
 
 TRAINS = [
-    (10, 0, 50, (28.1573702516, 30.5347522996, 25.0471257435),
-     (0.3043810289, 0.05876792978, 0.2249929484), 300.008109078),
-    (20, 0, 50, (115.908011946, 125.563788691, 103.109324886),
-     (5.083490124, 0.9798571905, 3.757834528), 300.1374715618),
-    (20, 0, 80, (32.6899100665, 14.5556194383, 38.3684059712),
-     (1.418590806, 0.4609776401, 2.339605435), 300.004889001),
-    (20, 90, 20, (80.9535775583, 73.0205381634, 67.7350522829),
-     (13.29143169, 11.17370277, 9.093121267), 300.8610878154),
-    (30, 90, 80, (1747.96965329, 1722.59208262, 1646.20523637),
-     (70.15310037, 69.40240531, 196.4070239), 309.795942077),
-]  # fmt: skip # joint angle, phase, speed, torques of order 2 and 4, mean torque of the motor
+    (
+        10,
+        0,
+        50,
+        (28.1573702516, 30.5347522996, 25.0471257435),
+        (0.3043810289, 0.05876792978, 0.2249929484),
+        300.008109078,
+    ),
+    (
+        20,
+        0,
+        50,
+        (115.908011946, 125.563788691, 103.109324886),
+        (5.083490124, 0.9798571905, 3.757834528),
+        300.1374715618,
+    ),
+    (
+        20,
+        0,
+        80,
+        (32.6899100665, 14.5556194383, 38.3684059712),
+        (1.418590806, 0.4609776401, 2.339605435),
+        300.004889001,
+    ),
+    (
+        20,
+        90,
+        20,
+        (80.9535775583, 73.0205381634, 67.7350522829),
+        (13.29143169, 11.17370277, 9.093121267),
+        300.8610878154,
+    ),
+    (
+        30,
+        90,
+        80,
+        (1747.96965329, 1722.59208262, 1646.20523637),
+        (70.15310037, 69.40240531, 196.4070239),
+        309.795942077,
+    ),
+]  # joint angle, phase, speed, torques of order 2 and 4, mean torque of the motor
 
 
 @pytest.mark.parametrize(("angle", "phase", "speed", "second", "fourth", "motor"), TRAINS)
@@ -101,7 +145,9 @@ def test_six_station_train_has_the_published_torques(angle, phase, speed, second
     assert found.drive[0] == pytest.approx(motor, rel=1e-12)
 
 
-@pytest.mark.parametrize(("angle", "phase", "speed"), [(10, 0, 80.0), (20, 90, FIRST_MODE / 2), (30, 90, 80.0)])
+@pytest.mark.parametrize(
+    ("angle", "phase", "speed"), [(10, 0, 80.0), (20, 90, FIRST_MODE / 2), (30, 90, 80.0)]
+)
 def test_harmonic_balance_is_the_integration_in_time(angle, phase, speed, in_time):
     study, system = six_stations(angle, phase)
     assert departure(study, system, at_one(study, system, speed), in_time, 1e-11) < 1e-10
@@ -109,7 +155,12 @@ def test_harmonic_balance_is_the_integration_in_time(angle, phase, speed, in_tim
 
 GOVERNED = 107.138345  # rad/s: first mode with a governor's spring of 50 N m/rad on the motor, as the table took it
 ALONE = ((3,), (10,), (20,), (30,))  # deg: every orbit found on its own
-RAISED = ((3,), (10,), (10, 12, 14, 16, 18, 20), (20, 22, 24, 26, 28, 30))  # from orbit to orbit: there are several
+RAISED = (
+    (3,),
+    (10,),
+    (10, 12, 14, 16, 18, 20),
+    (20, 22, 24, 26, 28, 30),
+)  # from orbit to orbit: there are several
 ERRORS = [
     (0, 20.0, 8.0, ALONE, (1.9e-6, 2.3e-4, 3.9e-3, 2.0e-2)),
     (0, 50.0, 8.0, ALONE, (6.8e-6, 8.5e-4, 1.4e-2, 7.4e-2)),
@@ -122,10 +173,12 @@ ERRORS = [
     (90, GOVERNED / 2, 8.0, ALONE, (7.6e-5, 9.3e-3, 1.3e-1, 4.9e-1)),
     (90, GOVERNED / 2, 1.5, RAISED, (1.5e-3, 1.6e-1, 1.7, 2.9)),
     (90, 80.0, 8.0, ALONE, (1.4e-6, 1.8e-4, 3.0e-3, 1.6e-2)),
-]  # fmt: skip # phase, speed, damping, joint angles on the way to 3, 10, 20, 30 deg, errors of the magnitude there
+]  # phase, speed, damping, joint angles on the way to 3, 10, 20, 30 deg, errors of the magnitude there
 
 
-def raised(angles: tuple[float, ...], phase: float, speed: float, damping: float) -> PeriodicResponse:
+def raised(
+    angles: tuple[float, ...], phase: float, speed: float, damping: float
+) -> PeriodicResponse:
     """The periodic response at the last of the joint angles (deg), each orbit started from the one before it."""
     found = None
     for angle in angles:
@@ -140,11 +193,22 @@ def first_order(study: Study, system: System, speed: float, drive: float = 300.0
     The table shared what the motor gives beyond the load of 300 N m equally by the four free angles.
     """
     at, excess = np.array([speed]), Fraction(drive) - 300
-    shares = [300 + excess * 3 / 4, -excess / 4, Fraction(0), -excess / 4, Fraction(0), -300 - excess / 4]
+    shares = [
+        300 + excess * 3 / 4,
+        -excess / 4,
+        Fraction(0),
+        -excess / 4,
+        Fraction(0),
+        -300 - excess / 4,
+    ]
     torque, twist = statics(system, shares, 0)
-    mean = replace(steady(study.train, system, CONSTANT, at), torque=torque[:, None], twist=twist[:, None])
+    mean = replace(
+        steady(study.train, system, CONSTANT, at), torque=torque[:, None], twist=twist[:, None]
+    )
     (second,) = (one for one in excitations(system) if one.line.order == 2)
-    found = answer(system, 2.0 * at, sources(system, second, at, mean), ground_damping(system, at, mean))
+    found = answer(
+        system, 2.0 * at, sources(system, second, at, mean), ground_damping(system, at, mean)
+    )
     return found.torque[0, system.flexibility > 0]
 
 
@@ -173,9 +237,10 @@ def test_first_order_model_of_the_table_is_the_linear_response_under_its_mean_to
 
 
 MOTIONS = [
-    ((20,), (13183.0, 13117.7, 12677.4)), ((10, 12, 14, 16, 18, 20), (10887.8, 10803.2, 10031.3)),
+    ((20,), (13183.0, 13117.7, 12677.4)),
+    ((10, 12, 14, 16, 18, 20), (10887.8, 10803.2, 10031.3)),
     ((30, 28, 26, 24, 22, 20), (10225.9, 10233.7, 10288.8)),
-]  # fmt: skip # joint angles on the way to 20 deg, torques (N m) also found by collocation and Newton from many starts
+]  # joint angles on the way to 20 deg, torques (N m) also found by collocation and Newton from many starts
 
 
 @pytest.mark.parametrize(("way", "torques"), MOTIONS)
@@ -183,19 +248,27 @@ def test_lightly_damped_train_has_several_motions_at_resonance(way, torques, in_
     study, system = six_stations(20, 90, 1.5)
     exact = raised(way, 90, GOVERNED / 2, 1.5)
     assert np.abs(shafts(system, exact, 2)) == pytest.approx(torques, rel=1e-5)
-    assert departure(study, system, exact, in_time, 1e-11) < 1e-6  # one multiplies deviations by 2.4 each period
+    assert (
+        departure(study, system, exact, in_time, 1e-11) < 1e-6
+    )  # one multiplies deviations by 2.4 each period
 
 
 def test_shaft_behind_a_joint_at_constant_speed_follows_the_closed_form():
     k, c, inertia, ground, speed, q = 5000.0, 2.0, 0.5, 1.5, 40.0, math.tan(math.radians(7.5)) ** 2
     line = [
-        Disc(held=True), Joint(angle="15 deg", phase="90 deg"), Coupling(stiffness=k, viscous=c),
+        Disc(held=True),
+        Joint(angle="15 deg", phase="90 deg"),
+        Coupling(stiffness=k, viscous=c),
         Disc(inertia=inertia, damping=ground),
-    ]  # fmt: skip
+    ]
     built = train(line)
     study, system = Study("prescribed", built, operation=Operation()), assemble(built)
     found = at_one(study, system, speed)
-    for rank, published in ((1, 0.0475977131170726375), (2, 9.62349939248059396e-5), (3, 3.66073376434489012e-7)):
+    for rank, published in (
+        (1, 0.0475977131170726375),
+        (2, 9.62349939248059396e-5),
+        (3, 3.66073376434489012e-7),
+    ):
         w = 2 * rank * speed
         order = found.orders.index(Fraction(2 * rank))
         path = (k + 1j * w * c) / (k - w * w * inertia + 1j * w * (c + ground))
@@ -242,11 +315,14 @@ def test_equations_in_time_turn_the_free_rotor_once_in_its_period(in_time):
 def test_train_without_joints_answers_as_the_linear_model(seed, random_train):
     random = np.random.default_rng(seed)
     excite = [
-        Excitation(at=f"disc-{k}", order=order, torque=float(random.uniform(1, 50)), phase=f"{40 * k} deg")
+        Excitation(
+            at=f"disc-{k}", order=order, torque=float(random.uniform(1, 50)), phase=f"{40 * k} deg"
+        )
         for k, order in ((1, "1"), (2, "3/2"), (3, "2"))
     ]
     built = train(
-        [*random_train(random, 4), Coupling(stiffness=1e4), Disc(inertia=1.0, damping=1.0)], excitations=excite
+        [*random_train(random, 4), Coupling(stiffness=1e4), Disc(inertia=1.0, damping=1.0)],
+        excitations=excite,
     )
     study, system = Study("linear", built, operation=Operation()), assemble(built)
     linear = response(study, system, speeds=np.array([31.0]))
@@ -255,22 +331,33 @@ def test_train_without_joints_answers_as_the_linear_model(seed, random_train):
         order = found.orders.index(line.order)
         angle, torque = linear.angle[0, k], linear.torque[0, k]
         assert found.angle[0, order] == pytest.approx(angle, rel=1e-8, abs=1e-10 * abs(angle).max())
-        assert found.torque[0, order] == pytest.approx(torque, rel=1e-8, abs=1e-9 * abs(torque).max())
+        assert found.torque[0, order] == pytest.approx(
+            torque, rel=1e-8, abs=1e-9 * abs(torque).max()
+        )
 
 
 def joints_in_a_row(joints: list) -> tuple[Study, System]:
     line = [
-        Motor(inertia=2.0, damping=0.5), Coupling(stiffness=2e4, viscous=0.4), *joints,
-        Coupling(stiffness=3e4, loss_factor=0.05), Disc(inertia=0.8, damping=3.0),
-    ]  # fmt: skip
+        Motor(inertia=2.0, damping=0.5),
+        Coupling(stiffness=2e4, viscous=0.4),
+        *joints,
+        Coupling(stiffness=3e4, loss_factor=0.05),
+        Disc(inertia=0.8, damping=3.0),
+    ]
     built = train(line)
     return Study("row", built, operation=CONSTANT), assemble(built)
 
 
 def test_three_massless_joints_in_a_row_move_the_shafts_as_their_resultant_does():
-    angle, plane, phase = np.radians([12.0, 25.0, 8.0]), np.radians([0.0, 40.0, -70.0]), np.radians([20.0, 15.0, 65.0])
-    row = [Joint(angle=f"{a} rad", phase=f"{p} rad", plane=f"{g} rad" if k else None)
-           for k, (a, g, p) in enumerate(zip(angle, plane, phase, strict=True))]  # fmt: skip
+    angle, plane, phase = (
+        np.radians([12.0, 25.0, 8.0]),
+        np.radians([0.0, 40.0, -70.0]),
+        np.radians([20.0, 15.0, 65.0]),
+    )
+    row = [
+        Joint(angle=f"{a} rad", phase=f"{p} rad", plane=f"{g} rad" if k else None)
+        for k, (a, g, p) in enumerate(zip(angle, plane, phase, strict=True))
+    ]
     one = resultant(line_of(angle, plane, phase))
     single = [Joint(angle=f"{float(one.angle)} rad", phase=f"{float(one.phase)} rad")]
     many, alone = (at_one(*joints_in_a_row(joints), 43.0) for joints in (row, single))
@@ -287,18 +374,24 @@ def geared(kind: str = "cross") -> tuple[Study, System]:
     """A joint on each side of a gear of 2:3, one of them with and a torque of order 1 behind it."""
     second = {"radius": "30 mm", "arm": "200 mm"} if kind == "tripod" else {}
     line = [
-        Motor(inertia=1.0, damping=2.0), Coupling(stiffness=4e3, viscous=3.0),
-        Joint(angle="15 deg", inertia=(0.05, 0.05)), Coupling(stiffness=6e3, viscous=2.0),
-        Gear(teeth=(20, 30), inertia=(0.1, 0.2)), Coupling(stiffness=5e3, viscous=2.0),
-        Joint(kind=kind, angle="20 deg", inertia=(0.05, 0.05), **second), Coupling(stiffness=8e3, viscous=2.0),
+        Motor(inertia=1.0, damping=2.0),
+        Coupling(stiffness=4e3, viscous=3.0),
+        Joint(angle="15 deg", inertia=(0.05, 0.05)),
+        Coupling(stiffness=6e3, viscous=2.0),
+        Gear(teeth=(20, 30), inertia=(0.1, 0.2)),
+        Coupling(stiffness=5e3, viscous=2.0),
+        Joint(kind=kind, angle="20 deg", inertia=(0.05, 0.05), **second),
+        Coupling(stiffness=8e3, viscous=2.0),
         Disc(name="load", inertia=0.7, damping=2.0),
-    ]  # fmt: skip
+    ]
     built = train(line, excitations=[Excitation(at="load", order=1, torque=20.0, phase="30 deg")])
     return Study("geared", built, operation=CONSTANT), assemble(built)
 
 
 @pytest.mark.parametrize("kind", ["cross", "tripod"])
-def test_joints_at_two_speeds_have_a_common_period_and_follow_the_integration_in_time(kind, in_time):
+def test_joints_at_two_speeds_have_a_common_period_and_follow_the_integration_in_time(
+    kind, in_time
+):
     study, system = geared(kind)
     assert scene(study, system).order == Fraction(2, 3)  # the torque is of order 1 behind the gear
     assert departure(study, system, at_one(study, system, 25.0), in_time) < 1e-10
@@ -315,7 +408,9 @@ def test_torques_of_joints_and_rigid_spans_balance_the_inertias():
             force[span.driving] -= torque
         force[span.driven] += torque / float(span.ratio)
     free = [
-        s for s in range(len(system.stations)) if not any(span.error and span.driving == s for span in system.spans)
+        s
+        for s in range(len(system.stations))
+        if not any(span.error and span.driving == s for span in system.spans)
     ]
     ground = system.ground_damping(np.array([25.0]), np.zeros((len(system.stations), 1)))[:, 0]
     moved = (-(w**2) * system.inertia + 1j * w * ground) * found.angle[0, order]
@@ -337,9 +432,13 @@ def test_small_joints_carry_the_torque_of_the_first_order_on_their_driven_side()
 
 def test_ring_damper_without_stiffness_slips_with_the_train():
     line = [
-        Disc(inertia=1.0, damping=1.0), Coupling(stiffness=1e4), Joint(angle="20 deg", inertia=(0.1, 0.1)),
-        RingDamper(housing=0.1, ring=0.3, damping=12.0), Coupling(stiffness=1e4), Disc(inertia=1.0),
-    ]  # fmt: skip
+        Disc(inertia=1.0, damping=1.0),
+        Coupling(stiffness=1e4),
+        Joint(angle="20 deg", inertia=(0.1, 0.1)),
+        RingDamper(housing=0.1, ring=0.3, damping=12.0),
+        Coupling(stiffness=1e4),
+        Disc(inertia=1.0),
+    ]
     built = train(line)
     found = at_one(Study("ring", built, operation=Operation()), assemble(built), 30.0)
     names = [station.name for station in built.stations]
@@ -348,7 +447,9 @@ def test_ring_damper_without_stiffness_slips_with_the_train():
     w = 60.0
     order = found.orders.index(Fraction(2))
     expected = 12.0 * 1j * w / (12.0 * 1j * w - w * w * 0.3)
-    assert found.angle[0, order, ring] / found.angle[0, order, housing] == pytest.approx(expected, rel=1e-9)
+    assert found.angle[0, order, ring] / found.angle[0, order, housing] == pytest.approx(
+        expected, rel=1e-9
+    )
 
 
 def test_continuation_over_speed_passes_the_resonances():
@@ -358,11 +459,15 @@ def test_continuation_over_speed_passes_the_resonances():
     assert (whole.status == Found.OK).all()
     alone = at_one(study, system, 54.0)  # the first mode meets order 2 at 53.6
     second = whole.orders.index(Fraction(2))
-    assert whole.torque[4, second] == pytest.approx(alone.torque[0, alone.orders.index(Fraction(2))], rel=1e-8)
+    assert whole.torque[4, second] == pytest.approx(
+        alone.torque[0, alone.orders.index(Fraction(2))], rel=1e-8
+    )
 
 
 def test_no_periodic_solution_is_told_and_not_invented():
-    built = train([Disc(held=True), Joint(angle="10 deg"), Coupling(stiffness=1e4), Disc(inertia=1.0)])
+    built = train(
+        [Disc(held=True), Joint(angle="10 deg"), Coupling(stiffness=1e4), Disc(inertia=1.0)]
+    )
     study, system = Study("lossless", built, operation=Operation()), assemble(built)
     found = over(study, system, np.array([30.0, 50.0]))
     assert found.status.tolist() == [Found.OK, Found.NONE]
@@ -380,7 +485,9 @@ def test_other_motions_at_a_peak_are_found_and_told_in_the_same_orders():
         found = [np.abs(shafts(system, exact, 2))]
         found += [np.abs(torque[rank, system.flexibility > 0]) for torque in further.torque]
         assert further.orders == exact.orders
-        assert sorted(one[0] for one in found) == pytest.approx(sorted(torques[0] for _, torques in MOTIONS), rel=1e-5)
+        assert sorted(one[0] for one in found) == pytest.approx(
+            sorted(torques[0] for _, torques in MOTIONS), rel=1e-5
+        )
 
 
 def test_a_train_with_one_motion_has_no_other():

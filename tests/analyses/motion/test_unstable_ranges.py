@@ -27,16 +27,24 @@ def made(line: list, torque: float | None = None) -> tuple[Study, System]:
 
 def swing() -> tuple[Study, System]:
     """Constant speed, a spring, a joint of 20 deg and an inertia behind it; natural frequency 1 rad/s, no damping."""
-    return made([Disc(held=True), Coupling(stiffness=1.0), Joint(angle="20 deg"), Disc(inertia=1.0)])
+    return made(
+        [Disc(held=True), Coupling(stiffness=1.0), Joint(angle="20 deg"), Disc(inertia=1.0)]
+    )
 
 
 def six_stations(torque: float = 300.0) -> tuple[Study, System]:
-    return made([
-        Motor(inertia=2.0, damping=0.5), Coupling(stiffness=2e4, viscous=0.4),
-        Joint(angle="20 deg", inertia=(0.02, 0.02)), Coupling(stiffness=1.5e4, viscous=0.3),
-        Joint(angle="20 deg", inertia=(0.02, 0.02)), Coupling(stiffness=3e4, viscous=0.6),
-        Disc(inertia=0.8, damping=1.5),
-    ], torque)  # fmt: skip
+    return made(
+        [
+            Motor(inertia=2.0, damping=0.5),
+            Coupling(stiffness=2e4, viscous=0.4),
+            Joint(angle="20 deg", inertia=(0.02, 0.02)),
+            Coupling(stiffness=1.5e4, viscous=0.3),
+            Joint(angle="20 deg", inertia=(0.02, 0.02)),
+            Coupling(stiffness=3e4, viscous=0.6),
+            Disc(inertia=0.8, damping=1.5),
+        ],
+        torque,
+    )
 
 
 class Gap(Search):

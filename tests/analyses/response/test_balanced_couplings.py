@@ -32,9 +32,12 @@ def test_the_stiffness_of_a_slider_stores_and_loses_what_its_loop_does() -> None
 
 
 @pytest.mark.parametrize(
-    ("speed", "known"), [(112.0, 0.00727644754527494), (115.0, 0.007313591888527168), (118.0, 0.006830346421666001)]
+    ("speed", "known"),
+    [(112.0, 0.00727644754527494), (115.0, 0.007313591888527168), (118.0, 0.006830346421666001)],
 )
-def test_a_disc_beside_a_slider_vibrates_as_harmonic_balance_knows(speed: float, known: float) -> None:
+def test_a_disc_beside_a_slider_vibrates_as_harmonic_balance_knows(
+    speed: float, known: float
+) -> None:
     found = response(DISC.format("{torque: 20, stiffness: 4e3}", 10))
     at = int(np.argmin(np.abs(found.speed - speed)))
     assert abs(found.angle[at, 0, 0]) == pytest.approx(known, rel=1e-12)
@@ -76,12 +79,36 @@ analyses: {response: }
 
 @pytest.mark.parametrize(
     ("ratio", "rpm", "friction", "known"),
-    [(1.95, 1760, 2.851, (33.37120721577358, 182.31372456824647, 101.62826077878826, 104.19037910751648)),
-     (1.95, 1760, 7.139, (28.653779114452647, 30.582874273221034, 17.04799970141764, 17.477791495239916)),
-     (1.0, 1400, 2.851, (44.28255265971678, 90.01979569793674, 101.35873990391335, 97.55033948650248)),
-     (1.0, 1400, 7.139, (38.91009934820659, 59.78217971748681, 67.3123767710643, 64.78321664106606))],
-)  # fmt: skip
-def test_the_truck_by_harmonic_balance(ratio: float, rpm: float, friction: float, known: tuple[float, ...]) -> None:
+    [
+        (
+            1.95,
+            1760,
+            2.851,
+            (33.37120721577358, 182.31372456824647, 101.62826077878826, 104.19037910751648),
+        ),
+        (
+            1.95,
+            1760,
+            7.139,
+            (28.653779114452647, 30.582874273221034, 17.04799970141764, 17.477791495239916),
+        ),
+        (
+            1.0,
+            1400,
+            2.851,
+            (44.28255265971678, 90.01979569793674, 101.35873990391335, 97.55033948650248),
+        ),
+        (
+            1.0,
+            1400,
+            7.139,
+            (38.91009934820659, 59.78217971748681, 67.3123767710643, 64.78321664106606),
+        ),
+    ],
+)
+def test_the_truck_by_harmonic_balance(
+    ratio: float, rpm: float, friction: float, known: tuple[float, ...]
+) -> None:
     from tests.analyses.transient.test_nonlinear_couplings import truck
 
     text = truck(ratio, friction) + (TRUCK % (rpm, rpm + 10, 2)).removeprefix("name: x\n")
@@ -108,7 +135,8 @@ def test_the_peak_of_the_truck_in_third_gear() -> None:
 
 def test_friction_in_a_loop_is_refused() -> None:
     text = DISC.format("20", 10).replace(
-        "excitations", "links: [{between: [d, held], coupling: {stiffness: 1e3, hysteresis_torque: 5}}]\nexcitations"
+        "excitations",
+        "links: [{between: [d, held], coupling: {stiffness: 1e3, hysteresis_torque: 5}}]\nexcitations",
     )
     with pytest.raises(SolveError, match="closes a loop"):
         torsion.run(torsion.parse(text.replace("held: true", "name: held, held: true")))
@@ -125,12 +153,16 @@ def test_the_exact_motion_stands_beside_the_response_at_its_peak() -> None:
     text = truck(1.95, 7.139) + (TRUCK % (1900, 2000, 11)).removeprefix("name: x\n")
     clutch, *_ = torsion.run(torsion.parse(text)).results["nonlinear_peaks"].each
     assert clutch.speed == pytest.approx(2000.0 * math.pi / 30.0)
-    assert clutch.exact == pytest.approx(9.995606016475547, rel=1e-4)  # DOP853 at 1e-6 over 250 periods
+    assert clutch.exact == pytest.approx(
+        9.995606016475547, rel=1e-4
+    )  # DOP853 at 1e-6 over 250 periods
     assert clutch.difference > 0.3  # it slips nearly all the time
 
 
 @pytest.mark.parametrize(("ripple", "parts"), [("20 %", False), ("400 %", True)])
-def test_a_play_is_closed_in_the_response_as_long_as_the_mean_torque_keeps_it_so(ripple: str, parts: bool) -> None:
+def test_a_play_is_closed_in_the_response_as_long_as_the_mean_torque_keeps_it_so(
+    ripple: str, parts: bool
+) -> None:
     text = f"""name: x
 operation: {{speeds: {{from: 900 rpm, to: 1100 rpm}}, rated: {{speed: 1000 rpm, power: 20 kW}}, load: constant}}
 train:

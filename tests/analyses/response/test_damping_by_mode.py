@@ -69,7 +69,9 @@ def test_without_damping_the_sum_over_the_modes_is_the_exact_answer(place: str) 
 
 def test_a_list_by_mode_damps_each_by_its_own_and_those_above_by_the_last() -> None:
     found = torsion.run(
-        torsion.parse(CHAIN.format("[1 %, 3 %]", "d1").replace("{response", "{modes: {count: 3}, response"))
+        torsion.parse(
+            CHAIN.format("[1 %, 3 %]", "d1").replace("{response", "{modes: {count: 3}, response")
+        )
     )
     assert found.need(DampedModes).damping_ratio == pytest.approx([0.01, 0.03, 0.03], rel=1e-14)
 
@@ -88,7 +90,9 @@ def test_motion_over_time_ends_in_the_response() -> None:
 
 def test_the_report_says_that_modes_are_damped() -> None:
     text = [
-        one.text for one in chapter(torsion.run(torsion.parse(CHAIN.format("2 %", "d1")))) if isinstance(one, Paragraph)
+        one.text
+        for one in chapter(torsion.run(torsion.parse(CHAIN.format("2 %", "d1"))))
+        if isinstance(one, Paragraph)
     ]
     assert any("Damping ratio of every elastic mode: 2.00" in one for one in text)
 
@@ -102,20 +106,33 @@ def test_the_report_says_that_modes_are_damped() -> None:
         (("modal: 2 %", "modal: 100 %"), "less than"),
         (("modal: 2 %", "modal: []"), "too short"),
         (("{modal: 2 %}", "2 %"), "not a mapping"),
-        (("analyses: {", "analyses: {stability: {}, "), "`stability` does not support damping by mode"),
+        (
+            ("analyses: {", "analyses: {stability: {}, "),
+            "`stability` does not support damping by mode",
+        ),
         (("analyses: {", "analyses: {check: {}, "), "`check` does not support damping by mode"),
         (
-            ("name: s1, stiffness: 2e4}", "name: s1, stiffness: 2e4, heat_limit: 9, rated_torque: 1}"),
+            (
+                "name: s1, stiffness: 2e4}",
+                "name: s1, stiffness: 2e4, heat_limit: 9, rated_torque: 1}",
+            ),
             "the heat of 's1'",
         ),
-        (("- gear: {name: g, teeth: [20, 41], inertia: [0.1, 0.4]}", "- joint: {angle: 5 deg}"), "with joints"),
+        (
+            ("- gear: {name: g, teeth: [20, 41], inertia: [0.1, 0.4]}", "- joint: {angle: 5 deg}"),
+            "with joints",
+        ),
     ],
 )
-def test_damping_by_mode_is_refused_beside_what_it_does_not_fit(change: tuple[str, str], words: str) -> None:
+def test_damping_by_mode_is_refused_beside_what_it_does_not_fit(
+    change: tuple[str, str], words: str
+) -> None:
     text = CHAIN.format("2 %", "d1")
     assert text.count(change[0]) == 1
     with pytest.raises(InputError) as refused:
-        torsion.parse(text.replace(*change) + ("rules: [coupling-maker]\n" if "heat" in words else ""))
+        torsion.parse(
+            text.replace(*change) + ("rules: [coupling-maker]\n" if "heat" in words else "")
+        )
     assert words in str(refused.value)
 
 

@@ -22,10 +22,13 @@ SPEEDS = {"from": "300 rpm", "to": "1500 rpm", "steps": 7}
 
 def scene(mesh: float | None, second: float | None, **excitation: Any) -> dict[str, Any]:
     gear: dict[str, Any] = {
-        "name": "box", "teeth": [23, 57], "inertia": [J["pinion"], J["wheel"]], "module": "5 mm",
+        "name": "box",
+        "teeth": [23, 57],
+        "inertia": [J["pinion"], J["wheel"]],
+        "module": "5 mm",
         "helix_angle": "12 deg",
         "branches": [{"teeth": 41, "train": [{"disc": {"name": "aux", "inertia": J["aux"]}}]}],
-    }  # fmt: skip
+    }
     if mesh is not None:
         gear["mesh_stiffness"] = mesh
     if second is not None:
@@ -33,14 +36,16 @@ def scene(mesh: float | None, second: float | None, **excitation: Any) -> dict[s
     return {
         "name": "mesh",
         "train": [
-            {"motor": {"name": "motor", "inertia": J["motor"]}}, {"coupling": {"stiffness": K1, "viscous": C1}},
-            {"gear": gear}, {"coupling": {"stiffness": K2, "loss_factor": 0.02}},
+            {"motor": {"name": "motor", "inertia": J["motor"]}},
+            {"coupling": {"stiffness": K1, "viscous": C1}},
+            {"gear": gear},
+            {"coupling": {"stiffness": K2, "loss_factor": 0.02}},
             {"disc": {"name": "load", "inertia": J["load"]}},
         ],
         "operation": {"speeds": SPEEDS},
         "excitations": [{"at": "box", **excitation}],
         "analyses": {"response": {}},
-    }  # fmt: skip
+    }
 
 
 def solved(given: dict[str, Any]) -> Any:
@@ -72,17 +77,25 @@ def dense(w: float, mesh: float | None, second: float | None, error: complex) ->
         b[row] = mp.mpc(own)
     x = mp.lu_solve(a, b)
     return {
-        "first": complex(k1 * (x[0] - x[1])), "box": complex(x[5]), "box wheel 2": complex(x[6]),
+        "first": complex(k1 * (x[0] - x[1])),
+        "box": complex(x[5]),
+        "box wheel 2": complex(x[6]),
         "last": complex(k2 * (x[2] - x[4])),
-    } | {name: complex(x[k]) for k, name in enumerate(names)}  # fmt: skip
+    } | {name: complex(x[k]) for k, name in enumerate(names)}
 
 
-def compared(found: Any, mesh: float | None, second: float | None, error: complex, order: Fraction) -> float:
+def compared(
+    found: Any, mesh: float | None, second: float | None, error: complex, order: Fraction
+) -> float:
     """Worst relative difference of any torque at any speed."""
     response, system = found.results["response"], found.system
     assert [line.order for line in response.lines] == [order]
     names = {span.name: k for k, span in enumerate(system.spans)}
-    at = {"first": names["coupling-1"], "last": names["coupling-2"], **{n: names[n] for n in ("box", "box wheel 2")}}
+    at = {
+        "first": names["coupling-1"],
+        "last": names["coupling-2"],
+        **{n: names[n] for n in ("box", "box wheel 2")},
+    }
     worst = 0.0
     for k in np.linspace(0, response.speed.size - 1, 9).astype(int):
         known = dense(float(order) * response.speed[k], mesh, second, error)
@@ -90,13 +103,17 @@ def compared(found: Any, mesh: float | None, second: float | None, error: comple
             worst = max(worst, abs(response.torque[k, 0, span] - known[name]) / abs(known[name]))
         for station in ("motor", "load", "aux"):
             place = next(i for i, one in enumerate(system.stations) if one.name == station)
-            worst = max(worst, abs(response.angle[k, 0, place] - known[station]) / abs(known[station]))
+            worst = max(
+                worst, abs(response.angle[k, 0, place] - known[station]) / abs(known[station])
+            )
     return worst
 
 
 @pytest.mark.parametrize("mesh", [4e6, 1e16, None])
 @pytest.mark.parametrize("second", [3e6, None])
-def test_transmission_error_moves_the_train_as_its_equations_say(mesh: float | None, second: float | None) -> None:
+def test_transmission_error_moves_the_train_as_its_equations_say(
+    mesh: float | None, second: float | None
+) -> None:
     found = solved(scene(mesh, second, transmission_error="30 urad", phase="0.4 rad"))
     assert compared(found, mesh, second, 30e-6 * np.exp(0.4j), Fraction(23)) < 1e-12
 
@@ -111,7 +128,10 @@ def test_error_along_the_line_of_action_is_an_angle_at_the_base_circle() -> None
 
 
 def test_torque_of_a_blocked_mesh_is_its_error_times_its_stiffness() -> None:
-    assert compared(solved(scene(4e6, None, torque=120.0)), 4e6, None, 120.0 / 4e6, Fraction(23)) < 1e-12
+    assert (
+        compared(solved(scene(4e6, None, torque=120.0)), 4e6, None, 120.0 / 4e6, Fraction(23))
+        < 1e-12
+    )
 
 
 def test_error_of_a_further_wheel_excites_at_its_own_mesh() -> None:
@@ -141,12 +161,17 @@ def test_mesh_that_closes_a_loop_takes_its_error_too() -> None:
         }
         given = {
             "name": "locked",
-            "train": [{"disc": {"name": "a", "inertia": 2.0}}, {"coupling": {"stiffness": 2e5, "viscous": 9.0}},
-                      {"gear": gear}, {"disc": {"name": "bull", "inertia": 5.0}}],
+            "train": [
+                {"disc": {"name": "a", "inertia": 2.0}},
+                {"coupling": {"stiffness": 2e5, "viscous": 9.0}},
+                {"gear": gear},
+                {"disc": {"name": "bull", "inertia": 5.0}},
+            ],
             "links": [{"between": ["idler", "bull"], "coupling": {"stiffness": 4e6}}],
-            "operation": {"speeds": SPEEDS}, "excitations": [{"at": "box", "transmission_error": "30 urad"}],
+            "operation": {"speeds": SPEEDS},
+            "excitations": [{"at": "box", "transmission_error": "30 urad"}],
             "analyses": {"response": {}},
-        }  # fmt: skip
+        }
         found = solved(given)
         response = found.results["response"]
         chords = {found.system.spans[k].name for k in found.system.condensed.extra}
@@ -176,7 +201,9 @@ def test_mesh_that_closes_a_loop_takes_its_error_too() -> None:
 
 
 def test_harmonic_component_is_named_by_its_mesh() -> None:
-    found = solved(scene(4e6, None, transmission_error="30 urad") | {"analyses": {"response": {}, "modes": {}}})
+    found = solved(
+        scene(4e6, None, transmission_error="30 urad") | {"analyses": {"response": {}, "modes": {}}}
+    )
     assert found.results["response"].lines[0].named("motor") == "23 × mesh of box"
     crossings = found.results["critical_speeds"].crossings
     assert {one.order for one in crossings} == {Fraction(23)}
@@ -195,7 +222,7 @@ def test_harmonic_component_is_named_by_its_mesh() -> None:
         ({"torque": 5.0, "at": "motor", "harmonic": 2}, "no teeth"),
         ({"transmission_error": "3 um", "at": "aux"}, "no teeth"),
     ],
-)  # fmt: skip
+)
 def test_what_says_no_excitation_of_a_mesh_is_refused(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         solved(scene(4e6, None, **changes))
@@ -221,9 +248,14 @@ def test_gear_without_teeth_needs_an_order() -> None:
 
 @pytest.mark.parametrize(
     ("analyses", "damping"),
-    [({"transient": {"duration": "1 s", "initial": "steady"}}, None), ({"modes": {}}, {"modal": "1 %"})],
+    [
+        ({"transient": {"duration": "1 s", "initial": "steady"}}, None),
+        ({"modes": {}}, {"modal": "1 %"}),
+    ],
 )
-def test_analyses_that_take_no_mesh_excitation_refuse_it(analyses: dict[str, Any], damping: Any) -> None:
+def test_analyses_that_take_no_mesh_excitation_refuse_it(
+    analyses: dict[str, Any], damping: Any
+) -> None:
     given = scene(4e6, None, transmission_error="3 urad") | {"analyses": analyses}
     if damping is not None:
         given["damping"] = damping

@@ -23,7 +23,12 @@ analyses: {{response: }}
 PLAY = "clearance: 0.02 rad"
 
 
-def run(torque: float, mean: float = 20.0, play: str = PLAY, speeds: tuple[float, float, int] = (60, 110, 51)):
+def run(
+    torque: float,
+    mean: float = 20.0,
+    play: str = PLAY,
+    speeds: tuple[float, float, int] = (60, 110, 51),
+):
     load = f"rated: {{speed: 100 rad/s, power: {100.0 * mean} W}}, load: constant" if mean else ""
     first, last, steps = speeds
     text = TEXT.format(first=first, last=last, steps=steps, load=load, torque=torque, play=play)
@@ -43,7 +48,14 @@ def cycle(w: float, mean: float, torque: float, start: tuple[float, float]) -> t
 
     def moved(state, times=None):
         return solve_ivp(
-            rate, (0.0, period), state, method="DOP853", rtol=1e-10, atol=1e-12, max_step=period / 60, t_eval=times
+            rate,
+            (0.0, period),
+            state,
+            method="DOP853",
+            rtol=1e-10,
+            atol=1e-12,
+            max_step=period / 60,
+            t_eval=times,
         )
 
     state, small = np.array(start), 1e-7
@@ -51,7 +63,9 @@ def cycle(w: float, mean: float, torque: float, start: tuple[float, float]) -> t
         state = moved(state).y[:, -1]
     for _ in range(12):
         end = moved(state).y[:, -1]
-        slope = np.array([(moved(state + small * one).y[:, -1] - end) / small for one in np.eye(2)]).T
+        slope = np.array(
+            [(moved(state + small * one).y[:, -1] - end) / small for one in np.eye(2)]
+        ).T
         step = np.linalg.solve(slope - np.eye(2), end - state)
         state = state - step
         if np.abs(step).max() < 1e-8:
@@ -99,7 +113,9 @@ def test_the_opened_resonance_bends_down_and_has_two_motions(speed: float) -> No
     assert balanced.number[at, 0] == 3
     assert balanced.share[at, 0] < 0.8
     linear = 2.0 / abs(STIFFNESS - speed**2 + 1j * DAMPING * speed)
-    assert balanced.smallest[at, 0] == pytest.approx(linear, rel=1e-12)  # the closed play is a solution too
+    assert balanced.smallest[at, 0] == pytest.approx(
+        linear, rel=1e-12
+    )  # the closed play is a solution too
     upper = cycle(speed, 20.0, 2.0, state_of(response, at, float(balanced.amplitude[at, 0]), 20.0))
     lower = cycle(speed, 20.0, 2.0, state_of(response, at, float(balanced.smallest[at, 0]), 20.0))
     assert lower[0] == pytest.approx(STIFFNESS * linear, rel=1e-6)
@@ -199,14 +215,20 @@ def test_friction_and_play_satisfy_both_balances_at_every_speed() -> None:
     for k, (coupling, damping) in enumerate(zip(couplings, (3.0, 6.0), strict=True)):
         amplitude = np.abs(twist[:, :, k]).max(axis=1)
         one = coupling.secant(amplitude, np.full(len(amplitude), 5.0))
-        stiffness = one.share[:, None] * (coupling.stiffness + 1j * w * damping) + one.extra[:, None]
+        stiffness = (
+            one.share[:, None] * (coupling.stiffness + 1j * w * damping) + one.extra[:, None]
+        )
         assert response.torque[:, :, k] == pytest.approx(stiffness * twist[:, :, k], rel=1e-6)
         assert balanced.amplitude[:, k] == pytest.approx(amplitude, rel=1e-7)
 
 
 @pytest.mark.parametrize(("torque", "opens"), [(0.5, False), (5.0, True)])
-def test_a_train_damped_by_mode_keeps_its_play_closed_or_has_no_response(torque: float, opens: bool) -> None:
-    text = TWO.replace(", viscous: 3, hysteresis_torque: {torque: 4, stiffness: 5e3}", "").replace(", viscous: 6", "")
+def test_a_train_damped_by_mode_keeps_its_play_closed_or_has_no_response(
+    torque: float, opens: bool
+) -> None:
+    text = TWO.replace(", viscous: 3, hysteresis_torque: {torque: 4, stiffness: 5e3}", "").replace(
+        ", viscous: 6", ""
+    )
     text = text.replace("torque: 9}", f"torque: {torque}}}") + "damping: {modal: 5 %}\n"
     if not opens:
         text = text.replace(", {at: m, order: 2, torque: 1}", "")
@@ -215,9 +237,7 @@ def test_a_train_damped_by_mode_keeps_its_play_closed_or_has_no_response(torque:
         return
     with pytest.raises(SolveError, match="damped by mode") as refused:
         torsion.run(torsion.parse(text, "x.yaml"))
-    words = (
-        "'teeth' is in a train that is damped by mode, and its backlash or stages in the response are not supported yet"
-    )
+    words = "'teeth' is in a train that is damped by mode, and its backlash or stages in the response are not supported yet"
     assert refused.value.located.startswith(
         f"x.yaml:7:13: {words} (give the damping of the components)\n    - coupling:"
     )
@@ -225,20 +245,32 @@ def test_a_train_damped_by_mode_keeps_its_play_closed_or_has_no_response(torque:
 
 def test_over_frequency_a_play_opens_too() -> None:
     text = TWO.replace("order: 1, torque: 9}, {at: m, order: 2, torque: 1}", "torque: 9}")
-    text = text.replace("{response: }", "{response: {frequencies: {from: 11 Hz, to: 13 Hz, steps: 3}}}")
+    text = text.replace(
+        "{response: }", "{response: {frequencies: {from: 11 Hz, to: 13 Hz, steps: 3}}}"
+    )
     found = torsion.run(torsion.parse(text)).results["frequency_response"]
-    linear = torsion.run(torsion.parse(text.replace("power: 500 W", "power: 100 kW"))).results["frequency_response"]
+    linear = torsion.run(torsion.parse(text.replace("power: 500 W", "power: 100 kW"))).results[
+        "frequency_response"
+    ]
     both = [one.torque[np.searchsorted(one.frequency, 12.0), 1] for one in (found, linear)]
     assert abs(both[0]) > 5.0
     assert both[0] != pytest.approx(both[1], rel=0.01)
 
 
 @pytest.mark.parametrize(("power", "closed"), [("500 W", True), ("1 W", False)])
-def test_a_play_that_closes_a_loop_stays_closed_or_there_is_no_response(power: str, closed: bool) -> None:
-    text = TWO.replace(", hysteresis_torque: {torque: 4, stiffness: 5e3}", "").replace("500 W", power)
-    text = text.replace(", clearance: {angle: 0.01 rad, viscous: 6}", "").replace("torque: 9}", "torque: 0.1}")
+def test_a_play_that_closes_a_loop_stays_closed_or_there_is_no_response(
+    power: str, closed: bool
+) -> None:
+    text = TWO.replace(", hysteresis_torque: {torque: 4, stiffness: 5e3}", "").replace(
+        "500 W", power
+    )
+    text = text.replace(", clearance: {angle: 0.01 rad, viscous: 6}", "").replace(
+        "torque: 9}", "torque: 0.1}"
+    )
     text = text.replace(", {at: m, order: 2, torque: 1}", "")
-    loop = "links: [{between: [d, p], coupling: {name: loop, stiffness: 1e4, clearance: 0.01 rad}}]\n"
+    loop = (
+        "links: [{between: [d, p], coupling: {name: loop, stiffness: 1e4, clearance: 0.01 rad}}]\n"
+    )
     if closed:
         found = torsion.run(torsion.parse(text + loop)).results["response"]
         assert (found.balanced.share == 1.0).all()

@@ -30,12 +30,17 @@ RATED = (100.0, 50e3)  # rad/s, W: 500 N m
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_random_trains_agree_with_a_dense_solution_in_own_angles(build, dense, random_train, operation, seed):
+def test_random_trains_agree_with_a_dense_solution_in_own_angles(
+    build, dense, random_train, operation, seed
+):
     random = np.random.default_rng(seed)
     line = random_train(random, 5)
     excite = [
         Excitation(
-            at=f"disc-{k}", order=order, torque=float(random.uniform(1, 50)), phase=f"{random.uniform(0, 360)} deg"
+            at=f"disc-{k}",
+            order=order,
+            torque=float(random.uniform(1, 50)),
+            phase=f"{random.uniform(0, 360)} deg",
         )
         for k, order in ((1, "1"), (2, "3/2"), (3, "2"))
     ]
@@ -58,9 +63,12 @@ def test_random_trains_agree_with_a_dense_solution_in_own_angles(build, dense, r
 
 def test_train_with_a_closed_loop_agrees_with_a_dense_solution(build, dense):
     line = [
-        Disc(name="a", inertia=1.0, damping=2.0), Coupling(stiffness=100.0, viscous=3.0), Disc(inertia=2.0),
-        Coupling(stiffness=300.0), Disc(name="b", inertia=0.5),
-    ]  # fmt: skip
+        Disc(name="a", inertia=1.0, damping=2.0),
+        Coupling(stiffness=100.0, viscous=3.0),
+        Disc(inertia=2.0),
+        Coupling(stiffness=300.0),
+        Disc(name="b", inertia=0.5),
+    ]
     links = [Link(("a", "b"), Coupling(stiffness=60.0, loss_factor=0.1))]
     _, system = build(line, links=links, excitations=[Excitation(at="b", order=1, torque=7.0)])
     speed = np.array([3.0, 9.0, 31.0])
@@ -75,9 +83,10 @@ def test_train_with_a_closed_loop_agrees_with_a_dense_solution(build, dense):
 def test_parallel_damper_and_spring_between_the_same_points_add_up(build):
     line = [Disc(name="a", held=True), Coupling(stiffness=100.0), Disc(name="b", inertia=2.0)]
     study, system = build(
-        line, links=[Link(("a", "b"), Coupling(stiffness=50.0, viscous=4.0))],
+        line,
+        links=[Link(("a", "b"), Coupling(stiffness=50.0, viscous=4.0))],
         excitations=[Excitation(at="b", torque=1.0)],
-    )  # fmt: skip
+    )
     found = frequency_response(study, system, frequencies=np.array([0.5, 1.0]))
     w = 2 * math.pi * found.frequency
     exact = 1.0 / (150.0 + 4j * w - 2.0 * w**2)
@@ -102,8 +111,13 @@ def test_viscous_span_holds_the_share_of_its_damper(build):
 
 def test_two_discs_under_opposed_torques_at_5_rad_s(build):
     """Benchmark B15b."""
-    excite = [Excitation(at="disc-1", torque=1.0), Excitation(at="disc-2", torque=1.0, phase="180 deg")]
-    study, system = build([Disc(inertia=2.0), Coupling(stiffness=120.0), Disc(inertia=3.0)], excitations=excite)
+    excite = [
+        Excitation(at="disc-1", torque=1.0),
+        Excitation(at="disc-2", torque=1.0, phase="180 deg"),
+    ]
+    study, system = build(
+        [Disc(inertia=2.0), Coupling(stiffness=120.0), Disc(inertia=3.0)], excitations=excite
+    )
     found = frequency_response(study, system, frequencies=np.array([5.0 / (2 * math.pi)]))
     assert found.angle[0] == pytest.approx([1 / 150, -1 / 225], rel=1e-14)
     assert found.torque[0] == pytest.approx([4 / 3], rel=1e-14)
@@ -112,8 +126,13 @@ def test_two_discs_under_opposed_torques_at_5_rad_s(build):
 
 def test_contributions_of_one_order_from_two_shafts_meet_in_one_line_as_phasors(build, operation):
     """Order 5/2 behind a gear of 5/2 is order 1 of the motor; opposed and referred, the two cancel."""
-    line = [Disc(inertia=1.0), Gear(teeth=(20, 50)), Disc(name="wheel", inertia=1.0), Coupling(stiffness=1e3),
-            Disc(inertia=2.0)]  # fmt: skip
+    line = [
+        Disc(inertia=1.0),
+        Gear(teeth=(20, 50)),
+        Disc(name="wheel", inertia=1.0),
+        Coupling(stiffness=1e3),
+        Disc(inertia=2.0),
+    ]
     excite = [
         Excitation(at="disc-1", order=1, torque=10.0, phase="0 deg"),
         Excitation(at="wheel", order="5/2", torque=25.0, phase="180 deg"),
@@ -125,7 +144,9 @@ def test_contributions_of_one_order_from_two_shafts_meet_in_one_line_as_phasors(
     assert abs(found.angle).max() < 1e-15
 
 
-def test_share_of_the_mean_torque_follows_the_load_and_archer_damping_its_torque_over_speed(build, operation):
+def test_share_of_the_mean_torque_follows_the_load_and_archer_damping_its_torque_over_speed(
+    build, operation
+):
     propeller = Propeller(
         inertia=1.0,
         blades=4,
@@ -133,22 +154,34 @@ def test_share_of_the_mean_torque_follows_the_load_and_archer_damping_its_torque
         damping={"model": "archer", "factor": 30},
     )
     study, system = build(
-        [Motor(held=True), Coupling(stiffness=1e5), propeller], operation=operation(50.0, 100.0, 2, rated=RATED)
+        [Motor(held=True), Coupling(stiffness=1e5), propeller],
+        operation=operation(50.0, 100.0, 2, rated=RATED),
     )
     found = response(study, system, speeds=np.array([50.0, 100.0]))
     for speed, mean in ((50.0, 125.0), (100.0, 500.0)):
         at = int(np.flatnonzero(found.speed == speed)[0])
         w, damping = 4.0 * speed, 30.0 * mean / (speed * 30.0 / math.pi)
-        assert found.angle[at, 0, 1] == pytest.approx(0.06 * mean / (1e5 - w * w + 1j * w * damping), rel=1e-13)
+        assert found.angle[at, 0, 1] == pytest.approx(
+            0.06 * mean / (1e5 - w * w + 1j * w * damping), rel=1e-13
+        )
         assert found.mean[at, 0] == pytest.approx(mean, rel=1e-15)
 
 
 @pytest.mark.parametrize(("ratio", "mean"), [("1/2", 250.0), ("2", 1000.0)])
-def test_share_of_mean_where_none_is_applied_is_of_the_largest_in_its_spans(build, operation, ratio, mean):
-    line = [Motor(inertia=1.0), Gear(ratio=ratio), Disc(name="mid", inertia=2.0), Coupling(stiffness=1e6),
-            Propeller(inertia=1.0)]  # fmt: skip
+def test_share_of_mean_where_none_is_applied_is_of_the_largest_in_its_spans(
+    build, operation, ratio, mean
+):
+    line = [
+        Motor(inertia=1.0),
+        Gear(ratio=ratio),
+        Disc(name="mid", inertia=2.0),
+        Coupling(stiffness=1e6),
+        Propeller(inertia=1.0),
+    ]
     excite = [Excitation(at="mid", order=1, torque={"of_mean": "10 %"})]
-    study, system = build(line, excitations=excite, operation=operation(99.0, 100.0, 2, rated=RATED))
+    study, system = build(
+        line, excitations=excite, operation=operation(99.0, 100.0, 2, rated=RATED)
+    )
     one, speed = excitations(system)[0], np.array([100.0])
     found = amplitude(system, one.torques[0], speed, steady_if_known(study, system, speed))
     assert found == pytest.approx([0.1 * mean], rel=1e-14)
@@ -169,13 +202,19 @@ def test_ring_without_damping_and_stiffness_takes_no_part(build):
 def test_first_order_damping_ratios_are_those_of_the_damped_modes(build):
     """Ground, viscous and hysteretic damping on both sides of a gear: they differ by the square of the ratio."""
     line = [
-        Disc(inertia=3.0, damping=0.02), Coupling(stiffness=2e4, viscous=0.05), Gear(ratio=3), Disc(inertia=0.5),
-        Coupling(stiffness=1e4, loss_factor=1e-3), Disc(inertia=0.7, damping=0.01),
-    ]  # fmt: skip
+        Disc(inertia=3.0, damping=0.02),
+        Coupling(stiffness=2e4, viscous=0.05),
+        Gear(ratio=3),
+        Disc(inertia=0.5),
+        Coupling(stiffness=1e4, loss_factor=1e-3),
+        Disc(inertia=0.7, damping=0.01),
+    ]
     _, system = build(line)
     found = grid.resonances(system, 1e4, None, None)
     speeds = np.array([1.0]), 0.0, 1e4
-    at, ratio = grid.places(found, system, *speeds, lambda speed: ground_damping(system, speed, None))
+    at, ratio = grid.places(
+        found, system, *speeds, lambda speed: ground_damping(system, speed, None)
+    )
     exact = damped(system, speed=1.0)
     assert ratio == pytest.approx(exact.damping_ratio, rel=1e-4)
     assert at == pytest.approx(2 * math.pi * exact.frequency, rel=1e-5)
@@ -221,9 +260,13 @@ def test_no_peak_of_a_damped_train_falls_between_two_speeds(build, operation):
     """The highest computed torque of every span is within 0.1 % of that of a grid a hundred times as dense."""
     line = [
         Motor(inertia=3.0, ripple=[{"order": 6, "torque": 20.0}, {"order": 1, "torque": 5.0}]),
-        Coupling(stiffness=2e4, psi=0.8), Disc(inertia=0.5), Branch(train=(Coupling(stiffness=9e3, viscous=2.0),
-        Disc(inertia=0.3))), Gear(ratio=2), Coupling(stiffness=6e4, loss_factor=1e-3), Disc(inertia=2.0, damping=1.0),
-    ]  # fmt: skip
+        Coupling(stiffness=2e4, psi=0.8),
+        Disc(inertia=0.5),
+        Branch(train=(Coupling(stiffness=9e3, viscous=2.0), Disc(inertia=0.3))),
+        Gear(ratio=2),
+        Coupling(stiffness=6e4, loss_factor=1e-3),
+        Disc(inertia=2.0, damping=1.0),
+    ]
     study, system = build(line, operation=operation(20.0, 200.0, 10))
     found = response(study, system)
     ground = ground_damping(system, np.array([100.0]), None)
@@ -235,7 +278,9 @@ def test_no_peak_of_a_damped_train_falls_between_two_speeds(build, operation):
         dense_grid = dense_grid[(dense_grid >= 20.0) & (dense_grid <= 200.0)]
         w = float(one.line.order) * dense_grid
         damping = np.tile(ground, (1, len(dense_grid)))
-        exact = np.abs(answer(system, w, sources(system, one, dense_grid, None), damping).torque).max(axis=0)
+        exact = np.abs(
+            answer(system, w, sources(system, one, dense_grid, None), damping).torque
+        ).max(axis=0)
         assert np.abs(found.torque[:, k]).max(axis=0) == pytest.approx(exact, rel=1e-3)
 
 
@@ -260,10 +305,15 @@ def test_orders_asked_for_are_the_only_lines(build, operation):
     excite.append(Excitation(at="disc-1", frequency=3.0, torque=1.0))
     study, system = build(
         [Disc(inertia=1.0), Coupling(stiffness=100.0), Disc(inertia=1.0)],
-        excitations=excite, operation=operation(1.0, 2.0, 2), analyses={"response": ResponseSettings(orders=["3/2"])},
-    )  # fmt: skip
+        excitations=excite,
+        operation=operation(1.0, 2.0, 2),
+        analyses={"response": ResponseSettings(orders=["3/2"])},
+    )
     found = response(study, system)
-    assert [(line.order, line.frequency) for line in found.lines] == [(Fraction(3, 2), None), (None, 3.0)]
+    assert [(line.order, line.frequency) for line in found.lines] == [
+        (Fraction(3, 2), None),
+        (None, 3.0),
+    ]
     assert found.frequency[:, 1].tolist() == [3.0] * len(found.speed)
 
 
@@ -271,7 +321,9 @@ def test_table_over_speed_is_read_at_the_own_speed_and_never_extrapolated(build,
     table = [["10 rad/s", 5.0], ["50 rad/s", 25.0]]
     line = [Disc(held=True), Gear(ratio=2), Coupling(stiffness=1e9), Disc(name="end", inertia=1e-9)]
     study, system = build(
-        line, excitations=[Excitation(at="end", order=1, torque=table)], operation=operation(40.0, 80.0, 3)
+        line,
+        excitations=[Excitation(at="end", order=1, torque=table)],
+        operation=operation(40.0, 80.0, 3),
     )
     found = response(study, system)
     assert np.abs(found.torque[:, 0, 0]) == pytest.approx(found.speed / 4.0, rel=1e-6)
@@ -283,8 +335,9 @@ def test_share_of_an_unknown_mean_torque_names_the_power(build, operation):
     excite = [Excitation(at="disc-1", order=1, torque="10 %")]
     study, system = build(
         [Disc(inertia=1.0), Coupling(stiffness=100.0), Disc(inertia=1.0)],
-        excitations=excite, operation=operation(1.0, 2.0, 2),
-    )  # fmt: skip
+        excitations=excite,
+        operation=operation(1.0, 2.0, 2),
+    )
     with pytest.raises(InputError) as raised:
         response(study, system)
     assert raised.value.faults[0].path == ("operation", "rated", "power")
@@ -304,7 +357,11 @@ def test_methods_are_two_words_and_orders_are_exact():
     assert ResponseSettings(method="harmonic-balance").method == "harmonic-balance"
     with pytest.raises(ValueError, match="first-order"):
         ResponseSettings(method="shooting")
-    assert ResponseSettings(orders=[1, 0.5, "21/8"]).orders == (Fraction(1), Fraction(1, 2), Fraction(21, 8))
+    assert ResponseSettings(orders=[1, 0.5, "21/8"]).orders == (
+        Fraction(1),
+        Fraction(1, 2),
+        Fraction(21, 8),
+    )
     with pytest.raises(ValueError, match="orders are"):
         ResponseSettings(orders="some")
 
@@ -329,21 +386,29 @@ def test_many_resonances_are_bounded_in_number_and_it_is_said(build, operation, 
     monkeypatch.setattr(grid, "MOST_ADDED", 200)
     monkeypatch.setattr(grid, "MOST_PEAKS", 10)
     found = response(study, system)
-    assert len(found.speed) <= 3 + 200 + 2 * 40 + 2 * 10  # two further points by each of 40 resonances
+    assert (
+        len(found.speed) <= 3 + 200 + 2 * 40 + 2 * 10
+    )  # two further points by each of 40 resonances
     assert "most prominent" in found.remark
     assert response(study, system, speeds=np.array([10.0, 10.5])).remark == ""
 
 
 def test_a_large_train_has_fewer_points_at_each_resonance_and_loses_none():
     """Values of the response: those requested, and MOST_VALUES around resonances unless these have the fewest."""
-    requested, resonances, ratio = np.array([1.0, 100.0]), np.linspace(10.0, 90.0, 50), np.full(50, 0.01)
+    requested, resonances, ratio = (
+        np.array([1.0, 100.0]),
+        np.linspace(10.0, 90.0, 50),
+        np.full(50, 0.01),
+    )
     many, remark = grid.refined(requested, resonances, ratio)
     assert remark == ""
     for values in (6_000, 8_000, 10**9):
         points, remark = grid.refined(requested, resonances, ratio, values)
         assert len(points) < len(many)
         assert np.isin(np.concatenate([requested, resonances]), points).all()
-        assert len(points) <= 2 + 50 * (2 + max(grid.MOST_VALUES // (50 * values), grid.FEWEST_POINTS))
+        assert len(points) <= 2 + 50 * (
+            2 + max(grid.MOST_VALUES // (50 * values), grid.FEWEST_POINTS)
+        )
         assert "each of 50 resonances" in remark
 
 

@@ -15,24 +15,41 @@ from torsion.kernels.tree_response import Status
 def _response(orders: list, torque: np.ndarray, mean: np.ndarray | None = None) -> Response:
     """A response of one speed from phasors (lines, spans); an order that is text is a fixed frequency."""
     lines = tuple(
-        Line(None, float(order), ()) if isinstance(order, str) else Line(Fraction(order), None, ()) for order in orders
+        Line(None, float(order), ()) if isinstance(order, str) else Line(Fraction(order), None, ())
+        for order in orders
     )
     blank = np.zeros((1, len(lines)))
     torque = np.asarray(torque, dtype=complex)[None]
     mean = np.zeros((1, torque.shape[2])) if mean is None else mean[None]
     answered = blank.astype(np.uint8)
-    return Response(np.array([1.0]), np.array([True]), lines, blank, torque, torque, mean, blank, answered, blank, None)
+    return Response(
+        np.array([1.0]),
+        np.array([True]),
+        lines,
+        blank,
+        torque,
+        torque,
+        mean,
+        blank,
+        answered,
+        blank,
+        None,
+    )
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_half_range_agrees_with_brute_force(seed):
     random = np.random.default_rng(seed)
     harmonics = np.sort(random.choice(np.arange(1, 13), size=random.integers(2, 6), replace=False))
-    phasors = random.normal(size=(20, len(harmonics))) + 1j * random.normal(size=(20, len(harmonics)))
+    phasors = random.normal(size=(20, len(harmonics))) + 1j * random.normal(
+        size=(20, len(harmonics))
+    )
     highest, lowest = extremes(phasors, harmonics)
     angle = np.linspace(0.0, 2 * np.pi, 60001)
     wave = (phasors @ np.exp(1j * np.outer(harmonics, angle))).real
-    loss = 0.5 * (12 * np.pi / 60000) ** 2 * np.abs(phasors).sum(axis=1)  # that a sample may lie below the extreme
+    loss = (
+        0.5 * (12 * np.pi / 60000) ** 2 * np.abs(phasors).sum(axis=1)
+    )  # that a sample may lie below the extreme
     assert (highest >= wave.max(axis=1) - 1e-12).all()
     assert (highest <= wave.max(axis=1) + loss + 1e-12).all()
     assert (lowest <= wave.min(axis=1) + 1e-12).all()
@@ -51,7 +68,10 @@ def _densely_sampled(phasors: np.ndarray, harmonics: np.ndarray, number: int = 2
         step /= 400
         angle = (near[:, None] + step * np.arange(-200, 201)).ravel()
         value = np.concatenate(
-            [(np.exp(1j * np.outer(t, harmonics)) @ phasors).real for t in np.split(angle, len(near))]
+            [
+                (np.exp(1j * np.outer(t, harmonics)) @ phasors).real
+                for t in np.split(angle, len(near))
+            ]
         )
     return float(value.max())
 
@@ -59,15 +79,21 @@ def _densely_sampled(phasors: np.ndarray, harmonics: np.ndarray, number: int = 2
 def _worst_error(phasors: np.ndarray, harmonics: np.ndarray) -> float:
     """The largest relative error of both extremes of waves (rows, harmonics)."""
     highest, lowest = extremes(phasors, harmonics)
-    dense = np.array([[_densely_sampled(one, harmonics), -_densely_sampled(-one, harmonics)] for one in phasors])
+    dense = np.array(
+        [[_densely_sampled(one, harmonics), -_densely_sampled(-one, harmonics)] for one in phasors]
+    )
     return float(np.abs(np.array([highest, lowest]).T / dense - 1).max())
 
 
 def test_no_extreme_of_two_to_six_orders_up_to_200_is_too_low():
     random = np.random.default_rng(0)
     for _ in range(300):
-        harmonics = np.sort(random.choice(np.arange(1, 201), size=random.integers(2, 7), replace=False))
-        phasors = random.normal(size=(1, len(harmonics))) + 1j * random.normal(size=(1, len(harmonics)))
+        harmonics = np.sort(
+            random.choice(np.arange(1, 201), size=random.integers(2, 7), replace=False)
+        )
+        phasors = random.normal(size=(1, len(harmonics))) + 1j * random.normal(
+            size=(1, len(harmonics))
+        )
         assert _worst_error(phasors, harmonics) < 1e-12
 
 
@@ -110,12 +136,16 @@ def test_the_higher_of_two_maxima_in_one_step_is_taken(tilt):
     harmonics = np.array([1, 2, 3])
     phasors = np.array([1.0, -0.2502, -1j * tilt])
     for turned in (phasors, phasors.conj()):
-        assert extremes(turned[None], harmonics)[0][0] == pytest.approx(_densely_sampled(turned, harmonics), rel=1e-13)
+        assert extremes(turned[None], harmonics)[0][0] == pytest.approx(
+            _densely_sampled(turned, harmonics), rel=1e-13
+        )
 
 
 def test_wave_of_one_order_amid_others_of_nothing():
     """All its maxima are as high; a row of zeros has none."""
-    highest, lowest = extremes(np.array([[0.0, 0.0, 2j], [0.0, 0.0, 0.0], [1e-9, 0.0, 2.0]]), np.array([1, 7, 118]))
+    highest, lowest = extremes(
+        np.array([[0.0, 0.0, 2j], [0.0, 0.0, 0.0], [1e-9, 0.0, 2.0]]), np.array([1, 7, 118])
+    )
     assert highest == pytest.approx([2.0, 0.0, 2.0 + 1e-9], rel=1e-15)
     assert lowest[:2] == pytest.approx([-2.0, 0.0], rel=1e-15)
 
@@ -132,7 +162,9 @@ def test_extremes_grow_with_the_size_of_the_wave(size):
     """cos t + b cos 2t about b = -1/4, where two maxima meet, and below it at its one maximum of 1 + b."""
     b = -np.array([0.1, 0.2, 0.249, 0.2499, 0.25, 0.2501, 0.251, 0.3, 0.5, 2.0])
     shift = np.array([[0.0], [0.0123], [0.049], [0.1], [1.0]])
-    phasors = np.stack([np.ones_like(b), b], axis=1) * np.exp(1j * shift[:, :, None] * np.array([1, 2]))
+    phasors = np.stack([np.ones_like(b), b], axis=1) * np.exp(
+        1j * shift[:, :, None] * np.array([1, 2])
+    )
     highest, lowest = extremes(size * phasors.reshape(-1, 2), np.array([1, 2]))
     two = b < -0.25
     expected = np.where(two, -b - 1 / (8 * np.where(two, b, 1.0)), 1 + b)
@@ -152,7 +184,9 @@ def test_the_highest_of_two_maxima_may_lie_between_samples_and_the_other_on_one(
     """Order 64 of 65 has 32.5 samples: every other maximum lies half a step off. Order 1 makes that one the higher."""
     half_step = np.pi / 32 * 64 / 65
     for excess in (1e-4, 1e-3):
-        phase = -np.pi / 64 - excess / (2 * np.sin(np.pi / 64))  # of order 1, highest beside the second maximum
+        phase = -np.pi / 64 - excess / (
+            2 * np.sin(np.pi / 64)
+        )  # of order 1, highest beside the second maximum
         phasors = np.array([[0.5 * np.exp(1j * phase), 1.0, 1e-9]])
         assert half_step**2 / 2 > excess
         assert _worst_error(phasors, np.array([1, 64, 65])) < 1e-12
@@ -235,10 +269,14 @@ def test_cycle_that_is_too_long_gives_its_bound_and_says_so():
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize(("turning", "torque"), [([1, 2], [1.0, 0.7]), ([1, Fraction(1001, 1000)], [1.0, 0.5j])])
+@pytest.mark.parametrize(
+    ("turning", "torque"), [([1, 2], [1.0, 0.7]), ([1, Fraction(1001, 1000)], [1.0, 0.5j])]
+)
 def test_peak_is_that_of_the_side_on_which_the_mean_torque_stands(sign, turning, torque):
     """1.7 above and 0.7 + 1/5.6 below the mean; 1.5 on both sides where the cycle is too long. 0.4 at 35 Hz."""
-    found = synthesis(_response([*turning, "35"], [[one] for one in [*torque, 0.4]], np.array([3.0 * sign])))
+    found = synthesis(
+        _response([*turning, "35"], [[one] for one in [*torque, 0.4]], np.array([3.0 * sign]))
+    )
     above, below = (1.7, 0.7 + 1 / 5.6) if turning == [1, 2] else (1.5, 1.5)
     assert found.peak[0, 0] == pytest.approx(3.4 + (above if sign > 0 else below), rel=1e-14)
     assert found.half_range[0, 0] == pytest.approx((above + below) / 2 + 0.4, rel=1e-14)
@@ -247,10 +285,18 @@ def test_peak_is_that_of_the_side_on_which_the_mean_torque_stands(sign, turning,
 def test_every_span_and_speed_has_its_own_sum():
     """Orders 1 and 3 in two spans at three speeds: 1 + b where they add, and the plain sum at every other phase."""
     share = np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])  # (speeds, spans)
-    torque = np.stack([np.ones((3, 2)), share], axis=1) * np.array([[[1.0, 2.0]], [[3.0, 4.0]], [[5.0, 6.0]]])
+    torque = np.stack([np.ones((3, 2)), share], axis=1) * np.array(
+        [[[1.0, 2.0]], [[3.0, 4.0]], [[5.0, 6.0]]]
+    )
     one = _response([1, 3], torque[0])
     blank = np.zeros((3, 2))
-    whole = replace(one, speed=np.arange(3.0), torque=torque.astype(complex), mean=np.zeros((3, 2)), status=blank)
+    whole = replace(
+        one,
+        speed=np.arange(3.0),
+        torque=torque.astype(complex),
+        mean=np.zeros((3, 2)),
+        status=blank,
+    )
     found = synthesis(whole)
     size = torque[:, 0]
     assert found.half_range == pytest.approx(size * (1 + share), rel=1e-14)

@@ -44,7 +44,9 @@ SECOND = """  - coupling:
 """
 
 
-def study(coupling: str = f"table: {TABLE}", more: str = "", orders: str = "", steps: int = 21) -> Study:
+def study(
+    coupling: str = f"table: {TABLE}", more: str = "", orders: str = "", steps: int = 21
+) -> Study:
     return torsion.parse(SCENE.format(coupling=coupling, more=more, orders=orders, steps=steps))
 
 
@@ -64,7 +66,11 @@ def roots(w: float) -> list[float]:
     found = []
     for place in np.flatnonzero(np.diff(np.sign(excess))):
         piece = min(int(np.searchsorted(AT, size[place], side="right")), len(AT) - 1) - 1
-        low, step, share = AT[piece], AT[piece + 1] - AT[piece], 1.0 if size[place] < AT[-1] else 0.0
+        low, step, share = (
+            AT[piece],
+            AT[piece + 1] - AT[piece],
+            1.0 if size[place] < AT[-1] else 0.0,
+        )
 
         def height(x, a=piece, low=low, step=step, share=share):
             part = (x - low) / step if share else mp.mpf(1)
@@ -73,7 +79,9 @@ def roots(w: float) -> list[float]:
             return abs(100 * own * 40 / (own * 50 - mp.mpf(w) ** 2 * 400)) - x
 
         with mp.workdps(30):
-            found.append(float(mp.findroot(height, (size[place], size[place + 1]), solver="anderson")))
+            found.append(
+                float(mp.findroot(height, (size[place], size[place + 1]), solver="anderson"))
+            )
     return sorted(found, reverse=True)
 
 
@@ -98,12 +106,19 @@ def test_half_range_of_two_orders_is_that_of_the_synthesis_at_its_stiffness() ->
     assert total.half_range[:, 0] == pytest.approx(one.torque, rel=1e-12)
     assert one.residual.max() < 1e-12
     for place in (0, 40, len(one.speed) - 1):
-        eta, k, speed = float(one.loss_factor[place]), float(one.stiffness[place]), one.speed[[place]]
-        assert (k, eta) == (np.interp(one.torque[place], AT, K), np.interp(one.torque[place], AT, ETA))
+        eta, k, speed = (
+            float(one.loss_factor[place]),
+            float(one.stiffness[place]),
+            one.speed[[place]],
+        )
+        assert (k, eta) == (
+            np.interp(one.torque[place], AT, K),
+            np.interp(one.torque[place], AT, ETA),
+        )
         plain = study(f"stiffness: {k!r}, loss_factor: {eta!r}", orders=TWO_ORDERS)
         assert response(plain, speed).torque[0] == pytest.approx(
             found.need(Response).torque[place], rel=1e-12
-        )  # fmt: skip
+        )
 
 
 def test_solutions_of_two_orders_are_those_of_a_dense_scan() -> None:
@@ -122,7 +137,9 @@ def test_solutions_of_two_orders_are_those_of_a_dense_scan() -> None:
 
 
 def test_a_table_of_one_stiffness_gives_the_response_of_a_plain_coupling() -> None:
-    flat = study("table: {over: vibratory torque, at: [0, 900], stiffness: [24e3, 24e3], psi: [1, 1], beyond: hold}")
+    flat = study(
+        "table: {over: vibratory torque, at: [0, 900], stiffness: [24e3, 24e3], psi: [1, 1], beyond: hold}"
+    )
     plain = study("stiffness: 24e3, psi: 1")
     speeds = np.linspace(40.0, 70.0, 9)
     one, other = response(flat, speeds), response(plain, speeds)
@@ -139,12 +156,17 @@ def test_two_couplings_settle_at_torques_that_their_stiffnesses_lead_to() -> Non
     assert follow.rounds.max() > 2
     place = int(np.argmax(follow.torque[:, 0]))
     first, second = (
-        found.system.tables[span].values(follow.torque[place, number]) for number, span in enumerate(follow.spans)
+        found.system.tables[span].values(follow.torque[place, number])
+        for number, span in enumerate(follow.spans)
     )
     plain = "stiffness: {!r}, loss_factor: {!r}"
     own, beside = (plain.format(float(one[0]), float(one[1])) for one in (first, second))
-    scene = study(own, f"  - coupling: {{name: d, {beside}}}\n  - disc: {{inertia: 30}}\n", TWO_ORDERS)
-    assert response(scene, found.speed[[place]]).torque[0] == pytest.approx(found.torque[place], rel=1e-10)
+    scene = study(
+        own, f"  - coupling: {{name: d, {beside}}}\n  - disc: {{inertia: 30}}\n", TWO_ORDERS
+    )
+    assert response(scene, found.speed[[place]]).torque[0] == pytest.approx(
+        found.torque[place], rel=1e-10
+    )
 
 
 def test_every_check_is_the_worst_of_all_solutions() -> None:
@@ -156,7 +178,9 @@ def test_every_check_is_the_worst_of_all_solutions() -> None:
     assert main.others
     every = [np.abs(one.torque[:, 0, :]) for one in (main, *main.others)]
     for span, where in enumerate(("c", "stiff")):
-        assert checks[where].value == pytest.approx(max(one[:, span].max() for one in every), rel=1e-12)
+        assert checks[where].value == pytest.approx(
+            max(one[:, span].max() for one in every), rel=1e-12
+        )
 
 
 def test_half_range_of_any_quantity_adds_magnitudes_where_phases_are_any() -> None:
@@ -164,10 +188,14 @@ def test_half_range_of_any_quantity_adds_magnitudes_where_phases_are_any() -> No
     found = replace(response(study(orders=TWO_ORDERS)), by_magnitude=True)
     size = np.abs(found.torque[:, :, 0]).sum(axis=1)
     assert half_range(found, found.torque[:, :, 0]) == pytest.approx(size, rel=1e-15)
-    assert half_range(found, found.torque[:, :, 0]) == pytest.approx(synthesis(found).half_range[:, 0], rel=1e-15)
+    assert half_range(found, found.torque[:, :, 0]) == pytest.approx(
+        synthesis(found).half_range[:, 0], rel=1e-15
+    )
 
 
-def test_what_does_not_settle_has_no_answer_and_fails_its_check(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_does_not_settle_has_no_answer_and_fails_its_check(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     from torsion.analyses.response import vibratory_couplings
 
     monkeypatch.setattr(vibratory_couplings, "ROUNDS", 2)
@@ -177,23 +205,34 @@ def test_what_does_not_settle_has_no_answer_and_fails_its_check(monkeypatch: pyt
     assert lost.any()
     assert (response_.status[lost] == Status.SINGULAR).all()
     assert "does not converge" in response_.remark
-    assert {check.verdict for check in found.need(Checks).lines if check.clause == "T_KW"} == {"fail"}
+    assert {check.verdict for check in found.need(Checks).lines if check.clause == "T_KW"} == {
+        "fail"
+    }
 
 
 def test_response_over_frequency_has_the_stiffness_of_its_own_torque() -> None:
     scene = torsion.parse(
         SCENE.format(coupling=f"table: {TABLE}", more="", orders="", steps=3)
-        .replace("order: 1, ", "").replace("{response: }", "{response: {frequencies: {from: 6, to: 12, steps: 5}}}")
+        .replace("order: 1, ", "")
+        .replace("{response: }", "{response: {frequencies: {from: 6, to: 12, steps: 5}}}")
         .replace("rules: [coupling-maker]\n", "")
-    )  # fmt: skip
+    )
     found = frequency_response(scene, assemble(scene.train))
     for place, hertz in enumerate(found.frequency):
-        assert abs(found.torque[place, 0]) == pytest.approx(roots(2.0 * math.pi * float(hertz))[0], rel=1e-12)
+        assert abs(found.torque[place, 0]) == pytest.approx(
+            roots(2.0 * math.pi * float(hertz))[0], rel=1e-12
+        )
 
 
 def test_a_torque_beyond_the_table_is_refused_at_the_table() -> None:
     with pytest.raises(InputError, match=r"covers 0 to 2000 N m; \d{4}\S* N m is needed") as error:
-        response(study(f"table: {TABLE}".replace("hold", "refuse").replace("0.05", "0.01").replace("0.06", "0.01")))
+        response(
+            study(
+                f"table: {TABLE}".replace("hold", "refuse")
+                .replace("0.05", "0.01")
+                .replace("0.06", "0.01")
+            )
+        )
     assert error.value.faults[0].path == ("train", 1, "coupling", "table")
 
 

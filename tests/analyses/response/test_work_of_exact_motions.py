@@ -58,7 +58,9 @@ def test_a_band_of_modes_is_as_good_as_all(kind: str, monkeypatch: pytest.Monkey
         assert (one.half_ranges >= (1.0 - 1e-3) * other.half_ranges).all()  # for verdicts, raised
 
 
-def test_work_has_its_end_and_what_is_not_followed_never_passes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_work_has_its_end_and_what_is_not_followed_never_passes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(compared_band, "MOST_WORK", 300.0)
     found, each = solved(PLAY)
     assert not any(one.ended for one in each)

@@ -22,7 +22,9 @@ analyses: {sweep: {vary: {rubber.stiffness: {values: [LIST]}}MORE}}
 
 
 def run(values, more="", rules="rules: [api-684]"):
-    return torsion.run(torsion.parse(SCENE.replace("LIST", values).replace("MORE", more).replace("RULES", rules)))
+    return torsion.run(
+        torsion.parse(SCENE.replace("LIST", values).replace("MORE", more).replace("RULES", rules))
+    )
 
 
 def test_a_sweep_none_of_whose_variants_fails_changes_nothing() -> None:
@@ -37,11 +39,18 @@ def test_a_sweep_none_of_whose_variants_fails_changes_nothing() -> None:
     ("more", "status", "words", "kind"),
     [
         ("", 1, "! PASS with restrictions: 25 % of the variants fail a check", "note"),
-        (", fail_at_most: 24 %", 1, "✗ FAIL: 25 % of the variants fail a check, 24 % are permitted", "fail"),
+        (
+            ", fail_at_most: 24 %",
+            1,
+            "✗ FAIL: 25 % of the variants fail a check, 24 % are permitted",
+            "fail",
+        ),
         (", fail_at_most: 25 %", 0, "✓ PASS: 2 limits met", "pass"),
     ],
 )
-def test_variants_that_fail_make_the_exit_status_one_unless_the_file_permits_them(more, status, words, kind) -> None:
+def test_variants_that_fail_make_the_exit_status_one_unless_the_file_permits_them(
+    more, status, words, kind
+) -> None:
     findings = run("900, 1000, 1100, 8000", more)
     assert {check.verdict for check in findings.need(Checks).lines} == {"pass"}
     assert findings.need(Sweep).share_failing == 0.25

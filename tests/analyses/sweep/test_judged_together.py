@@ -32,15 +32,20 @@ analyses: {{modes: {{count: 3}}, response: , sweep: {{vary: {{{vary}}}, samples:
 rules: {rules}
 """
 USUAL = {
-    "load": "", "more": "", "damping": "psi: 0.8", "pump": "", "rules": "[coupling-maker, gear-hammer]",
+    "load": "",
+    "more": "",
+    "damping": "psi: 0.8",
+    "pump": "",
+    "rules": "[coupling-maker, gear-hammer]",
     "limits": "vibratory_torque: 76 N*m, rated_torque: 1 kN*m, max_torque: 700 N*m, heat_limit: 9 W",
     "vary": "rubber.stiffness: {uniform: 15 %}, rubber.psi: {uniform: 20 %}, disc.inertia: {normal: 3 %}, "
     "tail.diameter: {uniform: 5 %}, tail.length: {uniform: 5 %}, other.stiffness: {uniform: 20 %}",
-}  # fmt: skip
+}
 TRAINS: dict[str, dict[str, str]] = {
     "usual": {},
     "constant load, viscous": {
-        "load": ", load: constant", "damping": "viscous: 18 N*m*s/rad",
+        "load": ", load: constant",
+        "damping": "viscous: 18 N*m*s/rad",
         "vary": "rubber.viscous: {uniform: 30 %}, rubber.stiffness: {uniform: 15 %}, pump.inertia: {uniform: 10 %}",
     },
     "limits over frequency": {
@@ -60,26 +65,30 @@ TRAINS: dict[str, dict[str, str]] = {
         "pump": "damping: {model: viscous, value: 3 N*m*s/rad}, ",
     },
     "shafts with inertia, in the segments of each variant, and their stress": {
-        "rules": "[iacs-m68, coupling-maker]", "limits": "vibratory_torque: 165 N*m",
+        "rules": "[iacs-m68, coupling-maker]",
+        "limits": "vibratory_torque: 165 N*m",
         "more": "- shaft: {name: line, length: 2, diameter: 0.05, role: propeller, features: propeller keyless}",
         "vary": "rubber.stiffness: {uniform: 15 %}, disc.inertia: {uniform: 20 %}, line.length: {uniform: 20 %}",
     },
     "diameters beside discs, and the stress that they decide": {
-        "rules": "[iacs-m68, coupling-maker]", "limits": "vibratory_torque: 165 N*m",
+        "rules": "[iacs-m68, coupling-maker]",
+        "limits": "vibratory_torque: 165 N*m",
         "more": "- shaft: {name: line, length: 2, diameter: 0.05, role: propeller, features: propeller keyless}",
         "vary": "rubber.stiffness: {uniform: 15 %}, line.diameter: {uniform: 10 %}, line.length: {uniform: 10 %}",
     },
     "bored shafts": {
-        "rules": "[coupling-maker]", "limits": "vibratory_torque: 160 N*m",
+        "rules": "[coupling-maker]",
+        "limits": "vibratory_torque: 160 N*m",
         "more": "- shaft: {name: line, length: 2, diameter: 0.06, bore: 0.04, role: intermediate, features: slot}",
         "vary": "rubber.stiffness: {uniform: 15 %}, line.diameter: {uniform: 10 %}, line.bore: {uniform: 10 %}",
     },
     "stress above the limit of continuous use": {
-        "rules": "[iacs-m68]", "pump": "damping: {model: viscous, value: 3 N*m*s/rad}, ",
+        "rules": "[iacs-m68]",
+        "pump": "damping: {model: viscous, value: 3 N*m*s/rad}, ",
         "more": "- shaft: {name: line, length: 1.5, diameter: 0.032, role: intermediate, features: slot, segments: 3}",
         "vary": "rubber.stiffness: {uniform: 30 %}, rubber.psi: {uniform: 30 %}, pump.inertia: {uniform: 20 %}",
     },
-}  # fmt: skip
+}
 
 
 def drive(**given: str) -> Study:
@@ -95,7 +104,9 @@ def both_ways(study: Study, monkeypatch: pytest.MonkeyPatch) -> tuple[Answers, A
 
     def noted(work, variation, values, modes):
         together, how = judged_together.judged_together(work, variation, values, modes)
-        found.extend([together, one_by_one.solved(work, variation, values[EACH], modes, judged=True)])
+        found.extend(
+            [together, one_by_one.solved(work, variation, values[EACH], modes, judged=True)]
+        )
         return together, how
 
     with monkeypatch.context() as patch:
@@ -114,7 +125,9 @@ def test_verdicts_side_by_side_are_those_of_every_variant_by_itself(
 ) -> None:
     found, alone = both_ways(drive(**TRAINS[train]), monkeypatch)
     assert found.checks.keys() == alone.checks.keys()
-    assert any(0 < fails.sum() < fails.size for _, fails in alone.checks.values())  # else nothing is decided
+    assert any(
+        0 < fails.sum() < fails.size for _, fails in alone.checks.values()
+    )  # else nothing is decided
     for key, (used, fails) in alone.checks.items():
         assert np.array_equal(found.checks[key][1][EACH], fails)
         assert found.checks[key][0][EACH] == pytest.approx(used, rel=1e-3)
@@ -142,7 +155,8 @@ def test_the_plan_says_the_largest_difference_that_was_found_and_promises_none(
         for k, place in enumerate(places)
     )
     assert (
-        f"For {len(places)} variants, also solved separately, the utilisations differ by at most {exact:.1e}" in words
+        f"For {len(places)} variants, also solved separately, the utilisations differ by at most {exact:.1e}"
+        in words
     )
     assert "for the others the difference is unknown" in words
     assert "right to" not in words
@@ -177,19 +191,25 @@ def test_a_variant_near_a_limit_is_solved_by_itself(monkeypatch: pytest.MonkeyPa
 @pytest.fixture
 def spared(monkeypatch: pytest.MonkeyPatch) -> None:
     """Variants are not solved one by one."""
-    none = lambda work, variation, values, modes, **more: Answers(np.full((modes, len(values)), np.nan))  # noqa: E731
+    none = lambda work, variation, values, modes, **more: Answers(  # noqa: E731
+        np.full((modes, len(values)), np.nan)
+    )
     monkeypatch.setattr(sweep_run, "solved", none)
 
 
 @pytest.mark.usefixtures("spared")
 def test_a_resonance_without_damping_is_left_to_be_solved_by_itself() -> None:
     small = {"limits": "vibratory_torque: 76 N*m", "rules": "[coupling-maker]", "damping": "psi: 0"}
-    text = DRIVE.format(**USUAL | small | {"vary": "rubber.stiffness: {uniform: 15 %}"}).replace("psi: 0.1", "psi: 0")
+    text = DRIVE.format(**USUAL | small | {"vary": "rubber.stiffness: {uniform: 15 %}"}).replace(
+        "psi: 0.1", "psi: 0"
+    )
     assert "every variant is near a limit" in method(torsion.run(torsion.parse(text)))
 
 
 @pytest.mark.usefixtures("spared")
-def test_variants_that_do_not_say_the_same_by_themselves_are_all_solved_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_variants_that_do_not_say_the_same_by_themselves_are_all_solved_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     exact = judged_together.swept
 
     def wrong(*given):
@@ -208,10 +228,15 @@ def test_variants_that_do_not_say_the_same_by_themselves_are_all_solved_so(monke
         ({"rules": "[coupling-maker, {nvh: {at: motor, fluctuation: 20 rpm}}]"}, "at each speed"),
         ({"vary": "operation.rated.power: {uniform: 5 %}"}, "neither as a power"),
         # couples the discs beside it, so that the train resonates between two undamped frequencies
-        ({"damping": "viscous: 900 N*m*s/rad", "vary": "rubber.viscous: {lognormal: 60 %}"}, "moves a resonance"),
+        (
+            {"damping": "viscous: 900 N*m*s/rad", "vary": "rubber.viscous: {lognormal: 60 %}"},
+            "moves a resonance",
+        ),
     ],
 )
-def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(given: dict[str, str], why: str) -> None:
+def test_what_cannot_be_judged_side_by_side_is_solved_one_by_one(
+    given: dict[str, str], why: str
+) -> None:
     words = method(torsion.run(drive(**given)))
     assert words.startswith("every variant solved and judged separately")
     assert why in words
@@ -222,7 +247,11 @@ def test_figures_enter_rows_as_powers_or_as_a_share_of_a_sum() -> None:
     size = 0.93 * 3**-0.2  # part of the size factor of a shaft
     for read, factor, slope in (
         (lambda x: [[x**2, 3 * x**2], [5.0, 5.0]], [[1.5**2], [1.0]], [[2.0], [0.0]]),
-        (lambda x: [[x + 1.0, 2 * x + 2.0], [1 / x, 7.0 / x]], [[4.0 / 3.0], [1.0 / 1.5]], [[0.75], [-1.0]]),
+        (
+            lambda x: [[x + 1.0, 2 * x + 2.0], [1 / x, 7.0 / x]],
+            [[4.0 / 3.0], [1.0 / 1.5]],
+            [[0.75], [-1.0]],
+        ),
         (
             lambda x: [[0.35 + 0.93 * x**-0.2], [1 / (x**4 - 3)]],
             [[(0.35 + size) / (0.35 + 0.93 * 2**-0.2)], [1 / 6]],
@@ -233,10 +262,16 @@ def test_figures_enter_rows_as_powers_or_as_a_share_of_a_sum() -> None:
         (lambda x: [[x**2 + x**3 + x, 1.0]], None, None),
     ):
         variation = SimpleNamespace(figures=[figure], study=lambda row: row[0])
-        found = products(variation, np.array([[2.0], [1.9]]), lambda x, read=read: np.array(read(x)))
+        found = products(
+            variation, np.array([[2.0], [1.9]]), lambda x, read=read: np.array(read(x))
+        )
         assert (found is None) == (factor is None)
-        assert found is None or found.factors(np.array([[3.0]])) == pytest.approx(np.array(factor), rel=1e-14)
-        assert found is None or found.slopes(np.array([3.0])) == pytest.approx(np.array(slope), rel=1e-14)
+        assert found is None or found.factors(np.array([[3.0]])) == pytest.approx(
+            np.array(factor), rel=1e-14
+        )
+        assert found is None or found.slopes(np.array([3.0])) == pytest.approx(
+            np.array(slope), rel=1e-14
+        )
 
 
 def test_a_figure_that_is_capped_within_its_range_enters_otherwise() -> None:
@@ -246,7 +281,9 @@ def test_a_figure_that_is_capped_within_its_range_enters_otherwise() -> None:
     )
     for ends, found in (([1.5, 2.3], True), ([1.5, 2.6], False), ([1.5, 1.9], True)):
         values = np.array([*ends, 2.0])[:, None]
-        assert (products(variation, values, lambda x: np.array([[min(x, 2.5) + 1.0]])) is not None) == found
+        assert (
+            products(variation, values, lambda x: np.array([[min(x, 2.5) + 1.0]])) is not None
+        ) == found
 
 
 def test_rows_of_waves_that_do_not_act_are_zero() -> None:

@@ -17,14 +17,18 @@ def test_the_interval_of_means_over_sequences_is_students() -> None:
     """
     choose = np.random.default_rng(3)
     signs = np.repeat([-1.0, 1.0], PER_SEQUENCE // 2)
-    first, second = (np.array([choose.permutation(signs) for _ in range(SCRAMBLES)]) for _ in range(2))
+    first, second = (
+        np.array([choose.permutation(signs) for _ in range(SCRAMBLES)]) for _ in range(2)
+    )
     mixed = choose.normal(size=(2, SCRAMBLES, PER_SEQUENCE))
     index, half_width = estimated(np.array([first, second, *mixed]).reshape(4, -1))
 
-    of_sequences = np.array([
-        [(second * (one - first)).mean(axis=1) for one in mixed],
-        [((first - one) ** 2).mean(axis=1) / 2.0 for one in mixed],
-    ])  # fmt: skip
+    of_sequences = np.array(
+        [
+            [(second * (one - first)).mean(axis=1) for one in mixed],
+            [((first - one) ** 2).mean(axis=1) / 2.0 for one in mixed],
+        ]
+    )
     np.testing.assert_allclose(index, of_sequences.mean(axis=2), rtol=1e-12)
     student = stats.t(SCRAMBLES - 1).ppf(0.975)
     exact = student * of_sequences.std(axis=2, ddof=1) / np.sqrt(SCRAMBLES)

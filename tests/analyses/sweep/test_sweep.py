@@ -71,10 +71,10 @@ def test_probability_that_a_frequency_lies_in_a_band_is_that_of_the_closed_form(
 
 
 def test_frequencies_of_every_variant_are_the_closed_form() -> None:
-    vary = (
-        "vary: {coupling-1.stiffness: {lognormal: 10 %}, disc-1.inertia: {normal: 4 %}, disc-2.inertia: {normal: 4 %}}"
+    vary = "vary: {coupling-1.stiffness: {lognormal: 10 %}, disc-1.inertia: {normal: 4 %}, disc-2.inertia: {normal: 4 %}}"
+    found = swept(
+        torsion.parse(TWO % f"{vary}, together: [[disc-1.inertia, disc-2.inertia]], samples: 1024")
     )
-    found = swept(torsion.parse(TWO % f"{vary}, together: [[disc-1.inertia, disc-2.inertia]], samples: 1024"))
     k, one, other = found.factor.T
     assert np.array_equal(one, other)
     exact = np.sqrt(20000 * k * (1 / (1.2 * one) + 1 / (0.8 * other))) / (2 * pi)
@@ -84,7 +84,9 @@ def test_frequencies_of_every_variant_are_the_closed_form() -> None:
     assert [figure.together for figure in found.figures] == [1, 2, 2]
 
 
-def test_variants_side_by_side_are_the_file_with_the_figures_written_in(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_variants_side_by_side_are_the_file_with_the_figures_written_in(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     study = drive(sweep=f"vary: {VARIED}, samples: 128, results: [modes]")
     monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
     found = swept(study)
@@ -102,7 +104,9 @@ def test_variants_that_are_judged_are_those_files_too() -> None:
         figures = written(found.factor[variant])
         alone = torsion.run(drive(figures))
         (line,) = (one for one in alone.need(Checks).lines if one.clause == "T_KW")
-        assert check.utilisation[variant] == pytest.approx(line.utilisation, rel=2e-4)  # as the file misses peaks
+        assert check.utilisation[variant] == pytest.approx(
+            line.utilisation, rel=2e-4
+        )  # as the file misses peaks
         assert check.fails[variant] == line.fails
         fails[variant] = alone.need(Checks).fails
         assert found.any_fails is not None
@@ -132,13 +136,18 @@ EXACT = (
     ("text", "vary"),
     [
         (LOOP, "chord.stiffness: {uniform: 30 %}, coupling-1.stiffness: {uniform: 20 %}"),
-        (LOOP, "coupling-2.stiffness: {uniform: 50 %}, coupling-1.stiffness: {uniform: 50 %}"),  # either is the stiffer
+        (
+            LOOP,
+            "coupling-2.stiffness: {uniform: 50 %}, coupling-1.stiffness: {uniform: 50 %}",
+        ),  # either is the stiffer
         (LOOP, "chord.stiffness: {from: 15e-6 MN*m/rad, to: 15e3 MN*m/rad, steps: 128}"),
         (EXACT, "disc-1.inertia: {uniform: 30 %}, shaft-1.diameter: {uniform: 10 %}"),
         (EXACT, "shaft-1.length: {uniform: 40 %}"),
     ],
 )
-def test_loops_and_distributed_shafts_are_side_by_side(text: str, vary: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_loops_and_distributed_shafts_are_side_by_side(
+    text: str, vary: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     study = torsion.parse(text % f"vary: {{{vary}}}, samples: 128")
     with monkeypatch.context() as patch:
         patch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
@@ -170,7 +179,11 @@ def test_variants_side_by_side_have_lumped_shafts_divided_as_each_by_itself(
     vary: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The last mode of a variant, and the length of a shaft, say in how many segments it is."""
-    study, solved, counted = torsion.parse(SHAFTS.replace("VARY", vary)), one_by_one._each, list[int]()
+    study, solved, counted = (
+        torsion.parse(SHAFTS.replace("VARY", vary)),
+        one_by_one._each,
+        list[int](),
+    )
     with monkeypatch.context() as patch:
         patch.setattr(one_by_one, "_each", lambda *given: counted.append(1) or solved(*given))
         found = swept(study)
@@ -184,19 +197,25 @@ def test_variants_that_need_shorter_pieces_of_a_shaft_are_solved_by_themselves()
     soft = "  - disc: {inertia: 0.001}\n  - coupling: {name: c%d, stiffness: 20}\n"
     names = [f"c{k}.stiffness" for k in range(6)]
     vary = ", ".join(f"{name}: {{from: 10, to: 1e8, steps: 2}}" for name in names)
-    found = swept(torsion.parse(
-        f"name: x\ntrain:\n{''.join(soft % k for k in range(6))}  - disc: {{inertia: 0.001}}\n"
-        "  - shaft: {name: long, length: 10 m, diameter: 100 mm}\n  - disc: {inertia: 0.001}\nanalyses: {model: exact, "
-        f"modes: {{count: 6}}, sweep: {{vary: {{{vary}}}, together: [[{', '.join(names)}]]}}}}\n"
-    ))  # fmt: skip
+    found = swept(
+        torsion.parse(
+            f"name: x\ntrain:\n{''.join(soft % k for k in range(6))}  - disc: {{inertia: 0.001}}\n"
+            "  - shaft: {name: long, length: 10 m, diameter: 100 mm}\n  - disc: {inertia: 0.001}\nanalyses: {model: exact, "
+            f"modes: {{count: 6}}, sweep: {{vary: {{{vary}}}, together: [[{', '.join(names)}]]}}}}\n"
+        )
+    )
     wave = np.sqrt(79.3e9 / 7850.0)  # of both ends nearly free: half waves along the shaft
     assert found.frequency[:, 1] == pytest.approx(np.arange(1, 7) * wave / 20.0, rel=0.02)
 
 
-def test_figures_that_enter_as_a_sum_are_found_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_figures_that_enter_as_a_sum_are_found_side_by_side(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
     text = TWO.replace("stiffness: 20000", "stiffness: 20000, inertia: [0.1, 0.2]")
-    found = swept(torsion.parse(text % "vary: {coupling-1.inertia.2: {uniform: 20 %}}, samples: 128"))
+    found = swept(
+        torsion.parse(text % "vary: {coupling-1.inertia.2: {uniform: 20 %}}, samples: 128")
+    )
     exact = np.sqrt(20000 * (1 / 1.3 + 1 / (0.8 + 0.2 * found.factor[:, 0]))) / (2 * pi)
     assert found.frequency[0] == pytest.approx(exact, rel=1e-13)
 
@@ -225,9 +244,9 @@ def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
     work = SimpleNamespace(study=study, ruled=(), progress=lambda *given: None)
     plan = Plan((), (), {}, (left,))
     solve = lambda *given, **more: SimpleNamespace(plan=plan)  # noqa: E731
-    assert list(one_by_one._each(work, solve, study.variations["sweep"], np.ones((1, 5)), judged=True)) == [
-        "response: why"
-    ]
+    assert list(
+        one_by_one._each(work, solve, study.variations["sweep"], np.ones((1, 5)), judged=True)
+    ) == ["response: why"]
 
 
 def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_other() -> None:
@@ -243,7 +262,9 @@ def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_
     }
     half, unknown = (SimpleNamespace(utilisation=share, **words) for share in (0.5, None))
     for one in ((half, unknown), (unknown, half)):
-        found = SimpleNamespace(get=lambda kind: None, results={"checks": SimpleNamespace(lines=one)})
+        found = SimpleNamespace(
+            get=lambda kind: None, results={"checks": SimpleNamespace(lines=one)}
+        )
         answers = one_by_one.Answers(np.empty((0, 1)))
         answers.keep(0, found)
         assert answers.checks.popitem()[1][0] == [0.5]
@@ -263,7 +284,12 @@ def test_a_variant_that_is_not_judged_is_not_known_to_pass() -> None:
     answers = one_by_one.Answers(np.empty((0, 2)))
     for place, verdict in enumerate(("pass", "not judged")):
         lines = (SimpleNamespace(verdict=verdict, **words),)
-        answers.keep(place, SimpleNamespace(get=lambda kind: None, results={"checks": SimpleNamespace(lines=lines)}))
+        answers.keep(
+            place,
+            SimpleNamespace(
+                get=lambda kind: None, results={"checks": SimpleNamespace(lines=lines)}
+            ),
+        )
     assert answers.checks.popitem()[1][1].tolist() == [False, True]
 
 
@@ -286,10 +312,15 @@ def test_the_first_page_says_that_variants_fail_where_the_file_passes() -> None:
     whole, made = found.need(Sweep).any_fails, first_page.box(found)
     assert 0 < whole.failing < 128
     assert (made.sign, found.exit_status) == ("!", 1)
-    share, low, high = (number(100.0 * one, 3) for one in (whole.probability, whole.lower, whole.upper))
+    share, low, high = (
+        number(100.0 * one, 3) for one in (whole.probability, whole.lower, whole.upper)
+    )
     says = f"{share} % of the variants fail a check (95 % CI {low} to {high} %)"
     assert dict(made.lines)["Sweep"].startswith(says)
-    none = replace(found.need(Sweep), any_fails=replace(whole, failing=0, probability=0.0, lower=0.0, upper=0.0291))
+    none = replace(
+        found.need(Sweep),
+        any_fails=replace(whole, failing=0, probability=0.0, lower=0.0, upper=0.0291),
+    )
     assert (
         dict(first_page.box(found.having(sweep=none)).lines)["Sweep"]
         == "none of 128 variants fails (95 % CI 0 to 2.91 %)"
@@ -301,7 +332,9 @@ def test_tolerances_are_the_default() -> None:
     assert (figure.name, figure.law) == ("rubber.stiffness", "uniform ±10 %")
 
 
-@pytest.mark.parametrize(("water", "keys"), [("30 %", ["inertia"]), ("2", ["inertia", "entrained"])])
+@pytest.mark.parametrize(
+    ("water", "keys"), [("30 %", ["inertia"]), ("2", ["inertia", "entrained"])]
+)
 def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: list[str]) -> None:
     study = torsion.parse(
         "name: x\ntrain:\n  - motor: {inertia: 1, tolerance: 3 %}\n  - coupling: {stiffness: 1e4}\n"
@@ -310,11 +343,17 @@ def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: lis
     )
     variation = study.variations["sweep"]
     motor, propeller = variation.figures
-    assert (motor.name, motor.law.uniform, propeller.name) == ("motor-1.inertia", 0.03, "propeller-1.inertia")
+    assert (motor.name, motor.law.uniform, propeller.name) == (
+        "motor-1.inertia",
+        0.03,
+        "propeller-1.inertia",
+    )
     assert [path[-1] for path, _ in propeller.paths] == keys
     factor = 1.0 + np.array([[0.03, -0.08]])
     heavy = variation.study(factor[0].tolist())
-    assert sum(one.inertia for one in heavy.train.inertias) == pytest.approx(1.03 + 0.92 * (5.2 if "%" in water else 6))
+    assert sum(one.inertia for one in heavy.train.inertias) == pytest.approx(
+        1.03 + 0.92 * (5.2 if "%" in water else 6)
+    )
 
 
 @pytest.mark.parametrize(
@@ -327,7 +366,11 @@ def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: lis
         ("vary: {coupling-1.stiffness: {normal: 5 %, within: 4 %}}", "6:90", "`within`"),
         ("vary: {coupling-1.stiffness: {uniform: 120 %}}", "6:78", "out of range"),
         ('vary: {"*.mass": {uniform: 5 %}}', "6:46", "no component has a key `mass`"),
-        ('vary: {"*.inertia": {uniform: 5 %}}, together: [[disc-1.inertia, disc-3.inertia]]', "6:87", "disc-3"),
+        (
+            'vary: {"*.inertia": {uniform: 5 %}}, together: [[disc-1.inertia, disc-3.inertia]]',
+            "6:87",
+            "disc-3",
+        ),
         ("vary: {coupling-1.stiffness: {uniform: 5 %}}, samples: 1000", "6:94", "512 or 1024"),
         ("samples: 128", "6:38", "no parameter of the file varies"),
     ],
@@ -341,13 +384,19 @@ def test_faults_of_a_sweep_are_located(sweep: str, place: str, words: str) -> No
 
 
 def test_a_range_that_leaves_the_limits_of_its_key_is_refused() -> None:
-    text = TWO.replace("coupling: {stiffness: 20000}", "shaft: {length: 1 m, diameter: 60 mm, bore: 50 mm}")
+    text = TWO.replace(
+        "coupling: {stiffness: 20000}", "shaft: {length: 1 m, diameter: 60 mm, bore: 50 mm}"
+    )
     with pytest.raises(InputError, match=r"shaft-1\.diameter times 0\.7"):
         torsion.parse(text % "vary: {shaft-1.diameter: {uniform: 30 %}}")
 
 
-def test_a_law_beside_a_catalogue_is_about_the_row_however_the_variants_are_solved(tmp_path: Path) -> None:
-    (tmp_path / "series.csv").write_text("name,stiffness [N*m/rad]\nA,10000\nB,40000\n", encoding="utf-8")
+def test_a_law_beside_a_catalogue_is_about_the_row_however_the_variants_are_solved(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "series.csv").write_text(
+        "name,stiffness [N*m/rad]\nA,10000\nB,40000\n", encoding="utf-8"
+    )
     vary = "vary: {coupling-1: {catalogue: series.csv}, coupling-1.stiffness: {uniform: 15 %}}, samples: 128"
     (tmp_path / "scene.yaml").write_text(TWO % vary, encoding="utf-8")
     study = torsion.read(tmp_path / "scene.yaml")

@@ -34,7 +34,9 @@ analyses:
 """
 RELEASED = "torques: none, initial: {torque: {rubber: 100, line: 50}}"
 STEPPED = "events: [{at: drive, time: 0.125 s, step: {torque: 100}}, {at: screw, step: {torque: -70, until: 0.25 s}}]"
-PULSED = "events: [{at: drive, time: 0.125 s, pulse: {torque: 100, length: 125 ms, shape: triangle}}]"
+PULSED = (
+    "events: [{at: drive, time: 0.125 s, pulse: {torque: 100, length: 125 ms, shape: triangle}}]"
+)
 FOURTH = ("runge-kutta-4",)
 EXACT = ("precise",)
 
@@ -50,7 +52,9 @@ def curves(body: str, model: str = "lumped") -> Curves:
 def test_a_method_converges_with_its_order(method: str, body: str) -> None:
     exact = curves(body)
     steps = [0.5 / n for n in ((400, 800) if method in FOURTH else (4000, 8000))]
-    coarse, fine = (float(errors_of(exact, marched(exact.motion, method, h, 0.5)).max()) for h in steps)
+    coarse, fine = (
+        float(errors_of(exact, marched(exact.motion, method, h, 0.5)).max()) for h in steps
+    )
     if method in EXACT:
         assert fine < 1e-8
     else:
@@ -63,14 +67,19 @@ def test_a_method_converges_with_its_order(method: str, body: str) -> None:
 def test_solvers_that_choose_their_steps_find_the_motion(method: str, model: str) -> None:
     body = f"{STEPPED}, modes: 2"
     exact = curves(body, model)
-    coarse, fine = (float(errors_of(exact, solved(exact.motion, method, one, 0.5)).max()) for one in (1e-3, 1e-6))
+    coarse, fine = (
+        float(errors_of(exact, solved(exact.motion, method, one, 0.5)).max())
+        for one in (1e-3, 1e-6)
+    )
     assert fine < 1e-5
     assert fine < 0.1 * coarse
 
 
 def test_a_method_that_grows_has_no_answer() -> None:
     exact = curves(RELEASED)
-    assert np.isinf(errors_of(exact, marched(exact.motion, "central-differences", 0.006, 5.0)).max())
+    assert np.isinf(
+        errors_of(exact, marched(exact.motion, "central-differences", 0.006, 5.0)).max()
+    )
 
 
 def test_the_named_method_is_reported_beside_the_exact_motion() -> None:
@@ -84,7 +93,11 @@ def test_the_named_method_is_reported_beside_the_exact_motion() -> None:
     assert second.compared is not None
     assert second.compared.error is not None
     assert 1e-6 < second.compared.error < 0.1
-    texts = [one.text for one in chapter(named) if isinstance(one, Paragraph) and one.text.startswith("Compared")]
+    texts = [
+        one.text
+        for one in chapter(named)
+        if isinstance(one, Paragraph) and one.text.startswith("Compared")
+    ]
     assert texts[0].startswith("Compared: newmark with steps of 0.00010000 s differs by")
 
 
@@ -108,10 +121,15 @@ def test_a_method_and_its_step_belong_together(body: str, words: str) -> None:
     ("more", "body"),
     [
         (", clearance: 1 deg", "method: radau, events: [{at: drive, step: {torque: 1}}]"),
-        ("", "method: bathe, step: 1 ms, events: [{at: drive, start: {torque: [[0 rpm, 9], [900 rpm, 0]]}}]"),
+        (
+            "",
+            "method: bathe, step: 1 ms, events: [{at: drive, start: {torque: [[0 rpm, 9], [900 rpm, 0]]}}]",
+        ),
     ],
 )
-def test_a_method_beside_a_motion_that_is_not_linear_is_refused_at_its_place(more: str, body: str) -> None:
+def test_a_method_beside_a_motion_that_is_not_linear_is_refused_at_its_place(
+    more: str, body: str
+) -> None:
     found = torsion.run(torsion.parse(SCENE.format(body=body, model="lumped", more=more)))
     (one,) = found.plan.unanswered
     assert "compared on linear motions" in one.why
@@ -119,7 +137,9 @@ def test_a_method_beside_a_motion_that_is_not_linear_is_refused_at_its_place(mor
 
 
 def test_the_study_times_every_method_on_the_motions_of_a_file() -> None:
-    effort = Effort(rounds=1, longest=0.0, segments=1, unknowns=1, degrees=(1,), modes=1, dense=1, speeds=2)
+    effort = Effort(
+        rounds=1, longest=0.0, segments=1, unknowns=1, degrees=(1,), modes=1, dense=1, speeds=2
+    )
     study = torsion.parse(SCENE.format(body=STEPPED, model="lumped", more=""))
     (found,), remarks = timed_motions(study, 0.0, effort, silent)
     assert remarks == []

@@ -16,10 +16,15 @@ def test_the_law_of_a_load_damps_in_place_of_the_damper_of_its_point() -> None:
     found = moved(parts, body)
     assert found.torque[0] == pytest.approx(_torque_of_two(found.time, 0.0, 2.0), abs=1e-7)
     assert found.undamped == ("p",)
-    for flat in ({"law": "constant", "torque": 1e-9, "speed": "90 rad/s"}, {"law": [["0 rpm", 0], ["900 rpm", 0]]}):
+    for flat in (
+        {"law": "constant", "torque": 1e-9, "speed": "90 rad/s"},
+        {"law": [["0 rpm", 0], ["900 rpm", 0]]},
+    ):
         for when in ({}, {"time": 0.99}):
             kept = moved(parts, {**body, "events": [start, {"at": "p", **when, "load": flat}]})
-            assert kept.torque[0] == pytest.approx(_torque_of_two(kept.time, 40.0, 0.0), abs=1e-6), flat
+            assert kept.torque[0] == pytest.approx(
+                _torque_of_two(kept.time, 40.0, 0.0), abs=1e-6
+            ), flat
             assert kept.undamped == ()
 
 
@@ -33,7 +38,9 @@ def _torque_of_two(time: np.ndarray, damper: float, brake: float) -> np.ndarray:
     matrix[1, [0, 3]] = -1e3, 8.0
     matrix[2, 0] = 1e3 / 3.0
     matrix[2, 2] -= brake / 3.0
-    push = damper * np.array([-0.25, 0.25])  # N m, by the speed of the second less that of the train as one
+    push = damper * np.array(
+        [-0.25, 0.25]
+    )  # N m, by the speed of the second less that of the train as one
     matrix[2, 1:3] -= push / 3.0
     matrix[1:3, 1:3] += push / 4.0  # the train as one is not braked
     return np.array([1e3 * expm(matrix * t)[0, 3] for t in time.tolist()])
@@ -46,7 +53,13 @@ def test_a_damper_beside_a_load_that_acts_at_times_only_is_refused(when: dict, p
     off = {one: when[one] for one in when if one == "off"}
     law = {"law": "propeller", "torque": 9, "speed": "90 rpm", **off}
     load = {"at": "d", "time": when.get("time", 0.0), "load": law}
-    body = {"duration": 1.0, "initial": "rest", "events": [{"at": "d", "step": {"torque": 1.0}}, load]}
-    with pytest.raises(InputError, match=r"the damping of 'd' stands for the slope of this load.*`off`") as refused:
+    body = {
+        "duration": 1.0,
+        "initial": "rest",
+        "events": [{"at": "d", "step": {"torque": 1.0}}, load],
+    }
+    with pytest.raises(
+        InputError, match=r"the damping of 'd' stands for the slope of this load.*`off`"
+    ) as refused:
         moved(parts, body)
     assert refused.value.faults[0].path[-3:] == ("events", 1, "load")

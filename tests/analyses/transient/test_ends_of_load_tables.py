@@ -16,17 +16,28 @@ ENDS_AT_10_RPM = {"law": [["0 rpm", 0.0], ["10 rpm", 0.0]]}
 def pulsed(parts: str, sense: float, load: dict, samples: int) -> TransientMotion:
     """From rest up to 2 rad/s within 10 ms, and back."""
     pulse = [(0.50001, sense), (0.51001, -sense)]
-    steps = [{"at": "d", "time": t, "step": {"torque": 200.0 * one, "length": 0.01}} for t, one in pulse]
-    body = {"duration": 2.0, "initial": "rest", "samples": samples, "events": [*steps, {"at": "d", **load}]}
+    steps = [
+        {"at": "d", "time": t, "step": {"torque": 200.0 * one, "length": 0.01}} for t, one in pulse
+    ]
+    body = {
+        "duration": 2.0,
+        "initial": "rest",
+        "samples": samples,
+        "events": [*steps, {"at": "d", **load}],
+    }
     return moved(parts, body)
 
 
 @pytest.mark.parametrize("samples", [100, 10_000])
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 @pytest.mark.parametrize("parts", ["disc: {name: d, inertia: 1}", PLAY])
-def test_a_table_that_is_outrun_between_samples_is_refused_alike(parts: str, sense: float, samples: int) -> None:
+def test_a_table_that_is_outrun_between_samples_is_refused_alike(
+    parts: str, sense: float, samples: int
+) -> None:
     when = 0.50001 + math.pi / 3.0 / 200.0
-    with pytest.raises(SolveError, match=f"at {when:.6g} s the load at 'd' is outrun: its table ends at 10 rpm") as one:
+    with pytest.raises(
+        SolveError, match=f"at {when:.6g} s the load at 'd' is outrun: its table ends at 10 rpm"
+    ) as one:
         pulsed(parts, sense, {"load": ENDS_AT_10_RPM}, samples)
     assert one.value.path[-3:] == ("events", 2, "load")
 

@@ -32,11 +32,15 @@ train:
 
 def moved(text: str, **body) -> TransientMotion:
     study = torsion.parse(text)
-    settings = TransientSettings.model_validate({"initial": "rest", "samples": 1000, "tolerance": 1e-9, **body})
+    settings = TransientSettings.model_validate(
+        {"initial": "rest", "samples": 1000, "tolerance": 1e-9, **body}
+    )
     return transient(study, assemble(study.train, model="lumped"), settings)
 
 
-def agrees(found: TransientMotion, discs: Discs, start: np.ndarray, spans: list[int], within: float, **more) -> None:
+def agrees(
+    found: TransientMotion, discs: Discs, start: np.ndarray, spans: list[int], within: float, **more
+) -> None:
     """Torques of spans, of the largest peak, with as many events that are named."""
     known, events = discs.run(start, found.time, **more)
     error = np.abs(found.torque[spans] - known).max() / np.abs(known).max()
@@ -61,7 +65,12 @@ def pump(t: float, angle: np.ndarray, speed: np.ndarray) -> float:
 def test_a_motor_starts_a_pump_through_a_coupling_with_play() -> None:
     play = "stiffness: 6e4, clearance: {angle: 0.02 rad, viscous: 20}"
     found = moved(THREE.format(play), duration=1.0, events=START)
-    discs = Discs([1.2, 0.3, 2.0], [(0, 1, 4e4, 3.0)], [("play", 1, 2, 6e4, 0.01, 20.0)], [(0, kloss), (2, pump)])
+    discs = Discs(
+        [1.2, 0.3, 2.0],
+        [(0, 1, 4e4, 3.0)],
+        [("play", 1, 2, 6e4, 0.01, 20.0)],
+        [(0, kloss), (2, pump)],
+    )
     agrees(found, discs, np.zeros(6), [0, 1], 1e-9)
     assert found.following == ("start at motor", "load at pump")
 
@@ -87,9 +96,13 @@ def test_a_clutch_takes_a_drum_along_that_a_load_brakes() -> None:
         {"at": "pump", "time": 0.3, "step": {"torque": -700}},
     ]
     slip = ("friction", 1, 2, 6e4, capacity, lambda t: 1250.0 if 0.05 < t < 0.45 else 0.0)
-    discs = Discs([1.2, 0.3, 2.0], [(0, 1, 4e4, 3.0)], [slip], [(0, motor), (2, load)], (0.05, 0.3, 0.45))
+    discs = Discs(
+        [1.2, 0.3, 2.0], [(0, 1, 4e4, 3.0)], [slip], [(0, motor), (2, load)], (0.05, 0.3, 0.45)
+    )
     initial = {"speed": {"motor": "100 rad/s", "pump": "96 rad/s"}}
-    found = moved(THREE.format("stiffness: 6e4, capacity: 500"), duration=0.6, initial=initial, events=events)
+    found = moved(
+        THREE.format("stiffness: 6e4, capacity: 500"), duration=0.6, initial=initial, events=events
+    )
     agrees(found, discs, np.array([0.0, 0.0, 0.0, 100.0, 100.0, 96.0]), [0, 1], 1e-9, state=[1])
     changed = {one.what for one in found.switching.events} if found.switching is not None else set()
     assert {"stuck", "slip"} <= changed
@@ -106,7 +119,9 @@ def test_a_load_holds_a_drum_until_the_closing_clutch_carries_more() -> None:
     own = found.time < 0.2
     assert np.abs(found.speed[-1, own]).max() < 1e-6
     late = found.time[~own] - 0.2
-    assert found.speed[-1, ~own] == pytest.approx(200.0 * late**2 / 2.0, abs=1e-5)  # 400 N m/s on 2 kg m2
+    assert found.speed[-1, ~own] == pytest.approx(
+        200.0 * late**2 / 2.0, abs=1e-5
+    )  # 400 N m/s on 2 kg m2
     assert found.residual < 1e-10
 
 
@@ -114,9 +129,9 @@ BEND = math.radians(20.0)
 
 
 def test_a_cross_joint_with_an_elastic_span_drives_a_coupling_with_dry_friction() -> None:
-    text = THREE.format("stiffness: 2e4, viscous: 1, hysteresis_torque: {torque: 20, stiffness: 5e4}").replace(
-        "- coupling: {name: c1", "- joint: {name: j, angle: 20 deg}\n- coupling: {name: c1"
-    )
+    text = THREE.format(
+        "stiffness: 2e4, viscous: 1, hysteresis_torque: {torque: 20, stiffness: 5e4}"
+    ).replace("- coupling: {name: c1", "- joint: {name: j, angle: 20 deg}\n- coupling: {name: c1")
     events = [{"at": "motor", "step": {"torque": 250}}, START[1]]
     found = moved(text, duration=0.6, events=events)
 
@@ -156,7 +171,9 @@ def test_a_small_play_is_none() -> None:
 def test_a_motion_of_too_many_steps_says_how_far_it_comes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(collocation, "MOST_STEPS", 120)  # of two interfaces
     text = THREE.format("stiffness: 6e4, clearance: {angle: 0.02 rad, viscous: 20}")
-    with pytest.raises(SolveError, match=r"60 steps reach only 0\.\d+ s of 1 s;.*shorten `duration`") as refused:
+    with pytest.raises(
+        SolveError, match=r"60 steps reach only 0\.\d+ s of 1 s;.*shorten `duration`"
+    ) as refused:
         moved(text, duration=1.0, events=START)
     assert refused.value.path == ("analyses", "transient")
 
@@ -176,13 +193,19 @@ CASES = {
     "start": (THREE, {"events": START}),
     "pulsation": (THREE, {"events": [PULSATION, START[1]]}),
     "program": (HELD, {"events": [PROGRAM, START[1]]}),
-    "ice": (THREE, {"events": [*START, {"at": "pump", "time": 0.1, "ice": {"torque": 200, "case": 1}}]}),
+    "ice": (
+        THREE,
+        {"events": [*START, {"at": "pump", "time": 0.1, "ice": {"torque": 200, "case": 1}}]},
+    ),
     "orders": (
         THREE.replace("blades: 4", "blades: 4, excitation: [{{blade_order: 1, torque: 20 %}}]"),
         {"events": START},
     ),
     "elastic joint": (ELASTIC, {"events": START}),
-    "joint behind a span": (THREE.replace(BEFORE, f"{SPRING}{JOINT}{DISC}{BEFORE}"), {"events": START}),
+    "joint behind a span": (
+        THREE.replace(BEFORE, f"{SPRING}{JOINT}{DISC}{BEFORE}"),
+        {"events": START},
+    ),
     "rigid joint": (THREE.replace(BEFORE, f"{JOINT}{DISC}{BEFORE}"), {"events": START}),
     "steady joint": (ELASTIC, {"events": [SINE], "initial": "steady"}),
 }
@@ -203,7 +226,12 @@ def test_a_clutch_that_never_slips_is_a_linear_coupling(name: str) -> None:
 def test_parts_with_speeds_of_their_own_beside_a_joint_are_refused() -> None:
     text = THREE.replace(BEFORE, f"{JOINT}{DISC}{BEFORE}").format(NEVER)
     with pytest.raises(SolveError, match="parts at different speeds together with uneven joints"):
-        moved(text, duration=0.1, events=START, initial={"speed": {"motor": "10 rad/s", "pump": "0 rad/s"}})
+        moved(
+            text,
+            duration=0.1,
+            events=START,
+            initial={"speed": {"motor": "10 rad/s", "pump": "0 rad/s"}},
+        )
 
 
 SHAFTS = """name: x
@@ -216,17 +244,26 @@ train:
 - shaft: {{name: s2, length: 1 m, diameter: 50 mm{0}}}
 - disc: {{name: e, inertia: 3}}
 """
-SHAKEN = [{"at": "a", "step": {"torque": 500}}, {"at": "e", "sine": {"torque": 200, "frequency": 15}}]
+SHAKEN = [
+    {"at": "a", "step": {"torque": 500}},
+    {"at": "e", "sine": {"torque": 200, "frequency": 15}},
+]
 PLAY = "clearance: {angle: 0.01 rad, viscous: 20}"
 
 
-def with_shafts(segments: str, coupling: str, model: str, events: list[dict], **body) -> TransientMotion:
+def with_shafts(
+    segments: str, coupling: str, model: str, events: list[dict], **body
+) -> TransientMotion:
     study = torsion.parse(SHAFTS.format(segments, coupling))
-    settings = TransientSettings.model_validate({"initial": "rest", "samples": 1000, "events": events, **body})
+    settings = TransientSettings.model_validate(
+        {"initial": "rest", "samples": 1000, "events": events, **body}
+    )
     return transient(study, assemble(study.train, model=model), settings)
 
 
-def test_lumped_shafts_beside_a_play_converge_to_finite_elements_with_the_square_of_their_length() -> None:
+def test_lumped_shafts_beside_a_play_converge_to_finite_elements_with_the_square_of_their_length() -> (
+    None
+):
     fem = with_shafts("", PLAY, "fem", SHAKEN, duration=0.1)
     assert fem.switching is not None
     assert fem.residual < 1e-12

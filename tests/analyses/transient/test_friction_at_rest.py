@@ -19,10 +19,14 @@ from torsion.kernels.transient.damped_motion import ModalTrain, Motion
 
 
 def integrated(
-    inertia: Sequence[float], spring: tuple[float, float], friction: Sequence[float],
-    torque: Callable[[float], Sequence[float]], duration: float, cuts: Sequence[float] = (),
+    inertia: Sequence[float],
+    spring: tuple[float, float],
+    friction: Sequence[float],
+    torque: Callable[[float], Sequence[float]],
+    duration: float,
+    cuts: Sequence[float] = (),
     drive: Callable[[float], tuple[float, float]] | None = None,
-) -> tuple[list[float], np.ndarray]:  # fmt: skip
+) -> tuple[list[float], np.ndarray]:
     """Times at which discs let go or catch, and torques of the springs at 20 001 times, by Runge-Kutta from event to
     event: discs in a row with springs of one stiffness and damping, and one before the first to an angle and speed
     that are given."""
@@ -34,7 +38,9 @@ def integrated(
         own = k * -np.diff(angle) - c * np.diff(speed)
         if drive is None:
             return np.concatenate([[0.0], own, [0.0]])
-        return np.concatenate([[k * (drive(t)[0] - angle[0]) + c * (drive(t)[1] - speed[0])], own, [0.0]])
+        return np.concatenate(
+            [[k * (drive(t)[0] - angle[0]) + c * (drive(t)[1] - speed[0])], own, [0.0]]
+        )
 
     def net(t: float, y: np.ndarray) -> np.ndarray:
         return np.array(torque(t)) - np.diff(springs(t, y))
@@ -49,7 +55,9 @@ def integrated(
             gain = np.where((here == 0.0) & (most > 0.0), 0.0, (net(t, y) - here * most) / j)
             return np.concatenate([y[number:], gain])
 
-        def event(disc: int, since: float = t, here: np.ndarray = here) -> Callable[[float, np.ndarray], float]:
+        def event(
+            disc: int, since: float = t, here: np.ndarray = here
+        ) -> Callable[[float, np.ndarray], float]:
             def margin(at: float, place: np.ndarray) -> float:
                 if here[disc] == 0.0:
                     return float(most[disc] - abs(net(at, place)[disc]))
@@ -60,8 +68,17 @@ def integrated(
 
         events = [event(disc) for disc in np.flatnonzero(most).tolist()]
         longest = (end - t) / 20.0
-        solved = solve_ivp(rates, (t, end), y, "DOP853", rtol=1e-12, atol=1e-13, events=events, dense_output=True,
-                           max_step=longest)  # fmt: skip
+        solved = solve_ivp(
+            rates,
+            (t, end),
+            y,
+            "DOP853",
+            rtol=1e-12,
+            atol=1e-13,
+            events=events,
+            dense_output=True,
+            max_step=longest,
+        )
         inside = wanted[(wanted >= t) & (wanted < solved.t[-1])]
         found += [springs(float(one), solved.sol(one)) for one in inside]
         t, y = float(solved.t[-1]), solved.y[:, -1].copy()
@@ -90,19 +107,35 @@ HELD = chain([6.0, 45.0], [4e4], ", viscous: 40")
 def held_motor(duration: float, load: dict, first: dict) -> TransientMotion:
     """A motor that a brake holds, and a pulse at the other end of its spring."""
     events = [
-        {"at": "d1", **first}, {"at": "d1", "load": load},
+        {"at": "d1", **first},
+        {"at": "d1", "load": load},
         {"at": "d2", "time": 0.5, "pulse": {"torque": 3e3, "length": 0.04}},
-    ]  # fmt: skip
-    return moved(HELD, {"duration": duration, "initial": "rest", "events": events, "tolerance": 1e-9,
-                        "samples": 20_000})  # fmt: skip
+    ]
+    return moved(
+        HELD,
+        {
+            "duration": duration,
+            "initial": "rest",
+            "events": events,
+            "tolerance": 1e-9,
+            "samples": 20_000,
+        },
+    )
 
 
 @pytest.mark.parametrize("share", [2.0 / 3.0, 29.0 / 30.0])
 def test_a_motor_that_a_brake_holds_breaks_away_and_is_caught(share: float) -> None:
     table = {"torque": [["0 rpm", 3e3 * share], ["1500 rpm", 3e3 * share]]}
-    found = held_motor(1.0, {"law": "constant", "torque": 3e3, "speed": "1500 rpm"}, {"start": table})
+    found = held_motor(
+        1.0, {"law": "constant", "torque": 3e3, "speed": "1500 rpm"}, {"start": table}
+    )
     when, torque = integrated(
-        [6.0, 45.0], (4e4, 40.0), [3e3, 0.0], lambda t: [3e3 * share, pulse(t)], 1.0, cuts=[0.5, 0.54]
+        [6.0, 45.0],
+        (4e4, 40.0),
+        [3e3, 0.0],
+        lambda t: [3e3 * share, pulse(t)],
+        1.0,
+        cuts=[0.5, 0.54],
     )
     assert [one.time for one in found.changes] == pytest.approx(when, abs=2e-9)
     assert np.abs(found.torque[0, : len(torque)] - torque).max() <= 1e-8 * np.abs(torque).max()
@@ -117,7 +150,9 @@ def test_a_disc_that_is_held_waits_for_the_ramp_to_reach_its_friction() -> None:
         {"at": "d", "table": {"rows": rows}},
         {"at": "d", "load": {"law": "constant", "torque": 30, "speed": "9 rad/s"}},
     ]
-    found = moved("disc: {name: d, inertia: 2}", {"duration": 2.0, "initial": "rest", "events": events})
+    found = moved(
+        "disc: {name: d, inertia: 2}", {"duration": 2.0, "initial": "rest", "events": events}
+    )
     assert found.changes[0].time == pytest.approx(0.6, rel=1e-13)
     late = np.maximum(found.time - 0.6, 0.0)
     assert found.speed[0] == pytest.approx(50.0 * late**2 / 4.0, rel=1e-12, abs=1e-13)
@@ -128,11 +163,17 @@ def test_an_oscillation_with_dry_friction_stops_after_the_half_cycles_that_coulo
     parts = "motor: {name: m, held: true}, coupling: {name: c, stiffness: 1e4}, disc: {name: d, inertia: 4}"
     load = {"law": "constant", "torque": 10, "speed": "1 rad/s"}
     half = math.pi / 50.0
-    body = {"duration": 20 * half, "initial": {"torque": {"c": 105.0}}, "events": [{"at": "d", "load": load}]}
+    body = {
+        "duration": 20 * half,
+        "initial": {"torque": {"c": 105.0}},
+        "events": [{"at": "d", "load": load}],
+    }
     found = moved(parts, {**body, "tolerance": 1e-10, "samples": 2000})
     assert found.changes[-1].time == pytest.approx(5 * half, rel=1e-9)
     assert abs(found.torque[0, -1]) == pytest.approx(5.0, rel=1e-8)
-    assert np.abs(found.torque[0, :600:100]) == pytest.approx([105.0, 85.0, 65.0, 45.0, 25.0, 5.0], rel=1e-9)
+    assert np.abs(found.torque[0, :600:100]) == pytest.approx(
+        [105.0, 85.0, 65.0, 45.0, 25.0, 5.0], rel=1e-9
+    )
 
 
 def falling(speed: float) -> float:
@@ -177,8 +218,17 @@ def slipping(inertia: float) -> tuple[float, list[float]]:
 
         margin.terminal, margin.direction = True, -1.0
         longest = 1e-3 if sticks else np.inf
-        solved = solve_ivp(rates, (t, end), y, "DOP853", rtol=1e-12, atol=1e-14, events=margin, max_step=longest,
-                           dense_output=True)  # fmt: skip
+        solved = solve_ivp(
+            rates,
+            (t, end),
+            y,
+            "DOP853",
+            rtol=1e-12,
+            atol=1e-14,
+            events=margin,
+            max_step=longest,
+            dense_output=True,
+        )
         within = np.linspace(t, solved.t[-1], 400)
         highest = max(highest, *(spring(float(one), solved.sol(one)) for one in within))
         t, y = float(solved.t[-1]), solved.y[:, -1].copy()
@@ -194,10 +244,20 @@ def test_a_sine_torque_breaks_a_disc_away_in_both_senses() -> None:
         {"at": "d1", "load": {"law": "constant", "torque": 300, "speed": "1500 rpm"}},
         {"at": "d2", "load": {"law": "constant", "torque": 800, "speed": "1500 rpm"}},
     ]
-    body = {"duration": 1.0, "initial": "rest", "events": events, "tolerance": 1e-9, "samples": 20_000}
+    body = {
+        "duration": 1.0,
+        "initial": "rest",
+        "events": events,
+        "tolerance": 1e-9,
+        "samples": 20_000,
+    }
     found = moved(HELD, body)
     when, torque = integrated(
-        [6.0, 45.0], (4e4, 40.0), [300.0, 800.0], lambda t: [1500.0 * math.sin(10.0 * math.pi * t), 0.0], 1.0
+        [6.0, 45.0],
+        (4e4, 40.0),
+        [300.0, 800.0],
+        lambda t: [1500.0 * math.sin(10.0 * math.pi * t), 0.0],
+        1.0,
     )
     times = np.array([one.time for one in found.changes])
     assert max(float(np.abs(times - one).min()) for one in when) < 1e-8
@@ -210,8 +270,9 @@ def test_two_frictions_that_turn_as_one_hold_together_and_share_the_torque(ratio
     load = {"law": "constant", "speed": "100 rad/s"}
     events = [
         {"at": "m", "table": {"rows": [["0 s", 0.0], ["2 s", 100.0]]}},
-        {"at": "m", "load": {**load, "torque": 10}}, {"at": "d", "load": {**load, "torque": 30}},
-    ]  # fmt: skip
+        {"at": "m", "load": {**load, "torque": 10}},
+        {"at": "d", "load": {**load, "torque": 30}},
+    ]
     found = moved(parts, {"duration": 2.0, "initial": "rest", "events": events})
     hold = 10.0 + 30.0 / ratio
     assert found.changes[0].time == pytest.approx(hold / 50.0, rel=1e-12)
@@ -225,14 +286,19 @@ def test_two_frictions_that_turn_as_one_hold_together_and_share_the_torque(ratio
 def test_a_load_that_ends_lets_go_of_what_it_held() -> None:
     brake = {"law": "constant", "torque": 3e3, "speed": "1500 rpm", "off": 0.4}
     events = [{"at": "d", "step": {"torque": 100}}, {"at": "d", "load": brake}]
-    found = moved("disc: {name: d, inertia: 2}", {"duration": 1.0, "initial": "rest", "events": events})
+    found = moved(
+        "disc: {name: d, inertia: 2}", {"duration": 1.0, "initial": "rest", "events": events}
+    )
     assert found.speed[0] == pytest.approx(50.0 * np.maximum(found.time - 0.4, 0.0), abs=1e-12)
 
 
 def test_three_frictions_on_two_modes_stay_solvable() -> None:
     events = [
         {"at": "d1", "step": {"torque": 100}},
-        *({"at": f"d{k}", "load": {"law": "constant", "torque": 50, "speed": "100 rad/s"}} for k in (1, 2, 3)),
+        *(
+            {"at": f"d{k}", "load": {"law": "constant", "torque": 50, "speed": "100 rad/s"}}
+            for k in (1, 2, 3)
+        ),
     ]
     parts = chain([1.0, 2.0, 3.0], [1e4, 1e4], ", viscous: 20")
     found = moved(parts, {"duration": 1.0, "initial": "rest", "events": events, "modes": 1})
@@ -254,17 +320,26 @@ def test_a_steady_train_whose_load_follows_it_is_found_to_be_in_balance(law: str
     found = pump({"duration": 3.0, "events": [{"at": "p", "load": {"law": law}}]})
     assert found.residual < 1e-12
     assert found.status == "ok"
-    assert found.torque[0] == pytest.approx(np.full(len(found.time), 4e5 / (1480.0 * math.pi / 30.0)), rel=1e-12)
+    assert found.torque[0] == pytest.approx(
+        np.full(len(found.time), 4e5 / (1480.0 * math.pi / 30.0)), rel=1e-12
+    )
 
 
 def pump(body: dict) -> TransientMotion:
     """Of the pump train."""
     study = torsion.parse(PUMP)
-    return transient(study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body))
+    return transient(
+        study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body)
+    )
 
 
 def test_a_motor_that_is_held_from_the_begin_leaves_no_torque_and_no_reversals() -> None:
-    start = {"pull_out": 3200, "slip": 0.12, "synchronous": "1500 rpm", "pulsation": {"torque": 2600, "decay": 0.15}}
+    start = {
+        "pull_out": 3200,
+        "slip": 0.12,
+        "synchronous": "1500 rpm",
+        "pulsation": {"torque": 2600, "decay": 0.15},
+    }
     events = [
         {"at": "d1", "start": start},
         {"at": "d1", "load": {"law": "constant", "torque": 2e4, "speed": "157 rad/s"}},
@@ -277,25 +352,36 @@ def test_a_motor_that_is_held_from_the_begin_leaves_no_torque_and_no_reversals()
 
 def test_a_run_down_counts_the_reversals_that_its_accuracy_shows() -> None:
     events = [
-        {"at": "m", "time": 0.5, "stop": {}}, {"at": "p", "load": {"law": "propeller"}},
+        {"at": "m", "time": 0.5, "stop": {}},
+        {"at": "p", "load": {"law": "propeller"}},
         {"at": "p", "time": 0.5, "load": {"law": "constant", "torque": 90}},
-    ]  # fmt: skip
+    ]
     found = pump({"duration": 30.0, "events": events})
     # at rest the motor swings against the pump, from 65 N m to 1e-6 of 2581 N m, at half the frequency of both free:
     # with what damps that, 0.025, its damping ratio is half of it
     assert found.status == "ok"
-    assert found.reversals[0] == pytest.approx(math.log(65.0 / 2.58e-3) / (math.pi * 0.0125), rel=0.1)
+    assert found.reversals[0] == pytest.approx(
+        math.log(65.0 / 2.58e-3) / (math.pi * 0.0125), rel=0.1
+    )
 
 
-def test_the_balance_of_a_steady_train_still_shows_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_balance_of_a_steady_train_still_shows_an_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     real = energy_balance.residual
 
     def planted(moved: Motion, time: np.ndarray) -> float:
         train = moved.train
-        return real(replace(moved, train=ModalTrain(train.w * (1.0 + 1e-5), train.ratio, train.viscous)), time)
+        return real(
+            replace(moved, train=ModalTrain(train.w * (1.0 + 1e-5), train.ratio, train.viscous)),
+            time,
+        )
 
     monkeypatch.setattr("torsion.analyses.transient.motion_from_events.residual", planted)
-    events = [{"at": "p", "load": {"law": "propeller"}}, {"at": "p", "sine": {"torque": 30, "frequency": "40 Hz"}}]
+    events = [
+        {"at": "p", "load": {"law": "propeller"}},
+        {"at": "p", "sine": {"torque": 30, "frequency": "40 Hz"}},
+    ]
     found = pump({"duration": 3.0, "events": events})
     assert found.residual > 1e-8
     assert "report this train" in found.status

@@ -19,7 +19,9 @@ from torsion.errors import SolveError
 from torsion.kernels.transient.torque_history import value
 
 
-def moved(parts: str, body: dict, operation: str = "", ratio: float | None = None) -> TransientMotion:
+def moved(
+    parts: str, body: dict, operation: str = "", ratio: float | None = None
+) -> TransientMotion:
     """The motion of a train; `ratio` damps every mode alike."""
     study = torsion.parse(f"name: x\n{operation}train: [{parts}]\n")
     settings = TransientSettings.model_validate(body)
@@ -29,13 +31,18 @@ def moved(parts: str, body: dict, operation: str = "", ratio: float | None = Non
 def chain(inertia: list[float], stiffness: list[float], more: str = "") -> str:
     """Discs d1, d2, ... and couplings."""
     rows = [f"disc: {{name: d{k + 1}, inertia: {one!r}}}" for k, one in enumerate(inertia)]
-    links = [f"coupling: {{name: s{k + 1}, stiffness: {one!r}{more}}}" for k, one in enumerate(stiffness)]
+    links = [
+        f"coupling: {{name: s{k + 1}, stiffness: {one!r}{more}}}" for k, one in enumerate(stiffness)
+    ]
     return ", ".join(row for pair in zip(rows, [*links, ""], strict=True) for row in pair if row)
 
 
 def test_a_step_on_two_discs_with_a_viscous_spring() -> None:
     events = [{"at": "d1", "step": {"torque": 100.0}}]
-    found = moved(chain([2.0, 3.0], [1e4], ", viscous: 5"), {"duration": 0.1, "initial": "rest", "events": events})
+    found = moved(
+        chain([2.0, 3.0], [1e4], ", viscous: 5"),
+        {"duration": 0.1, "initial": "rest", "events": events},
+    )
     assert found.torque[0, -1] == pytest.approx(106.88964847969848, rel=1e-13)
     assert found.greatest[0] == pytest.approx(115.90597139664635, rel=1e-13)
     assert found.greatest_at[0] == pytest.approx(0.03392321515283623, rel=1e-7)
@@ -44,18 +51,34 @@ def test_a_step_on_two_discs_with_a_viscous_spring() -> None:
 
 @pytest.mark.parametrize(
     ("length", "peak"),
-    [(0.2, 0.770492375595188), (0.4, 1.3734088638886552), (0.81, 1.768457648783741), (1.2, 1.6488439597248326),
-     (2.1, 1.227208818524607), (4.0, 1.1254945748710947)],
-)  # fmt: skip
+    [
+        (0.2, 0.770492375595188),
+        (0.4, 1.3734088638886552),
+        (0.81, 1.768457648783741),
+        (1.2, 1.6488439597248326),
+        (2.1, 1.227208818524607),
+        (4.0, 1.1254945748710947),
+    ],
+)
 def test_a_half_sine_shock(length: float, peak: float) -> None:
     events = [{"at": "d1", "pulse": {"torque": 2.0, "length": length}}]
     body = {"duration": length + 3.0, "initial": "rest", "events": events}
-    assert moved(chain([2.0, 2.0], [4.0 * math.pi**2]), body).peak[0] == pytest.approx(peak, rel=1e-14)
+    assert moved(chain([2.0, 2.0], [4.0 * math.pi**2]), body).peak[0] == pytest.approx(
+        peak, rel=1e-14
+    )
 
 
 def test_a_two_phase_short_circuit_of_a_generator() -> None:
-    fault = {"coefficients": {"line": 8, "double": 4, "mean": 0.3}, "decay": (0.2, 0.03), "sense": "drives"}
-    body = {"duration": 1.0, "initial": {"speed": "3000 rpm"}, "events": [{"at": "d2", "short-circuit": fault}]}
+    fault = {
+        "coefficients": {"line": 8, "double": 4, "mean": 0.3},
+        "decay": (0.2, 0.03),
+        "sense": "drives",
+    }
+    body = {
+        "duration": 1.0,
+        "initial": {"speed": "3000 rpm"},
+        "events": [{"at": "d2", "short-circuit": fault}],
+    }
     operation = "operation: {rated: {speed: 3000 rpm, power: 20 MW}}\n"
     found = moved(chain([1800.0, 900.0, 250.0], [4e7, 6e6]), body, operation, 0.01)
     assert found.peak == pytest.approx([1427113.2471373763, 219564.8157750222], rel=1e-14)
@@ -90,7 +113,8 @@ AWKWARD = {
     "a point without inertia": "disc: {inertia: 1}, coupling: {stiffness: 2e4}, disc: {name: d1, inertia: 0}, "
     "coupling: {stiffness: 3e4}, disc: {inertia: 3}, coupling: {stiffness: 2e4, viscous: 200}, disc: {inertia: 1}, "
     "coupling: {flexibility: 0}, disc: {inertia: 1, damping: 4}",
-    "a damper with a ring": chain([1.0, 1.0], [3e4], VISCOUS) + ", coupling: {stiffness: 1e4, viscous: 40}, "
+    "a damper with a ring": chain([1.0, 1.0], [3e4], VISCOUS)
+    + ", coupling: {stiffness: 1e4, viscous: 40}, "
     "damper: {housing: 1, ring: 2, damping: 50}",
     "a fixed end and a ring": "disc: {held: true}, coupling: {stiffness: 3e4, viscous: 40}, "
     "disc: {name: d1, inertia: 1}, coupling: {stiffness: 1e4}, damper: {housing: 1, ring: 2, damping: 50}",
@@ -106,7 +130,9 @@ def test_after_the_decay_a_sine_is_the_response(parts: str) -> None:
         "analyses: {response: {frequencies: {from: 30, to: 31, steps: 2}}}\n"
     )
     body = {"duration": 30.0, "initial": "rest", "events": events}
-    found = transient(study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body))
+    found = transient(
+        study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body)
+    )
     steady = torsion.run(study).results["frequency_response"]
     late = found.time > 28.0
     exact = (steady.torque[0][:, None] * np.exp(2j * math.pi * 30.0 * found.time[late])).real
@@ -123,7 +149,9 @@ def test_after_the_decay_a_sine_in_a_closed_loop_is_the_response(damping: str) -
         "analyses: {response: {frequencies: {from: 30, to: 31, steps: 2}}}\n"
     )
     events = [{"at": "d1", "sine": {"torque": 7.0, "frequency": 30.0, "phase": "90 deg"}}]
-    settings = TransientSettings.model_validate({"duration": 10.0, "initial": "rest", "events": events})
+    settings = TransientSettings.model_validate(
+        {"duration": 10.0, "initial": "rest", "events": events}
+    )
     found = transient(study, assemble(study.train, model="lumped"), settings)
     steady = torsion.run(study).results["frequency_response"]
     late = found.time > 9.5
@@ -170,7 +198,9 @@ operation: {rated: {speed: 1200 rpm, power: 20 kW}}
 train: [motor: {inertia: 1}, coupling: {stiffness: 2e4, viscous: 100}, propeller: {inertia: 2}]
 """
     study = torsion.parse(text)
-    settings = TransientSettings.model_validate({"duration": 3.0, "events": [{"at": "motor-1", "stop": {}}]})
+    settings = TransientSettings.model_validate(
+        {"duration": 3.0, "events": [{"at": "motor-1", "stop": {}}]}
+    )
     found = transient(study, assemble(study.train, model="lumped"), settings)
     load = 20e3 / (1200.0 * math.pi / 30.0)
     assert found.before[0] == pytest.approx(load, rel=1e-14)
@@ -196,9 +226,16 @@ def test_viscous_damping_at_a_point_without_inertia_is_refused() -> None:
 
 def test_samples_that_need_too_much_memory_are_refused() -> None:
     study = replace(torsion.parse(f"name: x\ntrain: [{chain([2.0, 3.0], [1e4])}]\n"), memory=1e6)
-    body = {"duration": 1.0, "initial": "rest", "samples": 100_000, "events": [{"at": "d1", "step": {"torque": 1.0}}]}
+    body = {
+        "duration": 1.0,
+        "initial": "rest",
+        "samples": 100_000,
+        "events": [{"at": "d1", "step": {"torque": 1.0}}],
+    }
     with pytest.raises(SolveError, match=r"all samples need 0\.0024 GB of memory"):
-        transient(study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body))
+        transient(
+            study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body)
+        )
 
 
 def test_a_branched_train_with_a_reversing_gear_moves_as_an_independent_solver_says() -> None:
@@ -209,13 +246,23 @@ def test_a_branched_train_with_a_reversing_gear_moves_as_an_independent_solver_s
         "disc: {name: d3, inertia: 2}"
     )
     events = [
-        {"at": "d2", "time": 0.01, "table": {"rows": [["0 s", 0.0], ["0.02 s", 50.0], ["0.07 s", -20.0]]}},
-        {"at": "d3", "time": 0.03, "sine": {"torque": -40.0, "frequency": 25.0, "decay": 0.05, "phase": "30 deg"}},
+        {
+            "at": "d2",
+            "time": 0.01,
+            "table": {"rows": [["0 s", 0.0], ["0.02 s", 50.0], ["0.07 s", -20.0]]},
+        },
+        {
+            "at": "d3",
+            "time": 0.03,
+            "sine": {"torque": -40.0, "frequency": 25.0, "decay": 0.05, "phase": "30 deg"},
+        },
         {"at": "d1", "pulse": {"torque": 30.0, "length": 0.013}},
     ]
     study = torsion.parse(f"name: x\ntrain: [{parts}]\n")
     system = assemble(study.train, model="lumped")
-    settings = TransientSettings.model_validate({"duration": 0.1, "initial": "rest", "events": events, "samples": 200})
+    settings = TransientSettings.model_validate(
+        {"duration": 0.1, "initial": "rest", "events": events, "samples": 200}
+    )
     found, view = transient(study, system, settings), matrices(system)
     pieces = [event.pieces(Point()) for event in settings.events]
     rows = view.basis[[study.train.part(event.at).stations[0] for event in settings.events]]
@@ -223,18 +270,26 @@ def test_a_branched_train_with_a_reversing_gear_moves_as_an_independent_solver_s
 
     def rate(t: float, x: np.ndarray) -> np.ndarray:
         acting = rows.T @ [value(one, np.array([t]))[0] for one in pieces]
-        gained = np.linalg.solve(view.inertia, acting - view.stiffness @ x[:n] - view.damping @ x[n:])
+        gained = np.linalg.solve(
+            view.inertia, acting - view.stiffness @ x[:n] - view.damping @ x[n:]
+        )
         return np.concatenate([x[n:], gained])
 
     cuts, x, known = [0.0, 0.01, 0.013, 0.03, 0.08, 0.1], np.zeros(2 * n), []
     for begin, end in pairwise(cuts):
         at = found.time[(found.time > begin + 1e-12) & (found.time < end + 1e-12)]
-        run = solve_ivp(rate, (begin, max(end, at[-1])), x, "DOP853", t_eval=at, rtol=1e-12, atol=1e-13)
+        run = solve_ivp(
+            rate, (begin, max(end, at[-1])), x, "DOP853", t_eval=at, rtol=1e-12, atol=1e-13
+        )
         known.append(run.y)
         x = run.y[:, -1]
     y = np.concatenate(known, axis=1)
-    twist, turning = (system.twist(view.basis / system.speed_ratio[:, None]) @ half for half in (y[:n], y[n:]))
+    twist, turning = (
+        system.twist(view.basis / system.speed_ratio[:, None]) @ half for half in (y[:n], y[n:])
+    )
     soft = np.flatnonzero(system.flexibility > 0)
-    exact = twist[soft] / system.flexibility[soft, None] + system.viscous[soft, None] * turning[soft]
+    exact = (
+        twist[soft] / system.flexibility[soft, None] + system.viscous[soft, None] * turning[soft]
+    )
     assert np.abs(found.torque[soft, 1:] - exact).max() <= 1e-9 * np.abs(exact).max()
     assert np.abs(found.speed[:, 1:] - view.basis @ y[n:]).max() <= 1e-9 * np.abs(y[n:]).max()

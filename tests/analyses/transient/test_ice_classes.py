@@ -43,39 +43,55 @@ def by_hand(factor: float, thickness: float, diameter: float, large: bool) -> fl
         return float(1000 * mpmath.mpf(factor) * shape * size)
 
 
-@pytest.mark.parametrize(("factor", "thickness"), [(14.7, 4.0), (10.9, 1.0), (7.7, 1.2), (10.4, 2.5)])
+@pytest.mark.parametrize(
+    ("factor", "thickness"), [(14.7, 4.0), (10.9, 1.0), (7.7, 1.2), (10.4, 2.5)]
+)
 @pytest.mark.parametrize("share", [0.5, 1.0, 1.0 + 1e-12, 2.0])
-def test_the_greatest_torque_is_that_of_either_formula(factor: float, thickness: float, share: float) -> None:
+def test_the_greatest_torque_is_that_of_either_formula(
+    factor: float, thickness: float, share: float
+) -> None:
     diameter = 1.8 * thickness * share
     found = greatest_ice_torque(factor, thickness, replace(SCREW, diameter=diameter), TWICE)
     assert found == pytest.approx(by_hand(factor, thickness, diameter, share > 1.0), rel=1e-14)
 
 
 def test_both_formulas_meet_but_for_the_rounding_of_their_factor() -> None:
-    ends = [greatest_ice_torque(10.9, 1.0, replace(SCREW, diameter=1.8 * (1.0 + k)), TWICE) for k in (0.0, 1e-13)]
+    ends = [
+        greatest_ice_torque(10.9, 1.0, replace(SCREW, diameter=1.8 * (1.0 + k)), TWICE)
+        for k in (0.0, 1e-13)
+    ]
     assert ends[1] / ends[0] == pytest.approx(1.9 / 1.8**1.1, rel=1e-12)
     assert ends[1] / ends[0] == pytest.approx(0.9953, abs=1e-4)
 
 
 def test_the_torque_of_a_large_propeller_is_that_of_the_printed_factor_20_7() -> None:
     """297.14285 kN m by the formula of the Baltic classes with 20.7, which is 1.9 x 10.9 = 20.71 rounded."""
-    assert greatest_ice_torque(10.9, 1.0, SCREW, TWICE) == pytest.approx(297142.85 * 20.71 / 20.7, rel=2e-8)
+    assert greatest_ice_torque(10.9, 1.0, SCREW, TWICE) == pytest.approx(
+        297142.85 * 20.71 / 20.7, rel=2e-8
+    )
 
 
 @pytest.mark.parametrize("name", CLASSES)
 @pytest.mark.parametrize("is_ducted", [False, True])
 def test_a_class_takes_its_ice_and_its_factor(name: str, is_ducted: bool) -> None:
     polar = name in ("PC1", "PC2", "PC3", "PC4", "PC5")
-    factor = {(True, False): 14.7, (True, True): 10.4, (False, False): 10.9, (False, True): 7.7}[polar, is_ducted]
+    factor = {(True, False): 14.7, (True, True): 10.4, (False, False): 10.9, (False, True): 7.7}[
+        polar, is_ducted
+    ]
     body = Event.model_validate({"at": "x", "ice": {"class": name, "case": 1}}).body
     at = Point("x", TWICE, blades=4, propeller=replace(SCREW, is_ducted=is_ducted))
     found, thickness = body.of_class(at), CLASSES[name].thickness
-    assert found.torque == pytest.approx(by_hand(factor, thickness, 4.0, 1.8 * thickness < 4.0), rel=1e-14)
+    assert found.torque == pytest.approx(
+        by_hand(factor, thickness, 4.0, 1.8 * thickness < 4.0), rel=1e-14
+    )
     assert (found.revolutions, body.revolutions) == (2.0 * thickness, 2.0 * thickness)
 
 
 def test_the_ice_of_the_classes_is_thinner_from_each_to_the_next() -> None:
-    polar, baltic = ([CLASSES[name].thickness for name in CLASSES if name.startswith(start)] for start in ("PC", "I"))
+    polar, baltic = (
+        [CLASSES[name].thickness for name in CLASSES if name.startswith(start)]
+        for start in ("PC", "I")
+    )
     assert polar == [4.0, 3.5, 3.0, 2.5, 2.0, 1.75, 1.5]
     assert baltic == [1.75, 1.5, 1.2, 1.0]
 
@@ -86,7 +102,9 @@ def test_a_class_mills_like_the_torque_that_follows_from_it() -> None:
     for case in (1, 2, 3, 4):
         named = Event.model_validate({"at": "x", "ice": {"class": "IB", "case": case}})
         size = by_hand(10.9, 1.2, 4.0, True)
-        same = Event.model_validate({"at": "x", "ice": {"torque": size, "case": case, "turns": 2.4}})
+        same = Event.model_validate(
+            {"at": "x", "ice": {"torque": size, "case": case, "turns": 2.4}}
+        )
         time = np.linspace(0.0, 2.0, 2001)
         one, other = (value(event.pieces(at), time) for event in (named, same))
         assert one == pytest.approx(other, abs=1e-12 * size)
@@ -95,8 +113,12 @@ def test_a_class_mills_like_the_torque_that_follows_from_it() -> None:
 
 
 @pytest.mark.parametrize("turns", [2.05, 2.4, 2.6])
-@pytest.mark.parametrize(("case", "factor", "width"), [(1, 0.75, 90.0), (2, 1.0, 135.0), (3, 0.5, 45.0)])
-def test_the_half_sines_end_with_the_revolutions(turns: float, case: int, factor: float, width: float) -> None:
+@pytest.mark.parametrize(
+    ("case", "factor", "width"), [(1, 0.75, 90.0), (2, 1.0, 135.0), (3, 0.5, 45.0)]
+)
+def test_the_half_sines_end_with_the_revolutions(
+    turns: float, case: int, factor: float, width: float
+) -> None:
     """By the rule itself: every blade from where it hits, 90 degrees behind the last, with ramps of 270 degrees."""
     event = Event.model_validate({"at": "x", "ice": {"torque": 1.0, "case": case, "turns": turns}})
     time = np.linspace(0.0, 2.0, 4001)
@@ -105,7 +127,9 @@ def test_the_half_sines_end_with_the_revolutions(turns: float, case: int, factor
     for hit in range(11):
         for first in (90.0 * hit, 90.0 * hit + 45.0)[: 2 if case == 3 else 1]:
             inside = (turned >= first) & (turned < min(first + width, last))
-            exact -= np.where(inside, factor * np.sin(np.radians(180.0 * (turned - first) / width)), 0.0)
+            exact -= np.where(
+                inside, factor * np.sin(np.radians(180.0 * (turned - first) / width)), 0.0
+            )
     exact *= np.interp(turned, [0.0, 270.0, last - 270.0, last], [0.0, 1.0, 1.0, 0.0])
     assert value(event.pieces(Point("x", 10.0, blades=4)), time) == pytest.approx(exact, abs=1e-11)
 
@@ -171,11 +195,19 @@ def test_a_class_needs_a_speed_where_nothing_turns_before() -> None:
     at = Point("x", blades=4, propeller=SCREW, turns=True)
     assert ice.lacks(at)[0] == "the ice torque of class IA needs the speed of 'x'"
     assert ice.lacks(replace(at, rated_speed=1.0)) is None
-    assert Event.model_validate({"at": "x", "ice": {"class": "IA", "case": 1, "speed": "9 rpm"}}).body.lacks(at) is None
+    assert (
+        Event.model_validate(
+            {"at": "x", "ice": {"class": "IA", "case": 1, "speed": "9 rpm"}}
+        ).body.lacks(at)
+        is None
+    )
 
 
 def test_the_torque_of_a_class_follows_the_angle_of_a_train_that_starts() -> None:
-    at, size = Point("x", 0.0, blades=4, propeller=SCREW, rated_speed=TWICE, turns=True), by_hand(10.9, 1.2, 4.0, True)
+    at, size = (
+        Point("x", 0.0, blades=4, propeller=SCREW, rated_speed=TWICE, turns=True),
+        by_hand(10.9, 1.2, 4.0, True),
+    )
     bodies = {"class": "IB", "case": 1}, {"torque": size, "turns": 2.4, "case": 1}
     events = [Event.model_validate({"at": "x", "ice": body}) for body in bodies]
     assert [event.pieces(at) for event in events] == [(), ()]
@@ -196,12 +228,30 @@ def test_the_report_says_formula_inputs_and_that_they_are_to_be_verified() -> No
     ((read,),) = [one["ice"] for one in results(found)["transient"]]
     assert (read["ice_class"], read["thickness_m"], read["ducted"]) == ("IA", 1.5, False)
     blocks = list(chapter(found))
-    (row,) = next(block.rows for block in blocks if isinstance(block, Table) and "ice torque" in block.caption)
-    assert row == ("screw", "IA", "1.5000", "open", "10.900", "4.0000", "0.25000", "0.80000", "2.0000", "3.0000",
-                   f"{by_hand(10.9, 1.5, 4.0, True) / 1e3:.2f}")  # fmt: skip
-    notes = [block.text for block in blocks if isinstance(block, Paragraph) and block.kind == "note"]
+    (row,) = next(
+        block.rows for block in blocks if isinstance(block, Table) and "ice torque" in block.caption
+    )
+    assert row == (
+        "screw",
+        "IA",
+        "1.5000",
+        "open",
+        "10.900",
+        "4.0000",
+        "0.25000",
+        "0.80000",
+        "2.0000",
+        "3.0000",
+        f"{by_hand(10.9, 1.5, 4.0, True) / 1e3:.2f}",
+    )
+    notes = [
+        block.text for block in blocks if isinstance(block, Paragraph) and block.kind == "note"
+    ]
     assert sum("edition not confirmed" in note for note in notes) == 2
-    assert any("1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1 for diameters beyond 1.8 H" in note for note in notes)
+    assert any(
+        "1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1 for diameters beyond 1.8 H" in note
+        for note in notes
+    )
 
 
 def test_a_torque_of_the_file_has_no_formula_in_the_report() -> None:

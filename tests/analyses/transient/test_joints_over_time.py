@@ -21,7 +21,13 @@ EVENTS = [
     {"at": "a", "step": {"torque": 40.0}},
     {"at": "b", "load": {"law": "propeller", "torque": 5, "speed": "10 rad/s"}},
 ]
-FROM_REST = {"duration": 3.0, "initial": "rest", "events": EVENTS, "samples": 3000, "tolerance": 1e-9}
+FROM_REST = {
+    "duration": 3.0,
+    "initial": "rest",
+    "events": EVENTS,
+    "samples": 3000,
+    "tolerance": 1e-9,
+}
 Map = Callable[[float], tuple[float, float]]
 
 
@@ -68,10 +74,14 @@ ENDS = "disc: {{name: a, inertia: 0.5}}, {}, disc: {{name: b, inertia: 2}}"
 
 def test_a_cross_joint_with_a_spring_behind_it_starts_as_given() -> None:
     found = moved(ENDS.format("joint: {name: j, angle: 20 deg}, " + SPRING), FROM_REST)
-    assert found.speed[[0, -1], -1] == pytest.approx([28.937275771656946, 25.73177957274372], rel=1e-12)
+    assert found.speed[[0, -1], -1] == pytest.approx(
+        [28.937275771656946, 25.73177957274372], rel=1e-12
+    )
     spans = [span.name for span in found.system.spans]
     assert found.torque[:, -1] == pytest.approx([8.416981185473588] * 2, rel=1e-8)
-    assert found.peak[spans.index("s")] == pytest.approx(115.02463588126373, rel=1e-6)  # the reference's is of samples
+    assert found.peak[spans.index("s")] == pytest.approx(
+        115.02463588126373, rel=1e-6
+    )  # the reference's is of samples
     assert found.residual < 1e-13
 
 
@@ -80,7 +90,11 @@ def test_a_cross_joint_with_a_spring_behind_it_starts_as_given() -> None:
     [
         ("joint: {name: j, angle: 20 deg}, " + SPRING, cross, True),
         (SPRING + ", joint: {name: j, angle: 20 deg}", crossed_back, False),
-        ("joint: {name: j, kind: tripod, angle: 20 deg, radius: 30 mm, arm: 600 mm}, " + SPRING, tripod_map, True),
+        (
+            "joint: {name: j, kind: tripod, angle: 20 deg, radius: 30 mm, arm: 600 mm}, " + SPRING,
+            tripod_map,
+            True,
+        ),
     ],
 )
 def test_a_joint_beside_a_spring_against_runge_kutta(joint: str, of: Map, forward: bool) -> None:
@@ -113,7 +127,9 @@ def test_two_joints_of_one_angle_turn_both_ends_alike() -> None:
     found = moved(ENDS.format(middle), FROM_REST)
     assert found.speed[-1] == pytest.approx(found.speed[0], abs=1e-9)
     inside = found.speed[1]
-    assert np.ptp(inside[-300:] / found.speed[0, -300:]) == pytest.approx(1 / math.cos(BEND) - math.cos(BEND), rel=1e-2)
+    assert np.ptp(inside[-300:] / found.speed[0, -300:]) == pytest.approx(
+        1 / math.cos(BEND) - math.cos(BEND), rel=1e-2
+    )
 
 
 @pytest.mark.parametrize("phase", [0.0, 30.0])
@@ -134,19 +150,36 @@ def test_a_steady_train_begins_with_its_static_twist() -> None:
         front = 4000.0 * (x[0] - x[1])
         behind = 2000.0 * (x[1] + float(found.error) - x[2]) + float(found.ratio) * x[4] - x[5]
         return [
-            *x[3:], (mean - front) / 0.5, (front - float(found.ratio) * behind) / 0.1, (behind - mean) / 2.0,
-        ]  # fmt: skip
+            *x[3:],
+            (mean - front) / 0.5,
+            (front - float(found.ratio) * behind) / 0.1,
+            (behind - mean) / 2.0,
+        ]
 
     yoke = -mean / 4000.0
     there = transfer(yoke, BEND)
-    start = [0.0, yoke, yoke + float(there.error) - mean / 2000.0, speed, speed, speed * float(there.ratio)]
+    start = [
+        0.0,
+        yoke,
+        yoke + float(there.error) - mean / 2000.0,
+        speed,
+        speed,
+        speed * float(there.ratio),
+    ]
     known = solve_ivp(rates, (0.0, 0.5), start, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
     parts = (
         "motor: {name: a, inertia: 0.5}, coupling: {name: r, stiffness: 4000}, "
         f"joint: {{name: j, angle: 20 deg, inertia: [0.1, 0]}}, {SPRING}, propeller: {{name: b, inertia: 2}}"
     )
-    operation = f"operation: {{rated: {{speed: {speed} rad/s, power: {mean * speed} W}}, load: constant}}\n"
-    body = {"duration": 0.5, "events": [{"at": "a", "step": {"torque": 0.0}}], "samples": 1000, "tolerance": 1e-9}
+    operation = (
+        f"operation: {{rated: {{speed: {speed} rad/s, power: {mean * speed} W}}, load: constant}}\n"
+    )
+    body = {
+        "duration": 0.5,
+        "events": [{"at": "a", "step": {"torque": 0.0}}],
+        "samples": 1000,
+        "tolerance": 1e-9,
+    }
     found = moved(parts, body, operation)
     assert found.torque[0, -1] == pytest.approx(4000.0 * (known[0] - known[1]), rel=1e-9)
     assert found.speed[[0, -1], -1] == pytest.approx(known[[3, 5]], rel=1e-10)
@@ -179,15 +212,23 @@ def test_after_its_start_a_train_with_a_joint_moves_as_harmonic_balance_says(yok
         {"at": "m", "step": {"torque": float(known.drive[-1])}},  # what keeps the mean speed
         {"at": "d", "load": {"law": rows}},  # constant at that speed, and the damper's slope
     ]
-    settings = TransientSettings.model_validate({
-        "duration": 4.0, "initial": {"speed": "900 rpm"}, "events": events, "samples": 12_000, "tolerance": 1e-9,
-    })  # fmt: skip
+    settings = TransientSettings.model_validate(
+        {
+            "duration": 4.0,
+            "initial": {"speed": "900 rpm"},
+            "events": events,
+            "samples": 12_000,
+            "tolerance": 1e-9,
+        }
+    )
     found = transient(study, assemble(study.train, model="lumped"), settings)
     late = slice(-1201, -1)  # six revolutions of 200 samples
     time, torque = found.time[late], found.torque[:, late]
     first = (torque[0] * np.exp(-2j * speed * time)).mean() * 2.0
     row = list(known.orders).index(2)
-    angle = np.angle(first / known.torque[-1, row, 0]) / 2.0 + speed * time  # of the reference, to half a revolution
+    angle = (
+        np.angle(first / known.torque[-1, row, 0]) / 2.0 + speed * time
+    )  # of the reference, to half a revolution
     waves = np.exp(1j * np.multiply.outer([float(order) for order in known.orders], angle))
     exact = known.mean[-1][:, None] + np.einsum("os,ot->st", known.torque[-1], waves).real
     assert np.abs(torque - exact).max() <= 1e-8 * np.abs(exact).max()
@@ -196,11 +237,20 @@ def test_after_its_start_a_train_with_a_joint_moves_as_harmonic_balance_says(yok
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        (f"{SPRING}, joint: {{angle: 20 deg}}, coupling: {{stiffness: 100}}", "inertia on neither side"),
-        ("joint: {name: j, angle: 20 deg}, coupling: {stiffness: 9}, coupling: {stiffness: 9}", "leads to no inertia"),
-        (f"{SPRING}, joint: {{kind: tripod, angle: 9 deg, radius: 3 cm, arm: 1 m}}", "driving yoke of the tripod"),
+        (
+            f"{SPRING}, joint: {{angle: 20 deg}}, coupling: {{stiffness: 100}}",
+            "inertia on neither side",
+        ),
+        (
+            "joint: {name: j, angle: 20 deg}, coupling: {stiffness: 9}, coupling: {stiffness: 9}",
+            "leads to no inertia",
+        ),
+        (
+            f"{SPRING}, joint: {{kind: tripod, angle: 9 deg, radius: 3 cm, arm: 1 m}}",
+            "driving yoke of the tripod",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_joint_without_inertia_asks_for_one(parts: str, words: str) -> None:
     with pytest.raises(SolveError, match=words) as refused:
         moved(ENDS.format(parts), FROM_REST)
@@ -218,6 +268,8 @@ def test_a_rigid_joint_beside_fast_modes_without_damping_is_given_up_soon(
     study = torsion.parse(f"name: x\ntrain: [{parts}]\n")
     settings = TransientSettings.model_validate({**FROM_REST, "samples": 10_000})
     place = ("analyses", "transient", 1)
-    with pytest.raises(SolveError, match=r"^\d00 steps reach only .* s of 3 s; .*`segments`") as refused:
+    with pytest.raises(
+        SolveError, match=r"^\d00 steps reach only .* s of 3 s; .*`segments`"
+    ) as refused:
         transient(study, assemble(study.train, model=model), settings, place=place)
     assert refused.value.path == place

@@ -6,7 +6,14 @@ import pytest
 import torsion
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.over_speed import response
-from torsion.analyses.transient.order_tracking import MOST_WINDOWS, TURNS, Tracked, one_sense, order_tracking, windows
+from torsion.analyses.transient.order_tracking import (
+    MOST_WINDOWS,
+    TURNS,
+    Tracked,
+    one_sense,
+    order_tracking,
+    windows,
+)
 from torsion.analyses.transient.transient_motion import Transients
 from torsion.arrays import FloatArray
 from torsion.errors import InputError
@@ -38,23 +45,35 @@ WHAT = Tracked("shaft", 0, np.array([2.0, 4.5]), 12.0, (("coupling", 1),))
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_orders_of_a_torque_are_its_own_however_the_shaft_speeds_up_and_vibrates(sense: float) -> None:
+def test_orders_of_a_torque_are_its_own_however_the_shaft_speeds_up_and_vibrates(
+    sense: float,
+) -> None:
     found = order_tracking(Given(30.0, 25.0, sense=sense), WHAT, TIME, 2)
-    assert found.turns == pytest.approx((30.0 * 6.0 + 25.0 * 18.0 + 0.01 * np.sin(540.0)) / (2.0 * np.pi))
+    assert found.turns == pytest.approx(
+        (30.0 * 6.0 + 25.0 * 18.0 + 0.01 * np.sin(540.0)) / (2.0 * np.pi)
+    )
     assert found.left_out == 0
     assert 1 < len(found.time) <= MOST_WINDOWS
     (one,) = found.each
     wanted = np.array([12.0 * np.exp(0.7j), 3.0 * np.exp(-1.0j)])
     assert np.abs(one.torque - wanted).max() < 1e-9
-    assert one.waterfall[:, [0, 16, 36]] == pytest.approx(np.tile([40.0, 12.0, 3.0], (len(found.time), 1)), abs=1e-9)
+    assert one.waterfall[:, [0, 16, 36]] == pytest.approx(
+        np.tile([40.0, 12.0, 3.0], (len(found.time), 1)), abs=1e-9
+    )
     empty = np.delete(one.waterfall, [0, 1, 15, 16, 17, 35, 36, 37], axis=1)
     assert empty.max() < 1e-9
-    middle = 30.0 + 25.0 * found.time  # of the window's angle; the mean of a speed that rises is a little below
+    middle = (
+        30.0 + 25.0 * found.time
+    )  # of the window's angle; the mean of a speed that rises is a little below
     assert found.speed == pytest.approx(middle, rel=0.02)
 
 
-def test_what_is_faster_than_the_samples_is_left_out_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert order_tracking(Given(30.0, 25.0, hum=5.0), WHAT, TIME, 2).left_out == 0  # finer samples resolve it
+def test_what_is_faster_than_the_samples_is_left_out_and_counted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert (
+        order_tracking(Given(30.0, 25.0, hum=5.0), WHAT, TIME, 2).left_out == 0
+    )  # finer samples resolve it
     monkeypatch.setattr("torsion.analyses.transient.order_tracking.MOST_POINTS", 1)
     found = order_tracking(Given(30.0, 25.0, hum=5.0), WHAT, TIME, 2)
     assert found.left_out > 0
@@ -122,16 +141,28 @@ def test_what_is_requested_is_tracked_and_reported() -> None:
     found = torsion.run(torsion.parse(SCENE.format(duration=4.0, orders=asked)))
     tracking = found.need(Transients).each[0].orders
     assert tracking is not None
-    assert (tracking.reference, tracking.order.tolist(), tracking.each[0].waterfall.shape[1]) == ("screw", [1, 2], 33)
+    assert (tracking.reference, tracking.order.tolist(), tracking.each[0].waterfall.shape[1]) == (
+        "screw",
+        [1, 2],
+        33,
+    )
     blocks = list(chapter(found))
     drawn = {one.name: one for one in blocks if isinstance(one, Figure)}
     lines, (map_,) = drawn["orders rubber"].lines, drawn["waterfall rubber"].plots
     assert list(lines) == ["order 1", "order 2"]
-    assert [line.y.max() for line in lines.values()] == pytest.approx(tracking.each[0].largest, rel=1e-15)
+    assert [line.y.max() for line in lines.values()] == pytest.approx(
+        tracking.each[0].largest, rel=1e-15
+    )
     assert map_.cells is not None
-    assert (map_.cells.x[0], map_.cells.x[-1], map_.cells.values.shape) == (0.25, 4.0, (len(tracking.time), 31))
+    assert (map_.cells.x[0], map_.cells.x[-1], map_.cells.values.shape) == (
+        0.25,
+        4.0,
+        (len(tracking.time), 31),
+    )
     assert map_.cells.largest == pytest.approx(tracking.each[0].waterfall[:, 2:].max(), rel=1e-15)
-    (largest,) = [one for one in blocks if isinstance(one, Table) and one.caption.startswith("Orders")]
+    (largest,) = [
+        one for one in blocks if isinstance(one, Table) and one.caption.startswith("Orders")
+    ]
     assert [row[:2] for row in largest.rows] == [("rubber", "1.0000"), ("rubber", "2.0000")]
 
 

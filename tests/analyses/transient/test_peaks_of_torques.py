@@ -48,14 +48,17 @@ def test_a_steady_vibration_far_above_the_modes_is_seen() -> None:
       coupling: {name: rigid, flexibility: 0, max_torque: 150 N*m}, disc: {inertia: 10},
       coupling: {stiffness: 1000, viscous: 10}, propeller: {name: c, inertia: 10}"""
     operation = "operation: {rated: {speed: 1000 rpm, power: 10 kW}, load: constant}\n"
-    found, lines = solved(train, "duration: 0.4 s, events: [{at: c, time: 0.39 s, step: {torque: -1 N*m}}]", operation)
+    found, lines = solved(
+        train, "duration: 0.4 s, events: [{at: c, time: 0.39 s, step: {torque: -1 N*m}}]", operation
+    )
     assert found.greatest[0] == pytest.approx(95.493 + 100.0 / 1.1, rel=1e-3)
     assert lines[0].verdict == "fail"
 
 
 def test_what_too_many_times_would_need_is_not_passed_over() -> None:
     found, lines = solved(
-        RIGID.replace("1 kN", "9 MN") % "", "duration: 1e5 s, events: [{at: b, sine: {torque: 1e5, frequency: 1 kHz}}]"
+        RIGID.replace("1 kN", "9 MN") % "",
+        "duration: 1e5 s, events: [{at: b, sine: {torque: 1e5, frequency: 1 kHz}}]",
     )
     assert found.peak[0] > 1e5 / 1.1 * 0.99
     assert "too fast" in found.status
@@ -64,7 +67,15 @@ def test_what_too_many_times_would_need_is_not_passed_over() -> None:
 
 
 def test_waves_are_looked_at_while_they_last() -> None:
-    looked = looked_at(np.linspace(0.0, 1.0, 11), 1, np.array([0.5]), [Wave(0.5, 0.6, 2e3 * math.pi)], 0.0, 1e4, 4.0)
+    looked = looked_at(
+        np.linspace(0.0, 1.0, 11),
+        1,
+        np.array([0.5]),
+        [Wave(0.5, 0.6, 2e3 * math.pi)],
+        0.0,
+        1e4,
+        4.0,
+    )
     assert np.diff(looked.time[(looked.time > 0.5) & (looked.time < 0.6)]).max() < 2.51e-4
     assert np.count_nonzero(looked.time < 0.5) < 30
     assert looked.time[looked.sample].tolist() == np.linspace(0.0, 1.0, 11).tolist()
@@ -74,14 +85,18 @@ def test_turns_are_those_of_the_curve() -> None:
     time = np.linspace(0.0, 2.0 * math.pi, 60)
     curve, value = turns_within(time, np.sin([time, time + 0.5]), np.cos([time, time + 0.5]))
     assert curve.tolist() == [0] * 4 + [1] * 4
-    assert value == pytest.approx([0.0, 1.0, -1.0, 0.0, math.sin(0.5), 1.0, -1.0, math.sin(0.5)], abs=1e-6)
+    assert value == pytest.approx(
+        [0.0, 1.0, -1.0, 0.0, math.sin(0.5), 1.0, -1.0, math.sin(0.5)], abs=1e-6
+    )
 
 
 def test_damage_does_not_depend_on_the_samples() -> None:
     train = "disc: {name: a, inertia: 1}, coupling: {stiffness: 1e6}, disc: {name: b, inertia: 1}"
     events = "events: [{at: b, sine: {torque: 300 N*m, frequency: 220 Hz}}]"
     body = "duration: 5 s, fatigue: {amplitude: 100 N*m, cycles: 1e6, slope: 5}, " + events
-    (few, lines), (many, _) = (solved(train, body + f", samples: {samples}") for samples in (100, 300_000))
+    (few, lines), (many, _) = (
+        solved(train, body + f", samples: {samples}") for samples in (100, 300_000)
+    )
     assert few.damage == pytest.approx(many.damage, rel=1e-3)
     assert few.reversals == many.reversals
     assert lines[0].clause == "D"
@@ -92,7 +107,8 @@ def test_a_jump_is_one_half_cycle_without_overshoot() -> None:
     train = "disc: {name: a, inertia: 1}, coupling: {flexibility: 0}, disc: {name: b, inertia: 1}"
     table = "{at: b, time: 0.2505 s, table: {rows: [[0 s, 200 N*m], [0.5 s, 199 N*m]]}}"
     found, lines = solved(
-        train, f"duration: 1 s, fatigue: {{amplitude: 100 N*m, cycles: 1, slope: 5}}, events: [{table}]"
+        train,
+        f"duration: 1 s, fatigue: {{amplitude: 100 N*m, cycles: 1, slope: 5}}, events: [{table}]",
     )
     assert found.damage[0] == pytest.approx(0.5**5, rel=1e-12)
     assert lines[0].verdict == "pass"

@@ -45,10 +45,12 @@ def trains(draw: st.DrawFn) -> Drawn:
     rows = [f"disc: {{name: d0, inertia: {inertia[0]!r}}}"]
     for place, kind in enumerate(kinds, start=1):
         figures = {
-            "twist": 1e-3 * draw(st.integers(1, 30)), "damping": draw(st.sampled_from([0.5, 5.0, 50.0])),
-            "friction": draw(st.integers(1, 200)), "more": draw(st.integers(1, 200)),
+            "twist": 1e-3 * draw(st.integers(1, 30)),
+            "damping": draw(st.sampled_from([0.5, 5.0, 50.0])),
+            "friction": draw(st.integers(1, 200)),
+            "more": draw(st.integers(1, 200)),
             "stick": 10.0 ** draw(st.integers(3, 6)),
-        }  # fmt: skip
+        }
         stiffness = 10.0 ** (draw(st.integers(30, 55)) / 10.0)
         rows.append(f"coupling: {{name: c{place}, stiffness: {stiffness!r}, {kind % figures}}}")
         rows.append(f"disc: {{name: d{place}, inertia: {inertia[place]!r}}}")
@@ -64,7 +66,10 @@ def moved(drawn: Drawn, **body: object) -> TransientMotion:
     assert found.switching is not None
     assert len(found.switching.events) < MOST_EVENTS
     assert found.residual < 1e-8
-    assert all(one.heat >= -1e-9 * max(1e-9, energy(drawn, found).max()) for one in found.switching.couplings)
+    assert all(
+        one.heat >= -1e-9 * max(1e-9, energy(drawn, found).max())
+        for one in found.switching.couplings
+    )
     return found
 
 
@@ -88,10 +93,15 @@ def test_a_train_that_is_left_alone_gains_no_energy(drawn: Drawn) -> None:
 def test_a_train_that_is_shaken_has_no_more_energy_than_it_was_given(drawn: Drawn) -> None:
     shaken = {"torque": drawn.torque, "frequency": drawn.frequency, "until": 0.1}
     pulse = {"torque": 2.0 * drawn.torque, "length": 0.02}
-    events = [{"at": "d0", "sine": shaken}, {"at": f"d{len(drawn.inertia) - 1}", "time": 0.05, "pulse": pulse}]
+    events = [
+        {"at": "d0", "sine": shaken},
+        {"at": f"d{len(drawn.inertia) - 1}", "time": 0.05, "pulse": pulse},
+    ]
     found = moved(drawn, initial="rest", events=events)
     assert found.switching is not None
     given_energy = found.switching.work
-    left = given_energy - found.switching.damped - sum(one.heat for one in found.switching.couplings)
+    left = (
+        given_energy - found.switching.damped - sum(one.heat for one in found.switching.couplings)
+    )
     assert left >= -1e-8 * given_energy
     assert energy(drawn, found)[found.time > 0.1].max() <= given_energy * (1.0 + 1e-8)

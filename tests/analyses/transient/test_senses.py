@@ -22,7 +22,9 @@ def test_a_load_brakes_alike_in_both_senses_of_rotation(law: object) -> None:
     """The mirrored torque makes the mirrored motion."""
 
     def speed(torque: float) -> FloatArray:
-        load = {"law": law, "torque": 80.0, "speed": "100 rpm"} if law == "propeller" else {"law": law}
+        load = (
+            {"law": law, "torque": 80.0, "speed": "100 rpm"} if law == "propeller" else {"law": law}
+        )
         events = [{"at": "d", "step": {"torque": torque, "until": 0.6}}, {"at": "d", "load": load}]
         body = {"duration": 1.5, "initial": "rest", "events": events, "tolerance": 1e-9}
         return moved("disc: {name: d, inertia: 5}", body).speed[0]
@@ -61,10 +63,13 @@ def test_the_worst_phase_adds_to_a_mean_torque_of_either_sense(sign: float) -> N
     mean = sign * np.array([300.0 * time, -500.0 * (1.0 - time)])
     wave = np.array([80.0 * time * np.exp(9j * time), (50.0 + 20.0j) * np.exp(-4j * time)])
     start = {
-        "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]], "synchronous": "1500 rpm",
+        "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]],
+        "synchronous": "1500 rpm",
         "slip_pulsation": [["0 rpm", 1.0], ["100 rpm", 1.0]],
-    }  # fmt: skip
-    settings = TransientSettings.model_validate({"duration": 1.0, "events": [{"at": "d", "start": start}]})
+    }
+    settings = TransientSettings.model_validate(
+        {"duration": 1.0, "events": [{"at": "d", "start": start}]}
+    )
 
     def solve(given: TransientSettings) -> Superposed:
         return Superposed(mean + np.real(wave * np.exp(-1j * given.events[0].body.phase)))
@@ -72,5 +77,7 @@ def test_the_worst_phase_adds_to_a_mean_torque_of_either_sense(sign: float) -> N
     for span in range(2):
         limit = np.where(np.arange(2) == span, 100.0, np.nan)
         phases, worst = over_phases(settings, solve, limit)[0]
-        assert worst.peak[span] == pytest.approx((np.abs(mean) + np.abs(wave))[span].max(), rel=1e-12)
+        assert worst.peak[span] == pytest.approx(
+            (np.abs(mean) + np.abs(wave))[span].max(), rel=1e-12
+        )
         assert len(phases) == 1

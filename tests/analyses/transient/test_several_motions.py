@@ -33,10 +33,15 @@ def test_every_motion_has_results_verdicts_and_a_section_of_its_own() -> None:
     found = torsion.run(torsion.parse(SCENE + TRIP + HIT))
     assert [one.name for one in found.need(Transients).each] == ["trip", "hit"]
     checks = found.need(Checks).lines
-    assert [check.what for check in checks] == [f"Greatest torque over time: {k}" for k in ("trip", "hit")]
+    assert [check.what for check in checks] == [
+        f"Greatest torque over time: {k}" for k in ("trip", "hit")
+    ]
     assert [check.verdict for check in checks] == ["pass", "fail"]
     blocks = list(chapter(found))
-    assert [one.text for one in blocks if isinstance(one, Heading)][1:] == ["Transient: trip", "Transient: hit"]
+    assert [one.text for one in blocks if isinstance(one, Heading)][1:] == [
+        "Transient: trip",
+        "Transient: hit",
+    ]
     drawn = [one.name for one in blocks if isinstance(one, Figure)]
     assert "motion hit rubber" in drawn
     assert "motion hit line" not in drawn
@@ -57,7 +62,10 @@ def test_a_motion_without_an_answer_takes_no_other_with_it() -> None:
         (SCENE + TRIP + TRIP.replace("name: trip, ", ""), "a motion in a list needs a name"),
         (SCENE + TRIP.replace("duration: 1 s", "duration: 1 m"), "length"),
         (SCENE.replace("  transient:\n", "  transient: []\n"), "the list of motions is empty"),
-        (SCENE.replace("  transient:\n", "  model: exact\n  transient:\n") + TRIP, "not the model exact"),
+        (
+            SCENE.replace("  transient:\n", "  model: exact\n  transient:\n") + TRIP,
+            "not the model exact",
+        ),
     ],
 )
 def test_a_faulty_list_of_motions_is_refused(text: str, words: str) -> None:
@@ -77,7 +85,9 @@ analyses: {transient: {duration: 1e5 s, samples: 100, events: [{at: d1, step: {t
 
 def test_a_band_of_modes_says_what_twice_as_many_change() -> None:
     whole, band = (
-        torsion.run(torsion.parse(SCENE + HIT.replace("1 s,", f"1 s, modes: {number},", 1))).need(Transients).each[0]
+        torsion.run(torsion.parse(SCENE + HIT.replace("1 s,", f"1 s, modes: {number},", 1)))
+        .need(Transients)
+        .each[0]
         for number in ("all", 4)
     )
     assert whole.change is None
@@ -88,10 +98,15 @@ def test_a_band_of_modes_says_what_twice_as_many_change() -> None:
 
 def test_finite_elements_move_as_the_segments_of_a_shaft() -> None:
     lumped, fem = (
-        torsion.run(torsion.parse((SCENE + HIT).replace("  transient:\n", f"  model: {model}\n  transient:\n")))
-        .need(Transients).each[0]
+        torsion.run(
+            torsion.parse(
+                (SCENE + HIT).replace("  transient:\n", f"  model: {model}\n  transient:\n")
+            )
+        )
+        .need(Transients)
+        .each[0]
         for model in ("lumped", "fem")
-    )  # fmt: skip
+    )
     assert fem.peak[0] == pytest.approx(lumped.peak[0], rel=1e-3)
     assert fem.status == "ok"
 
@@ -123,7 +138,10 @@ analyses:
 
 
 def test_all_samples_are_written_where_the_file_exports_them(tmp_path) -> None:
-    trip, hit = TRIP.replace("1 s,", "1 s, export: csv,"), HIT.replace("1 s,", "1 s, export: npz,", 1)
+    trip, hit = (
+        TRIP.replace("1 s,", "1 s, export: csv,"),
+        HIT.replace("1 s,", "1 s, export: npz,", 1),
+    )
     found = torsion.run(torsion.parse(SCENE + trip + hit))
     write(found, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == [
@@ -136,7 +154,9 @@ def test_all_samples_are_written_where_the_file_exports_them(tmp_path) -> None:
     head, *rows = (tmp_path / "motion-trip.csv").read_text().splitlines()
     titles = [title.strip('"') for title in head.split(",")]
     values = np.array([[float(cell) for cell in row.split(",")] for row in rows])
-    np.testing.assert_array_equal(values[:, titles.index("torque in rubber [N*m]")], first.torque[0])
+    np.testing.assert_array_equal(
+        values[:, titles.index("torque in rubber [N*m]")], first.torque[0]
+    )
     with np.load(tmp_path / "motion.npz") as arrays:
         np.testing.assert_array_equal(arrays["hit: time [s]"], second.time)
         np.testing.assert_array_equal(arrays["hit: speed of drive [rad/s]"], second.speed[0])
@@ -145,10 +165,16 @@ def test_all_samples_are_written_where_the_file_exports_them(tmp_path) -> None:
 def test_a_figure_shows_the_peaks_between_its_samples() -> None:
     found = torsion.run(torsion.parse(SCENE + HIT.replace("1 s,", "1 s, samples: 1000,", 1)))
     (one,) = found.need(Transients).each
-    (drawn,) = [block for block in chapter(found) if isinstance(block, Figure) and block.name == "motion hit rubber"]
+    (drawn,) = [
+        block
+        for block in chapter(found)
+        if isinstance(block, Figure) and block.name == "motion hit rubber"
+    ]
     (line,) = drawn.lines.values()
     unit = 1e-3  # kN m
-    assert (line.y.max(), line.y.min()) == pytest.approx((one.greatest[0] * unit, one.least[0] * unit), rel=1e-15)
+    assert (line.y.max(), line.y.min()) == pytest.approx(
+        (one.greatest[0] * unit, one.least[0] * unit), rel=1e-15
+    )
     assert one.torque[0].max() < one.greatest[0]
     assert (np.diff(line.x) >= 0.0).all()
 
@@ -158,7 +184,11 @@ def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None
     (one,) = found.need(Transients).each
     assert "twice as many modes change a peak" in one.status
     assert "give more `modes`" in one.status
-    texts = [block.text for block in chapter(found) if isinstance(block, Paragraph) and block.kind == "fail"]
+    texts = [
+        block.text
+        for block in chapter(found)
+        if isinstance(block, Paragraph) and block.kind == "fail"
+    ]
     assert texts == [f"Not reliable: {one.status}."]
     (check,) = found.need(Checks).lines
     assert check.verdict == "fail"

@@ -49,7 +49,10 @@ def moved(body: str) -> TransientMotion:
         (TWO_PHASE, ("plus_drives_first", "minus_brakes_first")),
         (
             TWO_PHASE + AGAIN,
-            ("plus_clear_0.15_reclose_0.40_after_begin", "minus_clear_0.15_reclose_0.40_after_begin"),
+            (
+                "plus_clear_0.15_reclose_0.40_after_begin",
+                "minus_clear_0.15_reclose_0.40_after_begin",
+            ),
         ),
         (TWO_PHASE + ", load: falls", ("plus_load_falls", "minus_load_falls")),
         (THREE_PHASE, ("plus", "minus")),
@@ -68,18 +71,29 @@ def test_each_sense_of_a_fault_has_the_torques_of_an_independent_integration(
             assert motion.least_at[span] == pytest.approx(expected["at_least"], abs=1e-8)
 
 
-def test_both_senses_are_computed_where_the_file_names_none_and_the_worse_is_judged_and_named() -> None:
+def test_both_senses_are_computed_where_the_file_names_none_and_the_worse_is_judged_and_named() -> (
+    None
+):
     findings = torsion.run(torsion.parse(scene(TWO_PHASE)))
     (motion,) = findings.need(Transients).each
-    for span, pair in enumerate(zip(ORACLES["plus_drives_first"], ORACLES["minus_brakes_first"], strict=True)):
-        assert motion.greatest[span] == pytest.approx(max(one["largest"] for one in pair), rel=1e-11)
+    for span, pair in enumerate(
+        zip(ORACLES["plus_drives_first"], ORACLES["minus_brakes_first"], strict=True)
+    ):
+        assert motion.greatest[span] == pytest.approx(
+            max(one["largest"] for one in pair), rel=1e-11
+        )
         assert motion.least[span] == pytest.approx(min(one["least"] for one in pair), rel=1e-11)
     (check,) = findings.need(Checks).lines
     assert (check.verdict, check.value) == ("fail", pytest.approx(211218.4063105, rel=1e-11))
     (entry,) = results(findings)["transient"]
     assert (entry["worst_fault"], entry["faults_computed"]) == ("it brakes first", 2)
-    said = [block.text for block in chapter(findings) if isinstance(block, Paragraph) and block.brief]
-    assert any("computed 2 electrical faults. The curves show the worst: it brakes first" in text for text in said)
+    said = [
+        block.text for block in chapter(findings) if isinstance(block, Paragraph) and block.brief
+    ]
+    assert any(
+        "computed 2 electrical faults. The curves show the worst: it brakes first" in text
+        for text in said
+    )
 
 
 def test_a_range_of_times_of_reclosing_is_scanned_for_the_worst() -> None:
@@ -93,7 +107,9 @@ def test_a_range_of_times_of_reclosing_is_scanned_for_the_worst() -> None:
 
 
 @pytest.mark.parametrize(("reclose", "torque"), ORACLES["reclose_scan_minus_coupling_1"])
-def test_each_time_of_reclosing_has_the_torque_of_an_independent_integration(reclose: float, torque: float) -> None:
+def test_each_time_of_reclosing_has_the_torque_of_an_independent_integration(
+    reclose: float, torque: float
+) -> None:
     motion = moved(f"{TWO_PHASE}, sense: brakes, clear: 0.15 s, reclose: {reclose} s")
     assert motion.greatest[0] == pytest.approx(torque, rel=1e-11)
 
@@ -114,7 +130,10 @@ def test_a_range_is_scanned_as_finely_as_the_fastest_mode_needs_not_the_slowest(
 
     scan = soft("[0.4 s, 0.42 s]")
     (motion,) = scan.need(Transients).each
-    single = [soft(f"{time} s").need(Transients).each[0].peak for time in (0.4, 0.404, 0.408, 0.412, 0.416, 0.42)]
+    single = [
+        soft(f"{time} s").need(Transients).each[0].peak
+        for time in (0.4, 0.404, 0.408, 0.412, 0.416, 0.42)
+    ]
     assert (motion.peak >= 0.999 * np.max(single, axis=0)).all()
     assert motion.peak[1] >= 641.0e3
     assert scan.need(Checks).lines[0].verdict == "fail"
@@ -139,7 +158,9 @@ def test_a_fault_that_would_begin_anew_after_the_end_of_the_motion_is_refused(re
 
 def test_the_torque_of_the_fault_is_that_of_the_power_of_its_machine() -> None:
     half = scene(TWO_PHASE + ", sense: brakes").replace("inertia: 900", "inertia: 900, power: 4 MW")
-    (motion,) = torsion.run(torsion.parse(half.replace("power: 8 MW", "power: 4 MW"))).need(Transients).each
+    (motion,) = (
+        torsion.run(torsion.parse(half.replace("power: 8 MW", "power: 4 MW"))).need(Transients).each
+    )
     assert motion.greatest[0] == pytest.approx(211218.4063105 / 2.0, rel=1e-10)
 
 
@@ -166,10 +187,17 @@ def test_the_torque_of_the_fault_is_that_of_the_power_of_its_machine() -> None:
             "from the shorter to the longer",
             12,
         ),
-        ("coefficients: ", "sense: forward, coefficients: ", "'forward' is none of 'both', 'brakes' or 'drives'", 12),
+        (
+            "coefficients: ",
+            "sense: forward, coefficients: ",
+            "'forward' is none of 'both', 'brakes' or 'drives'",
+            12,
+        ),
     ],
 )
-def test_a_faulty_short_circuit_is_refused_at_its_place(old: str, new: str, words: str, line: int) -> None:
+def test_a_faulty_short_circuit_is_refused_at_its_place(
+    old: str, new: str, words: str, line: int
+) -> None:
     text = scene(TWO_PHASE).replace(old, new)
     if not words:
         assert torsion.parse(text).analyses
@@ -181,7 +209,9 @@ def test_a_faulty_short_circuit_is_refused_at_its_place(old: str, new: str, word
 
 
 def test_a_load_that_falls_needs_a_mean_torque() -> None:
-    text = scene(TWO_PHASE + ", load: falls").replace("duration", "initial: {speed: 1500 rpm}\n    duration")
+    text = scene(TWO_PHASE + ", load: falls").replace(
+        "duration", "initial: {speed: 1500 rpm}\n    duration"
+    )
     (fault,) = torsion.run(torsion.parse(text)).plan.unanswered
     assert "no mean torque acts at 'g'" in fault.why
 
@@ -199,15 +229,24 @@ def test_a_load_that_falls_needs_a_mean_torque() -> None:
 )
 def test_length_is_another_word_for_until(event: str, other: str) -> None:
     body = SCENE[SCENE.index("short-circuit") : SCENE.index(" }]")]
-    text = SCENE.replace("time: 50 ms", "time: 100 ms").replace("duration: 1.2 s", "duration: 0.4 s")
-    each = [torsion.run(torsion.parse(text.replace(body, one))).need(Transients).each[0] for one in (event, other)]
+    text = SCENE.replace("time: 50 ms", "time: 100 ms").replace(
+        "duration: 1.2 s", "duration: 0.4 s"
+    )
+    each = [
+        torsion.run(torsion.parse(text.replace(body, one))).need(Transients).each[0]
+        for one in (event, other)
+    ]
     assert (each[0].torque == each[1].torque).all()
 
 
 def test_until_before_the_time_of_its_event_is_refused_as_it_is_a_length() -> None:
     body = SCENE[SCENE.index("short-circuit") : SCENE.index(" }]")]
-    text = SCENE.replace(body, "step: {torque: 1 kN*m, until: 0.2 s}").replace("time: 50 ms", "time: 300 ms")
-    with pytest.raises(InputError, match=r"`until` counts from the begin of the event.*`length: 0.2 s`"):
+    text = SCENE.replace(body, "step: {torque: 1 kN*m, until: 0.2 s}").replace(
+        "time: 50 ms", "time: 300 ms"
+    )
+    with pytest.raises(
+        InputError, match=r"`until` counts from the begin of the event.*`length: 0.2 s`"
+    ):
         torsion.parse(text)
     with pytest.raises(InputError, match="`until` and `length` have the same meaning"):
         torsion.parse(text.replace("until: 0.2 s", "until: 0.4 s, length: 0.4 s"))

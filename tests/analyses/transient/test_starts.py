@@ -19,7 +19,11 @@ FAN = {"law": "propeller", "torque": 300, "speed": "1500 rpm"}
 
 
 def alone(
-    inertia: float, events: list[dict], duration: float, initial: object = "rest", operation: str = ""
+    inertia: float,
+    events: list[dict],
+    duration: float,
+    initial: object = "rest",
+    operation: str = "",
 ) -> TransientMotion:
     """A disc that starts or runs down."""
     events = [{"at": "d", **one} for one in events]
@@ -53,7 +57,9 @@ def test_a_motor_by_table_starts_as_the_curve_that_it_is_of() -> None:
     rows = [[f"{n} rpm", 100.0 - n / 10.0] for n in (0, 300, 1000)]  # T = 100 - b w, straight
     found = alone(2.0, [{"start": {"torque": rows}}], 1.0)
     slope = 100.0 / (1000.0 * math.pi / 30.0)
-    assert found.speed[0, -1] == pytest.approx(100.0 / slope * (1.0 - math.exp(-slope / 2.0)), rel=1e-12)
+    assert found.speed[0, -1] == pytest.approx(
+        100.0 / slope * (1.0 - math.exp(-slope / 2.0)), rel=1e-12
+    )
 
 
 def test_a_motor_that_is_switched_off_leaves_the_disc_at_its_speed() -> None:
@@ -64,7 +70,9 @@ def test_a_motor_that_is_switched_off_leaves_the_disc_at_its_speed() -> None:
 def test_a_disc_runs_down_to_rest() -> None:
     square = {"law": "propeller", "torque": 200.0, "speed": "100 rad/s"}
     events = [{"load": square}, {"load": {"law": "constant", "torque": 30, "speed": "150 rad/s"}}]
-    assert alone(50.0, events[:1], 10.0, {"speed": "150 rad/s"}).speed[0, -1] == pytest.approx(93.75, rel=1e-13)
+    assert alone(50.0, events[:1], 10.0, {"speed": "150 rad/s"}).speed[0, -1] == pytest.approx(
+        93.75, rel=1e-13
+    )
     found = alone(50.0, events, 100.0, {"speed": "150 rad/s"})
     assert found.changes[0].time == pytest.approx(85.08402656466177, rel=1e-12)
     assert abs(found.speed[0, -1]) < 1e-6
@@ -75,7 +83,9 @@ def test_a_table_of_a_load_brakes_from_both_sides_and_holds_what_it_holds_at_res
     found = alone(50.0, [{"load": table}], 5.0, {"speed": "2 rad/s"})
     assert found.changes[0].time == pytest.approx(50.0 * 2.0 / 30.0, rel=1e-12)
     backward = alone(50.0, [{"step": {"torque": -90.0, "until": 1.0}}, {"load": table}], 4.0)
-    assert backward.speed[0, -1] == pytest.approx(0.0, abs=1e-5)  # 60/50 rad/s after 1 s, at rest 2 s later
+    assert backward.speed[0, -1] == pytest.approx(
+        0.0, abs=1e-5
+    )  # 60/50 rad/s after 1 s, at rest 2 s later
     assert backward.changes[-1].time == pytest.approx(3.0, rel=1e-6)
 
 
@@ -86,18 +96,27 @@ def test_a_load_that_trips_leaves_the_motor_to_its_own_speed() -> None:
 
 
 def test_the_line_pulsates_as_a_decaying_sine() -> None:
-    flat = {"torque": [["0 rpm", 0], ["1500 rpm", 0]], "pulsation": {"torque": 40, "decay": 0.1}, "line": 60}
+    flat = {
+        "torque": [["0 rpm", 0], ["1500 rpm", 0]],
+        "pulsation": {"torque": 40, "decay": 0.1},
+        "line": 60,
+    }
     found = alone(2.0, [{"start": flat}], 0.3)
     w, t = 120.0 * math.pi, 0.3
-    exact = 20.0 * (w - math.exp(-10.0 * t) * (10.0 * math.sin(w * t) + w * math.cos(w * t))) / (100.0 + w * w)
+    exact = (
+        20.0
+        * (w - math.exp(-10.0 * t) * (10.0 * math.sin(w * t) + w * math.cos(w * t)))
+        / (100.0 + w * w)
+    )
     assert found.speed[0, -1] == pytest.approx(exact, rel=1e-12)
 
 
 def test_a_synchronous_motor_pulsates_at_twice_its_slip_frequency() -> None:
     motor = {
-        "torque": [["0 rpm", 100.0], ["1500 rpm", 100.0]], "synchronous": "1500 rpm",
+        "torque": [["0 rpm", 100.0], ["1500 rpm", 100.0]],
+        "synchronous": "1500 rpm",
         "slip_pulsation": [["0 rpm", 1e-6], ["1500 rpm", 1e-6]],
-    }  # fmt: skip
+    }
     with_it = alone(20.0, [{"start": motor}], 1.0)
     # the speed rises by 5 rad/s2: phase of the pulsation 2 w_L (t - 2.5 t**2 / n_s)
     t = np.linspace(0.0, 1.0, 200_001)
@@ -113,8 +132,12 @@ def test_an_order_swept_through_a_resonance() -> None:
         {"at": "d1", "load": {"law": "constant", "torque": 1e-30, "speed": "1 rad/s"}},
     ]
     body = {
-        "duration": 3.0, "initial": {"speed": "20 rad/s"}, "events": events, "samples": 3000, "tolerance": 1e-10,
-    }  # fmt: skip
+        "duration": 3.0,
+        "initial": {"speed": "20 rad/s"},
+        "events": events,
+        "samples": 3000,
+        "tolerance": 1e-10,
+    }
     found = moved(chain([2.0, 2.0], [1e4]), body, ratio=0.01)
     assert found.peak[0] / 0.5e-5 == pytest.approx(17.51978264644492, rel=2e-9)
     at = found.greatest_at if found.greatest[0] > -found.least[0] else found.least_at
@@ -130,7 +153,12 @@ def test_a_slow_sweep_reaches_the_steady_peak_but_for_what_falls_with_the_accele
             {"at": "d1", "sine": {"torque": 1e-5, "order": 1}},
             {"at": "d1", "load": {"law": "constant", "torque": 1e-30, "speed": "1 rad/s"}},
         ]
-        body = {"duration": 5.0 / acceleration, "initial": {"speed": "94 rad/s"}, "events": events, "tolerance": 1e-7}
+        body = {
+            "duration": 5.0 / acceleration,
+            "initial": {"speed": "94 rad/s"},
+            "events": events,
+            "tolerance": 1e-7,
+        }
         found = moved(chain([2.0, 2.0], [w * w]), body, ratio=ratio)
         short.append(1.0 - found.peak[0] / (0.5e-5 / (2.0 * ratio * math.sqrt(1.0 - ratio**2))))
     assert 0.0 < short[1] < 3e-4
@@ -146,7 +174,9 @@ def test_ice_takes_the_work_of_its_torque_over_the_angle() -> None:
     angle = np.linspace(0.0, 6.0 * math.pi, 2_000_001)
     within = np.mod(angle, 2.0 * math.pi / 3.0)
     torque = np.where(within < math.pi / 3.0, 45.0 * np.sin(3.0 * within), 0.0)
-    torque *= np.interp(angle, [0.0, 1.5 * math.pi, 4.5 * math.pi, 6.0 * math.pi], [0.0, 1.0, 1.0, 0.0])
+    torque *= np.interp(
+        angle, [0.0, 1.5 * math.pi, 4.5 * math.pi, 6.0 * math.pi], [0.0, 1.0, 1.0, 0.0]
+    )
     work = float(((torque[:-1] + torque[1:]) / 2.0).sum() * (angle[1] - angle[0]))
     assert found.speed[0, -1] == pytest.approx(math.sqrt(400.0 - 2.0 * work / 3.0), rel=1e-10)
     assert len(found.changes) > 15
@@ -166,7 +196,9 @@ excitations: [{at: m, frequency: 31 Hz, torque: 0.002}]
 """)
     system = assemble(study.train, model="lumped")
     events = [{"at": "p", "load": {"law": "constant"}}]
-    settings = TransientSettings.model_validate({"duration": 0.3, "events": events, "tolerance": 1e-12})
+    settings = TransientSettings.model_validate(
+        {"duration": 0.3, "events": events, "tolerance": 1e-12}
+    )
     found = transient(study, system, settings)
     speed = 40.0 * math.pi
     known = torsion.response(study, system, speeds=np.array([speed]))
@@ -190,10 +222,14 @@ def test_a_motor_that_trips_is_switched_on_again() -> None:
     assert found.speed[0, -1] == pytest.approx(40.0 * math.pi + mean / 4.0 * (-1.0 + 1.5), rel=1e-9)
 
 
-@pytest.mark.parametrize("stop", [{"time": 2.0, "stop": {}}, {"time": 0.5, "stop": {"length": 0.2}}])
+@pytest.mark.parametrize(
+    "stop", [{"time": 2.0, "stop": {}}, {"time": 0.5, "stop": {"length": 0.2}}]
+)
 def test_a_mean_torque_that_is_replaced_does_not_stop(stop: dict) -> None:
     events = [{"at": "p", "time": 1.0, "load": {"law": "constant"}}, {"at": "p", **stop}]
-    with pytest.raises(InputError, match="from 1 s on a start or a load takes the place of the mean torque of 'p'"):
+    with pytest.raises(
+        InputError, match="from 1 s on a start or a load takes the place of the mean torque of 'p'"
+    ):
         moved(PAIR, {"duration": 3.0, "events": events}, RUNS)
 
 
@@ -212,7 +248,11 @@ train: [motor: {name: m, inertia: 2, ripple: [{order: 3, torque: RIPPLE}]}, prop
     for load, ripple, size in (
         ("propeller", "0.01 %", lambda w: 1e-4 * rated * (w / (100.0 * math.pi)) ** 2),
         ("constant", "0.01 %", lambda w: 1e-4 * rated),
-        ("[[0 rpm, 0 N*m], [3000 rpm, 60 N*m], [6000 rpm, 60 N*m]]", "0.01 %", lambda w: 60e-4 * w / (100.0 * math.pi)),
+        (
+            "[[0 rpm, 0 N*m], [3000 rpm, 60 N*m], [6000 rpm, 60 N*m]]",
+            "0.01 %",
+            lambda w: 60e-4 * w / (100.0 * math.pi),
+        ),
         ("constant", "0.003", lambda w: 0.003),
     ):
         study = torsion.parse(text.replace("LOAD", load).replace("RIPPLE", ripple))
@@ -244,19 +284,30 @@ def test_a_resonance_that_a_start_passes_is_said() -> None:
 def test_dampers_to_ground_damp_the_vibration_of_a_start_and_do_not_brake_it() -> None:
     parts = "motor: {name: m, inertia: 1}, coupling: {stiffness: 1e3}, disc: {name: d, inertia: 3, damping: 40}"
     start = {"torque": [["0 rpm", 8], ["9000 rpm", 8]]}
-    body = {"duration": 4.0, "initial": "rest", "events": [{"at": "m", "start": start}], "tolerance": 1e-9}
+    body = {
+        "duration": 4.0,
+        "initial": "rest",
+        "events": [{"at": "m", "start": start}],
+        "tolerance": 1e-9,
+    }
     found = moved(parts, body)
     assert found.speed[:, -1] @ [1.0, 3.0] == pytest.approx(8.0 * 4.0, rel=1e-12)
-    assert found.torque[0, -1] == pytest.approx(6.0, rel=1e-3)  # what the acceleration of the disc needs
+    assert found.torque[0, -1] == pytest.approx(
+        6.0, rel=1e-3
+    )  # what the acceleration of the disc needs
     assert found.peak[0] > 10.0
 
 
 def test_a_program_turns_a_fixed_point_and_its_train_with_it() -> None:
     parts = "motor: {name: m, held: true}, coupling: {stiffness: 200}, disc: {name: d, inertia: 2}"
     program = {"program": [["0 s", "0 rpm"], ["1 s", "60 rpm"], ["2 s", "60 rpm"]]}
-    found = moved(parts, {"duration": 3.0, "initial": "rest", "events": [{"at": "m", "speed": program}]})
+    found = moved(
+        parts, {"duration": 3.0, "initial": "rest", "events": [{"at": "m", "speed": program}]}
+    )
     a, t = 2.0 * math.pi, found.time  # rad/s2 for 1 s; w = 10 rad/s
-    exact = 2.0 * a * (1.0 - np.cos(10.0 * t) - np.where(t > 1.0, 1.0 - np.cos(10.0 * (t - 1.0)), 0.0))
+    exact = (
+        2.0 * a * (1.0 - np.cos(10.0 * t) - np.where(t > 1.0, 1.0 - np.cos(10.0 * (t - 1.0)), 0.0))
+    )
     assert found.torque[0] == pytest.approx(exact, abs=1e-11)
     assert found.speed[0] == pytest.approx(a * np.minimum(t, 1.0), abs=1e-12)
     assert found.steps == 0
@@ -266,13 +317,21 @@ def test_orders_follow_a_prescribed_speed() -> None:
     parts = "motor: {name: m, held: true}, coupling: {stiffness: 200, viscous: 20}, disc: {name: d, inertia: 2}"
     program = {"program": [["0 s", "60 rpm"], ["1 s", "60 rpm"]]}
     events = [{"at": "m", "speed": program}, {"at": "d", "sine": {"torque": 1e-4, "order": 3}}]
-    body = {"duration": 7.0, "initial": {"speed": "60 rpm"}, "events": events, "tolerance": 1e-9, "samples": 7000}
+    body = {
+        "duration": 7.0,
+        "initial": {"speed": "60 rpm"},
+        "events": events,
+        "tolerance": 1e-9,
+        "samples": 7000,
+    }
     found = moved(parts, body)
     w = 6.0 * math.pi  # order 3 at 60 rpm
     answer = -1e-4 * (200.0 + 20j * w) / (200.0 - 2.0 * w * w + 20j * w)
     late = found.time > 6.0
     exact = (answer * np.exp(1j * w * found.time[late])).imag
-    assert np.abs(found.torque[0, late] - exact).max() <= 1e-6 * abs(answer)  # the twist shifts the phase by as much
+    assert np.abs(found.torque[0, late] - exact).max() <= 1e-6 * abs(
+        answer
+    )  # the twist shifts the phase by as much
     assert found.steps > 0
 
 
@@ -291,12 +350,15 @@ def test_orders_follow_a_prescribed_speed() -> None:
         ("{at: d, start: {torque: [[0, 1], [10, 0]]}}", "has no unit"),
         ("{at: d, start: {torque: [[0 rpm, .nan], [10 rpm, 0]]}}", "not a finite number"),
         ("{at: d, load: {law: quadratic}}", "unknown load law 'quadratic'"),
-        ("{at: d, load: {law: [[0 rpm, 1], [10 rpm, 2]], torque: 3}}", "a table contains torque and speed"),
+        (
+            "{at: d, load: {law: [[0 rpm, 1], [10 rpm, 2]], torque: 3}}",
+            "a table contains torque and speed",
+        ),
         ("{at: d, speed: {program: [[1 s, 0 rpm], [1 s, 10 rpm]]}}", "rising times"),
         ("{at: d, speed: {program: 7}}", "a program of speed is a list"),
         ("{at: d, sine: {torque: 1, order: 2}, time: 9 s}", "begins after the end"),
     ],
-)  # fmt: skip
+)
 def test_a_faulty_event_is_refused_at_its_place(event: str, words: str) -> None:
     train = "name: x\ntrain: [disc: {name: d, inertia: 1}]\n"
     text = f"{train}analyses: {{transient: {{duration: 1 s, events: [\n{event}]}}}}\n"
@@ -311,7 +373,10 @@ def test_a_faulty_event_is_refused_at_its_place(event: str, words: str) -> None:
     [
         ({"at": "m", "step": {"torque": 1}}, "'m' is fixed, and no torque moves it"),
         ({"at": "d", "start": {"torque": [["0 rpm", 1], ["10 rpm", 0]]}}, "it is fixed at m"),
-        ({"at": "d", "speed": {"program": [["0 s", "0 rpm"], ["1 s", "9 rpm"]]}}, "prescribed, and it turns freely"),
+        (
+            {"at": "d", "speed": {"program": [["0 s", "0 rpm"], ["1 s", "9 rpm"]]}},
+            "prescribed, and it turns freely",
+        ),
     ],
 )
 def test_a_fixed_point_cannot_be_turned(event: dict, words: str) -> None:
@@ -325,7 +390,10 @@ def test_a_fixed_point_cannot_be_turned(event: dict, words: str) -> None:
     [
         ({"load": {"law": "propeller"}}, "the load has no size"),
         ({"load": {"law": "constant"}}, "the load has no size"),
-        ({"sine": {"torque": 1, "order": 2}}, "an order has no frequency in a train that stands still"),
+        (
+            {"sine": {"torque": 1, "order": 2}},
+            "an order has no frequency in a train that stands still",
+        ),
         (
             {"speed": {"program": [["0 s", "0 rpm"], ["1 s", "9 rpm"]]}},
             "the speed of 'd' is prescribed, and it turns fr",
@@ -341,7 +409,9 @@ def test_a_program_begins_at_the_speed_that_the_point_has() -> None:
     parts = "motor: {name: m, held: true}, coupling: {stiffness: 200}, disc: {name: d, inertia: 2}"
     program = {"program": [["0 s", "10 rpm"], ["1 s", "60 rpm"]]}
     with pytest.raises(InputError, match="the program begins at 10 rpm, and 'm' runs at 0 rpm"):
-        moved(parts, {"duration": 3.0, "initial": "rest", "events": [{"at": "m", "speed": program}]})
+        moved(
+            parts, {"duration": 3.0, "initial": "rest", "events": [{"at": "m", "speed": program}]}
+        )
 
 
 def test_a_load_outruns_no_table() -> None:
@@ -354,8 +424,13 @@ def at_random(seed: int) -> TransientMotion:
     """A train of two to five discs that starts, or runs down, under a load."""
     random = np.random.default_rng(seed)
     number = int(random.integers(2, 6))
-    inertia, stiffness = 10.0 ** random.uniform(-1.0, 1.5, number), 10.0 ** random.uniform(3.0, 5.0, number - 1)
-    damping = [", loss_factor: 0.05", f", viscous: {10.0 ** random.uniform(0.0, 2.0):.3f}"][int(random.integers(0, 2))]
+    inertia, stiffness = (
+        10.0 ** random.uniform(-1.0, 1.5, number),
+        10.0 ** random.uniform(3.0, 5.0, number - 1),
+    )
+    damping = [", loss_factor: 0.05", f", viscous: {10.0 ** random.uniform(0.0, 2.0):.3f}"][
+        int(random.integers(0, 2))
+    ]
     speed, torque = float(random.uniform(50.0, 200.0)), float(10.0 ** random.uniform(1.5, 3.0))
     at = [f"{share * speed} rad/s" for share in (0.0, 0.3, 0.9, 1.0, 3.0)]
     motor = [
@@ -371,7 +446,12 @@ def at_random(seed: int) -> TransientMotion:
         {"law": [[at[0], 0.3 * torque], [at[1], 0.1 * torque], [at[4], 2.0 * torque]]},
     ][int(random.integers(0, 3))]
     events = [*starts, {"at": f"d{number}", "load": load}]
-    body = {"duration": 1.0, "initial": "rest" if starts else {"speed": at[3]}, "events": events, "samples": 2000}
+    body = {
+        "duration": 1.0,
+        "initial": "rest" if starts else {"speed": at[3]},
+        "events": events,
+        "samples": 2000,
+    }
     return moved(chain(inertia.tolist(), stiffness.tolist(), damping), body)
 
 
@@ -385,8 +465,18 @@ def test_starts_and_run_downs_at_random_keep_the_balance_of_energy(seed: int) ->
 
 def test_a_load_that_holds_a_station_is_marched_past_the_rounding_of_its_speed() -> None:
     discs, springs = [1.0446, 1.1421, 0.1975, 0.0772, 0.0365], [15187.4, 13825.7, 1175.9, 5183.6]
-    events = [{"at": "d5", "load": {"law": "constant", "torque": 559.0426257041796, "speed": "131.167 rad/s"}}]
-    body = {"duration": 0.6, "initial": {"speed": "131.167 rad/s"}, "events": events, "samples": 2000}
+    events = [
+        {
+            "at": "d5",
+            "load": {"law": "constant", "torque": 559.0426257041796, "speed": "131.167 rad/s"},
+        }
+    ]
+    body = {
+        "duration": 0.6,
+        "initial": {"speed": "131.167 rad/s"},
+        "events": events,
+        "samples": 2000,
+    }
     found = moved(chain(discs, springs, ", loss_factor: 0.05"), body)
     assert found.residual < 1e-10
     assert found.steps < 100  # 2526 where rounding of the speed kept the steps from growing

@@ -13,7 +13,9 @@ from torsion.output.blocks import Paragraph
 from torsion.output.chapters.motion_over_time import chapter
 from torsion.rules.verdict_line import Checks
 
-HEAD = "motor: {name: m, held: true}, coupling: {name: c, stiffness: 200}, disc: {name: d, inertia: 2}"
+HEAD = (
+    "motor: {name: m, held: true}, coupling: {name: c, stiffness: 200}, disc: {name: d, inertia: 2}"
+)
 START = {"torque": [["0 rpm", 20], ["9000 rpm", 20]]}
 
 
@@ -50,9 +52,13 @@ analyses:
         torsion.parse(text)
     assert refused.value.faults[0].line == 9
     first = {"at": "m", "start": {**START, "off": 0.5}}
-    assert moved("motor: {name: m, inertia: 2}", {**body, "events": [first, again]}).speed[0, -1] == pytest.approx(10.0)
+    assert moved("motor: {name: m, inertia: 2}", {**body, "events": [first, again]}).speed[
+        0, -1
+    ] == pytest.approx(10.0)
     both = [{"at": "m", "start": START}, {"at": "m", "start": START}]  # two machines on one shaft
-    assert moved("motor: {name: m, inertia: 2}", {**body, "events": both}).speed[0, -1] == pytest.approx(20.0)
+    assert moved("motor: {name: m, inertia: 2}", {**body, "events": both}).speed[
+        0, -1
+    ] == pytest.approx(20.0)
 
 
 PAIR = "motor: {name: m, inertia: 1}, coupling: {stiffness: 2e4, viscous: 50}, propeller: {name: p, inertia: 3}"
@@ -83,7 +89,10 @@ analyses:
 
 def test_the_samples_that_are_named_resolve_torques_too() -> None:
     events = [{"at": "d1", "sine": {"torque": 10.0, "frequency": "90 kHz", "phase": "90 deg"}}]
-    parts, body = chain([2.0, 3.0], [1e4]), {"duration": 50.0, "initial": "rest", "events": events, "samples": 100}
+    parts, body = (
+        chain([2.0, 3.0], [1e4]),
+        {"duration": 50.0, "initial": "rest", "events": events, "samples": 100},
+    )
     with pytest.raises(InputError) as refused:
         moved(parts, body)
     number = int(re.search(r"(\d+) resolve all", refused.value.faults[0].hint)[1])  # type: ignore[index]
@@ -120,7 +129,9 @@ RATED = "rated: {speed: 600 rpm, power: 60 kW}"
 
 def test_checks_of_several_motions_name_their_motion() -> None:
     text = MOTIONS.replace("OPERATION", RATED)
-    found = torsion.run(torsion.parse(text + HIT.replace("NAME", "one") + HIT.replace("NAME", "two")))
+    found = torsion.run(
+        torsion.parse(text + HIT.replace("NAME", "one") + HIT.replace("NAME", "two"))
+    )
     assert [check.clause for check in found.need(Checks).lines] == ["T_Kmax, one", "T_Kmax, two"]
     found = torsion.run(torsion.parse(text + HIT.replace("NAME", "one")))
     assert [check.clause for check in found.need(Checks).lines] == ["T_Kmax"]

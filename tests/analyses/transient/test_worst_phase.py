@@ -16,12 +16,18 @@ from torsion.output.chapters.motion_over_time import chapter
 def started(phase: object) -> TransientMotion:
     """A synchronous motor that pulls a train through its resonance; phase: None where it is left open."""
     start = {
-        "torque": [["0 rpm", 600.0], ["9000 rpm", 600.0]], "synchronous": "1500 rpm",
+        "torque": [["0 rpm", 600.0], ["9000 rpm", 600.0]],
+        "synchronous": "1500 rpm",
         "slip_pulsation": [["0 rpm", 300.0], ["9000 rpm", 300.0]],
-    }  # fmt: skip
+    }
     start |= {} if phase is None else {"phase": phase}
     parts = chain([4.0, 5.0], [3e4], ", viscous: 12")
-    body = {"duration": 2.3, "initial": "rest", "events": [{"at": "d1", "start": start}], "tolerance": 1e-5}
+    body = {
+        "duration": 2.3,
+        "initial": "rest",
+        "events": [{"at": "d1", "start": start}],
+        "tolerance": 1e-5,
+    }
     return moved(parts, body)
 
 
@@ -41,10 +47,17 @@ def test_the_worst_phase_is_as_bad_as_any() -> None:
 def test_a_phase_of_the_slip_pulsation_is_that_of_its_cosine() -> None:
     # the disc turns freely: the speed rises by 5 rad/s2, and the pulsation adds its work
     motor = {
-        "torque": [["0 rpm", 100.0], ["1500 rpm", 100.0]], "synchronous": "1500 rpm", "phase": "50 deg",
+        "torque": [["0 rpm", 100.0], ["1500 rpm", 100.0]],
+        "synchronous": "1500 rpm",
+        "phase": "50 deg",
         "slip_pulsation": [["0 rpm", 1e-6], ["1500 rpm", 1e-6]],
-    }  # fmt: skip
-    body = {"duration": 1.0, "initial": "rest", "events": [{"at": "d", "start": motor}], "tolerance": 1e-9}
+    }
+    body = {
+        "duration": 1.0,
+        "initial": "rest",
+        "events": [{"at": "d", "start": motor}],
+        "tolerance": 1e-9,
+    }
     found = moved("disc: {name: d, inertia: 20}", body)
     t = np.linspace(0.0, 1.0, 200_001)
     wave = 1e-6 * np.cos(math.radians(50.0) + 200.0 * math.pi * (t - 2.5 * t**2 / (50.0 * math.pi)))
@@ -55,7 +68,12 @@ def test_a_phase_of_the_slip_pulsation_is_that_of_its_cosine() -> None:
 def test_a_phase_of_the_line_pulsation_is_that_of_its_sine() -> None:
     pulsation = {"torque": 40.0, "decay": 0.2, "phase": "70 deg"}
     motor = {"torque": [["0 rpm", 10.0], ["9000 rpm", 10.0]], "pulsation": pulsation}
-    body = {"duration": 1.0, "initial": "rest", "events": [{"at": "d", "start": motor}], "tolerance": 1e-9}
+    body = {
+        "duration": 1.0,
+        "initial": "rest",
+        "events": [{"at": "d", "start": motor}],
+        "tolerance": 1e-9,
+    }
     found = moved("disc: {name: d, inertia: 2}", body)
     rate = complex(-5.0, 100.0 * math.pi)
     whole = (40.0 * np.exp(1j * math.radians(70.0)) * (np.exp(rate) - 1.0) / rate).imag
@@ -94,7 +112,9 @@ analyses:
 """
     found = torsion.run(torsion.parse(text))
     texts = [one.text for one in chapter(found) if isinstance(one, Paragraph) and one.brief]
-    assert any("computed 4 phases" in one and "The curves show the worst phase" in one for one in texts)
+    assert any(
+        "computed 4 phases" in one and "The curves show the worst phase" in one for one in texts
+    )
 
 
 def test_beside_a_play_an_open_phase_never_passes() -> None:

@@ -31,7 +31,12 @@ def test_bounds_enclose_and_close() -> None:
     """Each coarser enclosure holds the finer one."""
     profile = junction((1.0, 0.3), (1.6, 0.3), Corner("chamfer", 0.1))
     coarse, fine = solved(profile, 1e-2), solved(profile, 1e-6)
-    assert coarse.levels[-1].lower <= fine.levels[-1].lower < fine.levels[-1].upper <= coarse.levels[-1].upper
+    assert (
+        coarse.levels[-1].lower
+        <= fine.levels[-1].lower
+        < fine.levels[-1].upper
+        <= coarse.levels[-1].upper
+    )
     shares = [(one.gap.sum(), one.upper - one.lower) for one in fine.levels]
     assert all(total == pytest.approx(gap, rel=1e-4) for total, gap in shares)
 
@@ -69,7 +74,9 @@ def test_line_from_its_other_end_is_the_same() -> None:
 
 def test_step_in_two_far_apart_is_the_sum_of_both() -> None:
     """The flexibility of a step falls as 1 / (G I_p) of its smaller shaft."""
-    one, two = (solved(junction((1.0, 0.0), (q, 0.0)), 1e-6).excess_length for q in (1.5, 2.0 / 1.5))
+    one, two = (
+        solved(junction((1.0, 0.0), (q, 0.0)), 1e-6).excess_length for q in (1.5, 2.0 / 1.5)
+    )
     both = solved(junction((1.0, 0.0), (2.0, 0.0), between=(Length(5.0, (1.5, 1.5)),)), 1e-6)
     assert both.excess_length == pytest.approx(one + two * 1.5 / 1.5**4, abs=3e-6)
 
@@ -77,7 +84,9 @@ def test_step_in_two_far_apart_is_the_sum_of_both() -> None:
 @pytest.mark.parametrize(
     "profile",
     [
-        junction((1.0, 0.0), (2.0, 0.0), Corner("fillet", 0.02), between=(Length(0.1, (0.94, 0.94)),)),
+        junction(
+            (1.0, 0.0), (2.0, 0.0), Corner("fillet", 0.02), between=(Length(0.1, (0.94, 0.94)),)
+        ),
         junction((1.0, 0.0), (1.0, 0.0), Corner("fillet", 0.1), between=(Length(0.2, (2.0, 2.0)),)),
         junction((1.0, 0.3), (2.0, 0.0)),
         junction((1.0, 0.0), (1.2, 0.0), Corner("fillet", 0.3)),
@@ -92,9 +101,17 @@ def test_every_form_is_enclosed(profile: Profile) -> None:
 def test_undercut_twists_more_than_without_and_fillet_less() -> None:
     plain, groove, fillet = (
         solved(junction((1.0, 0.0), (2.0, 0.0), corner, between=between)).excess_length
-        for corner, between in ((None, ()), (None, (Length(0.1, (0.94, 0.94)),)), (Corner("fillet", 0.1), ()))
+        for corner, between in (
+            (None, ()),
+            (None, (Length(0.1, (0.94, 0.94)),)),
+            (Corner("fillet", 0.1), ()),
+        )
     )
-    assert fillet < plain < groove + Length(0.1, (0.94, 0.94)).twist / Length(1.0, (1.0, 1.0)).twist - 0.1
+    assert (
+        fillet
+        < plain
+        < groove + Length(0.1, (0.94, 0.94)).twist / Length(1.0, (1.0, 1.0)).twist - 0.1
+    )
 
 
 def test_table_is_the_elements_within_its_error() -> None:

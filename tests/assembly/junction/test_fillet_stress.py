@@ -26,7 +26,8 @@ def test_stress_is_within_its_error_of_that_on_a_finer_mesh() -> None:
 def test_large_step_with_a_small_fillet_concentrates_as_its_corner_does() -> None:
     """In the corner of 270 degrees the stress grows as distance^(-1/3), and so K_t as radius^(-1/3)."""
     small, large = (
-        fillet_stress(junction((1.0, 0.0), (2.0, 0.0), Corner("fillet", radius))).factor for radius in (2e-4, 16e-4)
+        fillet_stress(junction((1.0, 0.0), (2.0, 0.0), Corner("fillet", radius))).factor
+        for radius in (2e-4, 16e-4)
     )
     assert small / large == pytest.approx(2.0, rel=0.03)
 

@@ -49,7 +49,9 @@ def test_shaft_clamped_on_its_surface_is_that_of_wiener_and_hopf() -> None:
 def test_every_further_length_of_a_hub_fixed_at_its_face_twists_as_the_solid_of_both() -> None:
     short, long = (bonded(length, 1.6, 0.0, "face")[0] for length in (2.0, 3.0))
     assert long - short == pytest.approx(1.6**-4, abs=1e-5)
-    assert bonded(3.0, 1.6, 0.0, "rim")[0] == pytest.approx(bonded(2.0, 1.6, 0.0, "rim")[0], abs=2e-5)
+    assert bonded(3.0, 1.6, 0.0, "rim")[0] == pytest.approx(
+        bonded(2.0, 1.6, 0.0, "rim")[0], abs=2e-5
+    )
 
 
 def test_hub_of_the_material_of_its_shaft_is_the_limit_of_equal_moduli() -> None:
@@ -101,7 +103,10 @@ def test_long_hub_of_another_material_twists_as_the_sum_of_both_stiffnesses(modu
         ("{length: 120 mm, fit: key}", 0.04),
         ("{length: 120 mm, fit: key, end: first}", 0.04),
         ("{length: 120 mm, fit: shrink, diameter: 180 mm}", 0.1 * bonded(1.2, 1.8, 0.0, "rim")[0]),
-        ("{length: 120 mm, fit: shrink, diameter: 180 mm, torque: face}", 0.1 * bonded(1.2, 1.8, 0.0, "face")[0]),
+        (
+            "{length: 120 mm, fit: shrink, diameter: 180 mm, torque: face}",
+            0.1 * bonded(1.2, 1.8, 0.0, "face")[0],
+        ),
         (
             "{length: 120 mm, fit: shrink, diameter: 180 mm, material: bronze}",
             0.1 * bonded(1.2, 1.8, 0.0, "rim", 0.5)[0],
@@ -109,20 +114,30 @@ def test_long_hub_of_another_material_twists_as_the_sum_of_both_stiffnesses(modu
     ],
 )
 def test_hub_leaves_a_part_of_its_seat_to_twist(model: str, hub: str, left: float) -> None:
-    found = modes(assemble(parse(SCENE % (f", hub: {hub}", "")).train, model, frequency=300.0), 1).frequency[0]
+    found = modes(
+        assemble(parse(SCENE % (f", hub: {hub}", "")).train, model, frequency=300.0), 1
+    ).frequency[0]
     bare = modes(assemble(parse(SCENE % ("", "")).train, model, frequency=300.0), 1).frequency[0]
-    assert found / bare == pytest.approx(math.sqrt(0.4 / (0.28 + left)), rel=1e-4)  # the shaft has a little inertia
+    assert found / bare == pytest.approx(
+        math.sqrt(0.4 / (0.28 + left)), rel=1e-4
+    )  # the shaft has a little inertia
 
 
 def test_notches_are_judged_by_their_endurance_and_lower_the_limits_of_class_rules() -> None:
     plain = torsion.run(parse(SCENE % ("", "iacs-m68"))).need(Checks).lines
-    found = torsion.run(parse(SCENE % (f", notches: [{KEYWAY}, {{hole: 8 mm}}]", "iacs-m68, fillets")))
+    found = torsion.run(
+        parse(SCENE % (f", notches: [{KEYWAY}, {{hole: 8 mm}}]", "iacs-m68, fillets"))
+    )
     lines = [line for line in found.need(Checks).lines if line.clause != "endurance"]
     assert [(line.clause, line.where, line.value) for line in lines] == [
         (line.clause, line.where, line.value) for line in plain
     ]
     pairs = zip(lines, plain, strict=True)
-    (factor,) = {line.limit / before.limit for line, before in pairs if line.clause == "tau_C" and line.limit > 0}
+    (factor,) = {
+        line.limit / before.limit
+        for line, before in pairs
+        if line.clause == "tau_C" and line.limit > 0
+    }
     assert factor == pytest.approx(0.45, rel=1e-12)  # C_K of a cylinder keyway, of a flange 1
     own = [line for line in found.need(Checks).lines if line.clause == "endurance"]
     for one, line in zip(found.need(Fillets).each, own, strict=True):
@@ -136,13 +151,13 @@ def test_notches_are_judged_by_their_endurance_and_lower_the_limits_of_class_rul
 
 def test_a_hub_leaves_the_fillet_and_the_sharp_step_beside_it_as_they_are() -> None:
     """A hub takes from the twist of a shaft, not from the modulus of its material."""
-    rest = (
-        "\n  - shaft: {name: b, length: 400 mm, diameter: 110 mm}\n  - shaft: {name: c, length: 1 m, diameter: 140 mm"
-    )
+    rest = "\n  - shaft: {name: b, length: 400 mm, diameter: 110 mm}\n  - shaft: {name: c, length: 1 m, diameter: 140 mm"
     hub = ", hub: {length: 150 mm, fit: key%s}"
     found = []
     for own, last in (("", ""), (hub % ", end: first", hub % "")):
-        results = torsion.run(parse(SCENE % (f", step: {{fillet: 3 mm}}{own}}}{rest}{last}", "fillets")))
+        results = torsion.run(
+            parse(SCENE % (f", step: {{fillet: 3 mm}}{own}}}{rest}{last}", "fillets"))
+        )
         steps, (fillet,) = results.need(SharpSteps).steps, results.need(Fillets).each
         found.append((fillet.factor, [step.flexibility for step in steps]))
     assert found[0] == found[1]
@@ -150,16 +165,24 @@ def test_a_hub_leaves_the_fillet_and_the_sharp_step_beside_it_as_they_are() -> N
 
 @pytest.mark.parametrize("model", ["lumped", "exact"])
 def test_each_hub_moves_the_frequencies_as_its_absence_from_the_file(model: str) -> None:
-    first, last = "{length: 120 mm, fit: shrink, diameter: 180 mm, end: first}", "{length: 90 mm, fit: key}"
+    first, last = (
+        "{length: 120 mm, fit: shrink, diameter: 180 mm, end: first}",
+        "{length: 90 mm, fit: key}",
+    )
     settings = f"analyses: {{model: {model}, modes: {{count: 2}}}}\n"
     both, *alone = (
-        torsion.run(parse(SCENE % (f", hub: [{hubs}]", "") + settings)) for hubs in (f"{first}, {last}", last, first)
+        torsion.run(parse(SCENE % (f", hub: [{hubs}]", "") + settings))
+        for hubs in (f"{first}, {last}", last, first)
     )
     for move, other, error in zip(both.need(HubMoves).each, alone, (True, False), strict=True):
         without = other.need(Modes).frequency
-        rtol = 1e-12 if model == "exact" else 1e-4  # lumped: divided as the shaft with the hub, not by itself
+        rtol = (
+            1e-12 if model == "exact" else 1e-4
+        )  # lumped: divided as the shaft with the hub, not by itself
         np.testing.assert_allclose(move.frequency, without, rtol=rtol)
-        np.testing.assert_allclose(move.change, both.need(Modes).frequency / move.frequency - 1.0, rtol=1e-9)
+        np.testing.assert_allclose(
+            move.change, both.need(Modes).frequency / move.frequency - 1.0, rtol=1e-9
+        )
         assert move.change[0] > 0.01
         assert (move.error is not None) is error
     assert both.need(HubMoves).each[1].twisting == pytest.approx(0.03, rel=1e-12)
@@ -173,21 +196,69 @@ def test_each_hub_moves_the_frequencies_as_its_absence_from_the_file(model: str)
         ("hub: {length: 50 mm, fit: key, diameter: 0.2}", "5:", "has no `diameter`"),
         ("hub: {length: 50 mm, fit: shrink, diameter: 90 mm}", "5:", "not larger than its shaft"),
         ("hub: {length: 50 mm, fit: key, material: steel}", "5:", "has no `material`"),
-        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: brass}", "5:", "no material is called 'brass'"),
-        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: gum, torque: face}", "5:", "below 0.1"),
-        ("hub: {length: 50 mm, fit: key, pressure: 60 MPa, friction: 0.1}", "5:", "has no `pressure`"),
-        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, pressure: 60 MPa}", "5:", "belong together"),
-        ("hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: air}", "5:", "below 0.0001"),
+        (
+            "hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: brass}",
+            "5:",
+            "no material is called 'brass'",
+        ),
+        (
+            "hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: gum, torque: face}",
+            "5:",
+            "below 0.1",
+        ),
+        (
+            "hub: {length: 50 mm, fit: key, pressure: 60 MPa, friction: 0.1}",
+            "5:",
+            "has no `pressure`",
+        ),
+        (
+            "hub: {length: 50 mm, fit: shrink, diameter: 180 mm, pressure: 60 MPa}",
+            "5:",
+            "belong together",
+        ),
+        (
+            "hub: {length: 50 mm, fit: shrink, diameter: 180 mm, material: air}",
+            "5:",
+            "below 0.0001",
+        ),
         ("hub: {length: 50 mm, fit: key}, step: sharp", "5:", "the place of a `step`"),
         ("hub: [{length: 50 mm, fit: key}, {length: 60 mm, fit: key}]", "5:", "sit on one end"),
-        ("notches: {keyway: {width: 20 mm, depth: 4 mm, fillet: 5 mm}}", "5:", "not smaller than the depth"),
-        ("notches: {keyway: {width: 8 mm, depth: 6 mm, fillet: 5 mm}}", "5:", "larger than half the width"),
-        ("notches: {keyway: {width: 60 mm, depth: 30 mm, fillet: 1 mm}}", "5:", "no room for keyway"),
-        ("notches: {keyway: {width: 25 mm, depth: 9 mm, fillet: 1 mm, number: 12}}", "5:", "number is too large"),
-        ("notches: {splines: {teeth: 10, root: 110 mm, width: 15 mm, fillet: 1 mm}}", "5:", "root is not smaller"),
-        ("notches: {splines: {teeth: 10, root: 80 mm, width: 30 mm, fillet: 1 mm}}", "5:", "do not fit"),
+        (
+            "notches: {keyway: {width: 20 mm, depth: 4 mm, fillet: 5 mm}}",
+            "5:",
+            "not smaller than the depth",
+        ),
+        (
+            "notches: {keyway: {width: 8 mm, depth: 6 mm, fillet: 5 mm}}",
+            "5:",
+            "larger than half the width",
+        ),
+        (
+            "notches: {keyway: {width: 60 mm, depth: 30 mm, fillet: 1 mm}}",
+            "5:",
+            "no room for keyway",
+        ),
+        (
+            "notches: {keyway: {width: 25 mm, depth: 9 mm, fillet: 1 mm, number: 12}}",
+            "5:",
+            "number is too large",
+        ),
+        (
+            "notches: {splines: {teeth: 10, root: 110 mm, width: 15 mm, fillet: 1 mm}}",
+            "5:",
+            "root is not smaller",
+        ),
+        (
+            "notches: {splines: {teeth: 10, root: 80 mm, width: 30 mm, fillet: 1 mm}}",
+            "5:",
+            "do not fit",
+        ),
         ("notches: {hole: 30 mm}", "5:", "larger than 0.2"),
-        ("notches: {hole: 8 mm, keyway: {width: 25 mm, depth: 9 mm, fillet: 1 mm}}", "5:", "one form"),
+        (
+            "notches: {hole: 8 mm, keyway: {width: 25 mm, depth: 9 mm, fillet: 1 mm}}",
+            "5:",
+            "one form",
+        ),
     ],
 )
 def test_faults_of_details_are_located(keys: str, at: str, words: str) -> None:

@@ -46,7 +46,11 @@ def test_a_fillet_is_a_ring_and_a_coupling_of_its_flexibility(model: str) -> Non
     known = junction_table().excess_length(0.0, 0.5, 0.04)
     assert known is not None
     moment = (
-        math.pi / 2.0 * quad(lambda x: (0.054 - math.sqrt(0.004**2 - x * x)) ** 4 - 0.05**4, 0.0, 0.004, epsabs=0)[0]
+        math.pi
+        / 2.0
+        * quad(
+            lambda x: (0.054 - math.sqrt(0.004**2 - x * x)) ** 4 - 0.05**4, 0.0, 0.004, epsabs=0
+        )[0]
     )
     ring = f"  - disc: {{inertia: {parse(scene()).train.bars[0].density * moment!r}}}"
     coupling = f"{ring}\n  - coupling: {{flexibility: {flexibility(known)!r}}}"
@@ -58,14 +62,19 @@ def test_a_fillet_is_a_ring_and_a_coupling_of_its_flexibility(model: str) -> Non
 @pytest.mark.parametrize(
     ("text", "profile"),
     [
-        (scene(step=", step: {chamfer: 4 mm}"), junction((1.0, 0.0), (2.0, 0.0), Corner("chamfer", 0.04))),
+        (
+            scene(step=", step: {chamfer: 4 mm}"),
+            junction((1.0, 0.0), (2.0, 0.0), Corner("chamfer", 0.04)),
+        ),
         (scene("steps: sharp", bore=", bore: 80 mm"), junction((1.0, 0.0), (2.0, 0.8))),
     ],
     ids=["chamfer", "bore on one side"],
 )
 def test_outside_of_the_table_the_elements_run(text: str, profile: object) -> None:
     spring = parse(text).train.springs[-1]
-    assert spring.flexibility == pytest.approx(flexibility(solved(profile).excess_length), rel=1e-12)  # type: ignore[arg-type]
+    assert spring.flexibility == pytest.approx(
+        flexibility(solved(profile).excess_length), rel=1e-12
+    )  # type: ignore[arg-type]
 
 
 def test_handbook_and_words_of_one_shaft() -> None:
@@ -80,7 +89,12 @@ def test_handbook_and_words_of_one_shaft() -> None:
 @pytest.mark.parametrize(
     ("step", "behind", "between", "corners"),
     [
-        ("{undercut: {depth: 3 mm, width: 8 mm, fillet: 2 mm}}", 0.2, (0.008, 0.094), (None, Corner("fillet", 0.002))),
+        (
+            "{undercut: {depth: 3 mm, width: 8 mm, fillet: 2 mm}}",
+            0.2,
+            (0.008, 0.094),
+            (None, Corner("fillet", 0.002)),
+        ),
         (
             "{flange: {diameter: 220 mm, thickness: 30 mm, fillet: 8 mm}}",
             0.1,
@@ -97,14 +111,20 @@ def test_an_undercut_and_a_flange_twist_as_the_whole_line_does(
     found = parse(scene(step=f", step: {step}").replace("200 mm", f"{1e3 * behind:g} mm")).train
     length, diameter = between
     first = 0.6 - (length if diameter < 0.1 else 0.0)
-    whole = Profile(tuple(Length(one, (d, d)) for one, d in ((first, 0.1), (length, diameter), (0.5, behind))), corners)
+    whole = Profile(
+        tuple(Length(one, (d, d)) for one, d in ((first, 0.1), (length, diameter), (0.5, behind))),
+        corners,
+    )
     bounds, modulus = solved(whole, 1e-6).levels[-1], found.bars[0].shear_modulus
     own = sum(bar.length / modulus / (math.pi / 32.0 * bar.outer[0] ** 4) for bar in found.bars)
     total = own + found.springs[-1].flexibility
     assert modulus * total == pytest.approx((bounds.lower + bounds.upper) / 2.0, rel=1e-6)
     flanges = [one.inertia for one in found.inertias if one.what == "flange"]
     density = found.bars[0].density
-    assert flanges == [pytest.approx(density * length * math.pi / 32.0 * diameter**4)][: diameter > 0.1]
+    assert (
+        flanges
+        == [pytest.approx(density * length * math.pi / 32.0 * diameter**4)][: diameter > 0.1]
+    )
 
 
 def test_a_large_fillet_stiffens_the_shaft_that_it_fills() -> None:
@@ -128,11 +148,20 @@ def test_a_large_fillet_stiffens_the_shaft_that_it_fills() -> None:
         (scene(step=", step: sharp", bore=", bore: 120 mm"), "do not touch"),
         (scene("steps: sharp", bore=", bore: 120 mm"), "do not touch"),
         (scene(step=", step: {undercut: {depth: 50 mm, width: 8 mm}}"), "deeper than the wall"),
-        (scene(step=", step: {undercut: {depth: 3 mm, width: 8 mm, fillet: 9 mm}}"), "does not fit into the undercut"),
+        (
+            scene(step=", step: {undercut: {depth: 3 mm, width: 8 mm, fillet: 9 mm}}"),
+            "does not fit into the undercut",
+        ),
         (scene(step=", step: {undercut: {depth: 3 mm, width: 600 mm}}"), "reaches beyond 'a'"),
         (scene(step=", step: {flange: {diameter: 200 mm, thickness: 30 mm}}"), "not larger than"),
-        (scene(step=", step: sharp", between="  - disc: {inertia: 1}"), "no shaft follows 'a' directly"),
-        (scene(step=", step: {fillet: 0.5 m}").replace("200 mm", "1.2 m"), "more than half of its twist"),
+        (
+            scene(step=", step: sharp", between="  - disc: {inertia: 1}"),
+            "no shaft follows 'a' directly",
+        ),
+        (
+            scene(step=", step: {fillet: 0.5 m}").replace("200 mm", "1.2 m"),
+            "more than half of its twist",
+        ),
         (scene(step=", step: {fillet: 0.8 m}").replace("200 mm", "2 m"), "reaches beyond 'a'"),
     ],
 )
@@ -144,7 +173,10 @@ def test_a_step_that_cannot_be_is_refused_at_its_line(text: str, words: str) -> 
 
 
 def test_without_steps_nothing_more_is_imported_and_with_the_table_no_elements() -> None:
-    for text, expected in ((scene(), []), (scene("steps: sharp"), ["torsion.kernels.junction_table"])):
+    for text, expected in (
+        (scene(), []),
+        (scene("steps: sharp"), ["torsion.kernels.junction_table"]),
+    ):
         code = f"""
 import sys
 from torsion.schema.scene_reader import parse
@@ -152,5 +184,7 @@ from torsion.assembly import assemble
 assemble(parse({text!r}).train)
 print([name for name in ("skfem", "torsion.kernels.junction_table") if name in sys.modules])
 """
-        found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        found = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
         assert found.strip() == repr(expected)

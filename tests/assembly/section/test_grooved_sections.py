@@ -28,7 +28,9 @@ def round_groove(radius: float) -> Grooved:
     within = max(0.5 * (1.0 - radius), 1.05 * radius)
     turn = max(min(math.asin(radius / within), 1.0), 0.5)
     sides = graded(math.pi - math.atan2(*meeting), radius / 4.0, most=WIDEST)
-    groove = Piece((0.0, 1.0 - radius), meeting, (0.0, turn), tuple(np.linspace(0.0, 1.0, 5)), (0.0, 1.0))
+    groove = Piece(
+        (0.0, 1.0 - radius), meeting, (0.0, turn), tuple(np.linspace(0.0, 1.0, 5)), (0.0, 1.0)
+    )
     return Grooved(
         (groove, Piece(meeting, (0.0, -1.0), (turn, math.pi), sides, (0.0, 0.0))),
         1,
@@ -71,8 +73,12 @@ def test_small_groove_doubles_the_stress() -> None:
     assert found.factor == pytest.approx(2.0, rel=2e-3)
 
 
-@pytest.mark.parametrize(("radius", "above"), [(0.01, 0.019), (1.0 / 48.0, 0.019), (0.05, 0.055), (0.07, 0.069)])
-def test_keyway_is_below_the_fit_of_peterson_by_more_than_its_mesh_explains(radius: float, above: float) -> None:
+@pytest.mark.parametrize(
+    ("radius", "above"), [(0.01, 0.019), (1.0 / 48.0, 0.019), (0.05, 0.055), (0.07, 0.069)]
+)
+def test_keyway_is_below_the_fit_of_peterson_by_more_than_its_mesh_explains(
+    radius: float, above: float
+) -> None:
     """Flanks of d/8. Halved sides move K_t by less than 2e-4; a depth of d/8 makes it smaller still."""
     depth = 0.25 + 1.0 - math.sqrt(1.0 - 0.25**2)
     fine, found = (on_mesh(keyway(0.5, depth, 2.0 * radius), divided) for divided in (4, 2))
@@ -98,7 +104,9 @@ def din_5480(number: int, shift: float, bore: float = 0.0) -> Grooved:
 
 
 @pytest.mark.parametrize(("number", "shift"), [(14, -0.05), (24, 0.45), (60, 0.2)])
-def test_involute_flank_has_its_width_and_normals_and_ends_in_its_fillet(number: int, shift: float) -> None:
+def test_involute_flank_has_its_width_and_normals_and_ends_in_its_fillet(
+    number: int, shift: float
+) -> None:
     """Width of a tooth at the reference circle; normals touch the base circle; the fillet is tangent at both ends."""
     section = din_5480(number, shift)
     module, (floor, fillet, flank, _) = 2.0 / (number + 2.0 * shift + 0.9), section.pieces
@@ -119,7 +127,9 @@ def test_involute_flank_has_its_width_and_normals_and_ends_in_its_fillet(number:
     away = np.array(flank.start) - np.array(fillet.center)
     assert np.hypot(*away) == pytest.approx(0.16 * module, rel=1e-9)
     assert abs(away @ along[:, 0]) < 1e-6 * np.hypot(*away) * np.hypot(*along[:, 0])
-    assert math.hypot(*floor.end) == pytest.approx(math.hypot(*fillet.center) - 0.16 * module, rel=1e-9)
+    assert math.hypot(*floor.end) == pytest.approx(
+        math.hypot(*fillet.center) - 0.16 * module, rel=1e-9
+    )
 
 
 def test_involute_splines_converge_and_weaken_less_than_their_root_circle() -> None:
@@ -166,10 +176,14 @@ def test_small_hole_stretches_its_edge_fourfold() -> None:
     assert hole_factor(0.0) * math.sqrt(3.0) == pytest.approx(4.0, rel=1e-15)
 
 
-@pytest.mark.parametrize(("root", "tooth", "fillet"), [(85.0, 1.0, 0.1), (86.0, 1.3, 0.05), (70.0, 1.0, 0.1)])
+@pytest.mark.parametrize(
+    ("root", "tooth", "fillet"), [(85.0, 1.0, 0.1), (86.0, 1.3, 0.05), (70.0, 1.0, 0.1)]
+)
 def test_hundred_teeth_have_an_answer(root: float, tooth: float, fillet: float) -> None:
     """The same at two depths of the circle within, which is an aid of the mesh alone."""
     section = splines(root / 90.0, tooth / 45.0, fillet / 45.0, 100)
     found = groove_stress(section)
     assert found.error < 1e-3
-    assert on_mesh(replace(section, within=section.within - 0.02), 4).factor == pytest.approx(found.factor, rel=5e-3)
+    assert on_mesh(replace(section, within=section.within - 0.02), 4).factor == pytest.approx(
+        found.factor, rel=5e-3
+    )

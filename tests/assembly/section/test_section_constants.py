@@ -37,11 +37,17 @@ def test_ellipse_solid_and_with_a_hole_of_its_shape(solved, draw, a, b, hole) ->
     """Saint-Venant; a hole along a line of stress takes away the torsion constant of what was there."""
     found = solved(draw("around")(ellipse(a, b), 2, 64, hole))
     ring = 1.0 - hole**4
-    assert found.torsion_constant == pytest.approx(math.pi * (a * b) ** 3 / (a * a + b * b) * ring, rel=1e-6)
-    assert found.moments.polar == pytest.approx(math.pi / 4.0 * a * b * (a * a + b * b) * ring, rel=1e-6)
+    assert found.torsion_constant == pytest.approx(
+        math.pi * (a * b) ** 3 / (a * a + b * b) * ring, rel=1e-6
+    )
+    assert found.moments.polar == pytest.approx(
+        math.pi / 4.0 * a * b * (a * a + b * b) * ring, rel=1e-6
+    )
     assert found.stress_modulus == pytest.approx(math.pi / 2.0 * a * b * b * ring, rel=1e-3)
     x, y = found.levels[-1].at
-    assert (abs(x), abs(y)) == (pytest.approx(0.0, abs=0.02 * a), pytest.approx(b, rel=1e-3)), "at the short axis"
+    assert (abs(x), abs(y)) == (pytest.approx(0.0, abs=0.02 * a), pytest.approx(b, rel=1e-3)), (
+        "at the short axis"
+    )
 
 
 def rectangle_by_series(a: float, b: float) -> tuple[float, float]:
@@ -71,7 +77,12 @@ def test_square_and_rectangles(solved, draw, rows, cells) -> None:
 def test_equilateral_triangle(solved, draw) -> None:
     """phi is of degree 3, so that elements of degree 4 are exact."""
     height = math.sqrt(3.0)
-    found = solved((np.array([[-1.0, -height / 3], [1.0, -height / 3], [0.0, height / 1.5]]), np.array([[0, 1, 2]])))
+    found = solved(
+        (
+            np.array([[-1.0, -height / 3], [1.0, -height / 3], [0.0, height / 1.5]]),
+            np.array([[0, 1, 2]]),
+        )
+    )
     assert found.torsion_constant == pytest.approx(math.sqrt(3.0) / 80.0 * 16.0, rel=1e-13)
     assert found.stress_modulus == pytest.approx(8.0 / 20.0, rel=1e-12)
 
@@ -79,7 +90,10 @@ def test_equilateral_triangle(solved, draw) -> None:
 @pytest.mark.parametrize("b", [0.2, 0.5])
 def test_shaft_with_a_semicircular_keyway(solved, draw, b) -> None:
     """phi = (b^2 - r^2)(1 - 2 cos(psi)/r)/2 about the middle of the keyway, largest stress 2 - b (Weber 1921)."""
-    last, off = math.acos(b / 2.0), 0.35 * b * b  # the centroid, by which the section is moved to the axis
+    last, off = (
+        math.acos(b / 2.0),
+        0.35 * b * b,
+    )  # the centroid, by which the section is moved to the axis
 
     def at(u, v):
         psi = last * (1.0 - 2.0 * u)
@@ -88,7 +102,11 @@ def test_shaft_with_a_semicircular_keyway(solved, draw, b) -> None:
 
     def across(psi: float) -> float:  # int phi r dr from b to 2 cos(psi)
         c, d = math.cos(psi), 2.0 * math.cos(psi)
-        return b * b * (d * d - b * b) / 4.0 - (d**4 - b**4) / 8.0 + c * ((d**3 - b**3) / 3.0 - b * b * (d - b))
+        return (
+            b * b * (d * d - b * b) / 4.0
+            - (d**4 - b**4) / 8.0
+            + c * ((d**3 - b**3) / 3.0 - b * b * (d - b))
+        )
 
     found = solved(draw("mapped")(at, 48, 5))
     constant = 2.0 * quad(across, -last, last, epsabs=0.0, epsrel=1e-13)[0]
@@ -101,7 +119,9 @@ def spline(depth: float, teeth: int):
     return polar(lambda angle: 1.0 + depth * np.tanh(3.0 * np.cos(teeth * angle)) / math.tanh(3.0))
 
 
-def test_splined_shaft_lies_between_its_circles_and_stiffens_with_every_root_that_is_filled(solved, draw) -> None:
+def test_splined_shaft_lies_between_its_circles_and_stiffens_with_every_root_that_is_filled(
+    solved, draw
+) -> None:
     before = math.inf
     for depth in (0.02, 0.05, 0.1):
         found = solved(draw("around")(spline(depth, 6), 1, 60))
@@ -151,8 +171,12 @@ def test_straight_triangles_are_solved_as_the_polygon_that_they_are(solved, draw
     assert found.error < 1e-5 < 1.0 - found.torsion_constant / (math.pi / 2.0)
 
 
-def test_constants_do_not_depend_on_how_the_section_is_turned_or_seen_or_on_its_unit(solved, draw) -> None:
-    points, nodes = draw("around")(polar(lambda angle: 1.0 + 0.1 * np.cos(3 * angle) + 0.05 * np.sin(5 * angle)), 1, 20)
+def test_constants_do_not_depend_on_how_the_section_is_turned_or_seen_or_on_its_unit(
+    solved, draw
+) -> None:
+    points, nodes = draw("around")(
+        polar(lambda angle: 1.0 + 0.1 * np.cos(3 * angle) + 0.05 * np.sin(5 * angle)), 1, 20
+    )
     found = solved((points, nodes))
     c, s = math.cos(0.3), math.sin(0.3)
     turned = solved((points @ [[c, s], [-s, c]], nodes))
@@ -173,12 +197,23 @@ def test_two_holes_side_by_side(solved, draw) -> None:
     assert found.moments.polar == pytest.approx(625.0 / 6.0 - 2.0 * (1.0 / 6.0 + 2.0), rel=1e-13)
 
 
-@pytest.mark.parametrize(("ending", "how"), [("msh", {"file_format": "gmsh22"}), ("msh", {"file_format": "gmsh"}),
-                                            ("vtk", {}), ("vtu", {}), ("xml", {"file_format": "dolfin-xml"}),
-                                            ("inp", {}), ("stl", {})])  # fmt: skip
+@pytest.mark.parametrize(
+    ("ending", "how"),
+    [
+        ("msh", {"file_format": "gmsh22"}),
+        ("msh", {"file_format": "gmsh"}),
+        ("vtk", {}),
+        ("vtu", {}),
+        ("xml", {"file_format": "dolfin-xml"}),
+        ("inp", {}),
+        ("stl", {}),
+    ],
+)
 def test_one_section_in_many_formats(tmp_path, draw, ending, how) -> None:
     from torsion.assembly.section.section_result import section_result
     from torsion.primitives import SectionMesh
 
     file = draw("write")(draw("blocks")(["#"], 3), tmp_path / f"square.{ending}", **how)
-    assert section_result(SectionMesh(file)).torsion_constant == pytest.approx(0.140577015, rel=1e-6)
+    assert section_result(SectionMesh(file)).torsion_constant == pytest.approx(
+        0.140577015, rel=1e-6
+    )

@@ -41,7 +41,11 @@ def test_mesh_is_found_beside_the_file_from_anywhere(scene, tmp_path, monkeypatc
     (found,) = section_results(torsion.read(scene).train).values()
     monkeypatch.chdir(tmp_path)
     (again,) = section_results(torsion.read("scene.yaml").train).values()
-    assert found.torsion_constant == again.torsion_constant == pytest.approx(0.1405770 * 0.06**4, rel=1e-6)
+    assert (
+        found.torsion_constant
+        == again.torsion_constant
+        == pytest.approx(0.1405770 * 0.06**4, rel=1e-6)
+    )
 
 
 def test_stiffness_and_inertia_are_those_of_the_section(scene) -> None:
@@ -81,7 +85,9 @@ def test_every_model_has_the_waves_of_the_section(scene, model) -> None:
 def test_faulty_mesh_of_a_train_made_in_python_is_told(scene) -> None:
     train = torsion.parse(SCENE.replace("square.vtu", str(scene.parent / "square.vtu"))).train
     (scene.parent / "square.vtu").unlink()
-    with pytest.raises(torsion.InputError, match=r"train\.1\.shaft\.section\.mesh: the mesh file does not exist"):
+    with pytest.raises(
+        torsion.InputError, match=r"train\.1\.shaft\.section\.mesh: the mesh file does not exist"
+    ):
         assemble(train)
 
 
@@ -102,19 +108,29 @@ def test_section_says_its_bounds_and_convergence_in_words(scene) -> None:
 
 
 def test_stress_modulus_of_a_round_bar_is_that_of_its_thinner_end() -> None:
-    (bar,) = torsion.parse("name: a\ntrain: [shaft: {length: 1, diameter: [0.2, 0.1], bore: 0.05}]").train.bars
+    (bar,) = torsion.parse(
+        "name: a\ntrain: [shaft: {length: 1, diameter: [0.2, 0.1], bore: 0.05}]"
+    ).train.bars
     assert stress_modulus(bar) == section_modulus(0.1, 0.05)
 
 
 def test_class_rule_leaves_a_meshed_shaft_out_and_says_why(scene) -> None:
     from torsion.rules.verdict_line import Checks
 
-    operation = "operation: {speeds: {from: 300 rpm, to: 900 rpm}, rated: {speed: 900 rpm, power: 1 kW}}\n"
+    operation = (
+        "operation: {speeds: {from: 300 rpm, to: 900 rpm}, rated: {speed: 900 rpm, power: 1 kW}}\n"
+    )
     tail = "- shaft: {name: tail, length: 1, diameter: 0.1, role: propeller}\nrules: [iacs-m68]\n"
     tail += "excitations: [{at: a, order: 2, torque: 1 N*m}]\n"
-    text = scene.read_text().replace("unit: mm}}", "unit: mm}, role: intermediate}") + tail + operation
+    text = (
+        scene.read_text().replace("unit: mm}}", "unit: mm}, role: intermediate}") + tail + operation
+    )
     scene.write_text(text)
-    rows = [check for check in torsion.run(torsion.read(scene)).need(Checks).lines if check.where == "line"]
+    rows = [
+        check
+        for check in torsion.run(torsion.read(scene)).need(Checks).lines
+        if check.where == "line"
+    ]
     assert [(check.verdict, "mesh" in check.note) for check in rows] == [("not judged", True)]
     scene.write_text(text.replace(", role: propeller", ""))
     with pytest.raises(torsion.InputError, match="no round shaft has a `role`"):
@@ -125,7 +141,9 @@ def test_bending_of_a_meshed_tube_is_left_out(scene) -> None:
     from torsion.rules.universal_joints import tubes
 
     line = "- joint: {angle: 5 deg}\n- shaft: {name: tube, length: 1, section: {mesh: square.vtu, unit: mm}}\n"
-    scene.write_text(scene.read_text() + line + "- joint: {angle: 5 deg}\n- disc: {name: c, inertia: 1}\n")
+    scene.write_text(
+        scene.read_text() + line + "- joint: {angle: 5 deg}\n- disc: {name: c, inertia: 1}\n"
+    )
     (tube,) = tubes(torsion.read(scene).train)
     assert "mesh" in tube.lacks
 

@@ -15,7 +15,9 @@ DIGITS = 100
 def tree(parent, flexibility, inertia, held=()):
     fixed = np.zeros(len(parent), dtype=bool)
     fixed[list(held)] = True
-    return Tree(np.array(parent), np.array(flexibility, dtype=float), np.array(inertia, dtype=float), fixed)
+    return Tree(
+        np.array(parent), np.array(flexibility, dtype=float), np.array(inertia, dtype=float), fixed
+    )
 
 
 def sizes(name, count, **places):
@@ -34,7 +36,9 @@ ONE_DISC = tree([-1, 0], [0, 1 / 100], [0, 4], held=[0])  # 5 rad/s
 def test_one_disc_has_exactly_its_damping_ratio(zeta, name):
     modes = damped_modes(ONE_DISC, **sizes(name, 2, at1=2 * zeta * 5 * 4))
     np.testing.assert_allclose(np.abs(modes.eigenvalue), [5], rtol=1e-13)
-    np.testing.assert_allclose(-modes.eigenvalue.real / np.abs(modes.eigenvalue), [zeta], rtol=1e-13)
+    np.testing.assert_allclose(
+        -modes.eigenvalue.real / np.abs(modes.eigenvalue), [zeta], rtol=1e-13
+    )
     np.testing.assert_allclose(modes.angle[:, 0], [0, 1], rtol=1e-15)
     stiffness = 100 + modes.eigenvalue * (2 * zeta * 5 * 4 if name == "viscous" else 0)
     np.testing.assert_allclose(modes.torque[1], -stiffness, rtol=1e-13)
@@ -45,13 +49,17 @@ def test_an_overdamped_disc_has_two_real_roots_and_no_frequency():
     modes = damped_modes(ONE_DISC, **sizes("viscous", 2, at1=2 * 2 * 5 * 4))
     assert modes.eigenvalue.size == 0
     assert modes.angle.shape == (2, 0)
-    np.testing.assert_allclose(modes.real_root, [-10 + 5 * np.sqrt(3), -10 - 5 * np.sqrt(3)], rtol=1e-14)
+    np.testing.assert_allclose(
+        modes.real_root, [-10 + 5 * np.sqrt(3), -10 - 5 * np.sqrt(3)], rtol=1e-14
+    )
 
 
 def test_a_critically_damped_disc_has_a_double_real_root():
     modes = damped_modes(ONE_DISC, **sizes("viscous", 2, at1=2 * 5 * 4))
     assert modes.eigenvalue.size == 0
-    np.testing.assert_allclose(modes.real_root, [-5, -5], rtol=1e-7)  # a double root is good to the root of eps
+    np.testing.assert_allclose(
+        modes.real_root, [-5, -5], rtol=1e-7
+    )  # a double root is good to the root of eps
 
 
 @pytest.mark.parametrize("loss", [1e-10, 0.03, 0.3, 1.0])
@@ -125,7 +133,9 @@ def test_a_massless_station_between_spring_and_damper_adds_one_real_root():
     k, c, J = 50.0, 3.0, 2.0  # Maxwell element: disc, spring, massless station, damper to ground
     modes = damped_modes(tree([-1, 0], [0, 1 / k], [J, 0]), **sizes("ground_damping", 2, at1=c))
     assert modes.eigenvalue.size == 0
-    np.testing.assert_allclose(modes.real_root, [-5 / 3, -15], rtol=1e-14)  # J c s^2 + J k s + k c = 0
+    np.testing.assert_allclose(
+        modes.real_root, [-5 / 3, -15], rtol=1e-14
+    )  # J c s^2 + J k s + k c = 0
 
 
 def test_springs_and_dampers_to_held_leaves_add_to_those_of_a_held_root():
@@ -133,7 +143,9 @@ def test_springs_and_dampers_to_held_leaves_add_to_those_of_a_held_root():
     modes = damped_modes(train, viscous=np.array([0, 1.5, 0.5]))
     np.testing.assert_allclose(modes.eigenvalue, [-0.25 + 1j * np.sqrt(25 - 0.0625)], rtol=1e-14)
     root = modes.eigenvalue[0]
-    np.testing.assert_allclose(modes.torque[1:, 0], [-(60 + 1.5 * root), 40 + 0.5 * root], rtol=1e-14)
+    np.testing.assert_allclose(
+        modes.torque[1:, 0], [-(60 + 1.5 * root), 40 + 0.5 * root], rtol=1e-14
+    )
 
 
 def test_motion_behind_a_rigid_span_to_a_held_root_is_that_of_the_held_station():
@@ -168,7 +180,9 @@ def test_roots_from_undamped_start_values_satisfy_the_equations_at_any_size(size
     viscous = np.full(size, 0.02)
     modes = damped_modes(train, viscous=viscous, start=start)
     decay = start**2 * 0.02 * 1e-4 / 2  # damping in proportion to stiffness
-    np.testing.assert_allclose(modes.eigenvalue, -decay + 1j * np.sqrt(start**2 - decay**2), rtol=1e-12)
+    np.testing.assert_allclose(
+        modes.eigenvalue, -decay + 1j * np.sqrt(start**2 - decay**2), rtol=1e-12
+    )
     np.testing.assert_allclose(modes.eigenvalue.real, -decay, rtol=1e-10)
 
 
@@ -231,9 +245,14 @@ def assert_roots_of(train, modes, ground, viscous, loss):
         near = min(left, key=lambda root: abs(root - complex(value)))
         left.remove(near)
         assert abs(mp.mpc(complex(value)) - near) <= 1e-13 * abs(near)
-        assert abs(mp.mpf(float(value.real)) - near.real) <= 1e-12 * abs(near.real) + 1e-25 * abs(near)
+        assert abs(mp.mpf(float(value.real)) - near.real) <= 1e-12 * abs(near.real) + 1e-25 * abs(
+            near
+        )
     if not loss.any():
-        assert sum(root.imag < -abs(root) * mp.mpf(10) ** -30 for root in left) == modes.eigenvalue.size
+        assert (
+            sum(root.imag < -abs(root) * mp.mpf(10) ** -30 for root in left)
+            == modes.eigenvalue.size
+        )
         left = [root for root in left if abs(root.imag) <= abs(root) * mp.mpf(10) ** -30]
         assert len(left) == modes.real_root.size
         for value, exact in zip(modes.real_root, sorted(left, key=abs), strict=True):
@@ -249,7 +268,9 @@ def assert_equations_hold(train, modes, ground, viscous, loss):
         parent = int(train.parent[i])
         if parent >= 0:
             balance[parent].append(modes.torque[i])
-            wound = modes.torque[i] / ((1 + 1j * loss[i]) / train.flexibility[i] + viscous[i] * root)
+            wound = modes.torque[i] / (
+                (1 + 1j * loss[i]) / train.flexibility[i] + viscous[i] * root
+            )
             terms = np.array([modes.angle[i], -modes.angle[parent], wound])
             assert (np.abs(terms.sum(axis=0)) <= 1e-12 * np.abs(terms).sum(axis=0)).all()
     for i in np.flatnonzero(~train.held):

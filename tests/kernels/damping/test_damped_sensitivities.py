@@ -31,23 +31,37 @@ def test_a_damped_root_moves_with_every_figure_by_its_derivative(damped) -> None
     """dl/dp = -(d det/dp)/(d det/dl), differences at the root in 60 digits."""
     rng = np.random.default_rng(3)
     parent, inertia = np.array([-1, 0, 1, 1, 3]), 10 ** rng.uniform(-1, 1, 5)
-    tree = Tree(parent, np.append(0.0, 10 ** -rng.uniform(3, 5, 4)), inertia, np.zeros(5, dtype=bool))
-    ground, viscous = 10.0 * rng.uniform(0, 1, 5) * ("ground" in damped), 20.0 * rng.uniform(0, 1, 5)
+    tree = Tree(
+        parent, np.append(0.0, 10 ** -rng.uniform(3, 5, 4)), inertia, np.zeros(5, dtype=bool)
+    )
+    ground, viscous = (
+        10.0 * rng.uniform(0, 1, 5) * ("ground" in damped),
+        20.0 * rng.uniform(0, 1, 5),
+    )
     loss = rng.uniform(0.02, 0.2, 5)
     damping = {"ground_damping": ground, "viscous": viscous, "loss_factor": loss}
     modes = damped_modes(tree, **damping)
     found = root_sensitivity(tree, modes, **damping)
     stiffness = 1.0 / tree.flexibility[1:]
     by_k, by_eta, by_c = (
-        slope * found.compliance[1:] for slope in compliance_slopes(stiffness, viscous[1:], loss[1:], modes.eigenvalue)
+        slope * found.compliance[1:]
+        for slope in compliance_slopes(stiffness, viscous[1:], loss[1:], modes.eigenvalue)
     )
-    by_figure = np.vstack([by_k / stiffness[:, None], by_c, by_eta, found.inertia, found.ground_damping])
+    by_figure = np.vstack(
+        [by_k / stiffness[:, None], by_c, by_eta, found.inertia, found.ground_damping]
+    )
     with mp.workdps(60):
-        given = [[mp.mpf(float(v)) for v in one] for one in (stiffness, viscous[1:], loss[1:], inertia, ground)]
+        given = [
+            [mp.mpf(float(v)) for v in one]
+            for one in (stiffness, viscous[1:], loss[1:], inertia, ground)
+        ]
         for mode, start in enumerate(modes.eigenvalue):
             near = mp.mpc(complex(start))
             root = mp.findroot(
-                partial(_determinant, given), (near, near * (1 + mp.mpf(10) ** -12)), tol=1e-90, verify=False
+                partial(_determinant, given),
+                (near, near * (1 + mp.mpf(10) ** -12)),
+                tol=1e-90,
+                verify=False,
             )
             by_root = _determinant(given, root + STEP) - _determinant(given, root - STEP)
             exact = []

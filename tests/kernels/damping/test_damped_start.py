@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from torsion.kernels.damping.damped_roots import DampedTree, first_order_eigenvalues, number_of_roots
+from torsion.kernels.damping.damped_roots import (
+    DampedTree,
+    first_order_eigenvalues,
+    number_of_roots,
+)
 from torsion.kernels.tree import Tree
 
 
@@ -11,9 +15,13 @@ def start(parent, flexibility, inertia, held=(), ground=None, viscous=None):
     """Rough roots, and how often 0 is one and how many others there are."""
     fixed = np.zeros(len(parent), dtype=bool)
     fixed[list(held)] = True
-    tree = Tree(np.array(parent), np.array(flexibility, dtype=float), np.array(inertia, dtype=float), fixed)
+    tree = Tree(
+        np.array(parent), np.array(flexibility, dtype=float), np.array(inertia, dtype=float), fixed
+    )
     none = np.zeros(len(parent))
-    damping = (none if values is None else np.array(values, dtype=float) for values in (ground, viscous))
+    damping = (
+        none if values is None else np.array(values, dtype=float) for values in (ground, viscous)
+    )
     train = DampedTree(tree, *damping, none)
     return np.sort_complex(first_order_eigenvalues(train)), number_of_roots(train)
 
@@ -25,8 +33,10 @@ def test_a_massless_station_held_back_by_a_damper_has_its_own_root():
 
 
 def test_massless_stations_that_a_damper_joins_move_by_the_balance_of_torques():
-    roots, number = start(  # two discs; between them spring, damped spring of two massless ends, spring
-        [-1, 0, 1, 2], [0, 0.01, 0.02, 0.01], [2, 0, 0, 3], viscous=[0, 0, 4.0, 0]
+    roots, number = (
+        start(  # two discs; between them spring, damped spring of two massless ends, spring
+            [-1, 0, 1, 2], [0, 0.01, 0.02, 0.01], [2, 0, 0, 3], viscous=[0, 0, 4.0, 0]
+        )
     )
     assert number == (2, 3)
     k, c = 50.0, 4.0  # T = hc (1/2 + 1/3)^-1 s^2 .. : 0.02 + 1/(k + c s) = -(5/6)/s^2

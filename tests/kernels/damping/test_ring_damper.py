@@ -10,9 +10,11 @@ from torsion.kernels.damping.ring_damper import magnification, tuned, viscous
 
 # Nishihara and Asami's optimum, found again by a search to 1e-9: inertia ratio, tuning, c/(2 J_ring w), magnification
 EXACT = (
-    (0.05, 0.952372044, 0.127558546, 6.407920768), (0.1, 0.909058293, 0.168602893, 4.589165566),
-    (0.2, 0.833222991, 0.210116712, 3.325438841), (0.5, 0.666223394, 0.240178249, 2.248029863),
-)  # fmt: skip
+    (0.05, 0.952372044, 0.127558546, 6.407920768),
+    (0.1, 0.909058293, 0.168602893, 4.589165566),
+    (0.2, 0.833222991, 0.210116712, 3.325438841),
+    (0.5, 0.666223394, 0.240178249, 2.248029863),
+)
 
 
 def along(ratio: float, tuning: float, damping: float, loss: float = 0.0) -> float:
@@ -20,7 +22,9 @@ def along(ratio: float, tuning: float, damping: float, loss: float = 0.0) -> flo
 
     def size(g: float) -> float:
         ring = tuning**2 * (1 + 1j * loss) + 2j * damping * g
-        matrix = np.array([[1 + ratio * ring - g**2, -ratio * ring], [-ratio * ring, ratio * (ring - g**2)]])
+        matrix = np.array(
+            [[1 + ratio * ring - g**2, -ratio * ring], [-ratio * ring, ratio * (ring - g**2)]]
+        )
         return float(abs(np.linalg.solve(matrix, np.array([1.0, 0.0]))[0]))
 
     coarse = np.linspace(1e-3, 4.0, 8001)
@@ -30,7 +34,9 @@ def along(ratio: float, tuning: float, damping: float, loss: float = 0.0) -> flo
 
 
 @pytest.mark.parametrize(("ratio", "tuning", "damping", "peak"), EXACT)
-def test_tuned_ring_is_that_of_the_published_optimum(ratio: float, tuning: float, damping: float, peak: float) -> None:
+def test_tuned_ring_is_that_of_the_published_optimum(
+    ratio: float, tuning: float, damping: float, peak: float
+) -> None:
     found = tuned(ratio)
     assert found == pytest.approx((tuning, damping, peak), rel=0, abs=1e-9)
 
@@ -48,19 +54,29 @@ def test_viscous_ring_magnifies_by_two_over_the_ratio_plus_one(ratio: float) -> 
     best = viscous(ratio)
     assert best.magnification == pytest.approx((2.0 + ratio) / ratio, rel=1e-15)
     assert magnification(ratio, 0.0, best.damping) == pytest.approx(best.magnification, rel=1e-12)
-    assert best.damping == pytest.approx(float(1 / mpmath.sqrt(2 * (1 + ratio) * (2 + ratio))), rel=1e-15)
+    assert best.damping == pytest.approx(
+        float(1 / mpmath.sqrt(2 * (1 + ratio) * (2 + ratio))), rel=1e-15
+    )
     for step in (0.9, 1.1):
         assert magnification(ratio, 0.0, best.damping * step) > best.magnification
 
 
 @pytest.mark.parametrize(
     ("ratio", "tuning", "damping", "loss"),
-    [(0.1, 0.9, 0.05, 0.0), (0.4, 1.3, 0.0, 0.2), (0.2, 0.7, 0.1, 0.1), (0.05, 0.0, 3.0, 0.0), (2.0, 0.3, 0.01, 0.0)],
+    [
+        (0.1, 0.9, 0.05, 0.0),
+        (0.4, 1.3, 0.0, 0.2),
+        (0.2, 0.7, 0.1, 0.1),
+        (0.05, 0.0, 3.0, 0.0),
+        (2.0, 0.3, 0.01, 0.0),
+    ],
 )
 def test_magnification_is_the_greatest_of_the_equations_of_motion(
     ratio: float, tuning: float, damping: float, loss: float
 ) -> None:
-    assert magnification(ratio, tuning, damping, loss) == pytest.approx(along(ratio, tuning, damping, loss), rel=1e-6)
+    assert magnification(ratio, tuning, damping, loss) == pytest.approx(
+        along(ratio, tuning, damping, loss), rel=1e-6
+    )
 
 
 def test_ring_without_damping_magnifies_without_end() -> None:

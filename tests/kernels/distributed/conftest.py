@@ -36,7 +36,9 @@ def chain(bars: int, discs: dict[int, float] | None = None, held: tuple[int, ...
     inertia = np.zeros(bars + 1)
     for station, value in (discs or {}).items():
         inertia[station] = value
-    return Tree(np.arange(-1, bars), np.zeros(bars + 1), inertia, np.isin(np.arange(bars + 1), held))
+    return Tree(
+        np.arange(-1, bars), np.zeros(bars + 1), inertia, np.isin(np.arange(bars + 1), held)
+    )
 
 
 def pieces(length: float, rigidity: float, heavy: float, number: int) -> Shafts:
@@ -48,7 +50,9 @@ def pieces(length: float, rigidity: float, heavy: float, number: int) -> Shafts:
 def tapered(profile: Callable[[np.ndarray], np.ndarray], number: int) -> Shafts:
     """A shaft of length 1 with G I = rho I = `profile` in pieces along a chain, as a continuum."""
     at = profile((np.arange(number)[:, None] + profile_points()) / number)
-    return Shafts(np.arange(1, number + 1), (profile_shafts(np.full(number, 1.0 / number), 1.0 / at, at),))
+    return Shafts(
+        np.arange(1, number + 1), (profile_shafts(np.full(number, 1.0 / number), 1.0 / at, at),)
+    )
 
 
 def elements(
@@ -59,7 +63,10 @@ def elements(
     heavy: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> Shafts:
     """Finite elements along a chain; `rigidity` and `heavy` (the same by default) are of x from 0 to 1."""
-    made = [element(degree, length / number, rigidity, heavy or rigidity, i, number) for i in range(number)]
+    made = [
+        element(degree, length / number, rigidity, heavy or rigidity, i, number)
+        for i in range(number)
+    ]
     stiffness, inertia = (np.array(part) for part in zip(*made, strict=True))
     return Shafts(np.arange(1, number + 1), (condensed_elements(stiffness, inertia),))
 
@@ -105,12 +112,16 @@ def line(parts: list[tuple], s) -> "mp.matrix":
 def root_near(function: Callable, w: float):
     """The root of `function` next to w, in many digits, by the secant rule."""
     near = mp.mpf(float(w))
-    return mp.findroot(function, (near * (1 - mp.mpf("1e-9")), near * (1 + mp.mpf("1e-9"))), tol=1e-60)
+    return mp.findroot(
+        function, (near * (1 - mp.mpf("1e-9")), near * (1 + mp.mpf("1e-9"))), tol=1e-60
+    )
 
 
 def sign_changes(function: Callable, highest: float, steps: int) -> int:
     """Of a function of w on a grid over 0..highest."""
-    values = [mp.sign(function(mp.mpf(highest) * (k + mp.mpf("0.5")) / steps)) for k in range(steps)]
+    values = [
+        mp.sign(function(mp.mpf(highest) * (k + mp.mpf("0.5")) / steps)) for k in range(steps)
+    ]
     return sum(a != b for a, b in pairwise(values))
 
 

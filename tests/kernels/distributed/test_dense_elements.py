@@ -37,25 +37,39 @@ def _random_train(random_tree, trains, seed: int, held: str) -> tuple[Tree, Shaf
     node = np.array([i for i in range(1, 12) if kind[i] > 1])
     flexibility = np.where((kind == 0) & ~plain.held, 0.0, 10.0 ** rng.uniform(-2, 1, 12))
     flexibility[node] = 0.0
-    unit = condensed_elements(*(part[None] for part in trains.element(5, 1.0, np.exp, np.ones_like)))
+    unit = condensed_elements(
+        *(part[None] for part in trains.element(5, 1.0, np.exp, np.ones_like))
+    )
     law = unit.scaled(10.0 ** rng.uniform(0, 2, len(node)), 10.0 ** rng.uniform(-1, 0, len(node)))
     return Tree(plain.parent, flexibility, inertia, plain.held), Shafts(node, (law,))
 
 
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
 @pytest.mark.parametrize("seed", range(6))
-def test_in_any_tree_the_dense_way_finds_what_the_counts_find(random_tree, trains, seed: int, held: str) -> None:
+def test_in_any_tree_the_dense_way_finds_what_the_counts_find(
+    random_tree, trains, seed: int, held: str
+) -> None:
     train, bars = _random_train(random_tree, trains, seed, held)
     sure, dense = _modes(train, bars, 3), dense_modes(replace(train, shafts=bars), 3)
     assert sure.certified
     assert np.allclose(dense.frequency, sure.frequency, rtol=2e-14)
-    for name in ("angle", "torque", "torque_outer", "kinetic", "elastic", "shaft_kinetic", "rigid_angle"):
+    for name in (
+        "angle",
+        "torque",
+        "torque_outer",
+        "kinetic",
+        "elastic",
+        "shaft_kinetic",
+        "rigid_angle",
+    ):
         one, other = _part(dense, name), _part(sure, name)
         assert np.allclose(one, other, rtol=0, atol=1e-11 * np.abs(other).max(initial=0.0)), name
 
 
 @pytest.mark.parametrize("held", ["none", "root", "leaves"])
-def test_angles_of_the_coordinates_leave_rigid_motions_and_held_stations_at_rest(random_tree, trains, held) -> None:
+def test_angles_of_the_coordinates_leave_rigid_motions_and_held_stations_at_rest(
+    random_tree, trains, held
+) -> None:
     train, bars = _random_train(random_tree, trains, 3, held)
     whole, element = replace(train, shafts=bars), bars.laws[0]
     found = static_bends(whole, bars, element)
@@ -71,8 +85,12 @@ def test_angles_of_the_coordinates_leave_rigid_motions_and_held_stations_at_rest
 
 
 VALUES = {
-    "the square and its correction": np.concatenate((10.0 ** -np.linspace(0, 2.5, 6), 10.0 ** -np.linspace(2.7, 4, 8))),
-    "close ones before the gap": np.array([1.0, 0.3, 1e-2, 1e-2 * (1 + 1e-9), 5e-3, 4.99e-3, *np.full(8, 1e-4)]),
+    "the square and its correction": np.concatenate(
+        (10.0 ** -np.linspace(0, 2.5, 6), 10.0 ** -np.linspace(2.7, 4, 8))
+    ),
+    "close ones before the gap": np.array(
+        [1.0, 0.3, 1e-2, 1e-2 * (1 + 1e-9), 5e-3, 4.99e-3, *np.full(8, 1e-4)]
+    ),
     "without a gap": 0.98 ** np.arange(14),
     "too far apart for the square": 10.0 ** -np.arange(14.0),
 }
@@ -89,7 +107,9 @@ def test_vectors_are_as_right_as_those_of_a_decomposition(which: str) -> None:
     assert found.shape == (14, wanted)
     assert np.allclose(found.T @ found, np.eye(wanted), rtol=0, atol=1e-14)
     behind = np.array([[float(exact[k, i]) for i in range(14)] for k in range(wanted, 14)])
-    tolerance = 20 * 2.0**-53 * values[0] / values[wanted - 1] / (1.0 - values[wanted] / values[wanted - 1])
+    tolerance = (
+        20 * 2.0**-53 * values[0] / values[wanted - 1] / (1.0 - values[wanted] / values[wanted - 1])
+    )
     assert np.abs(behind @ found).max() < tolerance
 
 

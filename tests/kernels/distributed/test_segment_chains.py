@@ -33,7 +33,9 @@ def _dense(flexibility: np.ndarray, inertia: np.ndarray, s: complex) -> np.ndarr
     if not inside.size:
         return whole
     across = whole[np.ix_(ends, inside)]
-    return whole[np.ix_(ends, ends)] - across @ np.linalg.solve(whole[np.ix_(inside, inside)], across.T)
+    return whole[np.ix_(ends, ends)] - across @ np.linalg.solve(
+        whole[np.ix_(inside, inside)], across.T
+    )
 
 
 @pytest.mark.parametrize("s", [0.0, 0.04, 0.9, 0.3 + 0.2j])
@@ -43,7 +45,9 @@ def test_a_row_is_at_its_ends_what_the_dense_elimination_leaves(rows, s):
         at_ends = _dense(rows.flexibility[bar], rows.inertia[bar], s)
         if rows.is_turned[bar]:
             at_ends = at_ends[::-1, ::-1]
-        pi = np.array([[1 / h[bar] - s * inner[bar], -1 / h[bar]], [-1 / h[bar], 1 / h[bar] - s * outer[bar]]])
+        pi = np.array(
+            [[1 / h[bar] - s * inner[bar], -1 / h[bar]], [-1 / h[bar], 1 / h[bar] - s * outer[bar]]]
+        )
         np.testing.assert_allclose(pi, at_ends, rtol=1e-12, atol=1e-13)
 
 
@@ -54,23 +58,33 @@ def test_values_at_a_frequency_of_each_row_are_those_at_all_frequencies(rows):
         np.testing.assert_array_equal(one, other)
 
 
-def _pi_in_many_digits(flexibility: np.ndarray, inertia: np.ndarray, s: mp.mpf) -> tuple[mp.mpf, ...]:
+def _pi_in_many_digits(
+    flexibility: np.ndarray, inertia: np.ndarray, s: mp.mpf
+) -> tuple[mp.mpf, ...]:
     """Flexibility and end inertias of a row, by transfer matrices: angle and torque from the outer to the inner end."""
     across = mp.eye(2)
     for h, j in zip(flexibility.tolist(), inertia.tolist(), strict=True):
         across = mp.matrix([[1, 0], [-s * j, 1]]) * mp.matrix([[1, h], [0, 1]]) * across
-    return across[0, 1], (1 - across[0, 0]) / (s * across[0, 1]), (1 - across[1, 1]) / (s * across[0, 1])
+    return (
+        across[0, 1],
+        (1 - across[0, 0]) / (s * across[0, 1]),
+        (1 - across[1, 1]) / (s * across[0, 1]),
+    )
 
 
 @pytest.mark.parametrize("s", [0.001, 0.03, 0.1])
 def test_slopes_are_the_derivatives_of_the_values(rows, s):
     """Differences in many digits."""
     found = vars(rows.slopes(np.array([s])))
-    values, slopes = ([found[name + end][:, 0] for name in ("flexibility", "inner", "outer")] for end in ("", "_slope"))
+    values, slopes = (
+        [found[name + end][:, 0] for name in ("flexibility", "inner", "outer")]
+        for end in ("", "_slope")
+    )
     for row in range(rows.size):
         at, step = mp.mpf(s), mp.mpf(10) ** -20
         here, high, low = (
-            _pi_in_many_digits(rows.flexibility[row], rows.inertia[row], at + d) for d in (0, step, -step)
+            _pi_in_many_digits(rows.flexibility[row], rows.inertia[row], at + d)
+            for d in (0, step, -step)
         )
         order = (0, 2, 1) if rows.is_turned[row] else (0, 1, 2)
         for k, end in enumerate(order):
@@ -86,5 +100,7 @@ def test_no_frequency_of_a_row_with_fixed_ends_lies_below_the_limit(rows):
         if mass.size:
             stiff = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
             root = np.sqrt(mass)
-            lowest = min(lowest, float(np.sqrt(np.linalg.eigvalsh(stiff / np.outer(root, root))[0])))
+            lowest = min(
+                lowest, float(np.sqrt(np.linalg.eigvalsh(stiff / np.outer(root, root))[0]))
+            )
     assert 0.5 * lowest < rows.limit <= lowest

@@ -15,7 +15,9 @@ STEP = 2.0**-52
 def test_bounds_of_a_count_lean_by_both_margins_to_their_own_side():
     """A heavy and a light disc on a shaft that weighs next to nothing: its one frequency goes with sqrt(stiffness)."""
     tree = Tree(np.array([-1, 0]), np.zeros(2), np.array([1e6, 1.0]), np.zeros(2, dtype=bool))
-    tree = replace(tree, shafts=Shafts(np.array([1]), (uniform_shafts(np.array([1.0]), 1.0, 1e-12),)))
+    tree = replace(
+        tree, shafts=Shafts(np.array([1]), (uniform_shafts(np.array([1.0]), 1.0, 1e-12),))
+    )
     w = 1.0 + STEP * np.arange(-400, 401)  # rad/s; the frequency is 1 + 5e-7, less 2e-13
     frequency = np.sqrt(1.0 + 1e-6)
     w *= frequency * (1.0 - 1e-12 / 6.0)

@@ -35,12 +35,17 @@ def test_linear_elements_of_a_free_shaft_are_the_chain_in_closed_form(trains, nu
 
 
 @pytest.mark.parametrize(
-    ("number", "published"), [(5, [1.9417, 4.0719, 6.5437, 9.1547]), (50, [1.9106, 3.8232, 5.7394, 7.6613])]
+    ("number", "published"),
+    [(5, [1.9417, 4.0719, 6.5437, 9.1547]), (50, [1.9106, 3.8232, 5.7394, 7.6613])],
 )
-def test_a_drill_string_of_linear_elements_has_its_published_frequencies(trains, number, published) -> None:
+def test_a_drill_string_of_linear_elements_has_its_published_frequencies(
+    trains, number, published
+) -> None:
     """Friswell et al. (2010) chapter 9, Hz."""
     area = np.pi / 32 * (0.78**4 - 0.65**4)
-    bars = trains.elements(1, number, 800.0, lambda x: 75e9 * area + 0 * x, lambda x: 8000 * area + 0 * x)
+    bars = trains.elements(
+        1, number, 800.0, lambda x: 75e9 * area + 0 * x, lambda x: 8000 * area + 0 * x
+    )
     modes = _modes(trains.chain(number, {0: 200.0, number: 10.0}), bars, 4)
     assert np.allclose(modes.frequency / (2 * np.pi), published, rtol=0, atol=5.1e-5)
 
@@ -69,16 +74,29 @@ def test_frequencies_converge_with_twice_the_degree(trains, degree: int, taper: 
         found = _modes(trains.chain(number), trains.elements(degree, number, rigidity=section), 2)
         error.append(found.frequency[1] / exact - 1.0)
     coarse, fine = MESHES[degree]
-    assert np.log(error[0] / error[1]) / np.log(fine / coarse) == pytest.approx(2 * degree, rel=0.05)
+    assert np.log(error[0] / error[1]) / np.log(fine / coarse) == pytest.approx(
+        2 * degree, rel=0.05
+    )
 
 
 def test_the_dense_way_finds_what_the_counts_find(trains) -> None:
-    train, bars = trains.chain(6, {0: 0.3, 3: 2.0}), trains.elements(5, 6, rigidity=lambda x: (1.0 + x) ** 4)
+    train, bars = (
+        trains.chain(6, {0: 0.3, 3: 2.0}),
+        trains.elements(5, 6, rigidity=lambda x: (1.0 + x) ** 4),
+    )
     sure, dense = _modes(train, bars, 4), dense_modes(replace(train, shafts=bars), 4)
     assert sure.certified
     assert not dense.certified
     assert np.allclose(dense.frequency, sure.frequency, rtol=1e-13)
-    for name in ("angle", "torque", "torque_outer", "kinetic", "elastic", "shaft_kinetic", "rigid_angle"):
+    for name in (
+        "angle",
+        "torque",
+        "torque_outer",
+        "kinetic",
+        "elastic",
+        "shaft_kinetic",
+        "rigid_angle",
+    ):
         one, other = _part(dense, name), _part(sure, name)
         assert np.allclose(one, other, rtol=0, atol=1e-11 * np.abs(other).max()), name
 
@@ -103,8 +121,13 @@ def test_the_dense_way_takes_rigid_spans_massless_and_held_stations(trains) -> N
     inertia = np.array([0, 0, 0, 0.2, 0, 1.5, 0.1])
     node = np.array([2, 4])
     train = Tree(parent, flexibility, inertia, np.arange(7) == 0)
-    law = condensed_elements(*(np.stack([part] * 2) for part in trains.element(6, 0.5, np.ones_like, np.ones_like)))
-    sure, dense = _modes(train, Shafts(node, (law,)), 3), dense_modes(replace(train, shafts=Shafts(node, (law,))), 3)
+    law = condensed_elements(
+        *(np.stack([part] * 2) for part in trains.element(6, 0.5, np.ones_like, np.ones_like))
+    )
+    sure, dense = (
+        _modes(train, Shafts(node, (law,)), 3),
+        dense_modes(replace(train, shafts=Shafts(node, (law,))), 3),
+    )
     assert np.allclose(dense.frequency, sure.frequency, rtol=1e-13)
     for name in ("angle", "torque", "torque_outer"):
         one, other = _part(dense, name), _part(sure, name)

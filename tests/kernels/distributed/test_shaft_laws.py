@@ -40,7 +40,9 @@ def test_a_uniform_piece_has_the_closed_form_and_its_slopes(trains, law: str, sh
     expected = [*_uniform_pi(mp.mpf(s)), *_slopes(_uniform_pi, mp.mpf(s))]
     assert trains.off(_all(found.slopes(np.array([s]))), expected) < 6e-15
     assert trains.off([row[0, 0] for row in found.at(np.array([s]))], expected[:3]) < 4e-15
-    assert found.rounding(np.array([s]))[0] > trains.off([row[0, 0] for row in found.at(np.array([s]))], expected[:3])
+    assert found.rounding(np.array([s]))[0] > trains.off(
+        [row[0, 0] for row in found.at(np.array([s]))], expected[:3]
+    )
 
 
 def _cone_pi(ratio):
@@ -51,7 +53,10 @@ def _cone_pi(ratio):
 
         def basis(x):
             z = w * (x + 1 / slope)
-            angle = [(mp.sin(z) / z**2 - mp.cos(z) / z) / z, (-mp.cos(z) / z**2 - mp.sin(z) / z) / z]
+            angle = [
+                (mp.sin(z) / z**2 - mp.cos(z) / z) / z,
+                (-mp.cos(z) / z**2 - mp.sin(z) / z) / z,
+            ]
             turn = [
                 -((3 / z**3 - 1 / z) * mp.sin(z) - 3 * mp.cos(z) / z**2) / z,
                 ((3 / z**3 - 1 / z) * mp.cos(z) + 3 * mp.sin(z) / z**2) / z,
@@ -72,16 +77,23 @@ def test_a_cone_has_the_elementary_solution(trains, ratio: float, share: float) 
     law = profile_shafts(1.0, 1.0 / section[None], section[None])
     s = (share * law.limit) ** 2
     exact = _cone_pi(ratio)
-    assert trains.off(_all(law.slopes(np.array([s]))), [*exact(mp.mpf(s)), *_slopes(exact, mp.mpf(s))]) < 6e-15
+    assert (
+        trains.off(_all(law.slopes(np.array([s]))), [*exact(mp.mpf(s)), *_slopes(exact, mp.mpf(s))])
+        < 6e-15
+    )
     turned = law.turned(np.array([True])).at(np.array([s]))
-    assert trains.off([row[0, 0] for row in turned], [exact(mp.mpf(s))[k] for k in (0, 2, 1)]) < 4e-15
+    assert (
+        trains.off([row[0, 0] for row in turned], [exact(mp.mpf(s))[k] for k in (0, 2, 1)]) < 4e-15
+    )
 
 
 def test_the_limit_of_a_profile_is_at_most_the_lowest_frequency_with_both_ends_held() -> None:
     for ratio in (1.2, 3.0, 6.0):
         section = (1.0 + (ratio - 1.0) * profile_points(48)) ** 4
         law = profile_shafts(1.0, 1.0 / section[None], section[None])
-        first = mp.findroot(lambda s, r=ratio: _cone_pi(r)(s)[0], mp.mpf(law.limit) ** 2 * mp.mpf("1.05"))
+        first = mp.findroot(
+            lambda s, r=ratio: _cone_pi(r)(s)[0], mp.mpf(law.limit) ** 2 * mp.mpf("1.05")
+        )
         assert 0.95 < law.limit / float(mp.sqrt(first)) < 1.0
 
 
@@ -123,7 +135,9 @@ def test_nodal_and_hierarchic_unknowns_give_the_same_element(trains) -> None:
     change[2] /= -np.sqrt(1.5) / 2.0  # the hierarchic bubble in the middle
     nodal = [(change.T @ matrix @ change)[None] for matrix in (k, m)]
     s = np.array([0.0, 1.0, 4.0])
-    for one, other in zip(condensed_elements(*nodal).at(s), condensed_elements(k[None], m[None]).at(s), strict=True):
+    for one, other in zip(
+        condensed_elements(*nodal).at(s), condensed_elements(k[None], m[None]).at(s), strict=True
+    ):
         assert np.allclose(one, other, rtol=2e-15)
 
 
@@ -151,7 +165,10 @@ def test_a_lossy_material_is_a_complex_shear_modulus(trains, eta: float) -> None
     """Of laws of all sorts side by side, each in its closed form or, for elements, by complex condensation."""
     flat = np.ones((1, len(profile_points())))
     k, m = trains.element(6, LENGTH, lambda x: RIGIDITY + 0 * x, lambda x: HEAVY + 0 * x)
-    laws = (uniform_shafts(LENGTH, RIGIDITY, HEAVY), profile_shafts(LENGTH, flat / RIGIDITY, flat * HEAVY))
+    laws = (
+        uniform_shafts(LENGTH, RIGIDITY, HEAVY),
+        profile_shafts(LENGTH, flat / RIGIDITY, flat * HEAVY),
+    )
     bars = Shafts(np.array([3, 1, 2]), (*laws, condensed_elements(k[None], m[None])))
     s = (0.5 * bars.limit) ** 2
     found = bars.lossy(np.array([s]), np.full(3, eta))

@@ -24,7 +24,9 @@ def _part(modes: TreeModes, name: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("held", "shift"), [((), 0.0), ((0,), 0.5), ((0, 16), 0.0)])
-def test_a_uniform_shaft_free_or_held_swings_in_sines(trains, held: tuple[int, ...], shift: float) -> None:
+def test_a_uniform_shaft_free_or_held_swings_in_sines(
+    trains, held: tuple[int, ...], shift: float
+) -> None:
     """And its torques are sines too, its energies halves of each other, its ends bare of torque."""
     train, bars = trains.chain(16, held=held), trains.pieces(2.0, 3.0, 5.0, 16)
     modes = _modes(train, bars, 10)
@@ -42,7 +44,9 @@ def test_a_uniform_shaft_free_or_held_swings_in_sines(trains, held: tuple[int, .
     assert np.allclose(modes.angle, size * wave(along) * sign, rtol=0, atol=2e-14)
     slope = (np.cos(along) if held else -np.sin(along)) * size * np.pi * number / 2.0 * 3.0
     assert np.allclose(-modes.torque[1:], slope[:-1] * sign, rtol=0, atol=1e-13 * slope.max())
-    assert np.allclose(-modes.shafts.torque_outer[1:], slope[1:] * sign, rtol=0, atol=1e-13 * slope.max())
+    assert np.allclose(
+        -modes.shafts.torque_outer[1:], slope[1:] * sign, rtol=0, atol=1e-13 * slope.max()
+    )
     if 16 not in held:
         assert not modes.shafts.torque_outer[-1].any()
     assert np.allclose(modes.shafts.kinetic.sum(axis=0), 1.0, rtol=1e-14)
@@ -78,11 +82,15 @@ def test_mode_500_of_a_shaft(trains) -> None:
         (0.5, 2.0, [1.33850528549289, 3.76231286633799, 6.65035956592251, 9.68012641025234]),
     ],
 )
-def test_a_shaft_with_end_discs_has_the_roots_of_its_frequency_equation(trains, first, last, published) -> None:
+def test_a_shaft_with_end_discs_has_the_roots_of_its_frequency_equation(
+    trains, first, last, published
+) -> None:
     """Discs a, c times the shaft: (b^2 a c - 1) sin b = b (a + c) cos b; with a fixed end (None) b tan b = 1."""
     discs = {12: last * 6.0} if first is None else {0: first * 6.0, 12: last * 6.0}
     modes = _modes(
-        trains.chain(12, discs, (0,) if first is None else ()), trains.pieces(2.0, 12.0, 3.0, 12), len(published)
+        trains.chain(12, discs, (0,) if first is None else ()),
+        trains.pieces(2.0, 12.0, 3.0, 12),
+        len(published),
     )
 
     def equation(b):
@@ -99,7 +107,9 @@ def test_a_drill_string_has_its_published_frequencies(trains) -> None:
     """Friswell et al. (2010) chapter 9: 800 m of 0.78 by 0.65 m, a top drive and a bottom-hole assembly at its ends."""
     area = mp.pi / 32 * (mp.mpf("0.78") ** 4 - mp.mpf("0.65") ** 4)
     rigidity, heavy = float(75e9 * area), float(8000 * area)
-    modes = _modes(trains.chain(12, {0: 200.0, 12: 10.0}), trains.pieces(800.0, rigidity, heavy, 12), 6)
+    modes = _modes(
+        trains.chain(12, {0: 200.0, 12: 10.0}), trains.pieces(800.0, rigidity, heavy, 12), 6
+    )
     assert np.allclose(
         modes.frequency / (2 * np.pi),
         [1.91033229, 3.82066476, 5.73099757, 7.64133089, 9.5516649, 11.46199977],
@@ -116,7 +126,9 @@ DISCS = {0: 3.0, 2: 0.5, 5: 8.0}
 
 def _stepped(trains, cut: int) -> tuple[Tree, Shafts, list]:
     """Five lengths, each in `cut` pieces, and three discs."""
-    data = np.array([(length / cut, rigidity, heavy) for length, rigidity, heavy in STEPS for _ in range(cut)]).T
+    data = np.array(
+        [(length / cut, rigidity, heavy) for length, rigidity, heavy in STEPS for _ in range(cut)]
+    ).T
     train = trains.chain(5 * cut, {cut * place: value for place, value in DISCS.items()})
     parts: list = [("disc", DISCS[0])]
     for place, step in enumerate(STEPS, 1):
@@ -134,10 +146,15 @@ def test_a_stepped_shaft_with_three_discs_equals_its_transfer_matrix(trains) -> 
     for mode, w in enumerate(exact[:4]):
         self_motion = _along(trains, parts, w)
         ratio = modes.angle[::3, mode] / modes.angle[0, mode]
-        assert trains.off(ratio[1:], [x for x, _, _ in self_motion]) < 2e-13  # a mode's shape is this sensitive to w
+        assert (
+            trains.off(ratio[1:], [x for x, _, _ in self_motion]) < 2e-13
+        )  # a mode's shape is this sensitive to w
         torque = [t for _, t, _ in self_motion], [t for _, _, t in self_motion]
         assert trains.off(modes.torque[1::3, mode] / modes.angle[0, mode], torque[0]) < 2e-13
-        assert trains.off(modes.shafts.torque_outer[3::3, mode] / modes.angle[0, mode], torque[1]) < 2e-13
+        assert (
+            trains.off(modes.shafts.torque_outer[3::3, mode] / modes.angle[0, mode], torque[1])
+            < 2e-13
+        )
 
 
 def _along(trains, parts, w):
@@ -154,7 +171,9 @@ def test_cutting_a_length_into_pieces_changes_nothing(trains) -> None:
     few, many = (_modes(*_stepped(trains, cut)[:2], 8) for cut in (3, 11))
     assert np.allclose(few.frequency, many.frequency, rtol=2e-15)
     assert np.allclose(few.angle[::3], many.angle[::11], rtol=1e-12, atol=1e-14)
-    assert np.allclose(few.shafts.torque_outer[3::3], many.shafts.torque_outer[11::11], rtol=1e-11, atol=1e-9)
+    assert np.allclose(
+        few.shafts.torque_outer[3::3], many.shafts.torque_outer[11::11], rtol=1e-11, atol=1e-9
+    )
 
 
 def test_a_cone_has_the_frequencies_of_its_elementary_solution(trains) -> None:
@@ -189,7 +208,9 @@ def test_a_train_of_very_unequal_pieces_keeps_its_digits(trains, seed: int) -> N
     parts = [("disc", discs[0])]
     for k in range(8):
         parts += [("shaft", length[k], rigid[k], heavy[k]), ("disc", discs.get(k + 1, 0.0))]
-    exact = [trains.root_near(lambda w: trains.line(parts, w * w)[1, 0], w) for w in modes.frequency]
+    exact = [
+        trains.root_near(lambda w: trains.line(parts, w * w)[1, 0], w) for w in modes.frequency
+    ]
     assert count >= 3
     assert modes.frequency[-1] > 1000 * modes.frequency[0]
     assert trains.off(modes.frequency, exact) < 1e-14
@@ -214,21 +235,27 @@ def _star(arms: int, cut: int, centre: float) -> tuple[Tree, Shafts]:
     inertia = np.zeros(size)
     inertia[0] = centre
     law = uniform_shafts(np.full(size - 1, 1.0 / cut), 1.0, 1.0)
-    return Tree(np.array(parent), np.zeros(size), inertia, np.zeros(size, bool)), Shafts(np.arange(1, size), (law,))
+    return Tree(np.array(parent), np.zeros(size), inertia, np.zeros(size, bool)), Shafts(
+        np.arange(1, size), (law,)
+    )
 
 
 def test_equal_branches_have_repeated_frequencies_with_orthogonal_shapes(trains) -> None:
     """Four equal shafts on a hub: each quarter-wave frequency occurs three times, the hub at rest in all of them."""
     train, bars = _star(4, 4, 2.0)
     modes = _modes(train, bars, 8)
-    exact = sorted([mp.pi / 2] * 3 + [3 * mp.pi / 2] * 3 + [
-        trains.root_near(lambda w: 2 * w + 4 * mp.tan(w), w) for w in (2.4, 5.0)
-    ])  # fmt: skip
+    exact = sorted(
+        [mp.pi / 2] * 3
+        + [3 * mp.pi / 2] * 3
+        + [trains.root_near(lambda w: 2 * w + 4 * mp.tan(w), w) for w in (2.4, 5.0)]
+    )
     assert trains.off(modes.frequency, exact) < 1e-15
     quarter = [k for k in range(8) if abs(modes.frequency[k] / exact[0] - 1) < 1e-12]
     tips, hub = modes.angle[[4, 8, 12, 16]][:, quarter], modes.angle[0, quarter]
     assert np.abs(hub).max() < 1e-13
-    assert np.allclose(tips.T @ tips, 2.0 * np.eye(3), atol=1e-13)  # the inertia of sin^2 over a length 1 is a half
+    assert np.allclose(
+        tips.T @ tips, 2.0 * np.eye(3), atol=1e-13
+    )  # the inertia of sin^2 over a length 1 is a half
     root = modes.torque[[1, 5, 9, 13]][:, quarter]
     assert np.allclose(np.abs(root), np.abs(tips) * np.pi / 2, atol=1e-12)
     assert np.allclose(modes.shafts.kinetic.sum(axis=0), 1.0, rtol=1e-13)
@@ -248,7 +275,9 @@ def test_repeated_shapes_of_stepped_branches_are_those_of_one_branch_by_itself(t
         one = _part(alone, name)[1:, 0]
         scale = modes.angle[[2, 4, 6]][:, pair] / alone.angle[2, 0]
         expected = np.einsum("am,s->asm", scale, one).reshape(6, 2)
-        assert np.allclose(_part(modes, name)[1:, pair], expected, rtol=0, atol=1e-13 * np.abs(one).max()), name
+        assert np.allclose(
+            _part(modes, name)[1:, pair], expected, rtol=0, atol=1e-13 * np.abs(one).max()
+        ), name
     assert np.allclose(modes.shafts.kinetic[:, pair].sum(axis=0), 1.0, rtol=1e-13)
 
 
@@ -319,7 +348,9 @@ def _random_train(random_tree, seed: int, held: str) -> tuple[Tree, Shafts]:
     flexibility = np.where((kind == 0) & ~plain.held, 0.0, 10.0 ** -rng.uniform(0, 8, 14))
     node = np.array([i for i in range(1, 14) if kind[i] > 1])
     law = uniform_shafts(
-        rng.uniform(0.1, 1.0, len(node)), 10.0 ** rng.uniform(0, 8, len(node)), 10.0 ** rng.uniform(-6, -2)
+        rng.uniform(0.1, 1.0, len(node)),
+        10.0 ** rng.uniform(0, 8, len(node)),
+        10.0 ** rng.uniform(-6, -2),
     )
     flexibility[node] = 0.0
     return Tree(plain.parent, flexibility, inertia, plain.held), Shafts(node, (law,))
@@ -366,7 +397,9 @@ def test_counts_in_many_digits_confirm_every_enclosure(random_tree, seed: int, h
 def test_modes_above_what_the_pieces_resolve_are_refused(trains) -> None:
     train, bars = trains.chain(4), trains.pieces(1.0, 1.0, 1.0, 4)
     assert len(_modes(train, bars, 3).frequency) == 3
-    with pytest.raises(SolveError, match=r"only 3 of the requested .* divide the shafts more finely"):
+    with pytest.raises(
+        SolveError, match=r"only 3 of the requested .* divide the shafts more finely"
+    ):
         _modes(train, bars, 4)
 
 
@@ -389,13 +422,24 @@ class _Rough(UniformShafts):
 
 
 @pytest.mark.parametrize(("pieces", "rough"), [(256, False), (16, False), (16, True)])
-def test_a_bound_of_counts_outweighs_the_stiffness_passed_on_and_the_rounding_of_the_law(pieces: int, rough: bool):
+def test_a_bound_of_counts_outweighs_the_stiffness_passed_on_and_the_rounding_of_the_law(
+    pieces: int, rough: bool
+):
     """Of a free shaft the frequencies are j pi exactly, for powers of 2 are exact."""
-    law = (_Rough if rough else UniformShafts)(*(np.full(pieces, v) for v in (1 / pieces, 0.5 / pieces, pieces**-2.0)))
-    tree = Tree(np.arange(-1, pieces), np.zeros(pieces + 1), np.zeros(pieces + 1), np.zeros(pieces + 1, bool))
+    law = (_Rough if rough else UniformShafts)(
+        *(np.full(pieces, v) for v in (1 / pieces, 0.5 / pieces, pieces**-2.0))
+    )
+    tree = Tree(
+        np.arange(-1, pieces),
+        np.zeros(pieces + 1),
+        np.zeros(pieces + 1),
+        np.zeros(pieces + 1, bool),
+    )
     exact = [mp.pi * j for j in range(1, 6)]
     near = np.array([[float(w) * (1.0 + k * 2.0**-52) for k in range(-6, 7)] for w in exact])
-    below = np.array([[1 + sum(w < mp.mpf(x) for w in exact) for x in row] for row in near.tolist()])
+    below = np.array(
+        [[1 + sum(w < mp.mpf(x) for w in exact) for x in row] for row in near.tolist()]
+    )
     at_most, at_least = count_bounds(
         replace(tree, shafts=Shafts(np.arange(1, pieces + 1), (law,))), *[near.ravel()] * 2
     )

@@ -19,7 +19,11 @@ def _modes(tree: Tree, shafts: Shafts, count: int) -> TreeModes:
     return tree_modes(replace(tree, shafts=shafts), count)
 
 
-LENGTH, RIGIDITY, HEAVY = np.array([0.4, 0.9, 0.3]), np.array([2e6, 5e6, 1e6]), np.array([0.8, 2.0, 0.4])
+LENGTH, RIGIDITY, HEAVY = (
+    np.array([0.4, 0.9, 0.3]),
+    np.array([2e6, 5e6, 1e6]),
+    np.array([0.8, 2.0, 0.4]),
+)
 DISCS = [3.0, 0.0, 0.5, 8.0]
 
 
@@ -36,7 +40,9 @@ def _train(cut: int) -> tuple[Tree, Shafts]:
 def _exact(trains, w: float, eta: float, force: list[complex]):
     """Angles of the four stations and torques at both ends of the three lengths: a state with a column of sources."""
     s, turn = mp.mpf(w) ** 2, mp.mpc(1, eta)
-    state = mp.matrix([[1, 0], [0, 0]])  # (angle, torque towards the far end), by the first angle and by the sources
+    state = mp.matrix(
+        [[1, 0], [0, 0]]
+    )  # (angle, torque towards the far end), by the first angle and by the sources
     places, ends = [], []
     for k, disc in enumerate(DISCS):
         places.append(state[0, :])
@@ -44,7 +50,9 @@ def _exact(trains, w: float, eta: float, force: list[complex]):
         state[1, 1] += mp.mpmathify(force[k])
         if k < 3:
             before = state[1, :]
-            state = trains.line([("shaft", LENGTH[k], turn * mp.mpf(RIGIDITY[k]), HEAVY[k])], s) * state
+            state = (
+                trains.line([("shaft", LENGTH[k], turn * mp.mpf(RIGIDITY[k]), HEAVY[k])], s) * state
+            )
             ends.append((before, state[1, :]))
     first = -state[1, 1] / state[1, 0]
 
@@ -85,7 +93,9 @@ def test_loss_factors_may_differ_from_shaft_to_shaft(trains) -> None:
         for k, disc in enumerate(DISCS):
             parts.append(("disc", disc))
             if k < 3:
-                parts.append(("shaft", LENGTH[k], mp.mpc(1, loss[k]) * mp.mpf(RIGIDITY[k]), HEAVY[k]))
+                parts.append(
+                    ("shaft", LENGTH[k], mp.mpc(1, loss[k]) * mp.mpf(RIGIDITY[k]), HEAVY[k])
+                )
         whole = trains.line(parts, s)
         line = trains.line(parts[1:], s)
         first = complex(-line[1, 1] / whole[1, 0])
@@ -114,7 +124,9 @@ def test_without_bars_both_ends_of_a_span_have_one_torque(random_tree) -> None:
 def test_exactly_at_resonance_a_line_is_marked(trains) -> None:
     train, bars = trains.chain(4, {4: 1.0}), trains.pieces(1.0, 1.0, 1.0, 4)
     w = _modes(train, bars, 1).frequency
-    found = tree_response(replace(train, shafts=bars), np.append(w, 2.2), np.array([1.0, 0, 0, 0, 0]))
+    found = tree_response(
+        replace(train, shafts=bars), np.append(w, 2.2), np.array([1.0, 0, 0, 0, 0])
+    )
     marks = status(found.amplification, found.residual)
     assert marks[0] != Status.OK
     assert marks[1] == Status.OK
@@ -131,7 +143,9 @@ def test_an_answer_from_elsewhere_is_judged_by_its_residual(trains) -> None:
     train, bars = _train(2)
     w, force = np.array([100.0, 2000.0]), np.arange(7.0)
     given = replace(train, shafts=bars), w, force
-    problem, answer = (solve(*given, shaft_loss=np.full(6, 0.01)) for solve in (pose, tree_response))
+    problem, answer = (
+        solve(*given, shaft_loss=np.full(6, 0.01)) for solve in (pose, tree_response)
+    )
     assert residual_of(problem, answer).max() < 1e-14
     answer.torque[3] *= 1.0 + 1e-6
     assert residual_of(problem, answer).min() > 1e-9
@@ -140,7 +154,9 @@ def test_an_answer_from_elsewhere_is_judged_by_its_residual(trains) -> None:
 def test_a_twist_along_a_bar_is_refused() -> None:
     train, bars = _train(1)
     with pytest.raises(ValueError, match="twist is imposed on a span with distributed inertia"):
-        tree_response(replace(train, shafts=bars), np.ones(1), np.ones(4), twist=np.array([0, 1.0, 0, 0]))
+        tree_response(
+            replace(train, shafts=bars), np.ones(1), np.ones(4), twist=np.array([0, 1.0, 0, 0])
+        )
     with pytest.raises(ValueError, match=r"shaft_loss has shape \(2,\); expected \(3,\)"):
         tree_response(replace(train, shafts=bars), np.ones(1), np.ones(4), shaft_loss=np.ones(2))
 

@@ -23,10 +23,13 @@ def series(ratio: float) -> list[float]:
     """t_1 .. t_6 of T/(m r^2 w^2) = sum t_k sin k angle, exact polynomials up to the 7th power of the ratio."""
     p = [ratio**k for k in range(8)]
     return [
-        p[1] / 4 + p[3] / 16 + 15 * p[5] / 512 + 35 * p[7] / 2048, -0.5 - p[4] / 32 - p[6] / 32,
-        -3 * p[1] / 4 - 9 * p[3] / 32 - 81 * p[5] / 512 - 105 * p[7] / 1024, -p[2] / 4 - p[4] / 8 - p[6] / 16,
-        5 * p[3] / 32 + 75 * p[5] / 512, 3 * p[4] / 32 + 3 * p[6] / 32,
-    ]  # fmt: skip
+        p[1] / 4 + p[3] / 16 + 15 * p[5] / 512 + 35 * p[7] / 2048,
+        -0.5 - p[4] / 32 - p[6] / 32,
+        -3 * p[1] / 4 - 9 * p[3] / 32 - 81 * p[5] / 512 - 105 * p[7] / 1024,
+        -p[2] / 4 - p[4] / 8 - p[6] / 16,
+        5 * p[3] / 32 + 75 * p[5] / 512,
+        3 * p[4] / 32 + 3 * p[6] / 32,
+    ]
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.05, 0.1])
@@ -40,7 +43,9 @@ def test_inertia_torque_is_its_series_in_the_ratio_of_crank_and_rod(ratio: float
 def test_inertia_torque_has_all_digits_of_the_vector(ratio: float, key: str) -> None:
     crank, known = CrankSlider(ratio, 1.0), ORACLES["inertia_series"]
     found = crank.inertia_torque(8, 1.0) / ratio**2
-    wanted = next(values for name, values in known.items() if name.startswith(f"exact lambda {key}"))
+    wanted = next(
+        values for name, values in known.items() if name.startswith(f"exact lambda {key}")
+    )
     np.testing.assert_allclose(-found.imag[1:], wanted, rtol=0, atol=1e-12)
     mean = crank.inertia_harmonics(0, 1.0)[0].real / ratio**2
     assert mean == pytest.approx(known["mean inertia/(m r^2)"][key], rel=1e-14)
@@ -52,7 +57,9 @@ def test_offset_crank_has_the_dead_centres_stroke_and_motion_of_the_vector() -> 
     assert math.degrees(crank.top + crank.bottom) == pytest.approx(known["bdc_deg"], rel=1e-14)
     assert crank.stroke == pytest.approx(known["stroke"], rel=1e-14)
     for degrees, values in known["th_deg: x, x1, x2"].items():
-        np.testing.assert_allclose(crank.piston(math.radians(float(degrees)) - crank.top), values, rtol=1e-13)
+        np.testing.assert_allclose(
+            crank.piston(math.radians(float(degrees)) - crank.top), values, rtol=1e-13
+        )
     turned = np.exp(-1j * crank.top * np.arange(5)) * crank.inertia_torque(4, 1.0)
     for order, a, b in known["inertia torque per m w^2: k, a, b"]:
         assert turned[order] == pytest.approx(complex(a, -b), rel=1e-7)
@@ -61,7 +68,9 @@ def test_offset_crank_has_the_dead_centres_stroke_and_motion_of_the_vector() -> 
 @pytest.mark.parametrize("offset", [0.0, 0.01, -0.02])
 def test_a_stroke_gives_back_its_crank_radius(offset: float) -> None:
     crank = CrankSlider(0.05, 0.15, offset)
-    assert CrankSlider.of_stroke(crank.stroke, 0.15, offset).radius == pytest.approx(0.05, rel=1e-13)
+    assert CrankSlider.of_stroke(crank.stroke, 0.15, offset).radius == pytest.approx(
+        0.05, rel=1e-13
+    )
 
 
 def test_a_small_offset_changes_nothing_but_by_its_own_size() -> None:
@@ -93,7 +102,10 @@ def test_rod_adds_the_inertia_of_the_published_engine() -> None:
     assert rod.reciprocating(crank.rod) == pytest.approx(known["reciprocating_share"], rel=1e-14)
     correction = rod.correction(crank.rod)
     assert correction == pytest.approx(known["J_c"], rel=1e-13)
-    turning, mass = rod.rotating(crank.rod) * crank.radius**2, known["piston"] + rod.reciprocating(crank.rod)
+    turning, mass = (
+        rod.rotating(crank.rod) * crank.radius**2,
+        known["piston"] + rod.reciprocating(crank.rod),
+    )
     found = crank.inertia_harmonics(4, mass, correction)
     assert found[0].real + turning == pytest.approx(known["mean_equivalent_inertia"], rel=1e-13)
     without = crank.inertia_harmonics(0, mass)[0].real + turning
@@ -102,9 +114,19 @@ def test_rod_adds_the_inertia_of_the_published_engine() -> None:
 
 
 def test_the_kinetic_energy_of_the_rod_is_that_of_a_rigid_body() -> None:
-    crank, rod, angle, step = CrankSlider(0.0685, 0.207), Rod(1.8, 0.06, 0.014), np.linspace(0.0, 6.2, 40), 1e-5
-    inertia = 2.0 * 0.5 * rod.reciprocating(0.207) * crank.piston(angle)[1] ** 2  # 2 x kinetic energy / speed^2
-    inertia += rod.rotating(0.207) * crank.radius**2 + rod.correction(0.207) * crank.rod_angle(angle)[0] ** 2
+    crank, rod, angle, step = (
+        CrankSlider(0.0685, 0.207),
+        Rod(1.8, 0.06, 0.014),
+        np.linspace(0.0, 6.2, 40),
+        1e-5,
+    )
+    inertia = (
+        2.0 * 0.5 * rod.reciprocating(0.207) * crank.piston(angle)[1] ** 2
+    )  # 2 x kinetic energy / speed^2
+    inertia += (
+        rod.rotating(0.207) * crank.radius**2
+        + rod.correction(0.207) * crank.rod_angle(angle)[0] ** 2
+    )
 
     def place(a):
         lean = np.arcsin(crank.radius * np.sin(a) / crank.rod)
@@ -121,7 +143,9 @@ def test_estimates_of_a_throw_are_those_of_the_vector() -> None:
     known = ORACLES["crank_throw"]
     sizes = {key: known[key] for key in ("D_j", "D_p", "L_j", "L_p", "R", "G")}
     web = known["web thickness"], known["web width"]
-    throw = Throw((sizes["D_j"], 0.0, sizes["L_j"]), (sizes["D_p"], 0.0, sizes["L_p"]), web, sizes["R"])
+    throw = Throw(
+        (sizes["D_j"], 0.0, sizes["L_j"]), (sizes["D_p"], 0.0, sizes["L_p"]), web, sizes["R"]
+    )
     assert carter(throw, sizes["G"]) == pytest.approx(known["Carter L_e mm, k"][1], rel=1e-13)
     assert ker_wilson(throw, sizes["G"]) == pytest.approx(known["Ker Wilson"][1], rel=1e-13)
 
@@ -139,11 +163,17 @@ def test_the_wiebe_cycle_has_all_digits_of_the_worked_vector() -> None:
     assert found.peak == pytest.approx(160e5, rel=1e-12)
     same = timed(marine(), 20e5, math.radians(-9.481288987))
     for degrees, pressure in known["p_bar at deg"].items():
-        assert float(same.pressure(np.array(math.radians(float(degrees))))) == pytest.approx(1e5 * pressure, abs=0.2)
-    rows = np.array(known["order, a, b, amplitude, phase deg, motored a, motored b (bar; torque = A r t)"])
+        assert float(same.pressure(np.array(math.radians(float(degrees))))) == pytest.approx(
+            1e5 * pressure, abs=0.2
+        )
+    rows = np.array(
+        known["order, a, b, amplitude, phase deg, motored a, motored b (bar; torque = A r t)"]
+    )
     for cycle, a, b in ((same, 1, 2), (same.motored, 5, 6)):
         found_rows = cycle.torque(24)[1:] / cycle.cylinder.tangential / 1e5
-        np.testing.assert_allclose(found_rows, rows[:, a] - 1j * rows[:, b], rtol=5e-8, atol=6e-8)  # 8 digits, 3e-8
+        np.testing.assert_allclose(
+            found_rows, rows[:, a] - 1j * rows[:, b], rtol=5e-8, atol=6e-8
+        )  # 8 digits, 3e-8
     motored = found.cylinder.imep(found.motored.torque(0)[0].real)
     assert motored == pytest.approx(0.5e5, rel=1e-12)  # by charge exchange alone: 3.0 - 2.5
 
@@ -153,9 +183,13 @@ def test_the_pressure_of_a_cycle_solves_its_differential_equation() -> None:
     angle = np.radians([-5.0, 3.0, 20.0, 45.0])
     slope = (cycle.closed(angle + step) - cycle.closed(angle - step)) / (2 * step)
     volume = cycle.cylinder.volume(angle, cycle.ratio)
-    grows = (cycle.cylinder.volume(angle + step, 14.0) - cycle.cylinder.volume(angle - step, 14.0)) / (2 * step)
+    grows = (
+        cycle.cylinder.volume(angle + step, 14.0) - cycle.cylinder.volume(angle - step, 14.0)
+    ) / (2 * step)
     y = (angle - cycle.start) / cycle.duration
-    heat = cycle.heat * 2 * 6.908 / cycle.duration * y * np.exp(-6.908 * y**2) / (1 - math.exp(-6.908))
+    heat = (
+        cycle.heat * 2 * 6.908 / cycle.duration * y * np.exp(-6.908 * y**2) / (1 - math.exp(-6.908))
+    )
     wanted = ((cycle.gamma - 1) * heat - cycle.gamma * cycle.closed(angle) * grows) / volume
     np.testing.assert_allclose(slope, wanted, rtol=1e-7)
 
@@ -169,7 +203,9 @@ def test_a_peak_out_of_reach_is_refused_with_what_can_be_reached() -> None:
     with pytest.raises(UnreachablePressure) as caught:
         fitted(marine(), 20e5, 500e5)
     assert 160e5 < caught.value.highest < 500e5
-    assert fitted(marine(), 20e5, 0.99 * caught.value.highest).peak == pytest.approx(0.99 * caught.value.highest)
+    assert fitted(marine(), 20e5, 0.99 * caught.value.highest).peak == pytest.approx(
+        0.99 * caught.value.highest
+    )
 
 
 def test_a_two_stroke_cycle_keeps_its_work_and_ends_where_it_begins() -> None:
@@ -181,9 +217,13 @@ def test_a_two_stroke_cycle_keeps_its_work_and_ends_where_it_begins() -> None:
     np.testing.assert_allclose(ends, 3.5e5, rtol=1e-12)
     work = quad(
         lambda a: float(cycle.pressure(np.array(a)) * cylinder.lever(np.array(a))),
-        cycle.closes, cycle.closes + 2 * math.pi, points=cycle.corners[1:-1].tolist(), limit=400,
-        epsabs=0, epsrel=1e-12,
-    )[0]  # fmt: skip
+        cycle.closes,
+        cycle.closes + 2 * math.pi,
+        points=cycle.corners[1:-1].tolist(),
+        limit=400,
+        epsabs=0,
+        epsrel=1e-12,
+    )[0]
     assert work / cylinder.swept == pytest.approx(18e5, rel=1e-10)
 
 
@@ -198,13 +238,20 @@ def test_mean_tangential_pressure_is_imep_over_the_angle_of_a_cycle(revolutions:
     pressure[-1] = pressure[0]
     found = Diagram(angle, pressure).torque(cylinder, 4)
     work = sum(
-        quad(lambda a: float(np.interp(a, angle, pressure) * cylinder.lever(np.array(a))), low, high, epsrel=1e-13)[0]
+        quad(
+            lambda a: float(np.interp(a, angle, pressure) * cylinder.lever(np.array(a))),
+            low,
+            high,
+            epsrel=1e-13,
+        )[0]
         for low, high in pairwise(angle.tolist())
     )
     t_0 = found[0].real / (cylinder.area * cylinder.crank.stroke / 2.0)
     imep = work / (cylinder.area * cylinder.crank.stroke)
     assert t_0 == pytest.approx(imep / (math.pi * revolutions), rel=1e-12)
-    assert cylinder.mean_torque(cylinder.imep(found[0].real)) == pytest.approx(found[0].real, rel=1e-15)
+    assert cylinder.mean_torque(cylinder.imep(found[0].real)) == pytest.approx(
+        found[0].real, rel=1e-15
+    )
 
 
 def test_harmonics_are_those_of_a_long_fast_transform() -> None:
@@ -216,7 +263,9 @@ def test_harmonics_are_those_of_a_long_fast_transform() -> None:
     at = -math.pi + 4 * math.pi / number * np.arange(number)
     samples = np.interp(at, angle, pressure) * cylinder.lever(at)
     wanted = 2.0 * np.fft.rfft(samples)[:25] / number * np.exp(1j * math.pi * np.arange(25) / 2.0)
-    np.testing.assert_allclose(diagram.torque(cylinder, 24)[1:], wanted[1:], atol=1e-9 * np.abs(wanted).max())
+    np.testing.assert_allclose(
+        diagram.torque(cylinder, 24)[1:], wanted[1:], atol=1e-9 * np.abs(wanted).max()
+    )
 
 
 def test_quadrature_of_single_harmonics_is_exact() -> None:
@@ -226,7 +275,11 @@ def test_quadrature_of_single_harmonics_is_exact() -> None:
 
 
 LAW = GasLaw(
-    "load", np.array([4.0, 100.0]), np.array([[4.0, 1 + 2j], [100.0, 5 - 8j]]), np.array([[4.0, 1 + 2j]]), True
+    "load",
+    np.array([4.0, 100.0]),
+    np.array([[4.0, 1 + 2j], [100.0, 5 - 8j]]),
+    np.array([[4.0, 1 + 2j]]),
+    True,
 )
 
 
@@ -236,19 +289,27 @@ def test_a_misfiring_cylinder_is_motored_and_one_cut_out_has_no_gas_torque() -> 
     np.testing.assert_allclose(LAW.harmonic(1, load, speed, state="cut out"), 0.0)
     whole, some = (LAW.harmonic(1, load, speed, share=share) for share in (1.0, 0.5))
     np.testing.assert_allclose(some, (whole + (1 + 2j)) / 2.0, rtol=1e-15)
-    np.testing.assert_allclose(LAW.harmonic(0, 2 * load, speed).real, 2 * load)  # straight beyond its end
+    np.testing.assert_allclose(
+        LAW.harmonic(0, 2 * load, speed).real, 2 * load
+    )  # straight beyond its end
 
 
 def test_the_torque_of_moving_masses_goes_on_while_a_cylinder_does_not_fire() -> None:
     order = CylinderOrder(LAW, 1, 0.5j, np.exp(-0.5j * 3.0), 0, 1.0, "cut out")
     speed = np.array([10.0])
-    np.testing.assert_allclose(order.amplitude(speed, np.array([50.0])), np.exp(-1.5j) * 0.5j * 100.0, rtol=1e-15)
+    np.testing.assert_allclose(
+        order.amplitude(speed, np.array([50.0])), np.exp(-1.5j) * 0.5j * 100.0, rtol=1e-15
+    )
 
 
 def test_a_diagram_mirrored_is_symmetric_while_the_cylinder_expands() -> None:
     cylinder = Cylinder(CrankSlider(0.07, 0.21), 0.01, 2)
-    cycle = timed(Cycle(cylinder, 16.0, 2e5, 2e5, 1.35, 1.0, math.radians(60.0)), 15e5, math.radians(2.0))
+    cycle = timed(
+        Cycle(cylinder, 16.0, 2e5, 2e5, 1.35, 1.0, math.radians(60.0)), 15e5, math.radians(2.0)
+    )
     angle = np.linspace(cycle.closes, cycle.closes + 4 * math.pi, 7201)
     mirrored = Diagram(angle, cycle.pressure(angle)).mirrored(cylinder).torque(cylinder, 24)
-    motored = cycle.motored.torque(24)  # heat begins behind top dead centre: the compression says all
+    motored = cycle.motored.torque(
+        24
+    )  # heat begins behind top dead centre: the compression says all
     np.testing.assert_allclose(mirrored, motored, atol=2e-5 * np.abs(motored).max())

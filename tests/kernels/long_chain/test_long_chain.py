@@ -23,7 +23,12 @@ def _row(seed, size, *, rigid=0.0, massless=0.0, held=()):
     rng = np.random.default_rng(seed)
     flexibility = np.where(rng.random(size) < rigid, 0.0, 10 ** -rng.uniform(0, 12, size))
     inertia = np.where(rng.random(size) < massless, 0.0, 10 ** rng.uniform(-6, 4, size))
-    return Tree(np.arange(size) - 1, flexibility, inertia, np.isin(np.arange(size), [h % size for h in held]))
+    return Tree(
+        np.arange(size) - 1,
+        flexibility,
+        inertia,
+        np.isin(np.arange(size), [h % size for h in held]),
+    )
 
 
 def _componentwise(found, exact):
@@ -34,16 +39,26 @@ def _componentwise(found, exact):
         lead = max(range(len(reference)), key=lambda i, r=reference: abs(r[i]))
         sign = 1 if column[lead] * reference[lead] > 0 else -1
         small = mp.mpf(10) ** -95 * abs(reference[lead])
-        errors = (abs(sign * mp.mpf(f) / e - 1) for f, e in zip(column, reference, strict=True) if abs(e) >= small)
+        errors = (
+            abs(sign * mp.mpf(f) / e - 1)
+            for f, e in zip(column, reference, strict=True)
+            if abs(e) >= small
+        )
         worst = max(worst, *map(float, errors))
     return worst
 
 
-@pytest.mark.parametrize(("held", "phase"), [((), "free"), ((0,), "quarter"), ((-1,), "quarter"), ((0, -1), "half")])
+@pytest.mark.parametrize(
+    ("held", "phase"), [((), "free"), ((0,), "quarter"), ((-1,), "quarter"), ((0, -1), "half")]
+)
 def test_long_uniform_chain_has_the_frequencies_2_sin(held, phase):
     modes = tree_modes(_uniform(LONG, [h % LONG for h in held]), 20)
     j = np.arange(1, 21)
-    turns = {"free": j / (2 * LONG), "quarter": (2 * j - 1) / (4 * LONG - 2), "half": j / (2 * (LONG - 1))}
+    turns = {
+        "free": j / (2 * LONG),
+        "quarter": (2 * j - 1) / (4 * LONG - 2),
+        "half": j / (2 * (LONG - 1)),
+    }
     exact = 2 * np.sin(np.pi * turns[phase])
     np.testing.assert_allclose(modes.frequency, exact, rtol=1e-15)
     assert modes.certified
@@ -59,7 +74,9 @@ def test_long_uniform_chain_has_cosine_shapes_and_sine_torques():
     torque = np.sqrt(2 / LONG) * modes.frequency * np.sin(j * np.pi * station / LONG)
     largest = np.sqrt(2 / LONG)
     np.testing.assert_allclose(modes.angle, shape, atol=1e-11 * largest)
-    np.testing.assert_allclose(modes.torque[1:] / modes.frequency, torque[1:] / modes.frequency, atol=1e-10 * largest)
+    np.testing.assert_allclose(
+        modes.torque[1:] / modes.frequency, torque[1:] / modes.frequency, atol=1e-10 * largest
+    )
     np.testing.assert_allclose(modes.angle.T @ modes.angle, np.eye(8), atol=1e-12)
     np.testing.assert_allclose(modes.rigid_angle, LONG**-0.5, rtol=1e-14)
 
@@ -70,7 +87,9 @@ def test_stiff_rows_are_right_in_every_component(exact_modes, held, size):
     tree = _row(size, size, held=held)
     modes, exact = long_chain_modes(tree, size), exact_modes(tree)
     assert len(modes.frequency) == len(exact.frequency)
-    for low, w, high in zip(modes.lower.tolist(), exact.frequency, modes.upper.tolist(), strict=True):
+    for low, w, high in zip(
+        modes.lower.tolist(), exact.frequency, modes.upper.tolist(), strict=True
+    ):
         assert low <= w <= high <= low * (1 + 1e-13)
     np.testing.assert_allclose(modes.frequency, [float(w) for w in exact.frequency], rtol=3e-15)
     assert _componentwise(modes.angle, exact.angle) < 1e-12
@@ -83,17 +102,23 @@ def test_rigid_spans_and_massless_stations_are_merged_without_loss(exact_modes, 
     tree = _row(seed, 16, rigid=0.3, massless=0.3, held=held)
     modes, exact = long_chain_modes(tree, 16), exact_modes(tree)
     np.testing.assert_allclose(modes.frequency, [float(w) for w in exact.frequency], rtol=5e-15)
-    for low, w, high in zip(modes.lower.tolist(), exact.frequency, modes.upper.tolist(), strict=True):
+    for low, w, high in zip(
+        modes.lower.tolist(), exact.frequency, modes.upper.tolist(), strict=True
+    ):
         assert low <= w <= high
     largest = [max(map(abs, t)) for t in exact.torque]
     lead = [int(np.argmax([abs(float(a)) for a in shape])) for shape in exact.angle]
     for mode, (angle, torque) in enumerate(zip(exact.angle, exact.torque, strict=True)):
         sign = np.sign(modes.angle[lead[mode], mode] * float(angle[lead[mode]]))
-        free = tree.flexibility[1:] > 0  # what a rigid span to a fixed station carries is compared below
+        free = (
+            tree.flexibility[1:] > 0
+        )  # what a rigid span to a fixed station carries is compared below
         moved = np.array([float(t / largest[mode]) for t in torque[1:]])
         stated = sign * modes.torque[1:, mode] / float(largest[mode])
         np.testing.assert_allclose(stated[free], moved[free], atol=1e-13)
-        np.testing.assert_allclose(sign * modes.angle[:, mode], [float(a) for a in angle], rtol=1e-11, atol=0)
+        np.testing.assert_allclose(
+            sign * modes.angle[:, mode], [float(a) for a in angle], rtol=1e-11, atol=0
+        )
 
 
 @pytest.mark.parametrize("held", [(), (0, -1)])
@@ -151,14 +176,25 @@ def test_progress_is_told_after_every_mode():
 def test_two_equal_halves_on_a_soft_span_are_left_to_the_tree():
     half = _row(2, 12)
     flexibility = np.concatenate([half.flexibility, [1e25], half.flexibility[:0:-1]])
-    tree = Tree(np.arange(24) - 1, flexibility, np.concatenate([half.inertia, half.inertia[::-1]]), np.zeros(24, bool))
+    tree = Tree(
+        np.arange(24) - 1,
+        flexibility,
+        np.concatenate([half.inertia, half.inertia[::-1]]),
+        np.zeros(24, bool),
+    )
     assert long_chain_modes(tree, 6) is None
     assert len(tree_modes(tree, 6).frequency) == 6
 
 
 @pytest.mark.parametrize(
     ("parent", "held"),
-    [([-1, 0, 0, 0], ()), ([-1, 0, -1, 2], ()), ([-1, 0, 1, 1], ()), ([-1, 0, 0, 2], (0,)), ([-1, -1], ())],
+    [
+        ([-1, 0, 0, 0], ()),
+        ([-1, 0, -1, 2], ()),
+        ([-1, 0, 1, 1], ()),
+        ([-1, 0, 0, 2], (0,)),
+        ([-1, -1], ()),
+    ],
 )
 def test_what_is_no_row_is_left_to_the_tree(parent, held):
     size = len(parent)
@@ -182,7 +218,9 @@ def test_without_the_routines_the_tree_finds_the_same(monkeypatch):
 
 def test_units_far_out_of_range_are_refused():
     with pytest.raises(SolveError, match="check the units"):
-        long_chain_modes(Tree(np.arange(3) - 1, np.full(3, 1e-200), np.full(3, 1e-150), np.zeros(3, bool)), 1)
+        long_chain_modes(
+            Tree(np.arange(3) - 1, np.full(3, 1e-200), np.full(3, 1e-150), np.zeros(3, bool)), 1
+        )
 
 
 def test_shapes_of_close_frequencies_are_orthogonal():

@@ -38,7 +38,9 @@ def _exact(chain):
                 matrix[i, i + 1] -= 1 / mp.mpf(h)
                 matrix[i + 1, i] -= 1 / mp.mpf(h)
         root = [mp.sqrt(a) for a in inertia]
-        scaled = mp.matrix([[matrix[i, j] / root[i] / root[j] for j in range(size)] for i in range(size)])
+        scaled = mp.matrix(
+            [[matrix[i, j] / root[i] / root[j] for j in range(size)] for i in range(size)]
+        )
         return sorted(mp.eigsy(scaled, eigvals_only=True))[int(chain.is_free) :]
 
 
@@ -73,7 +75,9 @@ def test_an_even_mixture_of_two_modes_gives_a_wide_but_true_enclosure_of_either(
     even = np.cos(np.array([2, 3]) * np.pi * (station + 0.5) / 6).sum(axis=1)
     w = 2 * np.sin(np.arange(5) * np.pi / 12)
     for mode in (2, 3):
-        bounds = quotient(chain, even).enclosure(w[mode - 1] * (1 + 1e-12), w[mode + 1] * (1 - 1e-12))
+        bounds = quotient(chain, even).enclosure(
+            w[mode - 1] * (1 + 1e-12), w[mode + 1] * (1 - 1e-12)
+        )
         assert bounds is None or bounds[0] <= w[mode] <= bounds[1]
 
 

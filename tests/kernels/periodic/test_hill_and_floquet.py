@@ -17,7 +17,9 @@ ONE_DEGREE = [
 ]  # joint angle in deg, boundaries of speed / natural frequency
 
 
-def joint_equation(angle: float, speed: float, zeta: float = 0.0, times: int = 193) -> tuple[np.ndarray, ...]:
+def joint_equation(
+    angle: float, speed: float, zeta: float = 0.0, times: int = 193
+) -> tuple[np.ndarray, ...]:
     """y'' + 2 zeta y' + y/i^2 = 0 with the speed ratio i of a joint (rad), over half a turn; and the period."""
     turned = np.pi * np.arange(times) / times
     ratio = math.cos(angle) / (1.0 - (math.sin(angle) * np.sin(turned)) ** 2)
@@ -35,7 +37,9 @@ def test_one_degree_behind_a_joint_loses_stability_at_the_closed_boundaries(angl
     beta = math.radians(angle)
     for boundary in (lower, upper):
         near = 1e-3 * boundary
-        found = brentq(lambda w: trace(beta, w) + 2.0, boundary - near, boundary + near, xtol=1e-15, rtol=1e-15)
+        found = brentq(
+            lambda w: trace(beta, w) + 2.0, boundary - near, boundary + near, xtol=1e-15, rtol=1e-15
+        )
         assert found == pytest.approx(boundary, rel=1e-12)
 
 
@@ -67,7 +71,9 @@ def growth(speed: float, zeta: float = 0.0) -> float:
     return float(exponents(np.linalg.eigvals(monodromy(*parts, period, 24)), period).real.max())
 
 
-@pytest.mark.parametrize(("lower", "upper"), [(77.334541267, 82.769397402), (315.880251578, 325.424472699)])
+@pytest.mark.parametrize(
+    ("lower", "upper"), [(77.334541267, 82.769397402), (315.880251578, 325.424472699)]
+)
 def test_two_degrees_have_the_published_principal_and_sum_zone(lower, upper):
     for boundary, inward in ((lower, 1.0), (upper, -1.0)):
         step = 1e-8 * boundary * inward
@@ -135,14 +141,18 @@ def test_coordinate_without_inertia_follows_and_adds_a_multiplier_of_nothing():
     split = np.linalg.eigvals(monodromy(mass, damping, stiffness, 2.0 * math.pi, 40))
     split = split[np.argsort(np.abs(split))]
     assert np.abs(split[:2]) == pytest.approx([0.0, 0.0], abs=1e-12)
-    assert np.sort_complex(split[2:]) == pytest.approx(np.sort_complex(np.linalg.eigvals(whole)), rel=1e-10)
+    assert np.sort_complex(split[2:]) == pytest.approx(
+        np.sort_complex(np.linalg.eigvals(whole)), rel=1e-10
+    )
 
 
 def test_collocation_is_exact_for_polynomials_up_to_its_stages():
     rule = radau(5)
     assert rule.node[-1] == 1.0
     for degree in range(5):
-        assert rule.matrix @ rule.node**degree == pytest.approx(rule.node ** (degree + 1) / (degree + 1), rel=1e-13)
+        assert rule.matrix @ rule.node**degree == pytest.approx(
+            rule.node ** (degree + 1) / (degree + 1), rel=1e-13
+        )
     assert rule.matrix[-1] @ rule.node**8 == pytest.approx(1.0 / 9.0, rel=1e-12)
 
 

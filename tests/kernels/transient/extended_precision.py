@@ -64,7 +64,10 @@ class Reference:
             found = [(contact * torque, (2 * contact, slip))]
         else:
             side = contact // 2
-            found = [(side * twist - half * one, (0, slip)), (-side * self.rows(side, slip)[0], (side, slip))]
+            found = [
+                (side * twist - half * one, (0, slip)),
+                (-side * self.rows(side, slip)[0], (side, slip)),
+            ]
         if slip:
             return [*found, (slip * speed, (contact, 0))]
         most = self.friction[2]
@@ -95,18 +98,24 @@ class Reference:
                     low, high = np.longdouble(0.0), np.longdouble(1.0)
                     for _ in range(70):
                         middle = (low + high) / 2
-                        low, high = (low, middle) if polynomial(ends, middle) < 0.0 else (middle, high)
+                        low, high = (
+                            (low, middle) if polynomial(ends, middle) < 0.0 else (middle, high)
+                        )
                     if low < best:
                         best, following = low, after
             share = min(best, np.longdouble(1.0))
             later = time + share * np.longdouble(step)
             while len(read) < len(at) and at[len(read)] <= later:
-                inside = polynomial(terms, (np.longdouble(at[len(read)]) - time) / np.longdouble(step))
+                inside = polynomial(
+                    terms, (np.longdouble(at[len(read)]) - time) / np.longdouble(step)
+                )
                 read.append([float(row @ inside) for row in self.rows(*state)[:2]])
             z, time = polynomial(terms, share), later
             if best <= 1.0:
                 if following[1] != state[1] and state[1]:  # sticks with the torque of slipping
-                    z[2 * n] = self.friction[0] @ z[:n] - state[1] * self.friction[2] / self.friction[1]
+                    z[2 * n] = (
+                        self.friction[0] @ z[:n] - state[1] * self.friction[2] / self.friction[1]
+                    )
                 if following[1] != state[1] or abs(following[0]) == 1 or abs(state[0]) == 1:
                     times.append(float(time))
                     values.append(tuple(float(row @ z) for row in self.rows(*following)[:2]))
@@ -141,11 +150,16 @@ def ten_stations(
     for part, first in ((slice(0, 6), 2), (slice(6, 10), 7)):
         size = part.stop - part.start
         tree = Tree(
-            np.arange(-1, size - 1), np.array([0.0, *1.0 / spans[part.start : part.stop - 1]]), inertia[part],
+            np.arange(-1, size - 1),
+            np.array([0.0, *1.0 / spans[part.start : part.stop - 1]]),
+            inertia[part],
             np.zeros(size, dtype=bool),
-        )  # fmt: skip
+        )
         found = tree_modes(tree, None)
-        w[first - 2 : first + size - 3], shape[part, first : first + size - 1] = found.frequency, found.angle
+        w[first - 2 : first + size - 3], shape[part, first : first + size - 1] = (
+            found.frequency,
+            found.angle,
+        )
     shape /= np.sqrt((inertia[:, None] * shape**2).sum(axis=0))
     ends = twist @ shape
     ends[:, 0], ends[8, 1] = 0.0, 0.0
@@ -155,7 +169,13 @@ def ten_stations(
         pushed = inertia[:, None] * shape
         damping = (pushed[:, 2:] * (2.0 * ratio * w)) @ pushed[:, 2:].T
     reference = Reference(
-        inertia, damping, stiffness, (twist[cut], 1e5, 0.005, 20.0), (twist[8], 5e4, 5.0), *loads, rate
+        inertia,
+        damping,
+        stiffness,
+        (twist[cut], 1e5, 0.005, 20.0),
+        (twist[8], 5e4, 5.0),
+        *loads,
+        rate,
     )
     pieces = (Piece(0.0, math.inf, 1.0, rate=rate),), (Piece(0.0, math.inf, 1.0),)
     force = (shape.T @ loads.T).astype(complex)

@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.integrate import solve_ivp
 
-Law = Callable[[float, np.ndarray, np.ndarray], float]  # torque on a disc by time, and all angles and speeds
+Law = Callable[
+    [float, np.ndarray, np.ndarray], float
+]  # torque on a disc by time, and all angles and speeds
 STEP = 5e-4  # s at most: what is read between steps is of lower order
 
 
@@ -16,7 +18,9 @@ class Discs:
 
     inertia: Sequence[float]
     springs: Sequence[tuple[int, int, float, float]]  # ends, N m/rad, N m s/rad
-    elements: Sequence[tuple]  # ("play", a, b, k, half, c) or ("friction", a, b, k, capacity over time, its rate)
+    elements: Sequence[
+        tuple
+    ]  # ("play", a, b, k, half, c) or ("friction", a, b, k, capacity over time, its rate)
     acting: Sequence[tuple[int, Law]]
     kinks: Sequence[float] = ()  # s, of the capacities
     state: list[int] = field(default_factory=list)
@@ -32,7 +36,11 @@ class Discs:
         twist, rate = self.twist(x, number)
         own = self.state[number]
         if kind == "play":
-            return k * (twist - own * level) + (viscous[0] if viscous else 0.0) * rate if abs(own) == 1 else 0.0
+            return (
+                k * (twist - own * level) + (viscous[0] if viscous else 0.0) * rate
+                if abs(own) == 1
+                else 0.0
+            )
         return own * level(t) if own else k * (twist - x[2 * len(self.inertia) + number])
 
     def rates(self, t: float, x: np.ndarray) -> np.ndarray:
@@ -57,33 +65,53 @@ class Discs:
     def switches(self) -> list[tuple[int, int, Callable[[float, np.ndarray], float]]]:
         """Element, next state, and a function that falls through zero there."""
         found = []
-        for number, ((kind, _, _, k, level, *viscous), own) in enumerate(zip(self.elements, self.state, strict=True)):
+        for number, ((kind, _, _, k, level, *viscous), own) in enumerate(
+            zip(self.elements, self.state, strict=True)
+        ):
 
             def over(x: np.ndarray, side: int, number: int = number, level: float = level) -> float:
                 return level - side * self.twist(x, number)[0]
 
             if kind == "play" and own == 0:
-                found += [(number, side, lambda t, x, s=side, over=over: over(x, s)) for side in (1, -1)]
+                found += [
+                    (number, side, lambda t, x, s=side, over=over: over(x, s)) for side in (1, -1)
+                ]
             elif kind == "play" and abs(own) == 1:
                 then = 2 * own if viscous else 0
                 found.append((number, then, lambda t, x, n=number, s=own: s * self.torque(t, x, n)))
             elif kind == "play":
                 found.append((number, 0, lambda t, x, s=own // 2, over=over: -over(x, s)))
             elif own:  # the slider: what a changing capacity takes up in the spring is no slipping
-                loose = lambda t, x, n=number, s=own, k=k, rate=viscous[0]: s * self.twist(x, n)[1] - rate(t) / k  # noqa: E731
+                loose = lambda t, x, n=number, s=own, k=k, rate=viscous[0]: (  # noqa: E731
+                    s * self.twist(x, n)[1] - rate(t) / k
+                )
                 found.append((number, 0, loose))
             else:
                 for side in (1, -1):
-                    full = lambda t, x, n=number, s=side, level=level: level(t) - s * self.torque(t, x, n)  # noqa: E731
+                    full = lambda t, x, n=number, s=side, level=level: (  # noqa: E731
+                        level(t) - s * self.torque(t, x, n)
+                    )
                     found.append((number, side, full))
         return found
 
-    def run(self, x: np.ndarray, times: np.ndarray, state: Sequence[int] = ()) -> tuple[np.ndarray, list[float]]:
+    def run(
+        self, x: np.ndarray, times: np.ndarray, state: Sequence[int] = ()
+    ) -> tuple[np.ndarray, list[float]]:
         """Torques of springs and elements (both, times), and the times of all events."""
-        t, events, found = 0.0, list[float](), np.empty((len(self.springs) + len(self.elements), len(times)))
-        x, self.state = np.concatenate([x, np.zeros(len(self.elements))]), list(state or [0] * len(self.elements))
+        t, events, found = (
+            0.0,
+            list[float](),
+            np.empty((len(self.springs) + len(self.elements), len(times))),
+        )
+        x, self.state = (
+            np.concatenate([x, np.zeros(len(self.elements))]),
+            list(state or [0] * len(self.elements)),
+        )
         while t < times[-1]:
-            every, end = self.switches(), min([kink for kink in self.kinks if kink > t], default=times[-1])
+            every, end = (
+                self.switches(),
+                min([kink for kink in self.kinks if kink > t], default=times[-1]),
+            )
             watched = [one for _, _, one in every]
             for one in watched:
                 one.terminal, one.direction = True, -1.0
@@ -118,6 +146,8 @@ class Discs:
         """An element in another state; a spring begins with the torque of slipping."""
         kind, _, _, k, level, *_ = self.elements[number]
         if kind == "friction" and then == 0:
-            x[2 * len(self.inertia) + number] = self.twist(x, number)[0] - self.state[number] * level(t) / k
+            x[2 * len(self.inertia) + number] = (
+                self.twist(x, number)[0] - self.state[number] * level(t) / k
+            )
         self.state[number] = then
         return x

@@ -23,9 +23,13 @@ SYNCHRONOUS = 50.0 * math.pi
 
 
 def solved(
-    train: ModalTrain, shape: np.ndarray, found: Sequence[Law], scheme: Scheme, speed: float = 0.0,
+    train: ModalTrain,
+    shape: np.ndarray,
+    found: Sequence[Law],
+    scheme: Scheme,
+    speed: float = 0.0,
     pieces: tuple[Piece, ...] = (),
-) -> tuple[DrivenMotion, Collocated]:  # fmt: skip
+) -> tuple[DrivenMotion, Collocated]:
     """The motion under laws at interfaces of shapes (interfaces, rigid motions + modes), and pieces at the first."""
     none = np.zeros(shape.shape[1])
     force = np.concatenate([shape[:1], shape]).T
@@ -33,13 +37,19 @@ def solved(
 
     def known(time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         place, moving = given.at(time)
-        return shape @ place + speed * time, shape @ moving + speed, shape @ given.acceleration(time, place, moving)
+        return (
+            shape @ place + speed * time,
+            shape @ moving + speed,
+            shape @ given.acceleration(time, place, moving),
+        )
 
     answer = march(interfaces(given, shape), found, known, scheme)
     return driven(given, answer.steps), answer
 
 
-def one_disc(inertia: float, found: Sequence[Law], duration: float, speed: float = 0.0) -> tuple[Collocated, object]:
+def one_disc(
+    inertia: float, found: Sequence[Law], duration: float, speed: float = 0.0
+) -> tuple[Collocated, object]:
     """A disc alone, and its speed over time."""
     shape = np.full((len(found), 1), 1.0 / math.sqrt(inertia))
     scheme = Scheme(duration, 1e-9, duration / 1000.0, duration / 8.0, np.ones(len(found)))
@@ -48,18 +58,35 @@ def one_disc(inertia: float, found: Sequence[Law], duration: float, speed: float
     return answer, lambda time: speed + moved.at(np.array([time]))[1][0, 0] * shape[0, 0]
 
 
-@pytest.mark.parametrize("root", [
-    0.001j, 0.999j, -0.999 + 0j, -1 + 3j, 3.99j, -3.99 + 0j, 15.9j, -15.9 + 0j, 16.1j, -20 + 0j, -10 + 1e4j,
-    -1e6 + 1e8j,
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "root",
+    [
+        0.001j,
+        0.999j,
+        -0.999 + 0j,
+        -1 + 3j,
+        3.99j,
+        -3.99 + 0j,
+        15.9j,
+        -15.9 + 0j,
+        16.1j,
+        -20 + 0j,
+        -10 + 1e4j,
+        -1e6 + 1e8j,
+    ],
+)
 @pytest.mark.parametrize("share", [0.01, 0.3, 1.0])
 def test_the_answer_to_a_polynomial_is_the_convolution(root: complex, share: float) -> None:
     series = SERIES @ (np.exp(-0.3 * NODES) * np.cos(2.0 * NODES))
-    found = answers(np.array([[root * share]]), np.array([share]), np.ones((1, 1)), series[:, None, None])[0, 0]
+    found = answers(
+        np.array([[root * share]]), np.array([share]), np.ones((1, 1)), series[:, None, None]
+    )[0, 0]
     with mpmath.workdps(60):
         of = [mpmath.mpf(float(one)) for one in series]
         step = mpmath.mpf(share)
-        powers = mpmath.taylor(lambda x: sum(c * mpmath.legendre(k, 2 * step * x - 1) for k, c in enumerate(of)), 0, 7)
+        powers = mpmath.taylor(
+            lambda x: sum(c * mpmath.legendre(k, 2 * step * x - 1) for k, c in enumerate(of)), 0, 7
+        )
         z = mpmath.mpc(root * share)
         each = [(mpmath.e**z - 1) / z]
         for power in range(1, 8):
@@ -100,13 +127,20 @@ def torque_and_slope(speed: float) -> tuple[float, float]:
     return 360.0 * s / (s * s + 0.04), -360.0 * (0.04 - s * s) / (s * s + 0.04) ** 2 / SYNCHRONOUS
 
 
-def started(inertia: list[float], stiffness: list[float], tolerance: float) -> tuple[np.ndarray, float]:
+def started(
+    inertia: list[float], stiffness: list[float], tolerance: float
+) -> tuple[np.ndarray, float]:
     """Torques of the springs and speed of the motor after 2 s."""
     w, shape, torque = chain(inertia, stiffness)
     train = ModalTrain(w, np.full(len(w), 0.01), np.zeros((len(inertia),) * 2))
-    found = [MotorWithPulsation(0, 900.0, 0.2, SYNCHRONOUS), laws.BySpeed(1, laws.quadratic(-300.0, SYNCHRONOUS))]
+    found = [
+        MotorWithPulsation(0, 900.0, 0.2, SYNCHRONOUS),
+        laws.BySpeed(1, laws.quadratic(-300.0, SYNCHRONOUS)),
+    ]
     ends = shape[[0, -1]]
-    place, speed = solved(train, ends, found, Scheme(2.0, tolerance, 1e-3, 0.25, np.ones(2)))[0].at(np.array([2.0]))
+    place, speed = solved(train, ends, found, Scheme(2.0, tolerance, 1e-3, 0.25, np.ones(2)))[0].at(
+        np.array([2.0])
+    )
     return torque @ place[1:, 0], float(ends[0] @ speed[:, 0])
 
 
@@ -115,7 +149,9 @@ def rest(x: np.ndarray, t: float, w: np.ndarray, ends: np.ndarray) -> np.ndarray
     modes = len(w)
     bent, v = x[:modes], x[modes:]
     motor, pump = ends @ v
-    acting = torque_and_slope(motor)[0] + 600.0 * math.exp(-t / 0.15) * math.sin(100.0 * math.pi * t)
+    acting = torque_and_slope(motor)[0] + 600.0 * math.exp(-t / 0.15) * math.sin(
+        100.0 * math.pi * t
+    )
     force = ends[0] * acting - ends[1] * 300.0 * pump * abs(pump) / SYNCHRONOUS**2
     all_w = np.concatenate([[0.0], w])
     return np.concatenate([w * v[1:], force - 0.02 * all_w * v - np.concatenate([[0.0], w * bent])])
@@ -126,9 +162,15 @@ def test_a_motor_start_of_ten_discs_against_runge_kutta_of_eighth_order() -> Non
     inertia, stiffness = choose.uniform(0.5, 2.0, 10).tolist(), choose.uniform(2e4, 1e5, 9).tolist()
     w, shape, torque = chain(inertia, stiffness)
     ends, start = shape[[0, -1]], np.zeros(2 * len(w) + 1)
-    known = solve_ivp(lambda t, x: rest(x, t, w, ends), (0.0, 2.0), start, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    known = solve_ivp(
+        lambda t, x: rest(x, t, w, ends), (0.0, 2.0), start, "DOP853", rtol=1e-12, atol=1e-12
+    ).y[:, -1]
     exact, speed = torque @ (known[:9] / w), ends[0] @ known[9:]
-    for tolerance, error in ((1e-4, 2e-6), (1e-6, 1e-9), (1e-8, 2e-11)):  # the last is that of the reference
+    for tolerance, error in (
+        (1e-4, 2e-6),
+        (1e-6, 1e-9),
+        (1e-8, 2e-11),
+    ):  # the last is that of the reference
         found, turning = started(inertia, stiffness, tolerance)
         assert np.abs(found - exact).max() <= error * np.abs(exact).max()
         assert turning == pytest.approx(speed, rel=error)
@@ -140,9 +182,16 @@ def test_a_motor_start_of_a_stiff_train_of_ten_discs_against_radau() -> None:
     inertia = [5.0, *(10.0 ** choose.uniform(-6.0, 0.0, 8)).tolist(), 7.0]
     stiffness = (10.0 ** choose.uniform(4.0, 12.0, 9)).tolist()
     exact = [
-        381.1059417506356, 378.06077588256943, 374.88946986881996, 374.83380927275823, 374.831460932837,
-        374.8313655224866, 374.8223243539732, 374.8095349435833, 374.8094502866591,
-    ]  # fmt: skip
+        381.1059417506356,
+        378.06077588256943,
+        374.88946986881996,
+        374.83380927275823,
+        374.831460932837,
+        374.8313655224866,
+        374.8223243539732,
+        374.8095349435833,
+        374.8094502866591,
+    ]
     for tolerance, error in ((1e-6, 1e-9), (1e-8, 3e-11)):
         found, speed = started(inertia, stiffness, tolerance)
         assert found == pytest.approx(exact, rel=error)
@@ -157,7 +206,9 @@ def test_a_brake_that_grows_with_the_square_of_the_speed() -> None:
 
 def test_dry_friction_stops_a_disc_and_holds_it() -> None:
     square = laws.BySpeed(0, laws.quadratic(-0.02 * 100.0**2, 100.0))
-    answer, speed = one_disc(50.0, [square, DryFriction((1,), (30.0,), 150.0, inertia=50.0)], 100.0, 150.0)
+    answer, speed = one_disc(
+        50.0, [square, DryFriction((1,), (30.0,), 150.0, inertia=50.0)], 100.0, 150.0
+    )
     when = next(time for time, law, regime in answer.changes if (law, regime) == (1, STANDS))
     assert when == pytest.approx(85.08402656466177, rel=1e-13)
     assert abs(speed(100.0)) < 1e-13 * 150.0
@@ -165,7 +216,9 @@ def test_dry_friction_stops_a_disc_and_holds_it() -> None:
 
 def test_dry_friction_holds_until_the_torque_exceeds_it() -> None:
     friction = DryFriction((0,), (30.0,), 100.0, inertia=2.0)
-    ramp = laws.Wave(1, laws.constant(40.0), 0.0, -math.pi / 2.0, 1j)  # 40 sin t exceeds 30 from arcsin(3/4) on
+    ramp = laws.Wave(
+        1, laws.constant(40.0), 0.0, -math.pi / 2.0, 1j
+    )  # 40 sin t exceeds 30 from arcsin(3/4) on
     answer, speed = one_disc(2.0, [friction, ramp], 1.5)
     begin = math.asin(0.75)
     assert [regime for _, law, regime in answer.changes if law == 0] == [FORWARD]
@@ -189,7 +242,10 @@ def test_a_law_acts_between_its_begin_and_its_end() -> None:
 
 
 def test_a_torque_over_the_angle_does_the_work_that_its_area_is() -> None:
-    pieces = [Piece(0.5, 1.0, -3.0, 2.0), Piece(2.0, 3.0, -2j, rate=1j * math.pi)]  # a ramp, then 2 sin
+    pieces = [
+        Piece(0.5, 1.0, -3.0, 2.0),
+        Piece(2.0, 3.0, -2j, rate=1j * math.pi),
+    ]  # a ramp, then 2 sin
     law = laws.ByAngle(0, history([pieces]))
     answer, speed = one_disc(2.0, [law], 2.0, 2.0)
     work = -3.0 * 0.5 + 0.25 + 2.0 * 2.0 / math.pi
@@ -201,11 +257,15 @@ def test_a_given_torque_and_one_that_follows_add_exactly() -> None:
     law = laws.BySpeed(0, laws.table([(0.0, 0.0), (1.0, -2.0)]))
     scheme = Scheme(1.0, 1e-10, 1e-3, 0.125, np.ones(1), (0.5,))
     train = ModalTrain(np.empty(0), np.empty(0), np.zeros((1, 1)))
-    moved, _ = solved(train, np.array([[math.sqrt(0.5)]]), [law], scheme, 0.0, (Piece(0.0, 0.5, 6.0),))
+    moved, _ = solved(
+        train, np.array([[math.sqrt(0.5)]]), [law], scheme, 0.0, (Piece(0.0, 0.5, 6.0),)
+    )
     speed = moved.at(np.array([0.5, 1.0]))[1][0] * math.sqrt(0.5)
     exact = [3.0 * (1.0 - math.exp(-0.5)), 3.0 * (1.0 - math.exp(-0.5)) * math.exp(-0.5)]
     assert speed == pytest.approx(exact, rel=1e-12)
-    assert moved.loads_at(np.array([0.25]))[:, 0] == pytest.approx([6.0, -6.0 * (1.0 - math.exp(-0.25))], rel=1e-9)
+    assert moved.loads_at(np.array([0.25]))[:, 0] == pytest.approx(
+        [6.0, -6.0 * (1.0 - math.exp(-0.25))], rel=1e-9
+    )
     rates = (moved.loads_at(np.array([0.25001]))[1] - moved.loads_at(np.array([0.24999]))[1]) / 2e-5
     assert moved.load_rates_at(np.array([0.25]))[1] == pytest.approx(float(rates[0]), rel=1e-6)
 

@@ -20,9 +20,15 @@ SYNCHRONOUS = 50.0 * math.pi
 
 
 def solved(
-    discs: Discs, found: Sequence[laws.BySpeed], duration: float, *, speed: Sequence[float] = (),
-    tolerance: float = 1e-9, fineness: float = 1.0, pieces: tuple[tuple[int, tuple[Piece, ...]], ...] = (),
-) -> tuple[PiecewiseTrain, EventDrivenMotion, Marched, np.ndarray]:  # fmt: skip
+    discs: Discs,
+    found: Sequence[laws.BySpeed],
+    duration: float,
+    *,
+    speed: Sequence[float] = (),
+    tolerance: float = 1e-9,
+    fineness: float = 1.0,
+    pieces: tuple[tuple[int, tuple[Piece, ...]], ...] = (),
+) -> tuple[PiecewiseTrain, EventDrivenMotion, Marched, np.ndarray]:
     """The same train in its modes: laws act at the discs of `acting`, and pieces at others."""
     inertia, size = np.array(discs.inertia), len(discs.inertia)
     stiffness, damping = np.zeros((2, size, size))
@@ -37,7 +43,9 @@ def solved(
     elements = []
     for kind, a, b, k, level, *viscous in discs.elements:
         ends = shape[a] - shape[b]
-        elements.append(Clearance(ends, k, level, *viscous) if kind == "play" else Friction(ends, k, level(0.0)))
+        elements.append(
+            Clearance(ends, k, level, *viscous) if kind == "play" else Friction(ends, k, level(0.0))
+        )
     at = [disc for disc, _ in discs.acting]
     given = [one for one, _ in pieces]
     signals = Signals(tuple(one for _, one in pieces), len(at), 1.0 / max([*w.tolist(), 100.0]))
@@ -53,21 +61,31 @@ def solved(
 
     interfaces = Interfaces(shape[at], np.arange(len(at)), carrier, np.zeros(len(w)))
     scheme = Scheme(
-        duration, tolerance, duration / 1024.0, duration / 8.0 * fineness, np.ones(len(at)), tuple(signals.breaks)
+        duration,
+        tolerance,
+        duration / 1024.0,
+        duration / 8.0 * fineness,
+        np.ones(len(at)),
+        tuple(signals.breaks),
     )
     motion, how = event_driven_under_laws(march, (0,) * len(elements), z, interfaces, found, scheme)
     return train, motion, how, shape
 
 
 def torques(
-    discs: Discs, train: PiecewiseTrain, motion: EventDrivenMotion, shape: np.ndarray, time: np.ndarray
+    discs: Discs,
+    train: PiecewiseTrain,
+    motion: EventDrivenMotion,
+    shape: np.ndarray,
+    time: np.ndarray,
 ) -> np.ndarray:
     """(springs and elements, times) N m."""
     z, regime = motion.at(time)
     _, place, speed, _, _ = train.layout
     q, v = z[place] / train.w[:, None], z[speed]
     bent = [
-        k * ((shape[a] - shape[b])[train.rigid :] @ q) + c * ((shape[a] - shape[b]) @ v) for a, b, k, c in discs.springs
+        k * ((shape[a] - shape[b])[train.rigid :] @ q) + c * ((shape[a] - shape[b]) @ v)
+        for a, b, k, c in discs.springs
     ]
     own = np.stack([motion.regimes[r].torque @ z[:, k] for k, r in enumerate(regime)], axis=1)
     return np.concatenate([np.array(bent).reshape(-1, len(time)), own])
@@ -82,31 +100,49 @@ def pump(t: float, angle: np.ndarray, speed: np.ndarray) -> float:
     return -300.0 * speed[-1] * abs(speed[-1]) / SYNCHRONOUS**2
 
 
-MOTOR_AND_PUMP = [laws.InductionMotor(0, 900.0, 0.2, SYNCHRONOUS), laws.BySpeed(1, laws.quadratic(-300.0, SYNCHRONOUS))]
+MOTOR_AND_PUMP = [
+    laws.InductionMotor(0, 900.0, 0.2, SYNCHRONOUS),
+    laws.BySpeed(1, laws.quadratic(-300.0, SYNCHRONOUS)),
+]
 
 
-def agrees(discs: Discs, found: Sequence[laws.BySpeed], duration: float, within: float = 1e-8, **more) -> float:
+def agrees(
+    discs: Discs, found: Sequence[laws.BySpeed], duration: float, within: float = 1e-8, **more
+) -> float:
     """The largest error of a torque, of the peak, over a motion whose events are the same."""
     time = np.linspace(0.0, duration, 401)
-    start = np.concatenate([np.zeros(len(discs.inertia)), more.get("speed", np.zeros(len(discs.inertia)))])
+    start = np.concatenate(
+        [np.zeros(len(discs.inertia)), more.get("speed", np.zeros(len(discs.inertia)))]
+    )
     known, events = discs.run(start, time)
     train, motion, _, shape = solved(discs, found, duration, **more)
-    error = float(np.abs(torques(discs, train, motion, shape, time) - known).max() / np.abs(known).max())
+    error = float(
+        np.abs(torques(discs, train, motion, shape, time) - known).max() / np.abs(known).max()
+    )
     residual = energy_balance(motion).residual
     assert events
-    assert all(np.abs(np.array(events) - one.time).min() <= 1e-8 * one.time for one in motion.events)
+    assert all(
+        np.abs(np.array(events) - one.time).min() <= 1e-8 * one.time for one in motion.events
+    )
     assert error <= within
     assert residual < 1e-10
     return error
 
 
 def test_a_motor_starts_a_pump_through_play() -> None:
-    discs = Discs([1.2, 0.3, 2.0], [(0, 1, 4e4, 3.0)], [("play", 1, 2, 6e4, 0.01, 20.0)], [(0, kloss), (2, pump)])
+    discs = Discs(
+        [1.2, 0.3, 2.0],
+        [(0, 1, 4e4, 3.0)],
+        [("play", 1, 2, 6e4, 0.01, 20.0)],
+        [(0, kloss), (2, pump)],
+    )
     agrees(discs, MOTOR_AND_PUMP, 1.0)
 
 
 def test_a_motor_starts_a_pump_through_play_without_damping() -> None:
-    discs = Discs([1.2, 0.3, 2.0], [(0, 1, 4e4, 0.0)], [("play", 1, 2, 6e4, 0.01)], [(0, kloss), (2, pump)])
+    discs = Discs(
+        [1.2, 0.3, 2.0], [(0, 1, 4e4, 0.0)], [("play", 1, 2, 6e4, 0.01)], [(0, kloss), (2, pump)]
+    )
     agrees(discs, MOTOR_AND_PUMP, 0.5)
 
 
@@ -124,6 +160,14 @@ def test_a_wave_by_angle_rattles_a_gear_with_play() -> None:
     def wave(t: float, angle: np.ndarray, speed: np.ndarray) -> float:
         return 60.0 * math.cos(4.0 * angle[0] + 0.3)
 
-    discs = Discs([1.2, 0.3, 2.0], [(0, 1, 4e4, 3.0)], [("play", 1, 2, 6e4, 0.004, 2.0)], [(0, wave), (2, pump)])
-    found = [laws.Wave(0, laws.constant(60.0), 4.0, 0.3), laws.BySpeed(1, laws.quadratic(-300.0, SYNCHRONOUS))]
+    discs = Discs(
+        [1.2, 0.3, 2.0],
+        [(0, 1, 4e4, 3.0)],
+        [("play", 1, 2, 6e4, 0.004, 2.0)],
+        [(0, wave), (2, pump)],
+    )
+    found = [
+        laws.Wave(0, laws.constant(60.0), 4.0, 0.3),
+        laws.BySpeed(1, laws.quadratic(-300.0, SYNCHRONOUS)),
+    ]
     agrees(discs, found, 0.3, speed=[60.0] * 3)

@@ -12,20 +12,30 @@ from tests.kernels.transient.extended_precision import ten_stations
 from torsion.kernels.transient.energy_balance import energy_balance
 from torsion.kernels.transient.event_driven_motion import Chatter, EventDrivenMotion, event_driven
 from torsion.kernels.transient.generated_signals import Signals
-from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, DelayedFriction, Friction, Switch
+from torsion.kernels.transient.piecewise_elements import (
+    OPEN,
+    Clearance,
+    DelayedFriction,
+    Friction,
+    Switch,
+)
 from torsion.kernels.transient.piecewise_train import PiecewiseTrain
 from torsion.kernels.transient.torque_history import Piece
 
 NO_SIGNALS = Signals(())
 
 
-def alone(inertia: float, stiffness: float, elements, pieces=(), viscous: float = 0.0) -> PiecewiseTrain:
+def alone(
+    inertia: float, stiffness: float, elements, pieces=(), viscous: float = 0.0
+) -> PiecewiseTrain:
     """A disc on a spring to ground; elements to ground are given by their other figures than `ends`."""
     shape = 1.0 / math.sqrt(inertia)
     signals = Signals((tuple(pieces),))
     made = tuple(kind(np.array([shape]), *figures) for kind, *figures in elements)
     w = np.array([math.sqrt(stiffness) * shape])
-    return PiecewiseTrain(w, np.array([[viscous / inertia]]), made, signals, np.array([[shape + 0j]]))
+    return PiecewiseTrain(
+        w, np.array([[viscous / inertia]]), made, signals, np.array([[shape + 0j]])
+    )
 
 
 def pair(first: float, second: float, element) -> tuple[PiecewiseTrain, np.ndarray]:
@@ -34,14 +44,18 @@ def pair(first: float, second: float, element) -> tuple[PiecewiseTrain, np.ndarr
     shape = np.stack([np.ones(2) / math.sqrt(first + second), apart], axis=1)
     kind, *figures = element
     made = kind(np.array([0.0, apart[0] - apart[1]]), *figures)
-    return PiecewiseTrain(np.empty(0), np.zeros((2, 2)), (made,), NO_SIGNALS, np.zeros((2, 0), complex)), shape
+    return PiecewiseTrain(
+        np.empty(0), np.zeros((2, 2)), (made,), NO_SIGNALS, np.zeros((2, 0), complex)
+    ), shape
 
 
 def moved(train: PiecewiseTrain, state, duration: float, **start) -> EventDrivenMotion:
     """From rest, but for what is given."""
     none = {
-        "twist": np.zeros(len(train.elements)), "place": np.zeros(len(train.w)), "speed": np.zeros(len(train.damping))
-    }  # fmt: skip
+        "twist": np.zeros(len(train.elements)),
+        "place": np.zeros(len(train.w)),
+        "speed": np.zeros(len(train.damping)),
+    }
     return event_driven(train, state, duration=duration, **{**none, **start})
 
 
@@ -85,7 +99,11 @@ def test_a_clutch_of_constant_torque_engages() -> None:
     element = (Friction, math.inf, 0.0, 0)
     train, shape = pair(5.0, 20.0, element)
     train = PiecewiseTrain(
-        train.w, train.damping, train.elements, Signals(((Piece(0.0, math.inf, 400.0),),)), np.zeros((2, 1), complex)
+        train.w,
+        train.damping,
+        train.elements,
+        Signals(((Piece(0.0, math.inf, 400.0),),)),
+        np.zeros((2, 1), complex),
     )
     motion = moved(train, (OPEN,), 3.0, speed=np.linalg.solve(shape, [150.0, 0.0]))
     assert named(motion, "stuck") == pytest.approx([1.5], rel=1e-14)
@@ -98,20 +116,27 @@ def test_an_imposed_twist_goes_round_the_loop_of_friction() -> None:
     w, twist, heavy = 3.0, 1e-3, 1e18  # so heavy that the friction does not move it
     wave = Piece(0.0, math.inf, 1j * heavy * twist * w**2, rate=1j * w)
     train = alone(heavy, 0.0, [(Friction, 5e4, 5.0)], [wave])
-    train = PiecewiseTrain(np.empty(0), np.zeros((1, 1)), train.elements, train.signals, train.force)
+    train = PiecewiseTrain(
+        np.empty(0), np.zeros((1, 1)), train.elements, train.signals, train.force
+    )
     cycle = 2.0 * math.pi / w
     heats = [
-        energy_balance(moved(train, (0,), cycles * cycle, speed=np.array([twist * w * math.sqrt(heavy)]))).heat[0]
+        energy_balance(
+            moved(train, (0,), cycles * cycle, speed=np.array([twist * w * math.sqrt(heavy)]))
+        ).heat[0]
         for cycles in (1.25, 4.25)
     ]
     assert heats[1] - heats[0] == pytest.approx(3 * 0.018, rel=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("w", "known"), [(112.0, 0.007296411200063338), (115.0, 0.007333007978738383), (118.0, 0.006846684865707573)]
+    ("w", "known"),
+    [(112.0, 0.007296411200063338), (115.0, 0.007333007978738383), (118.0, 0.006846684865707573)],
 )
 def test_a_disc_with_friction_beside_its_spring_vibrates_steadily(w: float, known: float) -> None:
-    train = alone(1.0, 1e4, [(Friction, 4e3, 20.0)], [Piece(0.0, math.inf, 10.0, rate=1j * w)], viscous=2.0)
+    train = alone(
+        1.0, 1e4, [(Friction, 4e3, 20.0)], [Piece(0.0, math.inf, 10.0, rate=1j * w)], viscous=2.0
+    )
     period = 2.0 * math.pi / w
     motion = moved(train, (0,), 500.0 * period)
     time = (499.0 + np.arange(256) / 256.0) * period
@@ -157,7 +182,8 @@ def test_a_stop_that_is_touched_between_two_samples_is_felt(depth: float) -> Non
     damping = np.array([[2.0 * ratio * w]])
     train = PiecewiseTrain(np.array([w]), damping, stop, NO_SIGNALS, np.zeros((1, 0), complex))
     missed, felt = (
-        named(moved(train, (0,), 2.0, speed=np.array([speed]), dips=dips), "contact") for dips in (False, True)
+        named(moved(train, (0,), 2.0, speed=np.array([speed]), dips=dips), "contact")
+        for dips in (False, True)
     )
     assert missed == []  # the samples alone do not see it
     assert felt == pytest.approx([hit], rel=1e-9)
@@ -184,7 +210,9 @@ def test_friction_behind_a_play_drags_its_play_along() -> None:
     train = PiecewiseTrain(np.empty(0), np.zeros((1, 1)), one.elements, one.signals, one.force)
     cycle = 2.0 * math.pi / 3.0
     start = np.array([0.01 * 3.0 * 1e9])
-    heats = [energy_balance(moved(train, (0,), n * cycle, speed=start)).heat[0] for n in (1.25, 3.25)]
+    heats = [
+        energy_balance(moved(train, (0,), n * cycle, speed=start)).heat[0] for n in (1.25, 3.25)
+    ]
     # it slips 2 * (amplitude - play - capacity / stiffness) twice a cycle
     assert heats[1] - heats[0] == pytest.approx(2 * 2 * 5.0 * 2.0 * (0.01 - 2e-3 - 5e-4), rel=1e-12)
 
@@ -198,20 +226,28 @@ def trains(draw) -> tuple[PiecewiseTrain, np.ndarray]:
     size = number + 1
     elements = []
     for _ in range(draw(st.integers(1, 3))):
-        ends = np.array(draw(st.lists(st.integers(-200, 200), min_size=size, max_size=size))) / 100.0
+        ends = (
+            np.array(draw(st.lists(st.integers(-200, 200), min_size=size, max_size=size))) / 100.0
+        )
         kind = draw(st.sampled_from(["clearance", "friction", "slider", "delayed"]))
         if kind == "clearance":
             viscous = draw(st.sampled_from([0.0, 5.0]))
             elements.append(Clearance(ends, 1e4 * draw(figures), 1e-3 * draw(figures), viscous))
         elif kind == "delayed":
-            elements.append(DelayedFriction(ends, 1e4 * draw(figures), 5.0 * draw(figures), 1e-3 * draw(figures)))
+            elements.append(
+                DelayedFriction(
+                    ends, 1e4 * draw(figures), 5.0 * draw(figures), 1e-3 * draw(figures)
+                )
+            )
         else:
             ends[0] = 1.0  # sliders of alike ends could not share their torque
             stiffness = 1e4 * draw(figures) if kind == "friction" or elements else math.inf
             elements.append(Friction(ends, stiffness, 5.0 * draw(figures)))
     speed = np.array(draw(st.lists(st.integers(-300, 300), min_size=size, max_size=size))) / 100.0
     damping = np.diag(np.concatenate([[0.0], 0.02 * w]))
-    return PiecewiseTrain(w, damping, tuple(elements), NO_SIGNALS, np.zeros((size, 0), complex)), speed
+    return PiecewiseTrain(
+        w, damping, tuple(elements), NO_SIGNALS, np.zeros((size, 0), complex)
+    ), speed
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -219,7 +255,9 @@ def trains(draw) -> tuple[PiecewiseTrain, np.ndarray]:
 def test_no_train_gains_energy_by_itself(drawn: tuple[PiecewiseTrain, np.ndarray]) -> None:
     train, speed = drawn
     state = tuple(
-        int(np.sign(one.ends @ speed)) if isinstance(one, Friction) and math.isinf(one.stiffness) else 0
+        int(np.sign(one.ends @ speed))
+        if isinstance(one, Friction) and math.isinf(one.stiffness)
+        else 0
         for one in train.elements
     )
     energy = energy_balance(moved(train, state, 0.5, speed=speed))

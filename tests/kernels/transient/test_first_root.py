@@ -34,7 +34,9 @@ def test_the_first_fall_is_at_a_known_root(fortieths: set[int]) -> None:
 @pytest.mark.parametrize("middle", [0.2, 0.5, 0.77])
 def test_a_double_crossing_is_found_unless_rounding_hides_it(apart: float, middle: float) -> None:
     low, high = Fraction(middle) - Fraction(apart) / 2, Fraction(middle) + Fraction(apart) / 2
-    rising = [float(one) for one in of_roots([low, high, Fraction(-1, 20)], -1)]  # (s + 1/20) rises at both ends
+    rising = [
+        float(one) for one in of_roots([low, high, Fraction(-1, 20)], -1)
+    ]  # (s + 1/20) rises at both ends
     for polynomial in ([float(one) for one in of_roots([low, high])], rising):
         assert first_root(polynomial, 1e-15) == pytest.approx(float(low), abs=1e-15 / apart)
         assert first_root(polynomial, 1.1 * apart**2 / 4.0) is None
@@ -44,7 +46,9 @@ def test_a_double_crossing_is_found_unless_rounding_hides_it(apart: float, middl
 def test_what_begins_at_zero_by_rounding_may_rise_first(at_first: float) -> None:
     assert first_root([at_first, 0.25, -1.0], 1e-15) == pytest.approx(0.25, abs=1e-15)
     assert first_root([at_first, 0.25, 1.0], 1e-15) is None
-    assert first_root([at_first, 0.0, 1.0, -0.25], 1e-15) is None  # sticks, and the torque goes back
+    assert (
+        first_root([at_first, 0.0, 1.0, -0.25], 1e-15) is None
+    )  # sticks, and the torque goes back
     assert first_root([at_first, -1.0], 1e-15) == pytest.approx(0.0, abs=1e-16)
     assert first_root([at_first, 0.0, -1.0], 1e-15) == pytest.approx(0.0, abs=1e-8)
 
@@ -53,4 +57,6 @@ def test_what_begins_at_zero_by_rounding_may_rise_first(at_first: float) -> None
 def test_what_is_below_zero_falls_at_once_unless_it_is_rising_through_it(depth: float) -> None:
     assert first_root([-depth, 0.5 * depth], 1e-15) == 0.0
     assert first_root([-depth, 16.0 * depth], 1e-15) is None
-    assert first_root([-depth, 16.0 * depth, -20.0 * depth], 1e-15) == pytest.approx((4.0 + math.sqrt(11.0)) / 10.0)
+    assert first_root([-depth, 16.0 * depth, -20.0 * depth], 1e-15) == pytest.approx(
+        (4.0 + math.sqrt(11.0)) / 10.0
+    )

@@ -19,7 +19,10 @@ def turning(*w: float) -> np.ndarray:
 
 def regime(matrix: np.ndarray, *events: np.ndarray, dips: bool = True) -> Regime:
     """With steps for the fastest motion."""
-    none, step = np.zeros((0, len(matrix))), RADIANS / float(np.abs(np.linalg.eigvals(matrix)).max())
+    none, step = (
+        np.zeros((0, len(matrix))),
+        RADIANS / float(np.abs(np.linalg.eigvals(matrix)).max()),
+    )
     return Regime(matrix, np.array(events).reshape(-1, len(matrix)), none, none, step, dips)
 
 
@@ -31,7 +34,9 @@ def test_states_are_those_of_the_closed_form(parts: float) -> None:
     known = np.stack([np.cos(w * time), np.sin(w * time)], axis=1).ravel()
     start = np.array([1.0, 0.0] * 3)
     assert one.after(start, time) == pytest.approx(known, abs=2e-16 * (10.0 + parts))
-    assert one.moved(start[:, None], np.array([time]))[:, 0] == pytest.approx(known, abs=2e-16 * (10.0 + parts))
+    assert one.moved(start[:, None], np.array([time]))[:, 0] == pytest.approx(
+        known, abs=2e-16 * (10.0 + parts)
+    )
     assert one.over_step(start)[4] == pytest.approx(math.cos(0.01 * one.step), abs=1e-16)
 
 
@@ -50,19 +55,33 @@ def test_an_event_anywhere_in_a_block_is_met_to_rounding(parts: float) -> None:
     assert one.first_event(start, time * (1.0 + 1e-12)) is not None
 
 
-@pytest.mark.parametrize("shares", [(0.4, 0.6, -0.05), (0.3, 0.31, -0.05), (0.5, 0.5001, -0.2), (0.4, 0.6, 1.05)])
-def test_a_double_crossing_within_a_part_is_met_however_the_function_goes_at_its_ends(shares) -> None:
+@pytest.mark.parametrize(
+    "shares", [(0.4, 0.6, -0.05), (0.3, 0.31, -0.05), (0.5, 0.5001, -0.2), (0.4, 0.6, 1.05)]
+)
+def test_a_double_crossing_within_a_part_is_met_however_the_function_goes_at_its_ends(
+    shares,
+) -> None:
     """sin(w (t - a)) sin(w (t - b)) sin(w (t - c)) of the motions w and 3 w, falling or rising at both ends."""
     w = 10.0
     one = regime(turning(w, 3.0 * w))
     a, b, c = (w * share * one.part for share in shares)
     sign = 1.0 if shares[2] < 0.0 else -1.0
     row = np.zeros(4)  # sin(nwt - p) = cos p * sin - sin p * cos
-    for phase, place, factor in ((a + b - c, 0, 1), (b + c - a, 0, 1), (c + a - b, 0, 1), (a + b + c, 2, -1)):
-        row[place : place + 2] += 0.25 * factor * sign * np.array([-math.sin(phase), math.cos(phase)])
+    for phase, place, factor in (
+        (a + b - c, 0, 1),
+        (b + c - a, 0, 1),
+        (c + a - b, 0, 1),
+        (a + b + c, 2, -1),
+    ):
+        row[place : place + 2] += (
+            0.25 * factor * sign * np.array([-math.sin(phase), math.cos(phase)])
+        )
     one = regime(turning(w, 3.0 * w), row)
     found = one.first_event(np.array([1.0, 0.0, 1.0, 0.0]), one.part)
-    assert found == (pytest.approx(shares[0] * one.part, rel=1e-14 / (shares[1] - shares[0]) ** 1.5), 0)
+    assert found == (
+        pytest.approx(shares[0] * one.part, rel=1e-14 / (shares[1] - shares[0]) ** 1.5),
+        0,
+    )
 
 
 def test_of_two_functions_that_fall_in_one_part_the_first_is_met() -> None:
@@ -85,4 +104,9 @@ def test_the_spectral_radius_is_bounded_closely() -> None:
             for one in (matrix, matrix - matrix.T, np.diag(np.diag(matrix))):
                 known = float(np.abs(np.linalg.eigvals(one)).max())
                 assert known * (1.0 - 1e-13) <= fastest(one) <= known * size ** (1.0 / 64.0) * 1.15
-    assert fastest(np.array([[0.0, 1e9], [0.0, 0.0]])) == fastest(np.zeros((3, 3))) == fastest(np.zeros((0, 0))) == 0.0
+    assert (
+        fastest(np.array([[0.0, 1e9], [0.0, 0.0]]))
+        == fastest(np.zeros((3, 3)))
+        == fastest(np.zeros((0, 0)))
+        == 0.0
+    )

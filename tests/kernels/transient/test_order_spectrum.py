@@ -11,16 +11,22 @@ ANGLE = FIRST[:, None] + np.arange(SAMPLES * TURNS) * 2.0 * np.pi / SAMPLES
 
 
 @pytest.mark.parametrize("order", [0.5, 2.0, 3.125, 9.875])
-def test_a_cosine_of_a_whole_number_of_cycles_in_the_window_has_its_amplitude_and_phase(order: float) -> None:
+def test_a_cosine_of_a_whole_number_of_cycles_in_the_window_has_its_amplitude_and_phase(
+    order: float,
+) -> None:
     wanted = 3.7 * np.exp(0.4j)
     values = 5.0 + (wanted * np.exp(1j * order * ANGLE)).real
     every = phasors(values, FIRST, TURNS, 12 * TURNS)
     assert every[:, 0] == pytest.approx(5.0, rel=1e-14)
-    assert np.abs(every[:, round(order * TURNS)] - wanted).max() < 1e-11  # angles of 4000 rad are so sharp
+    assert (
+        np.abs(every[:, round(order * TURNS)] - wanted).max() < 1e-11
+    )  # angles of 4000 rad are so sharp
     assert np.abs(phasors_of(values, FIRST, TURNS, np.array([order]))[:, 0] - wanted).max() < 1e-11
     beside = np.abs(every[:, round(order * TURNS) + 1])
     assert beside == pytest.approx(3.7 / 2.0, rel=1e-12)  # the shoulder of Hann's window
-    far = np.delete(every, np.arange(round(order * TURNS) - 1, round(order * TURNS) + 2), axis=1)[:, 1:]
+    far = np.delete(every, np.arange(round(order * TURNS) - 1, round(order * TURNS) + 2), axis=1)[
+        :, 1:
+    ]
     assert np.abs(far[:, 1:]).max() < 1e-11 if order > 0.5 else True
 
 

@@ -12,12 +12,16 @@ VIEW = {"width": 900, "height": 900}  # px
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright here: pip install .[browser]")
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="no playwright here: pip install .[browser]"
+    )
     chromium = shutil.which("chromium") or shutil.which("google-chrome")
     if chromium is None:
         pytest.skip("no Chromium on the path: apt install chromium")
     with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        opened = running.chromium.launch(
+            executable_path=chromium, args=["--no-sandbox", "--disable-gpu"]
+        )
         yield opened
         opened.close()
 
@@ -53,7 +57,9 @@ def tabs(browser: Any) -> Callable[..., Any]:
 
 
 @pytest.fixture
-def opens(tabs: Callable[..., Any], reports: Callable[[str], Report]) -> Iterator[Callable[..., Opened]]:
+def opens(
+    tabs: Callable[..., Any], reports: Callable[[str], Report]
+) -> Iterator[Callable[..., Opened]]:
     """Opens the page of a scene from its file; in the end no page has said anything or requested anything else."""
     shown = list[Opened]()
 
@@ -65,7 +71,9 @@ def opens(tabs: Callable[..., Any], reports: Callable[[str], Report]) -> Iterato
     for one in shown:
         one.close()
         assert one.messages == []
-        assert {url for url in one.requests if not url.startswith("blob:")} == {one.report.file.as_uri()}
+        assert {url for url in one.requests if not url.startswith("blob:")} == {
+            one.report.file.as_uri()
+        }
 
 
 @pytest.fixture

@@ -28,7 +28,11 @@ class Report:
 
     @cached_property
     def figures(self) -> dict[str, Figure]:
-        return {item.block.name: item.block for item in self.document.body if isinstance(item.block, Figure)}
+        return {
+            item.block.name: item.block
+            for item in self.document.body
+            if isinstance(item.block, Figure)
+        }
 
     @cached_property
     def results(self) -> dict[str, Any]:
@@ -83,7 +87,8 @@ class Opened:
         """Coordinate, and values by the name of their line."""
         head, _, rest = self.values(name).partition(": ")
         return number(head.rpartition(" ")[0] or head), {
-            words: number(value) for words, value in (split(word) for word in rest.replace("; ", ", ").split(", "))
+            words: number(value)
+            for words, value in (split(word) for word in rest.replace("; ", ", ").split(", "))
         }
 
     def spot(self, name: str, across: float, plot: int = 0) -> tuple[float, float]:
@@ -149,5 +154,9 @@ def number(text: str) -> float:
 def split(word: str) -> tuple[str, str]:
     """'order 2 -1.25 kN m': the name, and the number behind it, which is the last word that is one."""
     parts = word.split(" ")
-    at = max(k for k, part in enumerate(parts) if part.replace("−", "").replace(".", "").replace("e-", "").isdigit())
+    at = max(
+        k
+        for k, part in enumerate(parts)
+        if part.replace("−", "").replace(".", "").replace("e-", "").isdigit()
+    )
     return " ".join(parts[:at]), parts[at]

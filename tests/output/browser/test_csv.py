@@ -25,7 +25,9 @@ BUTTONS = ["caption button", "figure .tools button[aria-label^=CSV]"]
 
 
 @pytest.mark.parametrize("scene", [*EVERY, "joint_run_up"])
-def test_every_figure_and_table_is_saved_as_the_command_writes_it(opens: Callable[..., Opened], scene: str) -> None:
+def test_every_figure_and_table_is_saved_as_the_command_writes_it(
+    opens: Callable[..., Opened], scene: str
+) -> None:
     page = opens(scene)
     saved = dict(page.page.evaluate(SAVED, BUTTONS))
     wanted = {file_name(one): csv_of(one) for one in page.report.figures.values() if one.plots}

@@ -42,7 +42,9 @@ def criticals(report: Report) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("scene", WITH_RESPONSE)
-def test_the_torque_below_the_pointer_is_that_of_the_results(opens: Callable[..., Opened], scene: str) -> None:
+def test_the_torque_below_the_pointer_is_that_of_the_results(
+    opens: Callable[..., Opened], scene: str
+) -> None:
     page = opens(scene)
     speeds = np.array(page.report.results["response"]["speed_rad_per_s"]) * RPM
     known = torques(page.report)
@@ -53,7 +55,9 @@ def test_the_torque_below_the_pointer_is_that_of_the_results(opens: Callable[...
             speed, found = page.read(name)
             at = int(np.argmin(np.abs(speeds - speed)))
             assert speed == digits(speeds[at])
-            assert found.get("total vibratory torque", next(iter(found.values()))) == digits(half[at] * factor)
+            assert found.get("total vibratory torque", next(iter(found.values()))) == digits(
+                half[at] * factor
+            )
             assert abs(speeds[at] - (speeds[0] + across * np.ptp(speeds))) <= np.diff(speeds).max()
 
 
@@ -68,7 +72,9 @@ def test_every_line_is_read_at_a_speed_that_was_solved(usv: Opened, across: floa
     assert found == {name: digits(line.y[at]) for name, line in lines.items()}
 
 
-def test_one_cursor_stands_in_all_plots_over_the_speed_and_goes_with_the_pointer(usv: Opened) -> None:
+def test_one_cursor_stands_in_all_plots_over_the_speed_and_goes_with_the_pointer(
+    usv: Opened,
+) -> None:
     usv.hover("torque-1-0", 0.4)
     speed = usv.values("torque-1-0").partition(":")[0]
     for other in ("stress-2", "campbell"):
@@ -92,19 +98,32 @@ def test_the_nearest_critical_speed_is_named_with_its_order_mode_and_margin(
         match = CRITICAL.search(page.near(name))
         assert match is not None
         at, order, mode, hertz, margin = match.groups()
-        (own,) = [one for one in every if Fraction(one["order"]) == Fraction(order) and one["mode"] == int(mode)]
+        (own,) = [
+            one
+            for one in every
+            if Fraction(one["order"]) == Fraction(order) and one["mode"] == int(mode)
+        ]
         assert number(at) == digits(own["speed_rad_per_s"] * RPM)
         assert number(hertz) == digits(own["frequency_Hz"])
         if rated:
             assert number(margin) == float(f"{100 * (own['speed_rad_per_s'] / rated - 1):.3g}")
-        drawn = [x for marks in page.report.figures["campbell"].plots[0].marks for x in marks.x.tolist()]
-        assert abs(number(at) - speed) == pytest.approx(min(abs(x - speed) for x in drawn), abs=1e-3 * speed)
+        drawn = [
+            x for marks in page.report.figures["campbell"].plots[0].marks for x in marks.x.tolist()
+        ]
+        assert abs(number(at) - speed) == pytest.approx(
+            min(abs(x - speed) for x in drawn), abs=1e-3 * speed
+        )
         inside = [one["speed_rad_per_s"] * RPM for one in every if one["is_in_range"]]
-        assert abs(number(at) - speed) <= min((abs(x - speed) for x in inside), default=np.inf) + 1e-4 * speed
+        assert (
+            abs(number(at) - speed)
+            <= min((abs(x - speed) for x in inside), default=np.inf) + 1e-4 * speed
+        )
         away = 100 * (speed / number(at) - 1)
         said = re.search(r"the cursor is (?:at it|([\d.]+) % (above|below) it)", page.near(name))
         assert said is not None
-        assert number(said[1] or "0") * (-1 if said[2] == "below" else 1) == pytest.approx(away, rel=0.02, abs=0.02)
+        assert number(said[1] or "0") * (-1 if said[2] == "below" else 1) == pytest.approx(
+            away, rel=0.02, abs=0.02
+        )
 
 
 def test_the_campbell_diagram_reads_the_frequencies_of_the_orders(usv: Opened) -> None:
@@ -139,7 +158,11 @@ def test_a_point_of_the_campbell_diagram_says_what_it_is_to_pointer_and_focus(
     assert page.near("campbell") == said[0]
     page.page.keyboard.press("Escape")
     assert page.near("campbell") == ""
-    every = {(Fraction(one["order"]), one["mode"]) for one in criticals(page.report) if one["is_in_range"]}
+    every = {
+        (Fraction(one["order"]), one["mode"])
+        for one in criticals(page.report)
+        if one["is_in_range"]
+    }
     assert every <= {
         (Fraction(m[2]), int(m[3])) for m in map(CRITICAL.fullmatch, said) if m
     }  # none in the range is missing
@@ -148,9 +171,18 @@ def test_a_point_of_the_campbell_diagram_says_what_it_is_to_pointer_and_focus(
 def test_arrows_step_from_speed_to_speed_and_escape_ends_it(usv: Opened) -> None:
     x = usv.report.figures["torque-1-0"].lines["order 4"].x
     steps = (
-        ("ArrowRight", 0), ("ArrowRight", 1), ("ArrowUp", 2), ("ArrowDown", 1), ("PageUp", 11), ("PageDown", 1),
-        ("End", -1), ("ArrowRight", -1), ("ArrowLeft", -2), ("Home", 0), ("ArrowLeft", 0),
-    )  # fmt: skip
+        ("ArrowRight", 0),
+        ("ArrowRight", 1),
+        ("ArrowUp", 2),
+        ("ArrowDown", 1),
+        ("PageUp", 11),
+        ("PageDown", 1),
+        ("End", -1),
+        ("ArrowRight", -1),
+        ("ArrowLeft", -2),
+        ("Home", 0),
+        ("ArrowLeft", 0),
+    )
     for key, place in steps:
         usv.press("torque-1-0", key)
         assert usv.read("torque-1-0")[0] == digits(x[place]), key
@@ -170,14 +202,19 @@ def test_p_goes_from_peak_to_peak_and_round_again(opens: Callable[..., Opened], 
     for at in (*peaks.tolist(), peaks[0]):
         page.press(name, "p")
         speed, found = page.read(name)
-        assert (speed, found["total vibratory torque"]) == (digits(speeds[at]), digits(y[at] * factor))
+        assert (speed, found["total vibratory torque"]) == (
+            digits(speeds[at]),
+            digits(y[at] * factor),
+        )
     page.press(name, "Shift+P")
     assert page.read(name)[0] == digits(speeds[peaks[-1]])
 
 
 def test_p_in_the_campbell_diagram_goes_to_the_next_critical_speed(usv: Opened) -> None:
     usv.press("campbell", "p", "p")
-    x = sorted(x for marks in usv.report.figures["campbell"].plots[0].marks for x in marks.x.tolist())
+    x = sorted(
+        x for marks in usv.report.figures["campbell"].plots[0].marks for x in marks.x.tolist()
+    )
     assert usv.read("campbell")[0] == digits(x[1])
     assert usv.near("campbell").endswith("at it")
 

@@ -41,7 +41,10 @@ class Live:
         self.page.on("console", lambda message: self.messages.append(message.text))
         self.page.on("pageerror", lambda error: self.messages.append(str(error)))
         self.page.goto(self.address)
-        self.modes, self.report = self.page.frame_locator("#modes"), self.page.frame_locator("#report")
+        self.modes, self.report = (
+            self.page.frame_locator("#modes"),
+            self.page.frame_locator("#report"),
+        )
 
     def save(self, inertia: float = 2.0, **words: str) -> None:
         text = SCENE.format(inertia=inertia)
@@ -96,7 +99,9 @@ def test_a_cursor_and_a_zoom_outlast_a_new_picture(live: Live) -> None:
     live.until(live.modes, shown(12e3, 3.0))
     live.page.wait_for_selector("#state:text('solved and drawn')")
     assert "900 rpm" in live.report.locator(".values > span").first.inner_text()
-    assert live.report.locator("figure[id^=torque-] .scale text").count() > 1  # of the part that is shown
+    assert (
+        live.report.locator("figure[id^=torque-] .scale text").count() > 1
+    )  # of the part that is shown
 
 
 def test_a_fault_stands_above_the_last_picture(live: Live) -> None:
@@ -105,7 +110,9 @@ def test_a_fault_stands_above_the_last_picture(live: Live) -> None:
     live.save(3.0, stiffness="stifness")
     faults = live.page.get_by_role("alert")
     faults.wait_for()
-    assert faults.inner_text().startswith(f"{live.file}:6:28: unknown key `stifness` (did you mean `stiffness`?)")
+    assert faults.inner_text().startswith(
+        f"{live.file}:6:28: unknown key `stifness` (did you mean `stiffness`?)"
+    )
     assert live.modes.get_by_text(shown(12e3, 3.0), exact=True).count() == 1
     live.save(4.0)
     live.until(live.modes, shown(12e3, 4.0))

@@ -17,7 +17,9 @@ def dots(page: Opened, name: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("scene", EVERY)
-def test_the_cursor_names_every_station_with_the_angle_of_the_results(opens: Callable[..., Opened], scene: str) -> None:
+def test_the_cursor_names_every_station_with_the_angle_of_the_results(
+    opens: Callable[..., Opened], scene: str
+) -> None:
     page = opens(scene)
     results = page.report.results
     ratio = [ratio_of(one["speed_ratio"]) for one in results["stations"]]
@@ -32,7 +34,11 @@ def test_the_cursor_names_every_station_with_the_angle_of_the_results(opens: Cal
         seen = set()
         page.press(f"mode-{mode}", "Home")
         for _ in range(len(set(stops.x.tolist()))):
-            text = page.values(f"mode-{mode}").partition("; torque")[0].removeprefix("angle / largest: ")
+            text = (
+                page.values(f"mode-{mode}")
+                .partition("; torque")[0]
+                .removeprefix("angle / largest: ")
+            )
             for word in text.split(", "):
                 name, _, value = word.rpartition(" ")
                 assert number(value) == pytest.approx(own[name], rel=6e-5, abs=1e-12), name
@@ -48,7 +54,9 @@ def ratio_of(text: str) -> float:
 
 def test_the_torque_of_an_element_is_read_below(usv: Opened) -> None:
     results = usv.report.results
-    torque = np.array(results["modes"]["torque_Nm"][0]) * [ratio_of(s["ratio"]) for s in results["spans"]]
+    torque = np.array(results["modes"]["torque_Nm"][0]) * [
+        ratio_of(s["ratio"]) for s in results["spans"]
+    ]
     usv.hover("mode-1", 0.12, plot=1)
     name, _, value = usv.values("mode-1").partition("torque / largest: ")[2].rpartition(" ")
     at = [one["name"] for one in results["spans"]].index(name)
@@ -71,7 +79,9 @@ def test_the_line_along_the_train_is_deflected_by_the_angles_as_plotted(
         assert moving is not None
         places = dots(page, name)
         rest = moving.row[moving.marked] * 130.5
-        np.testing.assert_allclose(rest - places[:, 1], 28.0 * moving.angle[moving.marked], atol=0.06)
+        np.testing.assert_allclose(
+            rest - places[:, 1], 28.0 * moving.angle[moving.marked], atol=0.06
+        )
         steps = np.diff(moving.x[moving.marked])
         across = np.diff(places[:, 0])
         scale = across[np.argmax(np.abs(steps))] / steps[np.argmax(np.abs(steps))]
@@ -85,7 +95,10 @@ def test_a_mode_moves_and_stops_by_its_button_and_by_space_and_never_by_itself(u
     usv.page.wait_for_timeout(120)
     assert np.array_equal(dots(usv, "mode-1"), still)
     button = usv.button("mode-1", "move")
-    for start, stop in ((button.click, usv.button("mode-1", "stop").click), (_space(usv), _space(usv))):
+    for start, stop in (
+        (button.click, usv.button("mode-1", "stop").click),
+        (_space(usv), _space(usv)),
+    ):
         before = dots(usv, "mode-1")
         start()
         assert usv.page.locator("figure#mode-1 button[aria-pressed=true]").count() == 1
@@ -116,7 +129,9 @@ def test_where_motion_is_to_be_reduced_a_mode_only_steps(opens: Callable[..., Op
     for step in range(1, 9):
         button.click()
         share = np.cos(2.0 * np.pi * step / 8)
-        np.testing.assert_allclose(dots(page, "mode-1")[moved, 1], share * still[moved, 1], atol=0.11)
+        np.testing.assert_allclose(
+            dots(page, "mode-1")[moved, 1], share * still[moved, 1], atol=0.11
+        )
     page.page.wait_for_timeout(100)
     np.testing.assert_array_equal(dots(page, "mode-1"), still)
     assert page.page.locator("button[aria-pressed=true]").count() == 0

@@ -62,10 +62,15 @@ def named(page: Opened, figure: str) -> tuple[float, str, int]:
 
 
 def nearest(page: Opened, speed: float) -> float:
-    return min((one["speed_rad_per_s"] * RPM for one in criticals(page.report)), key=lambda x: abs(x - speed))
+    return min(
+        (one["speed_rad_per_s"] * RPM for one in criticals(page.report)),
+        key=lambda x: abs(x - speed),
+    )
 
 
-def test_a_critical_speed_beyond_the_axis_may_be_the_nearest(opens_text: Callable[..., Opened]) -> None:
+def test_a_critical_speed_beyond_the_axis_may_be_the_nearest(
+    opens_text: Callable[..., Opened],
+) -> None:
     page = opens_text(BEYOND)
     page.press("torque-1-0", "End")
     found, order, mode = named(page, "torque-1-0")
@@ -74,7 +79,9 @@ def test_a_critical_speed_beyond_the_axis_may_be_the_nearest(opens_text: Callabl
 
 
 @pytest.mark.parametrize("scene", ["wind_gearbox", "keyed_shaft"])
-def test_the_nearest_is_sought_among_all_of_the_results(opens: Callable[..., Opened], scene: str) -> None:
+def test_the_nearest_is_sought_among_all_of_the_results(
+    opens: Callable[..., Opened], scene: str
+) -> None:
     page = opens(scene)
     name = next(name for name in page.report.figures if name.startswith("torque-"))
     for key in ("Home", "End"):
@@ -83,9 +90,15 @@ def test_the_nearest_is_sought_among_all_of_the_results(opens: Callable[..., Ope
         assert named(page, name)[0] == digits(nearest(page, speed))
 
 
-def test_of_long_lines_every_value_is_one_that_was_computed(opens_text: Callable[..., Opened]) -> None:
+def test_of_long_lines_every_value_is_one_that_was_computed(
+    opens_text: Callable[..., Opened],
+) -> None:
     page = opens_text(LONG)
-    figures = {name: one for name, one in page.report.figures.items() if name.startswith(("torque-", "steady"))}
+    figures = {
+        name: one
+        for name, one in page.report.figures.items()
+        if name.startswith(("torque-", "steady"))
+    }
     source, *_ = figures
     assert len(figures) > 1
     for share in np.linspace(0.003, 0.997, 40):
@@ -98,13 +111,20 @@ def test_of_long_lines_every_value_is_one_that_was_computed(opens_text: Callable
             assert at == pytest.approx(x[k], rel=1e-9)
             speed, found = page.read(name)
             assert speed == digits(at)
-            assert found == {words: digits(line.y[k]) for words, line in figure.lines.items()}, (name, at)
+            assert found == {words: digits(line.y[k]) for words, line in figure.lines.items()}, (
+                name,
+                at,
+            )
 
 
-def test_figures_of_bending_name_the_critical_speeds_of_their_shaft(opens: Callable[..., Opened]) -> None:
+def test_figures_of_bending_name_the_critical_speeds_of_their_shaft(
+    opens: Callable[..., Opened],
+) -> None:
     page = opens("cardan_bearings")
     known = {name: one.criticals for name, one in page.report.figures.items()}
-    shafts = {one["name"]: one["critical_speeds"] for one in page.report.results["lateral"]["shafts"]}
+    shafts = {
+        one["name"]: one["critical_speeds"] for one in page.report.results["lateral"]["shafts"]
+    }
     bending = [name for name in known if name.startswith(("whirl-", "bending-"))]
     assert bending
     for name in bending:
@@ -117,7 +137,9 @@ def test_figures_of_bending_name_the_critical_speeds_of_their_shaft(opens: Calla
             assert near == ""
             continue
         best = min(own, key=lambda x: abs(x - speed))
-        assert near.startswith(f"nearest critical speed of bending of {shaft} {digits(best):g} rpm"), name
+        assert near.startswith(
+            f"nearest critical speed of bending of {shaft} {digits(best):g} rpm"
+        ), name
     for name in known:
         if name.startswith("tilting-"):
             page.press(name, "End")

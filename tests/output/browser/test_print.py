@@ -48,7 +48,9 @@ def test_a_page_in_use_prints_as_an_untouched_one_and_as_without_scripts(
     page = opens(scene, color_scheme="dark")
     used(page)
     assert streams(page.page.pdf(prefer_css_page_size=True)) == clean
-    assert page.page.locator(".scale > *").count() > 0 or scene == "six_cylinder"  # what was shown is shown again
+    assert (
+        page.page.locator(".scale > *").count() > 0 or scene == "six_cylinder"
+    )  # what was shown is shown again
     page.page.emulate_media(media="print")
     seen = page.page.locator("figure > svg:not(.train)").all()
     assert len(seen) == len(page.report.figures)

@@ -61,7 +61,9 @@ LIGHT = "rgb(255, 255, 255)"
 
 
 @pytest.mark.parametrize("scene", EVERY)
-def test_every_text_stands_out_from_what_lies_behind_it(opens: Callable[..., Opened], scene: str) -> None:
+def test_every_text_stands_out_from_what_lies_behind_it(
+    opens: Callable[..., Opened], scene: str
+) -> None:
     page = opens(scene)
     for screen, behind in (("light", LIGHT), ("dark", DARK)):
         page.page.emulate_media(color_scheme=screen)
@@ -106,7 +108,9 @@ def test_the_list_of_keys_opens_and_closes(usv: Opened) -> None:
 
 
 @pytest.mark.parametrize("scene", EVERY)
-def test_on_a_narrow_or_an_enlarged_screen_nothing_runs_over_its_edge(opens: Callable[..., Opened], scene: str) -> None:
+def test_on_a_narrow_or_an_enlarged_screen_nothing_runs_over_its_edge(
+    opens: Callable[..., Opened], scene: str
+) -> None:
     """420 px; and 1280 px enlarged to 200 %, which is 640 px of twice the size."""
     page = opens(scene, device_scale_factor=2)
     first = next(name for name, figure in page.report.figures.items() if figure.plots)
@@ -119,22 +123,33 @@ def test_on_a_narrow_or_an_enlarged_screen_nothing_runs_over_its_edge(opens: Cal
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= wide
         cut = "one => one.getBoundingClientRect().right > innerWidth + 1 ? one.textContent : null"
-        assert page.page.locator("main caption").evaluate_all(f"each => each.map({cut}).filter(Boolean)") == []
+        assert (
+            page.page.locator("main caption").evaluate_all(
+                f"each => each.map({cut}).filter(Boolean)"
+            )
+            == []
+        )
 
 
 @pytest.mark.parametrize("scene", EVERY)
-def test_every_table_is_as_wide_as_the_page_on_screen_and_on_paper(opens: Callable[..., Opened], scene: str) -> None:
+def test_every_table_is_as_wide_as_the_page_on_screen_and_on_paper(
+    opens: Callable[..., Opened], scene: str
+) -> None:
     page = opens(scene)
     for media in ("screen", "print"):
         page.page.emulate_media(media=media)
         page.page.set_viewport_size({"width": 900 if media == "screen" else A4, "height": 900})
         wider = "one => one.scrollWidth > one.parentElement.clientWidth ? one.caption.textContent : null"
-        found = page.page.locator("main .table > table").evaluate_all(f"each => each.map({wider}).filter(Boolean)")
+        found = page.page.locator("main .table > table").evaluate_all(
+            f"each => each.map({wider}).filter(Boolean)"
+        )
         assert found == []
 
 
 @pytest.mark.parametrize("screen", ["light", "dark"])
-def test_without_scripts_there_is_the_static_figure(opens: Callable[..., Opened], screen: str) -> None:
+def test_without_scripts_there_is_the_static_figure(
+    opens: Callable[..., Opened], screen: str
+) -> None:
     page = opens("usv", java_script_enabled=False, color_scheme=screen)
     assert page.page.locator("figure > svg[role=img]").count() == len(page.report.figures)
     for made in ("rect.area", ".tools", "button", ".values", ".train", "dialog"):
@@ -144,7 +159,9 @@ def test_without_scripts_there_is_the_static_figure(opens: Callable[..., Opened]
 @pytest.mark.parametrize("scene", ["usv"])
 def test_axe_finds_nothing_to_mend(opens: Callable[..., Opened], scene: str) -> None:
     """Rules of accessibility that a program can check, by axe-core, on the page in use."""
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe-playwright-python here")
+    axe = pytest.importorskip(
+        "axe_playwright_python.sync_playwright", reason="no axe-playwright-python here"
+    )
     page = opens(scene)
     found = axe.Axe().run(page.page, options={"resultTypes": ["violations"]}).response["violations"]
     assert [(one["id"], one["nodes"][0]["html"][:120], len(one["nodes"])) for one in found] == []

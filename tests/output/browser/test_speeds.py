@@ -31,7 +31,9 @@ def read(page: Opened) -> tuple[float, set[str]]:
 
 
 @pytest.mark.parametrize("scene", ["six_stations", "usv"])
-def test_the_cursor_names_the_ranges_that_a_speed_lies_in(opens: Callable[..., Opened], scene: str) -> None:
+def test_the_cursor_names_the_ranges_that_a_speed_lies_in(
+    opens: Callable[..., Opened], scene: str
+) -> None:
     page, free = opens(scene), {"in none of the ranges"}
     bands = plot(page).bands
     inside = [(one.low + one.high) / 2 for one in bands]
@@ -42,7 +44,9 @@ def test_the_cursor_names_the_ranges_that_a_speed_lies_in(opens: Callable[..., O
         page.hover(NAME, across(page, wanted))
         speed, found = read(page)
         assert speed == pytest.approx(wanted, abs=0.5)
-        assert found == ({one.label or one.name for one in bands if one.low <= speed <= one.high} or free)
+        assert found == (
+            {one.label or one.name for one in bands if one.low <= speed <= one.high} or free
+        )
     page.page.mouse.move(2, 2)
     assert page.values(NAME) == page.near(NAME) == ""
 
@@ -58,7 +62,9 @@ def test_the_unstable_range_of_the_results_is_read_there(opens: Callable[..., Op
 
 
 def test_the_nearest_critical_speed_is_named_as_in_the_diagram(usv: Opened) -> None:
-    every = [digits(one["speed_rad_per_s"] * RPM) for one in criticals(usv.report) if one["is_in_range"]]
+    every = [
+        digits(one["speed_rad_per_s"] * RPM) for one in criticals(usv.report) if one["is_in_range"]
+    ]
     for share in (0.1, 0.5, 0.9):
         usv.hover(NAME, share)
         match = CRITICAL.search(usv.near(NAME))

@@ -28,12 +28,19 @@ def range_of(page: Opened, name: str = "torque-1-0") -> tuple[float, float]:
 def width(page: Opened, name: str = "torque-1-0") -> float:
     """Share of the axis that is shown."""
     view = page.page.locator(f"figure#{name} svg.plot").last.get_attribute("viewBox").split(" ")
-    whole = page.page.locator(f"figure#{name} svg.plot").last.evaluate("one => one.original || null")
+    whole = page.page.locator(f"figure#{name} svg.plot").last.evaluate(
+        "one => one.original || null"
+    )
     return float(view[2]) / float((whole or [0, 0, float(view[2])])[2])
 
 
-def test_a_part_is_chosen_in_all_plots_over_the_speed_and_a_double_click_shows_the_whole(usv: Opened) -> None:
-    before = {name: (usv.numbers(name), usv.shape(name)) for name in ("torque-1-0", "stress-2", "campbell")}
+def test_a_part_is_chosen_in_all_plots_over_the_speed_and_a_double_click_shows_the_whole(
+    usv: Opened,
+) -> None:
+    before = {
+        name: (usv.numbers(name), usv.shape(name))
+        for name in ("torque-1-0", "stress-2", "campbell")
+    }
     usv.drag("torque-1-0", 0.2, 0.4)  # of 300 to 1800 rpm
     for name in before:
         seen = usv.numbers(name)
@@ -75,7 +82,9 @@ def test_what_is_shown_goes_with_a_cursor_that_leaves_it(usv: Opened) -> None:
     usv.drag("torque-1-0", 0.2, 0.4)
     usv.press("torque-1-0", "End")
     assert usv.numbers("torque-1-0")[-1] == FULL[1]
-    assert usv.page.locator("figure#torque-1-0 path.cursor").get_attribute("visibility") == "visible"
+    assert (
+        usv.page.locator("figure#torque-1-0 path.cursor").get_attribute("visibility") == "visible"
+    )
     assert width(usv) == pytest.approx(0.2, abs=0.01)
 
 
@@ -92,7 +101,9 @@ def test_the_wheel_zooms_with_control_or_focus_and_else_scrolls_the_page(usv: Op
     until(usv.page, "document.querySelector('figure#torque-1-0 .scale').children.length > 0")
     assert 0.3 < width(usv) < 0.9
     speed = usv.read("torque-1-0")[0]
-    assert speed == pytest.approx(0.75 * FULL[0] + 0.25 * FULL[1], abs=10.0)  # stays under the pointer
+    assert speed == pytest.approx(
+        0.75 * FULL[0] + 0.25 * FULL[1], abs=10.0
+    )  # stays under the pointer
     usv.area("torque-1-0").focus()
     usv.page.mouse.wheel(0, 900)
     until(usv.page, "document.querySelector('figure#torque-1-0 .scale').children.length === 0")
@@ -117,9 +128,13 @@ def fingers(page: Opened, *paths: tuple[tuple[float, float], tuple[float, float]
         for number, ((x0, y0), (x1, y1)) in enumerate(paths):
             yield {"x": x0 + at * (x1 - x0), "y": y0 + at * (y1 - y0), "id": number}
 
-    session.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": list(points(0.0))})
+    session.send(
+        "Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": list(points(0.0))}
+    )
     for at in (0.25, 0.5, 0.75, 1.0):
-        session.send("Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": list(points(at))})
+        session.send(
+            "Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": list(points(at))}
+        )
     session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
 
 

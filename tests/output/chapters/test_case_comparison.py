@@ -45,7 +45,9 @@ def tables(blocks: list[Any], begin: str) -> list[Table]:
     return [one for one in blocks if isinstance(one, Table) and one.caption.startswith(begin)]
 
 
-def test_every_check_of_every_case_stands_in_its_row_and_column(ferry: Findings, blocks: list[Any]) -> None:
+def test_every_check_of_every_case_stands_in_its_row_and_column(
+    ferry: Findings, blocks: list[Any]
+) -> None:
     found, every = results(ferry), 0
     for table in tables(blocks, "Checks by case"):
         titles = [column.title for column in table.columns]
@@ -55,9 +57,11 @@ def test_every_check_of_every_case_stands_in_its_row_and_column(ferry: Findings,
                 if cells.get(name, "–") == "–":
                     continue
                 (check,) = [
-                    one for one in case["checks"]
-                    if (f"{one['what']} ({one['rule']})", one["where"]) == (cells["Check"], cells["Component"])
-                ]  # fmt: skip
+                    one
+                    for one in case["checks"]
+                    if (f"{one['what']} ({one['rule']})", one["where"])
+                    == (cells["Check"], cells["Component"])
+                ]
                 value, _, place = cells[name].partition(" at ")
                 value, _, limit = value.partition(" / ")
                 middle = printed(value, 5)
@@ -67,9 +71,13 @@ def test_every_check_of_every_case_stands_in_its_row_and_column(ferry: Findings,
                 speed, _, order = place.partition(" rpm")
                 assert float(speed) == pytest.approx(check["speed_rad_per_s"] * RPM, rel=5e-5)
                 assert order.strip(" ()").partition(")")[0] == (check["order"] or "")
-                assert cells[name].endswith(f" {WORDS[check['verdict']]}") == (check["verdict"] != "pass")
+                assert cells[name].endswith(f" {WORDS[check['verdict']]}") == (
+                    check["verdict"] != "pass"
+                )
                 every += 1
-    listed = [row for place, row in enumerate(side_by_side(ferry.each)) if is_listed(row.check, place)]
+    listed = [
+        row for place, row in enumerate(side_by_side(ferry.each)) if is_listed(row.check, place)
+    ]
     assert every == sum(len(row.each) for row in listed) > 20
 
 
@@ -100,21 +108,35 @@ def test_curves_are_those_of_each_case(ferry: Findings, blocks: list[Any]) -> No
     assert list(curves) == ["case-stress"]
     stress = curves["case-stress"].lines
     assert set(stress) <= set(ferry.each)
-    shaft = curves["case-stress"].caption.removeprefix("Vibratory shear stress of ").removesuffix(" in the cases")
+    shaft = (
+        curves["case-stress"]
+        .caption.removeprefix("Vibratory shear stress of ")
+        .removesuffix(" in the cases")
+    )
     for name, line in stress.items():
         found = ferry.each[name]
         part = found.study.train.part(shaft)
-        spans = [k for k, span in enumerate(found.system.spans) if found.study.train.parts[span.part] == part]
+        spans = [
+            k
+            for k, span in enumerate(found.system.spans)
+            if found.study.train.parts[span.part] == part
+        ]
         half_range = found.results["synthesis"].half_range[:, spans].max(axis=1)
         (modulus,) = {round(value, 12) for value in half_range / line.y}
         assert modulus > 0.0
         np.testing.assert_array_equal(line.x, found.results["response"].speed * RPM)
 
 
-def test_a_case_for_information_is_no_part_of_the_verdict(ferry: Findings, blocks: list[Any]) -> None:
+def test_a_case_for_information_is_no_part_of_the_verdict(
+    ferry: Findings, blocks: list[Any]
+) -> None:
     assert ferry.cases["damper seized"].failed
     box = verdict_box(ferry)
-    assert (box.sign, box.text, box.kind) == ("!", "PASS with restrictions: all 6 cases", "note")  # from 400 rpm
+    assert (box.sign, box.text, box.kind) == (
+        "!",
+        "PASS with restrictions: all 6 cases",
+        "note",
+    )  # from 400 rpm
     lines = dict(box.lines)
     assert " in 6 cases: " in lines["Checks"]
     assert lines["For information"] == "case damper seized: not part of the verdict"
@@ -138,10 +160,16 @@ NO_RULES = "{rules: []}"
         ({"a": GOOD}, "✓", "PASS: both cases"),
         ({"a": GOOD, "b": BAD}, "✗", "FAIL: case b (1 of 3)"),
         ({"a": GOOD, "b": BAD.replace("}}", "}, judged: false}")}, "✓", "PASS: both cases"),
-        ({"a": GOOD, "b": NO_RULES}, "!", "PASS with restrictions: both cases, without coupling-maker in case b"),
+        (
+            {"a": GOOD, "b": NO_RULES},
+            "!",
+            "PASS with restrictions: both cases, without coupling-maker in case b",
+        ),
     ],
 )
-def test_the_page_begins_with_the_worst_verdict_of_those_judged(cases: dict[str, str], sign: str, text: str) -> None:
+def test_the_page_begins_with_the_worst_verdict_of_those_judged(
+    cases: dict[str, str], sign: str, text: str
+) -> None:
     stated = "".join(f"  {name}: {body}\n" for name, body in cases.items())
     found = torsion.run(torsion.parse(f"{TRAIN}cases:\n{stated}", "t.yaml"))
     body = [item.block for item in document(found).body]
@@ -154,7 +182,9 @@ def test_the_page_begins_with_the_worst_verdict_of_those_judged(cases: dict[str,
 
 
 def test_what_lacks_an_answer_stands_in_the_box_above_all_that_pass() -> None:
-    linked = TRAIN + "links: [{between: [engine, wheel], coupling: {name: chord, stiffness: 1e4}}]\n"
+    linked = (
+        TRAIN + "links: [{between: [engine, wheel], coupling: {name: chord, stiffness: 1e4}}]\n"
+    )
     gone = "remove: [rubber.stiffness, rubber.psi, chord.stiffness]"
     lost = f"{{{gone}, set: {{rubber.flexibility: 0, chord.flexibility: 0}}}}"
     found = torsion.run(torsion.parse(f"{linked}cases: {{x: {lost}}}\n", "t.yaml"))
@@ -170,19 +200,36 @@ def test_the_running_head_of_a_numbered_document_names_the_case() -> None:
     assert document(found.cases["a"]).cover.identity == "D-1 · revision B · case a"
 
 
-def test_the_report_begins_with_the_cases_and_each_has_its_own(ferry: Findings, tmp_path: Path) -> None:
+def test_the_report_begins_with_the_cases_and_each_has_its_own(
+    ferry: Findings, tmp_path: Path
+) -> None:
     write(ferry, tmp_path)
     made = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*"))
     folders = ["PTO-out", "damper-seized", "soft", "stiff", "warm", "zero-pitch"]
-    own = sorted([*(f"{folder}/report.html" for folder in folders), "report.html", "results.json", "series.npz"])
+    own = sorted(
+        [
+            *(f"{folder}/report.html" for folder in folders),
+            "report.html",
+            "results.json",
+            "series.npz",
+        ]
+    )
     assert made == own
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert all(f'<a href="{folder}/report.html">{folder}/report.html</a>' in page for folder in folders)
-    first = [item.block.text for item in document(ferry).body if isinstance(item.block, Heading)][:3]
+    assert all(
+        f'<a href="{folder}/report.html">{folder}/report.html</a>' in page for folder in folders
+    )
+    first = [item.block.text for item in document(ferry).body if isinstance(item.block, Heading)][
+        :3
+    ]
     assert first == ["Verdict", "Checks of the case normal", "Remarks"]
     warm = document(ferry.cases["warm"])
     assert warm.cover.subtitle == "Ferry drive in its cases, case warm"
-    own = [item.block.text for item in warm.body if isinstance(item.block, Heading) and item.block.level == 1][:3]
+    own = [
+        item.block.text
+        for item in warm.body
+        if isinstance(item.block, Heading) and item.block.level == 1
+    ][:3]
     assert own == ["Verdict of the case warm", "Checks of the case warm", "Changes by this case"]
 
 
@@ -193,7 +240,9 @@ def test_what_a_case_solved_alone_left_is_taken_away(ferry: Findings, tmp_path: 
     assert [path.name for path in (tmp_path / "warm").iterdir()] == ["report.html"]
 
 
-def test_the_page_of_all_cases_is_drawn_again_and_those_of_the_cases_stay(ferry: Findings, tmp_path: Path) -> None:
+def test_the_page_of_all_cases_is_drawn_again_and_those_of_the_cases_stay(
+    ferry: Findings, tmp_path: Path
+) -> None:
     write(ferry, tmp_path, also=("tables",))
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
     (tmp_path / "report.html").unlink()
@@ -211,7 +260,11 @@ def test_long_arrays_of_the_cases_stand_beside_the_results(ferry: Findings, tmp_
             if isinstance(value, dict) and value.keys() == {"file", "array", "shape"}:
                 array = series[value["array"]]
                 assert array.size > MOST_OF_A_CASE
-                return np.where(np.isnan(array), None, array).tolist() if array.dtype.kind == "f" else array.tolist()
+                return (
+                    np.where(np.isnan(array), None, array).tolist()
+                    if array.dtype.kind == "f"
+                    else array.tolist()
+                )
             if isinstance(value, dict):
                 return {key: back(one) for key, one in value.items()}
             return [back(one) for one in value] if isinstance(value, list) else value
@@ -249,11 +302,10 @@ GEARED = TRAIN.replace(
 
 def test_a_rule_that_a_case_leaves_out_is_stated_in_headline_and_tables() -> None:
     """The gear of a case without the rule `gear-hammer` is not judged there, and passes nowhere in silence."""
-    cases = (
-        "cases: {a: {set: {rubber.stiffness: 36 kN*m/rad}, rules: [coupling-maker]}, b: {rules: [coupling-maker]}}\n"
-    )
+    cases = "cases: {a: {set: {rubber.stiffness: 36 kN*m/rad}, rules: [coupling-maker]}, b: {rules: [coupling-maker]}}\n"
     geared = GEARED.replace(
-        "gear-hammer: {limit: 5}", "gear-hammer: {limit: 5, continuous: {from: 700 rpm, to: 900 rpm}}"
+        "gear-hammer: {limit: 5}",
+        "gear-hammer: {limit: 5, continuous: {from: 700 rpm, to: 900 rpm}}",
     )
     found = torsion.run(torsion.parse(geared + cases, "t.yaml"))
     box, table = verdict_box(found), overview(found.each)
@@ -285,7 +337,9 @@ def test_a_failure_is_worse_than_an_analysis_without_an_answer(ferry: Findings) 
     assert (case_verdict(failed), case_verdict(open_too)) == ("fail", "fail")
     passed = replace(ferry, cases={}, plan=replace(ferry.plan, unanswered=(lacking,)))
     assert case_verdict(passed) == "not judged"
-    both = replace(ferry, cases={"seized": replace(open_too, study=replace(open_too.study, case=None))})
+    both = replace(
+        ferry, cases={"seized": replace(open_too, study=replace(open_too.study, case=None))}
+    )
     table = overview(both.each)
     assert (table.rows[1][-1], table.marks[1]) == ("FAIL", "fail")
 
@@ -302,7 +356,9 @@ def test_barred_ranges_of_a_case_for_information_are_no_restriction(ferry: Findi
 
 
 def test_a_case_that_passes_with_restrictions_reads_so_in_headline_and_table() -> None:
-    found = torsion.run(torsion.parse(GEARED + "cases: {a: {set: {rubber.stiffness: 36 kN*m/rad}}}\n", "t.yaml"))
+    found = torsion.run(
+        torsion.parse(GEARED + "cases: {a: {set: {rubber.stiffness: 36 kN*m/rad}}}\n", "t.yaml")
+    )
     checks = found.need(Checks)
     limited = Checks((replace(checks.lines[0], verdict="restricted"), *checks.lines[1:]))
     whole = replace(found.having(checks=limited), cases=found.cases)

@@ -17,13 +17,19 @@ SCENES = Path(__file__).parents[3] / "shafting_specs"
 
 def heads(findings: Findings, *names: str) -> list[str]:
     report = Report("r", names, "stem")
-    return [block.text for block in chapters(findings, report) if isinstance(block, Heading) and block.level == 1]
+    return [
+        block.text
+        for block in chapters(findings, report)
+        if isinstance(block, Heading) and block.level == 1
+    ]
 
 
 def test_chapters_by_module_by_function_and_by_analysis(undamped: Findings) -> None:
     assert heads(undamped, "plant", "closing", "torsion.output.chapters.mass_elastic") == [
-        "The plant", "Conclusion and proposed measurements", "Appendix: mass-elastic system",
-    ]  # fmt: skip
+        "The plant",
+        "Conclusion and proposed measurements",
+        "Appendix: mass-elastic system",
+    ]
     assert heads(undamped, "plant", "verdict", "plant") == ["The plant", "Verdict"]
     assert heads(undamped, "@modes", "plant")[0] == "Natural frequencies and mode shapes"
     assert heads(undamped.having(modes=None), "@modes") == []
@@ -39,7 +45,9 @@ def test_the_chapters_of_all_other_analyses(undamped: Findings) -> None:
 
 def test_steps_with_their_times(bare: Findings) -> None:
     plan = Plan(
-        (PlanLine("w", "m", "s", 0.012445, "y"), PlanLine("v", "n", "t", 2.5, "z")), (("l", "o"),), {"lib": "1"}
+        (PlanLine("w", "m", "s", 0.012445, "y"), PlanLine("v", "n", "t", 2.5, "z")),
+        (("l", "o"),),
+        {"lib": "1"},
     )
     head, done, time, left, versions = provenance.steps(replace(bare, plan=plan))
     assert head == Heading("Appendix: what was computed")
@@ -49,7 +57,10 @@ def test_steps_with_their_times(bare: Findings) -> None:
     assert time == Paragraph("Computing time: 2.51 s.")
     assert left.rows == (("l", "o"),)
     assert versions == KeyValues((("lib", "1"),))
-    assert len(list(provenance.steps(replace(bare, plan=replace(plan, left_out=(), versions={}))))) == 3
+    assert (
+        len(list(provenance.steps(replace(bare, plan=replace(plan, left_out=(), versions={})))))
+        == 3
+    )
 
 
 def test_the_input_with_its_checksums_and_those_of_its_meshes(bare: Findings) -> None:
@@ -59,9 +70,13 @@ def test_the_input_with_its_checksums_and_those_of_its_meshes(bare: Findings) ->
     assert head == Heading("Appendix: the input as read")
     assert isinstance(said, Paragraph)
     sums = [
-        hashlib.sha256((SCENES / name).read_bytes()).hexdigest() for name in ("keyed_shaft.yaml", "keyed_60_mm.msh")
+        hashlib.sha256((SCENES / name).read_bytes()).hexdigest()
+        for name in ("keyed_shaft.yaml", "keyed_60_mm.msh")
     ]
-    assert f"keyed_shaft.yaml, SHA-256 {sums[0]}. The report was computed from this text and its meshes" in said.text
+    assert (
+        f"keyed_shaft.yaml, SHA-256 {sums[0]}. The report was computed from this text and its meshes"
+        in said.text
+    )
     assert said.text.endswith(f"keyed_60_mm.msh, SHA-256 {sums[1]}.")
     assert text == Verbatim((SCENES / "keyed_shaft.yaml").read_text(encoding="utf-8"))
     _, said, _ = provenance.input_file(replace(bare, study=replace(bare.study, file="")))

@@ -44,11 +44,16 @@ M68 = "rules: [iacs-m68]\n"
 
 
 def spans(findings: Findings, name: str) -> list[int]:
-    return [k for k, span in enumerate(findings.system.spans) if span.name.partition(" [")[0] == name]
+    return [
+        k for k, span in enumerate(findings.system.spans) if span.name.partition(" [")[0] == name
+    ]
 
 
 def written(
-    text: str, half: Mapping[str, Any], mean: Mapping[str, Any] | None = None, bad: Sequence[int] = ()
+    text: str,
+    half: Mapping[str, Any],
+    mean: Mapping[str, Any] | None = None,
+    bad: Sequence[int] = (),
 ) -> Findings:
     """The train with half ranges (N m) at five speeds by names of spans, each segment of a shaft with a tenth more."""
     found = torsion.run(torsion.parse(text))
@@ -63,13 +68,22 @@ def written(
     status = np.full((5, 1), Status.OK)
     status[list(bad)] = Status.SINGULAR
     response = replace(
-        response, speed=SPEED, requested=np.ones(5, dtype=bool), lines=lines, mean=steady,
-        frequency=np.full((5, 1), 3.0), torque=size[:, None, :] * (0.6 + 0.8j), status=status,
-    )  # fmt: skip
+        response,
+        speed=SPEED,
+        requested=np.ones(5, dtype=bool),
+        lines=lines,
+        mean=steady,
+        frequency=np.full((5, 1), 3.0),
+        torque=size[:, None, :] * (0.6 + 0.8j),
+        status=status,
+    )
     return found.having(
-        response=response, synthesis=Synthesis(size, 1.7 * size, 0.3 * size, 2 * size, found.need(Synthesis).turns),
-        mean=replace(found.need(Steady), speed=SPEED, torque=-steady.T) if mean is not None else None,
-    )  # fmt: skip
+        response=response,
+        synthesis=Synthesis(size, 1.7 * size, 0.3 * size, 2 * size, found.need(Synthesis).turns),
+        mean=replace(found.need(Steady), speed=SPEED, torque=-steady.T)
+        if mean is not None
+        else None,
+    )
 
 
 def table(blocks: Iterable[Block]) -> Table:
@@ -89,7 +103,10 @@ def modulus(diameter: float) -> float:
 
 
 SHAFTS = {"mid": 2000 * RISE, "plain": 900 * RISE[::-1]}
-STRESS = {"mid": 2.2e-3 * RISE / modulus(0.06), "plain": 0.99e-3 * RISE[::-1] / modulus(0.05)}  # N/mm2
+STRESS = {
+    "mid": 2.2e-3 * RISE / modulus(0.06),
+    "plain": 0.99e-3 * RISE[::-1] / modulus(0.05),
+}  # N/mm2
 
 
 def test_stress_of_shafts_is_torque_over_the_modulus_of_their_section() -> None:
@@ -113,7 +130,9 @@ def test_stress_of_shafts_is_torque_over_the_modulus_of_their_section() -> None:
         line = figure.lines["total stress"]
         np.testing.assert_allclose(line.y, STRESS[name], rtol=1e-13)
         np.testing.assert_allclose(line.x, SPEED * RPM, rtol=1e-13)
-        (order,) = (one for one in figure.lines.values() if one.name.startswith("order"))  # the only one, of that size
+        (order,) = (
+            one for one in figure.lines.values() if one.name.startswith("order")
+        )  # the only one, of that size
         np.testing.assert_allclose(order.y, STRESS[name], rtol=1e-13)
         assert levels(figure) == {"rated speed": [pytest.approx(45.0 * RPM)]}
         assert plot(figure).bands == ()
@@ -133,15 +152,24 @@ def test_limits_of_the_rule_stand_beside_the_stress_where_they_hold() -> None:
     made = table(blocks)
     assert len(made.columns) == 8
     assert made.rows[0] == (
-        "mid", "intermediate", number(stress[4]), "477.46", "–", "–", number(share[at], 4), number(SPEED[at] * RPM),
-    )  # fmt: skip
+        "mid",
+        "intermediate",
+        number(stress[4]),
+        "477.46",
+        "–",
+        "–",
+        number(share[at], 4),
+        number(SPEED[at] * RPM),
+    )
     assert made.rows[1] == ("plain", "–", number(STRESS["plain"][0]), "95.493", "–", "–", "–", "–")
     assert "IACS UR M68" in texts(blocks)[0]
     drawn = figures(blocks)["Vibratory shear stress of mid"]
     np.testing.assert_array_equal(drawn.lines["limit τ_{C}, continuous"].y, continuous)
     np.testing.assert_array_equal(drawn.lines["limit τ_{T}, passing rapidly"].y, transient)
     assert bands(drawn, "barred") == [pytest.approx((11.0 * RPM, 13.0 * RPM))]
-    falling = table(component_loads.shafts(written(TRAIN + M68, {"mid": 2000 * RISE[::-1]}))).rows[0]
+    falling = table(component_loads.shafts(written(TRAIN + M68, {"mid": 2000 * RISE[::-1]}))).rows[
+        0
+    ]
     assert falling[4:6] == (number(continuous[0]), number(transient[0]))
     unknown = table(component_loads.shafts(written(TRAIN + M68, SHAFTS, bad=[1]))).rows
     assert {row[2:4] for row in unknown} == {(NO_VALUE, "–")}
@@ -158,13 +186,23 @@ def test_three_shafts_have_a_figure() -> None:
     half = {f"part {k:02}": (20.0 + (5 * k) % 13) * RISE for k in range(13)}
     blocks = list(component_loads.shafts(written(head + shafts + tail, half)))
     highest = sorted(sorted(half, key=lambda name: -half[name].max())[:3])
-    assert [caption.removeprefix("Vibratory shear stress of ") for caption in figures(blocks)] == highest
-    assert texts(blocks)[-1] == "The figures show the 3 shafts with the highest stress of 13 shafts."
+    assert [
+        caption.removeprefix("Vibratory shear stress of ") for caption in figures(blocks)
+    ] == highest
+    assert (
+        texts(blocks)[-1] == "The figures show the 3 shafts with the highest stress of 13 shafts."
+    )
     assert len(texts(list(component_loads.shafts(written(TRAIN, SHAFTS))))) == 1
 
 
-MESHES = {"stage": [1100.0, 2000.0, 3000.0, 2000.0, 500.0], "stage wheel 2": [30.0, 0.0, 20.0, 50.0, 40.0]}
-MEANS = {"stage": [2000.0, -1000.0, 2000.0, 1900.0, 1000.0], "stage wheel 2": [-10.0, 0.0, 10.0, 0.0, 5.0]}
+MESHES = {
+    "stage": [1100.0, 2000.0, 3000.0, 2000.0, 500.0],
+    "stage wheel 2": [30.0, 0.0, 20.0, 50.0, 40.0],
+}
+MEANS = {
+    "stage": [2000.0, -1000.0, 2000.0, 1900.0, 1000.0],
+    "stage wheel 2": [-10.0, 0.0, 10.0, 0.0, 5.0],
+}
 
 
 def test_torque_in_the_meshes_against_the_mean_torque() -> None:
@@ -172,7 +210,15 @@ def test_torque_in_the_meshes_against_the_mean_torque() -> None:
     made = table(blocks)
     names = [row[0] for row in made.rows]
     assert made.rows == (
-        (names[0], "3.0000", "286.48", "2.0000", "2.000", "190.99", "yes, between 190.99 and 381.97 rpm"),
+        (
+            names[0],
+            "3.0000",
+            "286.48",
+            "2.0000",
+            "2.000",
+            "190.99",
+            "yes, between 190.99 and 381.97 rpm",
+        ),
         (names[1], "0.050000", "381.97", "0", "∞", "–", "yes, between 95.493 and 477.46 rpm"),
     )
     assert names[0] == "stage"
@@ -188,10 +234,14 @@ def test_torque_in_the_meshes_against_the_mean_torque() -> None:
         ([5.0, 4.0, 6.0, 9.0, 2.0], [9.0] * 5, ("1.000", "381.97", "no"), ""),
         ([5.0, 4.0, 6.0, 9.0, 2.0], [1.0] * 5, ("9.000", "381.97", "yes, everywhere"), "fail"),
         ([0.0] * 5, [0.0] * 5, ("0", "95.493", "no"), ""),
-        ([5.0, 4.0, 6.0, 9.0, 2.0], [10.0, 10.0, 5.0, 10.0, 10.0],
-         ("1.200", "286.48", "yes, between 286.48 and 286.48 rpm"), "fail"),
+        (
+            [5.0, 4.0, 6.0, 9.0, 2.0],
+            [10.0, 10.0, 5.0, 10.0, 10.0],
+            ("1.200", "286.48", "yes, between 286.48 and 286.48 rpm"),
+            "fail",
+        ),
     ],
-)  # fmt: skip
+)
 def test_where_the_tooth_load_reverses(values: list, mean: list, cells: tuple, mark: str) -> None:
     made = table(component_loads.gears(written(TRAIN, {"stage": values}, {"stage": mean})))
     assert made.rows[0][4:] == cells
@@ -210,13 +260,26 @@ def test_mesh_without_a_mean_torque_or_without_a_value() -> None:
 def test_curves_of_a_mesh_have_the_limit_of_its_check() -> None:
     found = written(TRAIN, {"stage": 800 * RISE}, {"stage": 3000 * RISE})
     lines = [
-        Check(rule, "c", where, "w", 1.0, limit, unit, "pass", "setting", barred=(BarredRange(11.0, 13.0, 12.0, "x"),))
+        Check(
+            rule,
+            "c",
+            where,
+            "w",
+            1.0,
+            limit,
+            unit,
+            "pass",
+            "setting",
+            barred=(BarredRange(11.0, 13.0, 12.0, "x"),),
+        )
         for rule, where, limit, unit in (
-            ("gear-hammer", "stage wheel 2", 1.0, "N m"), ("coupling-maker", "stage", 2.0, "N m"),
-            ("gear-hammer", "stage", 3.0, "rad"), ("gear-hammer", "stage", math.nan, "N m"),
+            ("gear-hammer", "stage wheel 2", 1.0, "N m"),
+            ("coupling-maker", "stage", 2.0, "N m"),
+            ("gear-hammer", "stage", 3.0, "rad"),
+            ("gear-hammer", "stage", math.nan, "N m"),
             ("gear-hammer", "stage", 1234.0, "N m"),
         )
-    ]  # fmt: skip
+    ]
     drawn = figures(component_loads.gears(found.having(checks=Checks(tuple(lines)))))[
         "Vibratory and mean torque in stage"
     ]
@@ -228,9 +291,12 @@ def test_curves_of_a_mesh_have_the_limit_of_its_check() -> None:
     np.testing.assert_allclose(drawn.lines["mean torque"].x, SPEED * RPM)
     assert bands(drawn, "barred") == [pytest.approx((11.0 * RPM, 13.0 * RPM))]
     assert levels(drawn) == {
-        "limit of the vibratory torque": [pytest.approx(1.234)], "rated speed": [pytest.approx(45.0 * RPM)],
-    }  # fmt: skip
-    bare = figures(component_loads.gears(found.having(checks=Checks(()))))["Vibratory and mean torque in stage"]
+        "limit of the vibratory torque": [pytest.approx(1.234)],
+        "rated speed": [pytest.approx(45.0 * RPM)],
+    }
+    bare = figures(component_loads.gears(found.having(checks=Checks(()))))[
+        "Vibratory and mean torque in stage"
+    ]
     assert list(levels(bare)) == ["rated speed"]
 
 
@@ -242,7 +308,19 @@ def test_torque_and_heat_of_couplings() -> None:
     heat = 2 * math.pi * 3.0 * 0.3 * 1800.0**2 / (2 * 20e3 * (1 + 0.3**2))
     blocks = list(component_loads.couplings(found))
     assert table(blocks).rows == (
-        ("soft", "1.8000", "95.493", "–", "3.0000", "–", "3.0600", "–", number(heat), "95.493", "–"),
+        (
+            "soft",
+            "1.8000",
+            "95.493",
+            "–",
+            "3.0000",
+            "–",
+            "3.0600",
+            "–",
+            number(heat),
+            "95.493",
+            "–",
+        ),
         (
             "limited",
             "0.60000",
@@ -260,13 +338,21 @@ def test_torque_and_heat_of_couplings() -> None:
     assert isinstance(blocks[0], Heading)
     alone = table(component_loads.couplings(found.having(mean=None))).rows
     assert [row[4] for row in alone] == ["–", "–"]
-    rows = table(component_loads.couplings(written(TRAIN, {"soft": 800 * RISE}, mean={}, bad=[2]))).rows
-    assert [(row[1], row[2], row[6], row[8], row[9]) for row in rows] == [(NO_VALUE, "–", NO_VALUE, NO_VALUE, "–")] * 2
+    rows = table(
+        component_loads.couplings(written(TRAIN, {"soft": 800 * RISE}, mean={}, bad=[2]))
+    ).rows
+    assert [(row[1], row[2], row[6], row[8], row[9]) for row in rows] == [
+        (NO_VALUE, "–", NO_VALUE, NO_VALUE, "–")
+    ] * 2
 
 
 def test_nothing_without_a_response_or_without_such_components() -> None:
     text = TRAIN[TRAIN.index("materials") :].replace(", ripple: [{order: 2, torque: 2 %}]", "")
-    still = torsion.run(torsion.parse("name: x\n" + text.replace(", excitation: [{blade_order: 1, torque: 6 %}]", "")))
+    still = torsion.run(
+        torsion.parse(
+            "name: x\n" + text.replace(", excitation: [{blade_order: 1, torque: 6 %}]", "")
+        )
+    )
     plain = torsion.run(
         torsion.parse("""
 name: x

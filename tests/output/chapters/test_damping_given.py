@@ -41,7 +41,11 @@ def solved(damping: str = "2", text: str = TEXT) -> Findings:
 
 
 def table(findings: Findings, caption: str) -> dict[str, tuple[str, ...]]:
-    made = next(block for block in chapter(findings) if isinstance(block, Table) and block.caption == caption)
+    made = next(
+        block
+        for block in chapter(findings)
+        if isinstance(block, Table) and block.caption == caption
+    )
     return {row[0]: row[1:] for row in made.rows}
 
 
@@ -76,24 +80,39 @@ def test_only_what_damps_has_a_table() -> None:
         (SMALL.replace(", damping: DAMPING", ""), captions[0]),
         (SMALL.replace(", psi: 1", ""), captions[1]),
     ):
-        assert [block.caption for block in chapter(solved("2", text)) if isinstance(block, Table)] == [left]
+        assert [
+            block.caption for block in chapter(solved("2", text)) if isinstance(block, Table)
+        ] == [left]
 
 
 @pytest.mark.parametrize(
     ("damping", "row"),
     [
         ("2", ("viscous", "–", "2.0000")),
-        ("{model: schwanecke}", ("schwanecke", "–", number(0.0231 * 1025 * 1.5**5 * 0.81 * 0.6 / math.pi * 31 * 0.4))),
-        ("{model: archer, factor: 30}", ("archer", "30", number(30 * (5000 / 31 / 0.4) / (31 * 0.4 * 30 / math.pi)))),
+        (
+            "{model: schwanecke}",
+            ("schwanecke", "–", number(0.0231 * 1025 * 1.5**5 * 0.81 * 0.6 / math.pi * 31 * 0.4)),
+        ),
+        (
+            "{model: archer, factor: 30}",
+            ("archer", "30", number(30 * (5000 / 31 / 0.4) / (31 * 0.4 * 30 / math.pi))),
+        ),
         ("{model: frahm, factor: 4}", ("frahm", "4", number(4 * (5000 / 31 / 0.4) / (31 * 0.4)))),
     ],
 )
 def test_damping_to_ground_at_the_rated_speed(damping: str, row: tuple[str, ...]) -> None:
     """At 31 rad/s of the motor, 2/5 of that at the screw; a constant needs no speed."""
     found = table(solved(damping), "Damping to ground")
-    assert found == {"m": ("viscous", "–", "3.2500", "maker"), "d": ("viscous", "–", "2.5000", "not stated"),
-                     "screw": (*row, "not stated")}  # fmt: skip
-    made = next(block for block in chapter(solved(damping)) if isinstance(block, Table) and "ground" in block.caption)
+    assert found == {
+        "m": ("viscous", "–", "3.2500", "maker"),
+        "d": ("viscous", "–", "2.5000", "not stated"),
+        "screw": (*row, "not stated"),
+    }
+    made = next(
+        block
+        for block in chapter(solved(damping))
+        if isinstance(block, Table) and "ground" in block.caption
+    )
     assert made.columns[3].title == f"Value at {31 * 30 / math.pi:.3f} rpm"
 
 
@@ -110,10 +129,16 @@ def test_damping_to_ground_at_the_rated_speed(damping: str, row: tuple[str, ...]
 )
 def test_damping_that_is_not_known_varies(damping: str, values: tuple[str, str]) -> None:
     rated = "rated: {speed: 31 rad/s, power: 5 kW}"
-    for text, value in ((TEXT.replace(f", {rated}", ""), values[0]), (TEXT.replace(", power: 5 kW", ""), values[1])):
+    for text, value in (
+        (TEXT.replace(f", {rated}", ""), values[0]),
+        (TEXT.replace(", power: 5 kW", ""), values[1]),
+    ):
         assert table(solved(damping, text), "Damping to ground")["screw"][2] == value
-    bare = next(block for block in chapter(solved(damping, TEXT.replace(f", {rated}", ""))) if isinstance(block, Table)
-                and "ground" in block.caption)  # fmt: skip
+    bare = next(
+        block
+        for block in chapter(solved(damping, TEXT.replace(f", {rated}", "")))
+        if isinstance(block, Table) and "ground" in block.caption
+    )
     assert bare.columns[3].title == "Value"
 
 
@@ -122,9 +147,10 @@ def test_dampers_of_one_place_add_up() -> None:
     varying = 4 * (5000 / 31 / 0.4) / (31 * 0.4)
     unknown = TEXT.replace(", power: 5 kW", "")
     for damping, text, value in (
-        ("2", TEXT, "7.5000"), ("{model: frahm, factor: 4}", TEXT, number(5.5 + varying)),
+        ("2", TEXT, "7.5000"),
+        ("{model: frahm, factor: 4}", TEXT, number(5.5 + varying)),
         ("{model: frahm, factor: 4}", unknown, "varies with mean torque"),
-    ):  # fmt: skip
+    ):
         found = solved(damping, text)
         system = found.system
         (own,) = [one for one in system.dampers if system.stations[one.station].name == "screw"]
@@ -134,12 +160,17 @@ def test_dampers_of_one_place_add_up() -> None:
 
 def test_next_to_no_damping_is_no_prediction() -> None:
     found = solved("2", TEXT + EXCITED)
-    weak = replace(found.need(DampedModes), damping_ratio=np.array([0.5, 0.9e-4, 1e-4, 0.02, 0.5e-4]))
+    weak = replace(
+        found.need(DampedModes), damping_ratio=np.array([0.5, 0.9e-4, 1e-4, 0.02, 0.5e-4])
+    )
     (said,) = [text for text in texts(found.having(damped_modes=weak)) if "damping ratio" in text]
     assert said.startswith("The damping ratio of mode 2, 5 is below 0.01 %: the amplitudes")
     strong = replace(weak, damping_ratio=np.array([0.5, 1e-4]))
-    for one in (found.having(damped_modes=strong), found.having(damped_modes=weak, response=None),
-                found.having(damped_modes=None)):  # fmt: skip
+    for one in (
+        found.having(damped_modes=strong),
+        found.having(damped_modes=weak, response=None),
+        found.having(damped_modes=None),
+    ):
         assert not [text for text in texts(one) if "damping ratio" in text]
 
 

@@ -37,15 +37,23 @@ def found() -> Findings:
 
 
 def sheets(findings: Findings) -> dict[str, Table]:
-    return {block.caption.split(":")[0]: block for block in chapter(findings) if isinstance(block, Table)}
+    return {
+        block.caption.split(":")[0]: block
+        for block in chapter(findings)
+        if isinstance(block, Table)
+    }
 
 
-def test_data_sheets_say_what_the_file_says_and_the_torque_at_the_rated_point(found: Findings) -> None:
+def test_data_sheets_say_what_the_file_says_and_the_torque_at_the_rated_point(
+    found: Findings,
+) -> None:
     mean = 60e3 / (900 * math.pi / 30)  # N m
     made = sheets(found)
     assert list(made) == ["Machines", "Couplings", "Gears", "Propellers, pumps and fans"]
     assert made["Machines"].rows == (("m", "1.25", "60", "900", number(mean), "2"),)
-    assert made["Couplings"].rows == (("soft", "1000", "300", "3000", "400", "20000", "15", "0.80000", "–"),)
+    assert made["Couplings"].rows == (
+        ("soft", "1000", "300", "3000", "400", "20000", "15", "0.80000", "–"),
+    )
     assert made["Gears"].rows == (
         ("g", "21", "63", "3", "1.4", number(mean), "5000000"),
         ("g wheel 2", "21", "42", "2", "1.4", "0", "rigid"),
@@ -68,16 +76,28 @@ def test_forces_on_teeth_are_those_of_one_force_normal_to_the_flank() -> None:
     normal = mean / (diameter / 2) / (math.cos(a) * math.cos(b))
     main, wheel = found.need(ToothForces).meshes
     assert (main.tangential, main.radial, main.axial) == pytest.approx(
-        (normal * math.cos(a) * math.cos(b), normal * math.sin(a), normal * math.cos(a) * math.sin(b)), rel=1e-14
+        (
+            normal * math.cos(a) * math.cos(b),
+            normal * math.sin(a),
+            normal * math.cos(a) * math.sin(b),
+        ),
+        rel=1e-14,
     )
     assert main.driven_diameter == pytest.approx(8e-3 * 63 / math.cos(b), rel=1e-15)
-    assert (wheel.diameter, wheel.driven_diameter) == pytest.approx((diameter, 2 * diameter), rel=1e-15)
+    assert (wheel.diameter, wheel.driven_diameter) == pytest.approx(
+        (diameter, 2 * diameter), rel=1e-15
+    )
     assert (wheel.tangential, wheel.torque) == (0.0, 0.0)
     (row, _) = sheets(found)["Tooth forces at the rated torque, without K_{A}"].rows
     assert row == (
-        "g", "8", "12", "22.5", number(1e3 * diameter), number(3e3 * diameter),
+        "g",
+        "8",
+        "12",
+        "22.5",
+        number(1e3 * diameter),
+        number(3e3 * diameter),
         *(number(1e-3 * force) for force in (main.tangential, main.radial, main.axial)),
-    )  # fmt: skip
+    )
     assert not any(isinstance(block, Paragraph) for block in chapter(found))
     stated = results(found)["tooth_forces"][0]
     assert {f"tooth_forces[].{key}" for key in stated} == {
@@ -95,18 +115,26 @@ def test_forces_on_teeth_are_those_of_one_force_normal_to_the_flank() -> None:
     ],
 )
 def test_spur_teeth_push_at_the_pitch_diameter(keys: str, diameter: float) -> None:
-    text = TEXT.replace("name: g, teeth: [21, 63]", f"name: g, {keys}").replace("teeth: 42", "ratio: 2")
+    text = TEXT.replace("name: g, teeth: [21, 63]", f"name: g, {keys}").replace(
+        "teeth: 42", "ratio: 2"
+    )
     force = torsion.run(torsion.parse(text)).need(ToothForces).meshes[0]
     mean = 60e3 / (900 * math.pi / 30)
     assert force.tangential == pytest.approx(2 * mean / diameter, rel=1e-14)
-    assert (force.radial, force.axial) == (pytest.approx(force.tangential * math.tan(math.pi / 9), rel=1e-14), 0.0)
+    assert (force.radial, force.axial) == (
+        pytest.approx(force.tangential * math.tan(math.pi / 9), rel=1e-14),
+        0.0,
+    )
 
 
 def test_forces_on_teeth_are_left_out_without_a_rated_torque() -> None:
     text = "name: x\ntrain: [motor: {inertia: 1}, gear: {teeth: [20, 50], module: 4 mm}, disc: {inertia: 2}]\n"
     found = torsion.run(torsion.parse(text))
     assert found.get(ToothForces) is None
-    assert ("tooth forces", "the mean torque at the rated point is not known") in found.plan.left_out
+    assert (
+        "tooth forces",
+        "the mean torque at the rated point is not known",
+    ) in found.plan.left_out
 
 
 @pytest.mark.parametrize(
@@ -114,14 +142,19 @@ def test_forces_on_teeth_are_left_out_without_a_rated_torque() -> None:
     [
         ("ratio: 3, module: 5 mm", "a `module` needs `teeth`"),
         ("teeth: [20, 60], helix_angle: 12 deg", "`helix_angle` says nothing alone"),
-        ("teeth: [20, 60], pitch_diameter: [100 mm, 310 mm]", "the pitch diameters are as 1 to 3.1, the speeds as 3"),
+        (
+            "teeth: [20, 60], pitch_diameter: [100 mm, 310 mm]",
+            "the pitch diameters are as 1 to 3.1, the speeds as 3",
+        ),
         ("ratio: 3, pitch_diameter: [300 mm, 100 mm]", "the pitch diameters are as 1 to 0.333333"),
-        ("teeth: [20, 60], module: 5 mm, helix_angle: 12 deg, pitch_diameter: [100 mm, 300 mm]",
-         r"m_n z/cos\(beta\) is 102.234 mm for 20 teeth, the pitch diameter 100 mm"),
+        (
+            "teeth: [20, 60], module: 5 mm, helix_angle: 12 deg, pitch_diameter: [100 mm, 300 mm]",
+            r"m_n z/cos\(beta\) is 102.234 mm for 20 teeth, the pitch diameter 100 mm",
+        ),
         ("teeth: [20, 60], module: 5", "5 m is outside the usual range .* mm"),
         ("teeth: [20, 60], module: 5 mm, helix_angle: 90 deg", "out of range"),
     ],
-)  # fmt: skip
+)
 def test_sizes_of_teeth_that_do_not_fit_are_refused(keys: str, expected: str) -> None:
     text = f"name: x\ntrain: [motor: {{inertia: 1}}, gear: {{{keys}}}, disc: {{inertia: 2}}]\n"
     with pytest.raises(InputError, match=expected):

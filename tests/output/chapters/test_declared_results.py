@@ -61,9 +61,12 @@ def train() -> Findings:
 def blocks(findings: Findings, **fields: Any) -> list[Any]:
     system = findings.system
     made = Toys(
-        height=np.arange(1.0, len(system.stations) + 1), width=np.arange(11.0, len(system.stations) + 11),
-        twist=np.arange(21.0, len(system.spans) + 21), torque=np.ones((2, len(system.spans))), mark=np.arange(60.0),
-    )  # fmt: skip
+        height=np.arange(1.0, len(system.stations) + 1),
+        width=np.arange(11.0, len(system.stations) + 11),
+        twist=np.arange(21.0, len(system.spans) + 21),
+        torque=np.ones((2, len(system.spans))),
+        mark=np.arange(60.0),
+    )
     toys = Analysis("toys of the train", "x", results={"toys": "x:Toys", "more": "x:Toys"})
     return chapter(toys, findings.having(toys=replace(made, **fields)))
 
@@ -77,18 +80,27 @@ def test_every_quantity_stands_in_a_table_of_its_axis_or_is_named(train: Finding
     assert made[0] == Heading("Toys of the train")
     found = tables(made)
     assert list(found) == [
-        "Single values of toys", "Values of toys by station", "Values of toys by span", "Values of toys by toy",
-    ]  # fmt: skip
+        "Single values of toys",
+        "Values of toys by station",
+        "Values of toys by span",
+        "Values of toys by toy",
+    ]
     single = found["Single values of toys"]
-    assert single.rows[:2] == (("how many", "2", "", "number of toys"), ("share", "–", "1", "of all"))
+    assert single.rows[:2] == (
+        ("how many", "2", "", "number of toys"),
+        ("share", "–", "1", "of all"),
+    )
     assert single.short == "toys"
     stations = found["Values of toys by station"]
     names = [station.name for station in train.system.stations]
-    assert stations.rows == tuple((name, f"{k + 1:.4f}", f"{k + 11:.3f}") for k, name in enumerate(names))
+    assert stations.rows == tuple(
+        (name, f"{k + 1:.4f}", f"{k + 11:.3f}") for k, name in enumerate(names)
+    )
     assert [(one.title, one.unit, one.align, one.short) for one in stations.columns] == [
-        ("Station", "", "left", "station"), ("of every station", "m", "right", "height_m"),
+        ("Station", "", "left", "station"),
+        ("of every station", "m", "right", "height_m"),
         ("across", "mm", "right", "width_mm"),
-    ]  # fmt: skip
+    ]
     assert stations.short == "toys by station"
     spans = [span.name for span in train.system.spans]
     assert [row[0] for row in found["Values of toys by span"].rows] == spans
@@ -96,12 +108,15 @@ def test_every_quantity_stands_in_a_table_of_its_axis_or_is_named(train: Finding
     (left,) = [block.items for block in made if isinstance(block, Points)]
     assert left == (
         "in every element: 2 by 2 values, `toys.torque_Nm` of results.json",
-        "first and last: 2 values, `toys.ends_s` of results.json", "all: 0 values, `toys.parts` of results.json",
-    )  # fmt: skip
+        "first and last: 2 values, `toys.ends_s` of results.json",
+        "all: 0 values, `toys.parts` of results.json",
+    )
 
 
 def test_places_of_another_number_than_the_stations_are_counted(train: Findings) -> None:
-    rows = tables(blocks(train, height=np.arange(3.0), width=np.arange(3.0)))["Values of toys by station"].rows
+    rows = tables(blocks(train, height=np.arange(3.0), width=np.arange(3.0)))[
+        "Values of toys by station"
+    ].rows
     assert [row[0] for row in rows] == ["1", "2", "3"]
 
 
@@ -112,9 +127,13 @@ def test_long_arrays_are_named(train: Findings) -> None:
 
 
 def test_results_within_a_result_have_their_own_tables(train: Findings) -> None:
-    made = blocks(train, part=Part(7.0), only=Part(8.0), parts=tuple(Part(float(k)) for k in range(70)))
+    made = blocks(
+        train, part=Part(7.0), only=Part(8.0), parts=tuple(Part(float(k)) for k in range(70))
+    )
     found = tables(made)
-    assert found["Single values of toys.part"].rows == (("rim speed", "7.0000", "m/s", "of the rim"),)
+    assert found["Single values of toys.part"].rows == (
+        ("rim speed", "7.0000", "m/s", "of the rim"),
+    )
     inner = [caption for caption in found if "parts[" in caption]
     assert inner == [f"Single values of toys.parts[{k}]" for k in range(59)]
     assert "Single values of toys.part" in found
@@ -131,7 +150,10 @@ def test_five_columns_stand_on_the_terminal(train: Findings) -> None:
         d: FloatArray = result("", ("toy",), "d")
         e: FloatArray = result("", ("toy",), "e")
 
-    made = chapter(Analysis("wide", "x", results={"wide": "x:Wide"}), train.having(wide=Wide(*[np.arange(2.0)] * 5)))
+    made = chapter(
+        Analysis("wide", "x", results={"wide": "x:Wide"}),
+        train.having(wide=Wide(*[np.arange(2.0)] * 5)),
+    )
     (table,) = tables(made).values()
     assert [column.short for column in table.columns] == ["toy", "a", "b", "c", "d", ""]
 
@@ -140,9 +162,13 @@ def test_nothing_where_nothing_was_found(train: Findings) -> None:
     assert chapter(Analysis("toys", "x", results={"toys": "x:Toys"}), train) == []
 
 
-def test_it_stands_for_the_chapters_of_the_analysis(train: Findings, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_stands_for_the_chapters_of_the_analysis(
+    train: Findings, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Where one of its results was found, though another was not."""
-    monkeypatch.setitem(ANALYSES, "parts", Analysis("parts", "x", results={"part": "x:Part", "more": "x:Part"}))
+    monkeypatch.setitem(
+        ANALYSES, "parts", Analysis("parts", "x", results={"part": "x:Part", "more": "x:Part"})
+    )
     report = Report("r", ("@parts",), "stem")
     assert chapters(train, report) == []
     head, made = chapters(train.having(part=Part(3.0)), report)

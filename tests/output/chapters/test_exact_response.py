@@ -16,7 +16,13 @@ from torsion.analyses.response.harmonic_components import Line
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
-from torsion.output.chapters.exact_response import MODEL, chapter, compared, exact_half_range, first_order_judged
+from torsion.output.chapters.exact_response import (
+    MODEL,
+    chapter,
+    compared,
+    exact_half_range,
+    first_order_judged,
+)
 from torsion.output.selection import elements
 
 RPM = 30.0 / math.pi
@@ -42,14 +48,19 @@ LINES = (Fraction(1, 2), Fraction(2, 3), Fraction(2))
 ORDERS = (Fraction(2, 3), Fraction(4, 3), Fraction(2), Fraction(4))
 FIRST = {  # (speeds, lines) N m
     "first": [[10, 20, 30], [40, 50, 60], [11, 7000, 33], [44, 55, 66]],
-    "tube": [[1, 2, 3], [4, 5, 6], [7, 8, 9], [10, 200, 12]], "last": [[9, 0, 7], [6, 5, 4], [3, 2, 1], [8, 11, 12]],
-}  # fmt: skip
+    "tube": [[1, 2, 3], [4, 5, 6], [7, 8, 9], [10, 200, 12]],
+    "last": [[9, 0, 7], [6, 5, 4], [3, 2, 1], [8, 11, 12]],
+}
 EXACT = {  # (speeds, orders) N m
     "first": [[2000, 9, 80, 2], [8000, 500, 70, 79.9], [3000, 400, 60, 3]],
     "tube": [[100, 10, 20, 30], [40, 11, 21, 31], [50, 12, 22, 32]],
     "last": [[0.1, 0, 0, 0], [0.2, 0, 0, 0.01], [1.0, 0, 0.005, 0]],
-}  # fmt: skip
-HALF = {"first": [6000, 6100, 6400, 6200], "tube": [160, 110, 120, 130], "last": [4, 8, 5, 6]}  # (speeds,) N m
+}
+HALF = {
+    "first": [6000, 6100, 6400, 6200],
+    "tube": [160, 110, 120, 130],
+    "last": [4, 8, 5, 6],
+}  # (speeds,) N m
 
 
 @pytest.fixture(scope="module")
@@ -72,11 +83,19 @@ def exact(train: Findings, torque: np.ndarray, **changed: Any) -> PeriodicRespon
     unstable = changed.pop("is_unstable", [False] * 3)
     number = len(torque)
     found = PeriodicResponse(
-        speed=SPEED[:number], orders=ORDERS, angle=np.empty(0), torque=torque * np.exp(0.7j), mean=np.empty(0),
-        drive=np.array([11.5, 14.25, 12.75])[:number], harmonics=np.array([12, 14, 13])[:number],
-        truncation=np.array([1.5e-12, 2.5e-11, np.nan])[:number], status=np.zeros(number, dtype=np.uint8),
-        why=("",) * number, orbits=(None,) * number, growth=np.array([-0.25, 0.75, -0.5])[:number],
-    )  # fmt: skip
+        speed=SPEED[:number],
+        orders=ORDERS,
+        angle=np.empty(0),
+        torque=torque * np.exp(0.7j),
+        mean=np.empty(0),
+        drive=np.array([11.5, 14.25, 12.75])[:number],
+        harmonics=np.array([12, 14, 13])[:number],
+        truncation=np.array([1.5e-12, 2.5e-11, np.nan])[:number],
+        status=np.zeros(number, dtype=np.uint8),
+        why=("",) * number,
+        orbits=(None,) * number,
+        growth=np.array([-0.25, 0.75, -0.5])[:number],
+    )
     found = replace(found, **changed)
     vars(found)["is_unstable"] = np.array(unstable)
     return found
@@ -88,13 +107,23 @@ def answered(
     """Both responses and the synthesis; of the first order the middle line is in phase with the exact one."""
     lines = tuple(Line(order, None, ("joint",)) for order in LINES)
     both = Response(
-        FIRST_SPEED, np.ones(4, dtype=bool), changed.pop("lines", lines), np.ones((4, 3)), np.empty(0),
-        laid(train, first, 4, 3) * 1j, np.zeros((4, len(train.system.spans))), np.zeros((4, 3)),
-        changed.pop("first_status", np.zeros((4, 3), dtype=np.uint8)), np.zeros((4, 3)), train.system,
-    )  # fmt: skip
+        FIRST_SPEED,
+        np.ones(4, dtype=bool),
+        changed.pop("lines", lines),
+        np.ones((4, 3)),
+        np.empty(0),
+        laid(train, first, 4, 3) * 1j,
+        np.zeros((4, len(train.system.spans))),
+        np.zeros((4, 3)),
+        changed.pop("first_status", np.zeros((4, 3), dtype=np.uint8)),
+        np.zeros((4, 3)),
+        train.system,
+    )
     half = laid(train, HALF, 4)
     made = Synthesis(half, half, half, half, Fraction(6))
-    return train.having(response=both, synthesis=made, periodic=exact(train, laid(train, torque, 3, 4), **changed))
+    return train.having(
+        response=both, synthesis=made, periodic=exact(train, laid(train, torque, 3, 4), **changed)
+    )
 
 
 def table(blocks: list[Block], words: str) -> Table:
@@ -108,7 +137,9 @@ def texts(blocks: list[Block]) -> list[str]:
 def half_range(parts: Any) -> float:
     """Of orders 2/3, 4/3, 2 and 4 in phase, over a revolution and a half."""
     turn = np.linspace(0.0, 3.0 * math.pi, 200_001)
-    wave = sum(size * np.cos(float(order) * turn + 0.7) for size, order in zip(parts, ORDERS, strict=True))
+    wave = sum(
+        size * np.cos(float(order) * turn + 0.7) for size, order in zip(parts, ORDERS, strict=True)
+    )
     return float(wave.max() - wave.min()) / 2.0
 
 
@@ -117,7 +148,11 @@ def test_blocks_of_the_chapter_in_their_order(train: Findings) -> None:
     assert [type(block) for block in blocks] == [Heading, Paragraph, Table, *[Figure] * 3]
     assert list(chapter(train)) == []
     assert list(chapter(answered(train).having(response=None))) == []
-    assert compared(answered(train).having(response=None)) == compared(answered(train).having(periodic=None)) == ()
+    assert (
+        compared(answered(train).having(response=None))
+        == compared(answered(train).having(periodic=None))
+        == ()
+    )
     none = answered(train, torque={})
     assert [type(block) for block in chapter(none)] == [Heading, Paragraph]
 
@@ -131,7 +166,9 @@ def test_introduction_states_harmonics_what_they_leave_out_and_the_drive(train: 
     )
     fixed = (Line(Fraction(2), None, ("a",)), Line(None, 3.0, ("b",)), Line(None, 4.0, ("b",)))
     nothing = np.full(3, np.nan)
-    bare = answered(train, lines=fixed, harmonics=np.zeros(3, dtype=int), truncation=nothing, drive=nothing)
+    bare = answered(
+        train, lines=fixed, harmonics=np.zeros(3, dtype=int), truncation=nothing, drive=nothing
+    )
     assert texts(list(chapter(bare))) == [
         f"{MODEL} 3 speeds, no periodic motion at any of them. Torques of fixed frequency are not included."
     ]
@@ -153,7 +190,9 @@ def test_speeds_that_are_not_to_be_relied_on_with_the_reason(train: Findings) ->
     )
     assert flagged.marks == ("fail", "fail", "note")
     assert flagged.caption.endswith("marked in the figures")
-    bare = table(list(chapter(answered(train, status=status, growth=None))), "with unreliable amplitudes")
+    bare = table(
+        list(chapter(answered(train, status=status, growth=None))), "with unreliable amplitudes"
+    )
     assert [(row[0], row[2]) for row in bare.rows] == [("429.72", "–"), ("811.69", "–")]
 
 
@@ -161,7 +200,13 @@ def test_of_more_than_twenty_such_speeds_the_first_twenty_are_listed(train: Find
     speed = np.arange(301.0, 324.0) / RPM
     status = np.full(23, Found.COARSE, dtype=np.uint8)
     status[1] = Found.OK
-    wide = {"speed": speed, "status": status, "why": ("",) * 23, "growth": None, "truncation": np.full(23, 0.1)}
+    wide = {
+        "speed": speed,
+        "status": status,
+        "why": ("",) * 23,
+        "growth": None,
+        "truncation": np.full(23, 0.1),
+    }
     for count, words in ((23, "figures; the first 20 of 22"), (21, "marked in the figures")):
         few = {key: one if one is None else one[:count] for key, one in wide.items()}
         found = answered(train)
@@ -173,7 +218,9 @@ def test_of_more_than_twenty_such_speeds_the_first_twenty_are_listed(train: Find
         assert flagged.caption.endswith(words)
 
 
-def test_motions_at_one_speed_by_their_largest_torque_with_order_place_and_growth(train: Findings) -> None:
+def test_motions_at_one_speed_by_their_largest_torque_with_order_place_and_growth(
+    train: Findings,
+) -> None:
     """The reported one first, then the others of that speed; the largest is stated with its order and element."""
     sizes = {"first": [[1, 2, 3, 4], [5, 6, 90, 7]], "tube": [[10, 70, 20, 30], [9, 9, 9, 9]]}
     others = exact(train, laid(train, sizes, 2, 4), speed=SPEED[[0, 0]], is_unstable=[False] * 2)
@@ -193,14 +240,16 @@ def test_both_methods_side_by_side_in_one_unit(train: Findings) -> None:
     """All orders together come first; orders below 1 % of an element's largest torque are left out."""
     status = np.array([Found.OK, Found.COARSE, Found.OK], dtype=np.uint8)
     found = table(
-        list(chapter(answered(train, status=status, is_unstable=[True, False, False]))), "First order against"
+        list(chapter(answered(train, status=status, is_unstable=[True, False, False]))),
+        "First order against",
     )
     half = {name: [half_range(parts) for parts in EXACT[name]] for name in EXACT}
     share = {name: max(half[name]) / max(HALF[name]) - 1.0 for name in half}
     assert [row[:4] for row in found.rows[:3]] == [
-        ("first", "all", "6.4000", "763.94"), ("tube", "all", "0.16000", "381.97"),
+        ("first", "all", "6.4000", "763.94"),
+        ("tube", "all", "0.16000", "381.97"),
         ("last", "all", "0.0080000", "572.96"),
-    ]  # fmt: skip
+    ]
     for row, name, at in zip(found.rows, half, (1, 0, 2), strict=False):
         assert float(row[4]) == pytest.approx(max(half[name]) / 1e3, rel=1e-4)
         assert float(row[5]) == pytest.approx(SPEED[at] * RPM, rel=1e-4)
@@ -220,20 +269,35 @@ def test_both_methods_side_by_side_in_one_unit(train: Findings) -> None:
         ("last", order, "0.011000", "859.44", "0.0010000", "811.69", "−90.9", ""),
         ("last", "2", "0.012000", "859.44", "5.0000·10⁻⁶", "811.69", "−100", ""),
         ("last", "4", "–", "–", "1.0000·10⁻⁵", "620.70", "–", "coarse there"),
-    )  # fmt: skip
+    )
     assert found.marks == tuple("fail" if row[7] else "" for row in found.rows)
-    assert [column.unit for column in found.columns] == ["", "", "kN m", "rpm", "kN m", "rpm", "%", ""]
+    assert [column.unit for column in found.columns] == [
+        "",
+        "",
+        "kN m",
+        "rpm",
+        "kN m",
+        "rpm",
+        "%",
+        "",
+    ]
     assert found.caption.endswith("of the total (all)")
 
 
-def test_first_order_without_a_reliable_value_has_none_beside_the_exact_one(train: Findings) -> None:
+def test_first_order_without_a_reliable_value_has_none_beside_the_exact_one(
+    train: Findings,
+) -> None:
     """Of lines of fixed frequency no sum is compared."""
     singular = np.zeros((4, 3), dtype=np.uint8)
     singular[3, 1] = Status.SINGULAR
     found = table(list(chapter(answered(train, first_status=singular))), "First order against")
     assert {row[2:4] for row in found.rows if row[1] in ("all", "2/3 ≈ 0.6667")} == {("–", "–")}
     assert {row[6] for row in found.rows if row[1] != "2"} == {"–"}
-    fixed = (Line(Fraction(2), None, ("a",)), Line(None, 3.0, ("b",)), Line(Fraction(1), None, ("b",)))
+    fixed = (
+        Line(Fraction(2), None, ("a",)),
+        Line(None, 3.0, ("b",)),
+        Line(Fraction(1), None, ("b",)),
+    )
     rows = table(list(chapter(answered(train, lines=fixed))), "First order against").rows
     assert "all" not in {row[1] for row in rows}
     assert {row[2] for row in rows if row[:2] == ("tube", "2")} == {"0.010000"}
@@ -245,10 +309,16 @@ def test_first_order_without_a_reliable_value_has_none_beside_the_exact_one(trai
 def test_rounding_is_nothing_and_never_that_of_a_speed_without_a_motion(train: Findings) -> None:
     tiny = EXACT | {"last": [[np.nan] * 4, [1e-9, 0, 0, 0], [2e-9, 0, 0, 0]]}
     status = np.array([Found.NONE, Found.OK, Found.OK], dtype=np.uint8)
-    rows = [row for row in compared(answered(train, torque=tiny, status=status)) if row.element.name == "last"]
+    rows = [
+        row
+        for row in compared(answered(train, torque=tiny, status=status))
+        if row.element.name == "last"
+    ]
     assert [(row.order, row.exact) for row in rows] == [
-        (None, (0.0, 1)), (ORDERS[0], (0.0, 1)), (ORDERS[2], (0.0, 1))
-    ]  # fmt: skip
+        (None, (0.0, 1)),
+        (ORDERS[0], (0.0, 1)),
+        (ORDERS[2], (0.0, 1)),
+    ]
 
 
 @pytest.mark.parametrize("unknown", [0, 2])
@@ -266,13 +336,17 @@ def test_half_range_of_two_orders_has_its_closed_form(train: Findings, unknown: 
     np.testing.assert_allclose(exact_half_range(found, [0]), 3.0 * wanted, rtol=1e-9)
     long = (Fraction(1), Fraction(1_000_001, 1_000_000), Fraction(3), Fraction(4))
     found = found.having(periodic=replace(flat, torque=np.abs(flat.torque), orders=long))
-    np.testing.assert_allclose(exact_half_range(found, list(tube.spans)), wanted * 3.0 / 2.25, rtol=1e-9)
+    np.testing.assert_allclose(
+        exact_half_range(found, list(tube.spans)), wanted * 3.0 / 2.25, rtol=1e-9
+    )
 
 
 def test_rules_on_the_first_order_name_where_the_exact_one_exceeds_it_most(train: Findings) -> None:
     text = "The rules judge the first-order response, not the exact periodic response."
     ruled = replace(train, study=torsion.parse(TRAIN + "rules: [coupling-maker]\n"))
-    assert first_order_judged(answered(train)) == first_order_judged(answered(ruled, torque={})) == ""
+    assert (
+        first_order_judged(answered(train)) == first_order_judged(answered(ruled, torque={})) == ""
+    )
     most = half_range(EXACT["first"][1])
     share = 100.0 * (most / 6400.0 - 1.0)
     wanted = (
@@ -283,7 +357,11 @@ def test_rules_on_the_first_order_name_where_the_exact_one_exceeds_it_most(train
     assert first_order_judged(answered(ruled)) == wanted
     blocks = list(chapter(answered(ruled)))
     assert (blocks[2].text, blocks[2].kind) == (wanted, "note")
-    fixed = (Line(Fraction(2, 3), None, ("a",)), Line(None, 3.0, ("b",)), Line(Fraction(2), None, ("b",)))
+    fixed = (
+        Line(Fraction(2, 3), None, ("a",)),
+        Line(None, 3.0, ("b",)),
+        Line(Fraction(2), None, ("b",)),
+    )
     assert first_order_judged(answered(ruled, lines=fixed)) == (
         f"{text} The maximum excess of the exact response is in first: amplitude of order 2/3 8000.0 N m at 620.70 rpm "
         "against 44.000 N m at 859.44 rpm of the first order (+18100 %)."
@@ -298,8 +376,10 @@ def test_curves_at_the_orders_of_the_joints_and_twice_them(train: Findings) -> N
     blocks = list(chapter(answered(train, status=status, is_unstable=[False, True, False])))
     first, tube, last = (block for block in blocks if isinstance(block, Figure))
     assert [block.caption.split(", orders")[0] for block in (first, tube, last)] == [
-        "Torque in first", "Torque in tube", "Torque in last"
-    ]  # fmt: skip
+        "Torque in first",
+        "Torque in tube",
+        "Torque in last",
+    ]
     assert (first.name, tube.name) == ("periodic-1-0", f"periodic-3-{len(train.system.spans) - 2}")
     names = ("order 2/3 ≈ 0.6667", "order 4/3 ≈ 1.3333", "order 2")
     lines = [f"{name}, {how}" for name in names for how in ("exact", "first order")]
@@ -323,12 +403,21 @@ def test_curves_at_the_orders_of_the_joints_and_twice_them(train: Findings) -> N
 
 def test_of_many_elements_sixty_rows_are_listed_and_the_six_largest_drawn() -> None:
     """Seventeen couplings with four rows each; the later ones carry more, and the sixteenth nothing."""
-    chain = "".join(f", coupling: {{name: c{k}, stiffness: 1e3}}, disc: {{inertia: 1}}" for k in range(1, 18))
+    chain = "".join(
+        f", coupling: {{name: c{k}, stiffness: 1e3}}, disc: {{inertia: 1}}" for k in range(1, 18)
+    )
     made = torsion.run(torsion.parse(f"name: long\ntrain: [disc: {{inertia: 1}}{chain}]\n"))
-    sizes = {f"c{k}": [[0] * 4, [0] * 4, [0.01 * k, 0.01, 0.01, 0]] for k in range(1, 18) if k != 16}
+    sizes = {
+        f"c{k}": [[0] * 4, [0] * 4, [0.01 * k, 0.01, 0.01, 0]] for k in range(1, 18) if k != 16
+    }
     blocks = list(chapter(answered(made, first={}, torque=sizes)))
     found = table(blocks, "First order against")
-    assert (len(found.rows), found.caption.endswith("of the total (all); 60 of 64 rows")) == (60, True)
-    assert [row[0] for row in found.rows if row[1] == "all"] == [f"c{k}" for k in range(1, 18) if k != 16]
+    assert (len(found.rows), found.caption.endswith("of the total (all); 60 of 64 rows")) == (
+        60,
+        True,
+    )
+    assert [row[0] for row in found.rows if row[1] == "all"] == [
+        f"c{k}" for k in range(1, 18) if k != 16
+    ]
     drawn = [block.caption.split()[2].rstrip(",") for block in blocks if isinstance(block, Figure)]
     assert drawn == ["c11", "c12", "c13", "c14", "c15", "c17"]

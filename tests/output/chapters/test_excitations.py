@@ -45,12 +45,23 @@ def test_torques_as_the_file_gives_them() -> None:
         ("m", "6", "6", "–", "2.5 % of the mean torque", "0.0041667", "0", "maker"),
         ("d", "5", "2", "–", "1.2345 kN m", "1.2345", "40", "not stated"),
         ("d", "0.5", "0.2", "–", "0 N m", "0", "0", "not stated"),
-        ("d", "3", "1.2", "–", "0.5 kN m at 30 rpm; 2.5 kN m at 400 rpm", between, "0", "not stated"),
+        (
+            "d",
+            "3",
+            "1.2",
+            "–",
+            "0.5 kN m at 30 rpm; 2.5 kN m at 400 rpm",
+            between,
+            "0",
+            "not stated",
+        ),
         ("m", "–", "–", "7.25", "2 N m", "0.0020000", "0", "not stated"),
         ("m", "–", "–", "all requested", "3 N m", "0.0030000", "0", "not stated"),
     )
     train = found.study.train
-    both = replace(train, torques=tuple(replace(one, of_mean=0.0625) for one in train.torques[1:4:2]))
+    both = replace(
+        train, torques=tuple(replace(one, of_mean=0.0625) for one in train.torques[1:4:2])
+    )
     rows = tables(replace(found, study=replace(found.study, train=both)))[0].rows
     assert [row[4] for row in rows] == [
         "1.2345 kN m + 6.25 % of the mean torque",
@@ -62,11 +73,15 @@ def test_harmonic_components_of_the_response() -> None:
     """Sources once each."""
     found = torsion.run(torsion.parse(TEXT))
     response = found.need(Response)
-    lines = tuple(replace(line, sources=("x", "y", "x"), own_orders=()) for line in response.lines[:2])
+    lines = tuple(
+        replace(line, sources=("x", "y", "x"), own_orders=()) for line in response.lines[:2]
+    )
     lines = replace(lines[0], order=Fraction(5, 2)), replace(lines[1], order=None, frequency=7.25)
     frequency = np.array([[3.0, 7.25], [1.5, 7.25], [9.0, 7.25]])
     *_, said = chapter(found.having(response=replace(response, lines=lines, frequency=frequency)))
-    assert said.text.startswith("Harmonic components of the response, per revolution of m: 2.5 × x, y, 7.25 Hz (x, y).")
+    assert said.text.startswith(
+        "Harmonic components of the response, per revolution of m: 2.5 × x, y, 7.25 Hz (x, y)."
+    )
     for none in (replace(response, lines=()), None):
         assert isinstance(list(chapter(found.having(response=none)))[-1], Table)
 

@@ -38,7 +38,9 @@ train:
 - propeller: {name: screw, inertia: 12, damping: 3}
 excitations: [{at: flywheel, order: 2, torque: 3}]
 """
-LOST = Unanswered("lateral", "bending of the shafts", "it does not converge", "", None, False, False, "")
+LOST = Unanswered(
+    "lateral", "bending of the shafts", "it does not converge", "", None, False, False, ""
+)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +49,9 @@ def found() -> Findings:
 
 
 def check(verdict: str = "pass", **changed: object) -> Check:
-    made = Check("rule", "clause", "slow", "what", 12.5, 50.0, "N/mm2", verdict, "setting", 30.0, Fraction(2))
+    made = Check(
+        "rule", "clause", "slow", "what", 12.5, 50.0, "N/mm2", verdict, "setting", 30.0, Fraction(2)
+    )
     return replace(made, **changed)
 
 
@@ -62,11 +66,18 @@ def page(findings: Findings) -> list[object]:
 
 
 def figure(findings: Findings, name: str) -> Drawing:
-    return next(one for one in verdict.chapter(findings) if isinstance(one, Figure) and one.name == name)
+    return next(
+        one for one in verdict.chapter(findings) if isinstance(one, Figure) and one.name == name
+    )
 
 
-WORD = {"pass": "PASS", "restricted": "PASS with restrictions", "not judged": "NOT JUDGED", "fail": "FAIL",
-        "not kept": "FAIL"}  # fmt: skip
+WORD = {
+    "pass": "PASS",
+    "restricted": "PASS with restrictions",
+    "not judged": "NOT JUDGED",
+    "fail": "FAIL",
+    "not kept": "FAIL",
+}
 LOOK = {
     "PASS": ("pass", "✓"),
     "PASS with restrictions": ("note", "!"),
@@ -75,17 +86,25 @@ LOOK = {
 }
 
 
-@pytest.mark.parametrize("verdicts", [
-    found for size in range(5) for found in itertools.combinations(WORD, size)
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "verdicts", [found for size in range(5) for found in itertools.combinations(WORD, size)]
+)
 @pytest.mark.parametrize("is_answered", [True, False])
-def test_the_headline_of_every_combination_of_verdicts(found: Findings, verdicts, *, is_answered: bool) -> None:
+def test_the_headline_of_every_combination_of_verdicts(
+    found: Findings, verdicts, *, is_answered: bool
+) -> None:
     """The worst word of all rows and one clause; PASS alone is green."""
-    lines = (check(one, restrictions=("kept below 90 rpm",) * (one == "restricted")) for one in verdicts)
+    lines = (
+        check(one, restrictions=("kept below 90 rpm",) * (one == "restricted")) for one in verdicts
+    )
     made = judged(found, *lines, unanswered=() if is_answered else (LOST,))
     (sign, words), kind = headline(made)
-    every = {WORD[one] for one in verdicts} | ({"NOT JUDGED"} if not is_answered or not verdicts else set())
-    wanted = next(word for word in ("FAIL", "NOT JUDGED", "PASS with restrictions", "PASS") if word in every)
+    every = {WORD[one] for one in verdicts} | (
+        {"NOT JUDGED"} if not is_answered or not verdicts else set()
+    )
+    wanted = next(
+        word for word in ("FAIL", "NOT JUDGED", "PASS with restrictions", "PASS") if word in every
+    )
     word, _, clause = words.partition(": ")
     assert (word, kind, sign) == (wanted, *LOOK[wanted])
     assert clause
@@ -95,8 +114,12 @@ def test_the_headline_of_every_combination_of_verdicts(found: Findings, verdicts
     lines = dict(box.lines)
     assert ("Not computed" in lines) == (not is_answered)
     if verdicts:
-        counts = [one.split(" ", 1) for one in lines["Checks"].split(": ")[1].split(". ")[0].split(", ")]
-        assert {name: int(number) for number, name in counts} == Counter(WORD[one] for one in verdicts)
+        counts = [
+            one.split(" ", 1) for one in lines["Checks"].split(": ")[1].split(". ")[0].split(", ")
+        ]
+        assert {name: int(number) for number, name in counts} == Counter(
+            WORD[one] for one in verdicts
+        )
 
 
 def test_the_headline_of_a_file_that_names_no_rule(found: Findings) -> None:
@@ -112,7 +135,11 @@ def test_models_that_do_not_agree_are_a_failure(found: Findings) -> None:
 
 
 def test_the_worst_check_stands_in_the_box_with_value_limit_and_speed(found: Findings) -> None:
-    lines = check(value=40.0), check("not kept", where="quick", value=55.0, clause="tau_C"), check(value=10.0)
+    lines = (
+        check(value=40.0),
+        check("not kept", where="quick", value=55.0, clause="tau_C"),
+        check(value=10.0),
+    )
     (box,) = (one for one in page(judged(found, *lines)) if isinstance(one, Box))
     worst = dict(box.lines)["Worst check"]
     assert worst.startswith(
@@ -124,8 +151,10 @@ def test_the_worst_check_stands_in_the_box_with_value_limit_and_speed(found: Fin
 @pytest.mark.parametrize(
     ("checks", "grade", "words"),
     [
-        ([], "not judged", ""), ([check(value=10.0), check(value=30.0)], "middle", "✓ PASS 60.0 %"),
-        ([check(value=24.0)], "low", "✓ PASS 48.0 %"), ([check(value=49.99)], "high", "✓ PASS 99.980 %"),
+        ([], "not judged", ""),
+        ([check(value=10.0), check(value=30.0)], "middle", "✓ PASS 60.0 %"),
+        ([check(value=24.0)], "low", "✓ PASS 48.0 %"),
+        ([check(value=49.99)], "high", "✓ PASS 99.980 %"),
         ([check("fail", value=50.01)], "over", "✗ FAIL 100.02 %"),
         ([check("fail", value=51.0), check("not kept", value=99.0)], "over", "✗ FAIL 102 %"),
         ([check("not kept", value=60.0), check(value=45.0)], "over", "✗ FAIL 120 %"),
@@ -134,8 +163,10 @@ def test_the_worst_check_stands_in_the_box_with_value_limit_and_speed(found: Fin
         ([check("fail", value=5.0, limit=0.0)], "over", "✗ FAIL"),
         ([check(value=30.0, unit="N m"), check(value=20.0)], "middle", "✓ PASS 60.0 %"),
     ],
-)  # fmt: skip
-def test_a_part_has_the_grade_of_its_worst_stress_or_torque(checks: list[Check], grade: str, words: str) -> None:
+)
+def test_a_part_has_the_grade_of_its_worst_stress_or_torque(
+    checks: list[Check], grade: str, words: str
+) -> None:
     for some in itertools.permutations(checks):
         made = use_of_part(some)
         assert (made.grade, made.words) == (grade, words)
@@ -143,9 +174,14 @@ def test_a_part_has_the_grade_of_its_worst_stress_or_torque(checks: list[Check],
 
 @pytest.mark.parametrize("unit", ["mm", "rad/s2", "1", "1/s"])
 def test_a_diameter_never_colours_and_is_stated_where_it_is_not_kept(unit: str) -> None:
-    least = check("not kept", value=90.0, limit=99.0, unit=unit, at_least=True, clause="minimum diameter")
+    least = check(
+        "not kept", value=90.0, limit=99.0, unit=unit, at_least=True, clause="minimum diameter"
+    )
     assert use_of_part([least, check(value=5.0)]).grade == "low"
-    assert use_of_part([least, check(value=5.0)]).words == "✓ PASS 10.0 %\n✗ FAIL 110 %:\nminimum diameter"
+    assert (
+        use_of_part([least, check(value=5.0)]).words
+        == "✓ PASS 10.0 %\n✗ FAIL 110 %:\nminimum diameter"
+    )
     assert use_of_part([least]).grade == "not judged"
     assert "FAIL" in use_of_part([least]).words
     assert use_of_part([replace(least, verdict="pass", value=100.0)]) == NOT_JUDGED
@@ -153,12 +189,22 @@ def test_a_diameter_never_colours_and_is_stated_where_it_is_not_kept(unit: str) 
 
 def test_no_share_over_the_limit_reads_as_the_limit() -> None:
     assert [percent(one) for one in (1.0004, 0.9996, 0.5, 0.0, 1.27)] == [
-        "100.04 %", "99.960 %", "50.0 %", "0 %", "127 %",
-    ]  # fmt: skip
+        "100.04 %",
+        "99.960 %",
+        "50.0 %",
+        "0 %",
+        "127 %",
+    ]
 
 
-def test_every_shaft_and_judged_gear_has_its_use_and_the_worst_is_pointed_at(found: Findings) -> None:
-    checks = check(value=20.0), check("fail", where="stage", value=60.0, unit="N m"), check(where="quick", value=45.0)
+def test_every_shaft_and_judged_gear_has_its_use_and_the_worst_is_pointed_at(
+    found: Findings,
+) -> None:
+    checks = (
+        check(value=20.0),
+        check("fail", where="stage", value=60.0, unit="N m"),
+        check(where="quick", value=45.0),
+    )
     (drawn,) = figure(judged(found, *checks), "utilisation").panels
     assert isinstance(drawn, Sketch)
     uses = {link.label: link.use.grade for link in drawn.links if link.use is not None}
@@ -169,8 +215,9 @@ def test_every_shaft_and_judged_gear_has_its_use_and_the_worst_is_pointed_at(fou
     assert said.words == "worst: FAIL 120 %, clause"
     (bare,) = figure(judged(found), "utilisation").panels
     assert {link.label: link.use.grade for link in bare.links if link.use} == {
-        "quick": "not judged", "slow": "not judged",
-    }  # fmt: skip
+        "quick": "not judged",
+        "slow": "not judged",
+    }
     assert bare.worst is None
 
 
@@ -191,7 +238,9 @@ def test_a_crank_is_drawn_with_its_webs_and_graded_where_a_rule_judges_it() -> N
     (crank,) = (link for link in bare.links if link.kind == "crank")
     assert crank.use is None
     assert [disc.kind for disc in bare.discs] == ["throw", "throw", "propeller"]
-    (drawn,) = figure(judged(found, check("fail", where="engine crank 1-2", value=60.0)), "utilisation").panels
+    (drawn,) = figure(
+        judged(found, check("fail", where="engine crank 1-2", value=60.0)), "utilisation"
+    ).panels
     (crank,) = (link for link in drawn.links if link.kind == "crank")
     assert (crank.label, crank.use.grade) == ("engine crank 1-2", "over")
     assert drawn.worst[0] == ((crank.start[0] + crank.end[0]) / 2, crank.end[1])
@@ -201,17 +250,24 @@ def test_a_crank_is_drawn_with_its_webs_and_graded_where_a_rule_judges_it() -> N
 
 
 def test_the_speeds_drawn_are_those_of_the_results(found: Findings) -> None:
-    ranges = BarredRange(20.0, 30.0, 24.0, "slow", 21.0, 29.0, Fraction(2)), BarredRange(40.0, 45.0, 43.0, "quick")
+    ranges = (
+        BarredRange(20.0, 30.0, 24.0, "slow", 21.0, 29.0, Fraction(2)),
+        BarredRange(40.0, 45.0, 43.0, "quick"),
+    )
     (plot,) = figure(judged(found, check(barred=ranges)), "speeds").panels
     bands = [(one.kind, one.low, one.high) for one in plot.bands]
     assert bands[0][0] == "range"
     np.testing.assert_allclose(bands[0][1:], (100.0, 600.0), rtol=1e-14)
     assert [one[0] for one in bands[1:]] == ["barred", "barred"]
-    np.testing.assert_allclose([one[1:] for one in bands[1:]], np.array([[20, 30], [40, 45]]) * RPM, rtol=1e-14)
+    np.testing.assert_allclose(
+        [one[1:] for one in bands[1:]], np.array([[20, 30], [40, 45]]) * RPM, rtol=1e-14
+    )
     (rated,) = (one.value for one in plot.levels if one.name == "rated speed")
     assert rated == pytest.approx(450.0, rel=1e-14)
     critical = [one.value for one in plot.levels if one.name == "critical speed"]
-    inside = sorted(one.speed * RPM for one in found.need(CriticalSpeeds).crossings if one.is_inside)
+    inside = sorted(
+        one.speed * RPM for one in found.need(CriticalSpeeds).crossings if one.is_inside
+    )
     assert critical == inside
     bare = "name: x\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 5}, disc: {inertia: 2}]\n"
     names = [one.name for one in page(torsion.run(torsion.parse(bare))) if isinstance(one, Figure)]
@@ -228,18 +284,27 @@ def test_shares_stand_in_their_order_with_their_words(found: Findings) -> None:
     (drawn,) = figure(judged(found, *checks), "shares").panels
     assert isinstance(drawn, Shares)
     assert [(one.share, one.use.words) for one in drawn.rows] == [
-        (math.inf, "✗ FAIL"), (1.2, "✗ FAIL 120 %"), (0.4, "✓ PASS 40.0 %"),
-    ]  # fmt: skip
+        (math.inf, "✗ FAIL"),
+        (1.2, "✗ FAIL 120 %"),
+        (0.4, "✓ PASS 40.0 %"),
+    ]
     assert len(figure(judged(found, *[check()] * 40), "shares").panels[0].rows) == 5
 
 
 def texts(drawing: str) -> list[str]:
-    return ["".join(one.itertext()).replace("\u200b", "") for one in ET.fromstring(drawing).iter(f"{SVG}text")]
+    return [
+        "".join(one.itertext()).replace("\u200b", "")
+        for one in ET.fromstring(drawing).iter(f"{SVG}text")
+    ]
 
 
 def test_verdicts_and_shares_are_words_too(found: Findings) -> None:
     """What colour and pattern say stands in words in the drawing, and in its description."""
-    checks = check(value=20.0), check("fail", where="stage", value=60.0, unit="N m"), check(where="quick", value=45.0)
+    checks = (
+        check(value=20.0),
+        check("fail", where="stage", value=60.0, unit="N m"),
+        check(where="quick", value=45.0),
+    )
     for name in ("utilisation", "shares"):
         drawing = svg(figure(judged(found, *checks), name))
         for words in ("✗ FAIL 120 %", "✓ PASS 40.0 %", "✓ PASS 90.0 %"):
@@ -265,13 +330,18 @@ def test_grades_differ_in_gray_or_by_their_hatching() -> None:
 
 def crowded(number: int, rows: int) -> Sketch:
     """Links with long names beside each other, on several axes, with the share of each in words."""
-    uses = itertools.cycle([Use("low", "✓ PASS 5.12 %", (2.0, -0.05)), Use("over", "✗ FAIL 117 %", (0.0, -1.17))])
+    uses = itertools.cycle(
+        [Use("low", "✓ PASS 5.12 %", (2.0, -0.05)), Use("over", "✗ FAIL 117 %", (0.0, -1.17))]
+    )
     places = [(k % (number // rows), -(k // (number // rows))) for k in range(number)]
     links = tuple(
         Link("shaft", (1.6 * x, row), (1.6 * (x + 1), row), f"intermediate shaft {k}", use=use)
         for (k, (x, row)), use in zip(enumerate(places), uses, strict=False)
     )
-    discs = tuple(Disc(1.6 * x, row, 0.8, f"flange of the shaft {k}", "disc") for k, (x, row) in enumerate(places))
+    discs = tuple(
+        Disc(1.6 * x, row, 0.8, f"flange of the shaft {k}", "disc")
+        for k, (x, row) in enumerate(places)
+    )
     return Sketch(discs, links, ((4.0, 0.0), Use("over", "worst: FAIL 117 %", mark="✗")), 190.0)
 
 
@@ -285,7 +355,9 @@ def boxes(drawing: str) -> Iterable[tuple[float, float, float, float]]:
 
 
 @pytest.mark.parametrize(("number", "rows"), [(5, 1), (20, 1), (40, 1), (40, 2), (39, 3)])
-def test_words_of_a_graded_sketch_overlap_neither_each_other_nor_the_edges(number: int, rows: int) -> None:
+def test_words_of_a_graded_sketch_overlap_neither_each_other_nor_the_edges(
+    number: int, rows: int
+) -> None:
     drawing = svg(Drawing("s", "c", (crowded(number, rows),)))
     found = list(boxes(drawing))
     assert len(found) > 2 * min(number, 8)
@@ -307,10 +379,17 @@ def test_a_check_in_words() -> None:
 
 
 @pytest.mark.parametrize(("number", "words"), [(1, "critical speed"), (2, "2 critical speeds")])
-def test_the_caption_of_the_speeds_names_only_what_is_drawn(found: Findings, number: int, words: str) -> None:
+def test_the_caption_of_the_speeds_names_only_what_is_drawn(
+    found: Findings, number: int, words: str
+) -> None:
     crossings = [one for one in found.need(CriticalSpeeds).crossings if one.is_inside][:1] * number
-    one = found.having(critical_speeds=replace(found.need(CriticalSpeeds), crossings=tuple(crossings)))
-    assert figure(judged(one), "speeds").caption == f"Operating speeds of flywheel: {words} with the largest torque"
+    one = found.having(
+        critical_speeds=replace(found.need(CriticalSpeeds), crossings=tuple(crossings))
+    )
+    assert (
+        figure(judged(one), "speeds").caption
+        == f"Operating speeds of flywheel: {words} with the largest torque"
+    )
     barred = check(barred=(BarredRange(20.0, 30.0, 24.0, "slow"),))
     assert figure(judged(one, barred), "speeds").caption.startswith(
         f"Operating speeds of flywheel: barred range, {words} "

@@ -45,7 +45,9 @@ def run(train: str, more: str = "") -> Findings:
 
 
 def check(verdict: str = "pass", **changed: object) -> Check:
-    made = Check("rule", "clause", "tail", "what", 12.5, 50.0, "N m", verdict, "setting", 30.0, Fraction(2))
+    made = Check(
+        "rule", "clause", "tail", "what", 12.5, 50.0, "N m", verdict, "setting", 30.0, Fraction(2)
+    )
     return replace(made, **changed)
 
 
@@ -54,7 +56,9 @@ def judged(findings: Findings, *checks: Check) -> Findings:
 
 
 def figure(findings: Findings, name: str) -> Figure:
-    return next(one for one in verdict.chapter(findings) if isinstance(one, Figure) and one.name == name)
+    return next(
+        one for one in verdict.chapter(findings) if isinstance(one, Figure) and one.name == name
+    )
 
 
 def lines(findings: Findings) -> dict[str, str]:
@@ -68,15 +72,33 @@ def texts(drawing: str) -> list[tuple[str, str | None]]:
 
 
 def test_unstable_speeds_of_a_tilting_shaft_stand_in_the_box_and_the_bar() -> None:
-    found = torsion.run(torsion.parse(Path("shafting_specs/tilting_tail.yaml").read_text(encoding="utf-8")))
-    zones = [zone for shaft in found.results["lateral"].shafts if shaft.tilting for zone in shaft.tilting.zones]
-    bands = [(one.low, one.high) for one in figure(found, "speeds").plots[0].bands if one.kind == "unstable"]
-    np.testing.assert_allclose(bands, [(zone.lower * RPM, zone.upper * RPM) for zone in zones], rtol=1e-14)
+    found = torsion.run(
+        torsion.parse(Path("shafting_specs/tilting_tail.yaml").read_text(encoding="utf-8"))
+    )
+    zones = [
+        zone
+        for shaft in found.results["lateral"].shafts
+        if shaft.tilting
+        for zone in shaft.tilting.zones
+    ]
+    bands = [
+        (one.low, one.high)
+        for one in figure(found, "speeds").plots[0].bands
+        if one.kind == "unstable"
+    ]
+    np.testing.assert_allclose(
+        bands, [(zone.lower * RPM, zone.upper * RPM) for zone in zones], rtol=1e-14
+    )
     said = lines(found)["Restrictions"]
     assert said.count("Unstable range") == len(zones) == 3
     for zone in zones:
-        low, high = math.floor(10.0 * zone.lower * RPM) / 10.0, math.ceil(10.0 * zone.upper * RPM) / 10.0
-        assert f"Unstable range: {low:.1f} to {high:.1f} rpm, tilt of tail shaft, {zone.kind}" in said
+        low, high = (
+            math.floor(10.0 * zone.lower * RPM) / 10.0,
+            math.ceil(10.0 * zone.upper * RPM) / 10.0,
+        )
+        assert (
+            f"Unstable range: {low:.1f} to {high:.1f} rpm, tilt of tail shaft, {zone.kind}" in said
+        )
 
 
 def many(number: int) -> Findings:
@@ -88,7 +110,9 @@ def many(number: int) -> Findings:
 
 
 def test_every_part_that_does_not_keep_a_limit_has_a_mark_where_its_words_have_no_room() -> None:
-    diameter = check("not kept", value=90.0, limit=99.0, unit="mm", at_least=True, clause="minimum diameter")
+    diameter = check(
+        "not kept", value=90.0, limit=99.0, unit="mm", at_least=True, clause="minimum diameter"
+    )
     bad = [replace(diameter, where=f"intermediate shaft {k}") for k in range(20)]
     fine = [check(where=f"intermediate shaft {k}", unit="N/mm2", value=0.01) for k in range(20)]
     fails = check("fail", where="intermediate shaft 17", unit="1", value=70.0, clause="damage")
@@ -104,8 +128,11 @@ def test_every_part_that_does_not_keep_a_limit_has_a_mark_where_its_words_have_n
     colours = {colour for text, colour in found if text.startswith("✓ PASS")}
     assert BAD not in colours
     assert {colour for text, colour in found if text.startswith("✗ FAIL")} == {BAD}
-    outlines = [one for one in ET.fromstring(svg(figure(findings, "utilisation"))).iter(f"{SVG}path")
-                if one.get("stroke") == BAD and one.get("fill") == "none"]  # fmt: skip
+    outlines = [
+        one
+        for one in ET.fromstring(svg(figure(findings, "utilisation"))).iter(f"{SVG}path")
+        if one.get("stroke") == BAD and one.get("fill") == "none"
+    ]
     assert outlines
     passing = judged(many(20), *fine)
     assert not {text for text, _ in texts(svg(figure(passing, "utilisation")))} & {"✗"}
@@ -124,7 +151,10 @@ def test_the_worst_is_pointed_at_where_one_name_begins_with_another() -> None:
     made = judged(run(NAMES), check(), check("fail", where="tail, aft", value=60.0))
     drawn = sketch(made)
     assert drawn.worst[0] == middle(drawn, "tail, aft") != middle(drawn, "tail")
-    assert {link.label: link.use.grade for link in drawn.links if link.use} == {"tail": "low", "tail, aft": "over"}
+    assert {link.label: link.use.grade for link in drawn.links if link.use} == {
+        "tail": "low",
+        "tail, aft": "over",
+    }
 
 
 def test_joints_that_fail_are_marked_and_the_worst_of_their_line_is_pointed_at() -> None:
@@ -133,7 +163,9 @@ def test_joints_that_fail_are_marked_and_the_worst_of_their_line_is_pointed_at()
     joints = [link for link in drawn.links if link.kind == "joint"]
     assert [link.label for link in joints] == ["first", "second"]
     assert {link.use.grade for link in joints} == {"over"}
-    assert all(link.use.is_bad and "FAIL" in link.use.words and "\nU" in link.use.words for link in joints)
+    assert all(
+        link.use.is_bad and "FAIL" in link.use.words and "\nU" in link.use.words for link in joints
+    )
     assert drawn.worst[0] == middle(drawn, "second")
     fine = sketch(run(JOINTS, rules.replace("1e-6", "1")))
     assert {(link.label, link.use) for link in fine.links if link.kind == "joint"} == {("", None)}
@@ -142,7 +174,9 @@ def test_joints_that_fail_are_marked_and_the_worst_of_their_line_is_pointed_at()
 def comb(number: int) -> Iterator[str]:
     yield "\n- motor: {inertia: 5}"
     for k in range(number):
-        branch = f"[coupling: {{name: bc {k}, stiffness: 1e6}}, disc: {{name: bd {k}, inertia: 0.2}}]"
+        branch = (
+            f"[coupling: {{name: bc {k}, stiffness: 1e6}}, disc: {{name: bd {k}, inertia: 0.2}}]"
+        )
         yield f"- shaft: {{name: ls {k}, length: 0.1 m, diameter: 200 mm}}"
         yield f"- disc: {{name: fl {k}, inertia: 0.1}}\n- branch: {{train: {branch}}}"
     yield ""
@@ -162,7 +196,9 @@ def test_what_fails_on_a_branch_that_is_not_drawn_is_said_in_the_sketch_and_its_
 
 
 def test_the_clause_of_a_long_name_is_whole_in_the_shares() -> None:
-    name = "the very long intermediate shaft between the gearbox and the bulkhead of the engine room"
+    name = (
+        "the very long intermediate shaft between the gearbox and the bulkhead of the engine room"
+    )
     made = judged(run(NAMES), check(where=name, clause="minimum diameter"))
     found = [text for text, _ in texts(svg(figure(made, "shares")))]
     (row,) = [text for text in found if text.startswith("the very")]
@@ -170,7 +206,9 @@ def test_the_clause_of_a_long_name_is_whole_in_the_shares() -> None:
 
 
 def test_one_rounding_of_a_barred_range_in_box_and_bar() -> None:
-    band = BarredRange(380.04 / RPM, 440.06 / RPM, 400.0 / RPM, "tail", 385.04 / RPM, 435.06 / RPM, Fraction(2))
+    band = BarredRange(
+        380.04 / RPM, 440.06 / RPM, 400.0 / RPM, "tail", 385.04 / RPM, 435.06 / RPM, Fraction(2)
+    )
     made = judged(run(NAMES), check(barred=(band,)))
     said = lines(made)["Barred ranges"]
     assert said.startswith("380.0 to 440.1 rpm")
@@ -186,14 +224,20 @@ def test_a_value_that_is_not_finite_has_no_share_in_words() -> None:
 
 
 def test_names_with_commas_are_quoted_in_lists() -> None:
-    made = judged(run(NAMES), *(check("fail", where=name, value=60.0, note="n") for name in ("tail", "tail, aft")))
+    made = judged(
+        run(NAMES),
+        *(check("fail", where=name, value=60.0, note="n") for name in ("tail", "tail, aft")),
+    )
     (remarks,) = (one for one in verdict.chapter(made) if isinstance(one, Points))
     assert remarks.items == ('tail, "tail, aft": what: n',)
 
 
 @pytest.mark.parametrize("verdict", ["fail", "not kept"])
 def test_those_tied_without_a_finite_share_rank_by_verdict_and_then_by_excess(verdict: str) -> None:
-    nothing, much, little = check(verdict, value=math.inf), *(check(verdict, value=v, limit=0.0) for v in (5.0, 0.1))
+    nothing, much, little = (
+        check(verdict, value=math.inf),
+        *(check(verdict, value=v, limit=0.0) for v in (5.0, 0.1)),
+    )
     finite, passed = check(verdict, value=1e6), check("pass", value=-3.0, limit=0.0)
     wanted = [nothing, much, little, finite, check(value=49.0), check(value=1.0), passed]
     for some in (wanted, wanted[::-1]):

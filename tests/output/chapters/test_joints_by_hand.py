@@ -11,7 +11,14 @@ import pytest
 from tests.output.drawn import named, plot, titles
 
 import torsion
-from torsion.analyses.joints.joint_results import CoupleFound, Extreme, JointFound, Joints, LineFound, OptimumFound
+from torsion.analyses.joints.joint_results import (
+    CoupleFound,
+    Extreme,
+    JointFound,
+    Joints,
+    LineFound,
+    OptimumFound,
+)
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table
@@ -27,22 +34,46 @@ ROUNDING = 1e-12  # rad: an amplitude or an index up to it is none
 
 
 def couple(shaft: str, **changed: object) -> CoupleFound:
-    made = CoupleFound(shaft, 300 * WAVE, 400 * WAVE, None, (3000.0, 4000.0), (600 + 800j, 1500j), 2, 7654.0)
+    made = CoupleFound(
+        shaft, 300 * WAVE, 400 * WAVE, None, (3000.0, 4000.0), (600 + 800j, 1500j), 2, 7654.0
+    )
     return replace(made, **changed)
 
 
 def joint(name: str, **changed: object) -> JointFound:
     made = JointFound(
-        name, 0, "cross", 20 * DEG, 7 * DEG, 30 * DEG, 400 * DEG, Fraction(5, 2), 2,
-        cmath.rect(0.03, 50 * DEG), 0.1246, 30.0, 5000.0,
-        0.02 * WAVE, 1 + 0.1 * WAVE, 0.17 * WAVE, 1 - 0.1 * WAVE, (), 0.1734,
-    )  # fmt: skip
+        name,
+        0,
+        "cross",
+        20 * DEG,
+        7 * DEG,
+        30 * DEG,
+        400 * DEG,
+        Fraction(5, 2),
+        2,
+        cmath.rect(0.03, 50 * DEG),
+        0.1246,
+        30.0,
+        5000.0,
+        0.02 * WAVE,
+        1 + 0.1 * WAVE,
+        0.17 * WAVE,
+        1 - 0.1 * WAVE,
+        (),
+        0.1734,
+    )
     return replace(made, **changed)
 
 
 def line(*joints: int, **changed: object) -> LineFound:
     made = LineFound(
-        joints, 25 * DEG, 35 * DEG, 24 * DEG, 0.2345, Extreme(1.1234567, 40 * DEG), Extreme(0.8765432, 130 * DEG)
+        joints,
+        25 * DEG,
+        35 * DEG,
+        24 * DEG,
+        0.2345,
+        Extreme(1.1234567, 40 * DEG),
+        Extreme(0.8765432, 130 * DEG),
     )
     return replace(made, **changed)
 
@@ -50,22 +81,46 @@ def line(*joints: int, **changed: object) -> LineFound:
 def optimum(**changed: object) -> OptimumFound:
     over = np.radians([-170.0, 0.0, 45.0, 190.0])
     made = OptimumFound(
-        "phase", ("outer",), (30 * DEG,), (300 * DEG,), 0.25, 0.05, (0.0625,), over, np.array([0.4, 0.2, 0.3, 0.1])
+        "phase",
+        ("outer",),
+        (30 * DEG,),
+        (300 * DEG,),
+        0.25,
+        0.05,
+        (0.0625,),
+        over,
+        np.array([0.4, 0.2, 0.3, 0.1]),
     )
     return replace(made, **changed)
 
 
-FIRST = joint("inner", couples=(couple("driving", bearing=4321.0), couple("driven", order=0, yoke=500 * WAVE)))
+FIRST = joint(
+    "inner", couples=(couple("driving", bearing=4321.0), couple("driven", order=0, yoke=500 * WAVE))
+)
 TRIPOD = joint(
-    "pot", kind="tripod", angle=10 * DEG, plane=11 * DEG, phase=-50 * DEG, yoke=-200 * DEG, order=3, ratio=Fraction(1),
-    amplitude=1e-3 + 0j, unevenness=1e-13, speed=None, torque=40.0, force=77.0, couples=(couple("driving", order=3),),
-)  # fmt: skip
+    "pot",
+    kind="tripod",
+    angle=10 * DEG,
+    plane=11 * DEG,
+    phase=-50 * DEG,
+    yoke=-200 * DEG,
+    order=3,
+    ratio=Fraction(1),
+    amplitude=1e-3 + 0j,
+    unevenness=1e-13,
+    speed=None,
+    torque=40.0,
+    force=77.0,
+    couples=(couple("driving", order=3),),
+)
 STRAIGHT = joint("straight", angle=0.0, amplitude=0j, steepest=1e-13, speed=10.0)
 EVEN = joint("cv", kind="cv", order=0, amplitude=0j)
 JOINTS = Joints(
-    ANGLE, (FIRST, STRAIGHT, TRIPOD, EVEN),
-    (line(0, 1), line(2, 3, index=1e-13, resultant=1e-7, optimum=optimum())), ("said",),
-)  # fmt: skip
+    ANGLE,
+    (FIRST, STRAIGHT, TRIPOD, EVEN),
+    (line(0, 1), line(2, 3, index=1e-13, resultant=1e-7, optimum=optimum())),
+    ("said",),
+)
 
 
 def together(joints: tuple[JointFound, ...], lines: tuple[LineFound, ...] = ()) -> Joints:
@@ -107,7 +162,17 @@ def test_each_joint_alone() -> None:
 
 def test_lines_of_joints_as_one() -> None:
     assert rows(joint_tables.lines(JOINTS)) == [
-        ("inner, straight", "25.000", "24.000", "35", "1.123457", "40", "0.8765432", "130", "23.450"),
+        (
+            "inner, straight",
+            "25.000",
+            "24.000",
+            "35",
+            "1.123457",
+            "40",
+            "0.8765432",
+            "130",
+            "23.450",
+        ),
         ("pot, cv", "0", "24.000", NONE, "1.123457", NONE, "0.8765432", NONE, "0"),
     ]
     one = together((FIRST,), (line(0, index=ROUNDING, resultant=1e-6, classical=1.0000001e-6),))
@@ -117,12 +182,24 @@ def test_lines_of_joints_as_one() -> None:
 def test_motion_at_speed() -> None:
     (made,) = joint_tables.at_speed(JOINTS)
     assert rows(made) == [
-        ("inner", "286.479", f"{300 * RPM * 0.12:.3f}", f"{30 * RPM * 0.95:.3f}", f"{900 * 0.1734:.2f}",
-         f"{30 * RPM * 20:.1f}"),
+        (
+            "inner",
+            "286.479",
+            f"{300 * RPM * 0.12:.3f}",
+            f"{30 * RPM * 0.95:.3f}",
+            f"{900 * 0.1734:.2f}",
+            f"{30 * RPM * 20:.1f}",
+        ),
         ("straight", "95.493", f"{10 * RPM * 1.2:.3f}", f"{10 * RPM * 0.95:.4f}", "0", "0"),
-        ("cv", "286.479", f"{300 * RPM * 0.12:.3f}", f"{30 * RPM * 0.95:.3f}", f"{900 * 0.1734:.2f}",
-         f"{30 * RPM * 20:.1f}"),
-    ]  # fmt: skip
+        (
+            "cv",
+            "286.479",
+            f"{300 * RPM * 0.12:.3f}",
+            f"{30 * RPM * 0.95:.3f}",
+            f"{900 * 0.1734:.2f}",
+            f"{30 * RPM * 20:.1f}",
+        ),
+    ]
     assert list(joint_tables.at_speed(together((TRIPOD,)))) == []
     limit = joint("a", steepest=ROUNDING)
     assert rows(next(joint_tables.at_speed(together((limit,)))))[0][4] == "0"
@@ -136,9 +213,13 @@ def test_couples_in_kilonewton_metres_with_bearings_and_force() -> None:
         ("pot", "driving", "0.040000", "5.0000", "3", "1.0000", "1.5000", "7.6540", NONE, "77.000"),
     ]
     assert [(column.title, column.unit) for column in made.columns][-6:] == [
-        ("Order", ""), ("Amplitude, normal", "kN m"), ("Amplitude, in plane", "kN m"), ("Maximum", "kN m"),
-        ("Bearings", "N"), ("Force across", "N"),
-    ]  # fmt: skip
+        ("Order", ""),
+        ("Amplitude, normal", "kN m"),
+        ("Amplitude, in plane", "kN m"),
+        ("Maximum", "kN m"),
+        ("Bearings", "N"),
+        ("Force across", "N"),
+    ]
     assert made.columns[2].unit == "kN m"
     assert made.short == "Secondary couples, kN m"
 
@@ -155,20 +236,33 @@ def test_couples_without_bearings_and_force() -> None:
     ("changed", "cells", "gain"),
     [
         ({}, ("30", "300", "6.2500"), "decreases from 25.000 % to 5.0000 %, by 80 %."),
-        ({"index_before": 0.3, "index_best": 0.1}, ("30", "300", "6.2500"),
-         "decreases from 30.000 % to 10.000 %, by 66.67 %."),
-        ({"best": (-20 * DEG,), "index_best": 1e-13}, ("30", "−20", "6.2500"), "from 25.000 % to 0 %, by 100 %."),
-        ({"best": (1e-13,), "sensitivity": (ROUNDING,), "index_before": ROUNDING}, ("30", "0", "0"),
-         "The line already rotates uniformly"),
+        (
+            {"index_before": 0.3, "index_best": 0.1},
+            ("30", "300", "6.2500"),
+            "decreases from 30.000 % to 10.000 %, by 66.67 %.",
+        ),
+        (
+            {"best": (-20 * DEG,), "index_best": 1e-13},
+            ("30", "−20", "6.2500"),
+            "from 25.000 % to 0 %, by 100 %.",
+        ),
+        (
+            {"best": (1e-13,), "sensitivity": (ROUNDING,), "index_before": ROUNDING},
+            ("30", "0", "0"),
+            "The line already rotates uniformly",
+        ),
     ],
-)  # fmt: skip
+)
 def test_the_best_choice_and_its_gain(changed: dict, cells: tuple[str, ...], gain: str) -> None:
     found = line(2, 3, optimum=optimum(**changed))
     made, said = joint_tables.optimum(JOINTS, found)
     assert isinstance(made, Table)
     assert isinstance(said, Paragraph)
     assert rows(made) == [("outer", *cells)]
-    assert (made.caption, made.short) == ("Optimum phase of pot, cv", "Optimum phase of pot, cv, deg")
+    assert (made.caption, made.short) == (
+        "Optimum phase of pot, cv",
+        "Optimum phase of pot, cv, deg",
+    )
     assert gain in said.text
     assert said.brief
     assert f"Optimum phase: outer {cells[1]} deg." in list(joint_tables.in_short(JOINTS, found))[1]
@@ -189,7 +283,10 @@ def test_a_line_in_words() -> None:
     uneven = "The line of inner, straight rotates its last shaft with a degree of non-uniformity of"
     assert said() == f"{uneven} 23.450 %; its cross joints act as one joint of 25.000 deg."
     assert said(resultant=1e-7) == f"{uneven} 23.450 %."
-    assert said(resultant=1e-5) == f"{uneven} 23.450 %; its cross joints act as one joint of 0.00057296 deg."
+    assert (
+        said(resultant=1e-5)
+        == f"{uneven} 23.450 %; its cross joints act as one joint of 0.00057296 deg."
+    )
     assert said(index=1e-13) == "The line of inner, straight rotates its last shaft uniformly."
     assert said(index=ROUNDING) == "The line of inner, straight rotates its last shaft uniformly."
 
@@ -198,14 +295,16 @@ def test_curves_over_the_angle_as_columns(bare: Findings) -> None:
     known = dict(joint_tables.columns(bare.having(joints=JOINTS)))
     wanted = {
         "angle of first shaft [deg]": [0.0, 100.0, 250.0, 360.0],
-        "inner error [deg]": 0.02 * WAVE / DEG, "inner speed ratio [1]": 1 + 0.1 * WAVE,
-        "inner speed [rpm]": (1 + 0.1 * WAVE) * 30 * RPM, "inner acceleration [rad/s²]": 0.17 * WAVE * 900,
+        "inner error [deg]": 0.02 * WAVE / DEG,
+        "inner speed ratio [1]": 1 + 0.1 * WAVE,
+        "inner speed [rpm]": (1 + 0.1 * WAVE) * 30 * RPM,
+        "inner acceleration [rad/s²]": 0.17 * WAVE * 900,
         "inner torque ratio [1]": 1 - 0.1 * WAVE,
         "inner couple on driving shaft about normal [N m]": 300 * WAVE,
         "inner couple on driven shaft in plane [N m]": 400 * WAVE,
         "inner couple on driven shaft in turning yoke [N m]": 500 * WAVE,
         "pot acceleration / speed² [1/rad]": 0.17 * WAVE,
-    }  # fmt: skip
+    }
     for title, values in wanted.items():
         np.testing.assert_allclose(known[title], values, rtol=1e-14, err_msg=title)
     assert "pot speed [rpm]" not in known
@@ -217,9 +316,12 @@ def test_blocks_of_the_chapter_in_their_order(bare: Findings) -> None:
     made = blocks(bare, JOINTS)
     heads = [(block.text, block.level) for block in made if isinstance(block, Heading)]
     assert heads == [
-        ("Universal joints", 1), ("Joints together", 2), ("Secondary couples", 2), ("Optimum angles", 2),
+        ("Universal joints", 1),
+        ("Joints together", 2),
+        ("Secondary couples", 2),
+        ("Optimum angles", 2),
         ("Not computed for the joints", 2),
-    ]  # fmt: skip
+    ]
     assert list(figures(made)) == [
         "joint-motion-1",
         "joint-motion-2",
@@ -240,12 +342,17 @@ def test_what_is_not_known_has_no_heading(bare: Findings) -> None:
     made = blocks(bare, together((TRIPOD, replace(STRAIGHT, couples=())), (line(0, 1),)))
     assert "Secondary couples" in [block.text for block in made if isinstance(block, Heading)]
     made = blocks(bare, together((STRAIGHT,), (line(0),)))
-    assert [block.text for block in made if isinstance(block, Heading)] == ["Universal joints", "Joints together"]
+    assert [block.text for block in made if isinstance(block, Heading)] == [
+        "Universal joints",
+        "Joints together",
+    ]
     assert blocks(bare, together(())) == []
     still = joint("a", couples=(couple("driving", order=0), couple("driven", order=0)))
     assert "joint-couples-1" not in figures(blocks(bare, together((still,), (line(0),))))
     bare_range = optimum(over=np.empty(0), index_over=np.empty(0))
-    assert "joint-index-1" not in figures(blocks(bare, together((FIRST,), (line(0, optimum=bare_range),))))
+    assert "joint-index-1" not in figures(
+        blocks(bare, together((FIRST,), (line(0, optimum=bare_range),)))
+    )
 
 
 def test_motion_with_and_without_a_speed(bare: Findings) -> None:
@@ -255,17 +362,31 @@ def test_motion_with_and_without_a_speed(bare: Findings) -> None:
     np.testing.assert_allclose(line.x, [0.0, 100.0, 250.0, 360.0], rtol=1e-14)
     curves = (0.02 * WAVE / DEG, 1 + 0.1 * WAVE, 0.17 * WAVE, 1 - 0.1 * WAVE)
     for figure, sizes, axes in (
-        (moving, (1 / DEG, 30 * RPM, 900.0, 1.0), ["angle error, deg", "speed, rpm", "acceleration, rad/s²"]),
-        (still, (1 / DEG, 1.0, 1.0, 1.0), ["angle error, deg", "speed ratio", "acceleration / speed², 1/rad"]),
+        (
+            moving,
+            (1 / DEG, 30 * RPM, 900.0, 1.0),
+            ["angle error, deg", "speed, rpm", "acceleration, rad/s²"],
+        ),
+        (
+            still,
+            (1 / DEG, 1.0, 1.0, 1.0),
+            ["angle error, deg", "speed ratio", "acceleration / speed², 1/rad"],
+        ),
     ):
         assert titles(figure) == [*axes, "torque downstream / upstream"]
         for values, size, panel in zip(curves, (1.0, *sizes[1:]), figure.plots, strict=True):
             for drawn in panel.lines:
                 np.testing.assert_allclose(drawn.y, values * size, rtol=1e-14)
-    assert [line.name for line in moving.plots[0].lines] == ["downstream of inner", "downstream of straight"]
+    assert [line.name for line in moving.plots[0].lines] == [
+        "downstream of inner",
+        "downstream of straight",
+    ]
     assert plot(moving).x.title == "angle of the shaft upstream of inner, deg"
     assert moving.caption.endswith("of the first shaft, which rotates uniformly at 286.479 rpm")
-    assert still.caption == "Motion downstream of pot, cv over the angle of the first shaft, which rotates uniformly"
+    assert (
+        still.caption
+        == "Motion downstream of pot, cv over the angle of the first shaft, which rotates uniformly"
+    )
 
 
 def test_couples_are_drawn_over_the_first_shaft_of_their_line(bare: Findings) -> None:
@@ -275,7 +396,12 @@ def test_couples_are_drawn_over_the_first_shaft_of_their_line(bare: Findings) ->
     assert plot(pot).x.title == "angle of the shaft upstream of pot, deg"
     assert titles(inner) == ["on the driving shaft, kN m", "on the driven shaft, kN m"]
     driving, driven = inner.plots
-    sizes = {"about the normal": 0.3, "in the plane": 0.4, "resultant": 0.5, "in the turning yoke": 0.5}
+    sizes = {
+        "about the normal": 0.3,
+        "in the plane": 0.4,
+        "resultant": 0.5,
+        "in the turning yoke": 0.5,
+    }
     for name, line in named(driven).items():
         wanted = sizes[name] * (np.abs(WAVE) if name == "resultant" else WAVE)
         np.testing.assert_allclose(line.y, wanted, rtol=1e-14)
@@ -285,15 +411,19 @@ def test_couples_are_drawn_over_the_first_shaft_of_their_line(bare: Findings) ->
 @pytest.mark.parametrize(
     ("variable", "before", "best", "points"),
     [
-        ("phase", 30.0, 300.0, (30.0, -60.0)), ("plane", 190.0, -190.0, (190.0, 170.0)),
-        ("angle", 200.0, -185.0, (200.0, -185.0)), ("plane", -170.0, 191.0, (-170.0, -169.0)),
+        ("phase", 30.0, 300.0, (30.0, -60.0)),
+        ("plane", 190.0, -190.0, (190.0, 170.0)),
+        ("angle", 200.0, -185.0, (200.0, -185.0)),
+        ("plane", -170.0, 191.0, (-170.0, -169.0)),
     ],
-)  # fmt: skip
+)
 def test_points_of_the_index_stand_in_the_range_that_is_drawn(
     bare: Findings, variable: str, before: float, best: float, points: tuple[float, float]
 ) -> None:
     sought = optimum(variable=variable, before=(before * DEG,), best=(best * DEG,))
-    made = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=sought),))))["joint-index-1"]
+    made = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=sought),))))[
+        "joint-index-1"
+    ]
     present, best_ = plot(made).marks
     assert (present.x[0], present.y[0]) == pytest.approx((points[0], 25.0), rel=1e-12)
     assert (best_.x[0], best_.y[0]) == pytest.approx((points[1], 5.0), rel=1e-12)
@@ -306,11 +436,17 @@ def test_points_of_the_index_stand_in_the_range_that_is_drawn(
 
 def test_the_index_of_three_joints_and_of_two_that_are_free(bare: Findings) -> None:
     even = optimum(index_best=1e-13, index_before=ROUNDING)
-    three = figures(blocks(bare, together((FIRST, EVEN, EVEN), (line(0, 1, 2, optimum=even),))))["joint-index-1"]
+    three = figures(blocks(bare, together((FIRST, EVEN, EVEN), (line(0, 1, 2, optimum=even),))))[
+        "joint-index-1"
+    ]
     assert three.caption.endswith("of outer, the other joints unchanged")
     assert [marks.y[0] for marks in plot(three).marks] == [0.0, 0.0]
-    free = optimum(names=("outer", "cv"), before=(0.1, 0.2), best=(0.3, 0.4), sensitivity=(0.1, 0.2))
-    two = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=free),))))["joint-index-1"]
+    free = optimum(
+        names=("outer", "cv"), before=(0.1, 0.2), best=(0.3, 0.4), sensitivity=(0.1, 0.2)
+    )
+    two = figures(blocks(bare, together((FIRST, EVEN), (line(0, 1, optimum=free),))))[
+        "joint-index-1"
+    ]
     assert two.caption.endswith("of outer; the optimum moves all free joints")
 
 
@@ -357,13 +493,20 @@ def test_response_to_the_order_of_a_joint() -> None:
     error[at, place] = 0.0951
     found = found.having(response=replace(response, joint_error=error))
     made = next(
-        block for block in chapter(found) if isinstance(block, Table) and "the order of each joint" in block.caption
+        block
+        for block in chapter(found)
+        if isinstance(block, Table) and "the order of each joint" in block.caption
     )
     assert len(response.lines) > 1
-    assert made.rows == ((
-        "hooke", "order 5", joint_motion.number(size[at]), joint_motion.number(response.speed[at] * RPM),
-        "9.5",
-    ),)  # fmt: skip
+    assert made.rows == (
+        (
+            "hooke",
+            "order 5",
+            joint_motion.number(size[at]),
+            joint_motion.number(response.speed[at] * RPM),
+            "9.5",
+        ),
+    )
     heads = [block.text for block in chapter(found) if isinstance(block, Heading)]
     assert heads[-1] == "Excitation of the train"
     assert [block.level for block in chapter(found) if isinstance(block, Heading)][-1] == 2
@@ -376,4 +519,6 @@ def test_a_joint_that_does_not_excite_has_no_response(changed: dict) -> None:
     quiet = found.having(joints=replace(found.need(Joints), joints=(replace(own, **changed),)))
     none = found.having(response=replace(found.need(Response), lines=()))
     for one in (quiet, none, found.having(response=None)):
-        assert "Excitation of the train" not in [block.text for block in chapter(one) if isinstance(block, Heading)]
+        assert "Excitation of the train" not in [
+            block.text for block in chapter(one) if isinstance(block, Heading)
+        ]

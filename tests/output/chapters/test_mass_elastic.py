@@ -39,7 +39,11 @@ def found() -> Findings:
 
 
 def tables(findings: Findings) -> dict[str, Table]:
-    return {block.caption.split(" (")[0]: block for block in chapter(findings) if isinstance(block, Table)}
+    return {
+        block.caption.split(" (")[0]: block
+        for block in chapter(findings)
+        if isinstance(block, Table)
+    }
 
 
 def inertia(outer: float, bore: float, length: float) -> float:
@@ -59,12 +63,26 @@ def test_inertias_as_given_with_their_sums(found: Findings) -> None:
     rows = tables(found)["Inertias as given, and their sums"].rows
     of = [(row[0], row[1]) for row in rows]
     assert of == [
-        ("a", "a"), ("a", "tube, driving end"), ("a", "sum"), ("tube end", "tube, driven end"),
-        ("soft end", "g, driving wheel"), ("g end", "g, driven wheel"), ("b", "b"), ("b", "cone, driving end"),
-        ("b", "sum"), ("screw", "screw, entrained water"), ("screw", "cone, driven end"), ("screw", "sum"),
-        ("spare", "spare, dry"), ("spare", "spare, entrained water"), ("spare", "sum"), ("wall", "wall"),
-        ("tube, inside", "tube, between ends"), ("cone, inside", "cone, between ends"), ("whole train", "sum"),
-    ]  # fmt: skip
+        ("a", "a"),
+        ("a", "tube, driving end"),
+        ("a", "sum"),
+        ("tube end", "tube, driven end"),
+        ("soft end", "g, driving wheel"),
+        ("g end", "g, driven wheel"),
+        ("b", "b"),
+        ("b", "cone, driving end"),
+        ("b", "sum"),
+        ("screw", "screw, entrained water"),
+        ("screw", "cone, driven end"),
+        ("screw", "sum"),
+        ("spare", "spare, dry"),
+        ("spare", "spare, entrained water"),
+        ("spare", "sum"),
+        ("wall", "wall"),
+        ("tube, inside", "tube, between ends"),
+        ("cone, inside", "cone, between ends"),
+        ("whole train", "sum"),
+    ]
     assert rows[0] == ("a", "a", "1.2345678", "1", "1.234568")
     assert rows[1][2:] == (given(tube / 6, 8), "1", number(tube / 6, 7))
     assert rows[2][2:] == (given(1.2345678 + tube / 6, 8), "1", number(1.2345678 + tube / 6, 7))
@@ -94,14 +112,22 @@ train: [disc: {name: a, inertia: 1}, gear: {name: g, ratio: 2, referred: true, i
 def test_entrained_water_of_a_propeller_without_inertia_of_its_own(found: Findings) -> None:
     said = " ".join(block.text for block in chapter(found) if isinstance(block, Paragraph))
     assert "screw: J 0 dry + 3.12346 entrained water = 3.12346 kg m² (dry inertia 0)." in said
-    assert "spare: J 8.12346 dry + 2.76543 entrained water = 10.8889 kg m² (34.04 % of dry)." in said
+    assert (
+        "spare: J 8.12346 dry + 2.76543 entrained water = 10.8889 kg m² (34.04 % of dry)." in said
+    )
 
 
 def test_elastic_elements_own_and_referred(found: Findings) -> None:
     made = tables(found)["Elastic elements"]
     rows = {row[0]: row for row in made.rows}
     tube = stiffness(0.06, 0.02, 0.8)
-    assert rows["tube"][1:] == ("a – tube end", given(tube / 1e6, 8), given(1 / tube, 8), "1", given(tube / 1e6, 7))
+    assert rows["tube"][1:] == (
+        "a – tube end",
+        given(tube / 1e6, 8),
+        given(1 / tube, 8),
+        "1",
+        given(tube / 1e6, 7),
+    )
     assert rows["soft"][2:] == ("1.2345678", given(1 / 1.2345678e6, 8), "1", "1.234568")
     assert rows["g"][2:] == ("4.5", "2.2222222·10⁻⁷", "1", "4.5")
     assert rows["light"][2:] == ("2.5·10⁻⁷", "4", "2/5", "4·10⁻⁸")
@@ -126,11 +152,21 @@ def test_dimensions_of_shafts(found: Findings) -> None:
     tube, cone = tables(found)["Dimensions of the shafts"].rows
     modulus = math.pi / 16.0 * (0.06**4 - 0.02**4) / 0.06
     assert tube == (
-        "tube", "60", "20", "800", number(modulus * 1e9, 7), given(inertia(0.06, 0.02, 0.8), 8), "alloy", "81.25",
-        "7812.5", "3",
-    )  # fmt: skip
+        "tube",
+        "60",
+        "20",
+        "800",
+        number(modulus * 1e9, 7),
+        given(inertia(0.06, 0.02, 0.8), 8),
+        "alloy",
+        "81.25",
+        "7812.5",
+        "3",
+    )
     thin = math.pi / 16.0 * (0.08**4 - 0.02**4) / 0.08
-    means = [sum(a**k * b ** (4 - k) for k in range(5)) / 5 for a, b in ((0.09, 0.08), (0.01, 0.02))]
+    means = [
+        sum(a**k * b ** (4 - k) for k in range(5)) / 5 for a, b in ((0.09, 0.08), (0.01, 0.02))
+    ]
     whole = STEEL * math.pi / 32.0 * (means[0] - means[1]) * 2.0
     assert cone[:5] == ("cone", "90–80", "10–20", "2000", number(thin * 1e9, 7))
     assert float(cone[5]) == pytest.approx(whole, rel=1e-7)
@@ -146,7 +182,9 @@ def test_dimensions_of_shafts(found: Findings) -> None:
     ],
 )
 def test_what_a_shaft_is_divided_into(model: str, title: str, said: str) -> None:
-    made = torsion.run(replace(torsion.parse(TEXT.replace("segments: 400", "segments: 7")), model=model))
+    made = torsion.run(
+        replace(torsion.parse(TEXT.replace("segments: 400", "segments: 7")), model=model)
+    )
     table = tables(made)["Dimensions of the shafts"]
     assert table.columns[9].title == title
     assert table.rows[1][9] == str(made.system.segments["cone"])
@@ -156,7 +194,9 @@ def test_what_a_shaft_is_divided_into(model: str, title: str, said: str) -> None
 def test_a_meshed_section_names_its_file() -> None:
     scene = Path(__file__).parents[3] / "shafting_specs" / "keyed_shaft.yaml"
     study = torsion.read(scene)
-    (row,) = tables(torsion.run(replace(study, analyses={}, rules=())))["Dimensions of the shafts"].rows
+    (row,) = tables(torsion.run(replace(study, analyses={}, rules=())))[
+        "Dimensions of the shafts"
+    ].rows
     assert row[1].endswith("keyed_60_mm.msh")
     assert row[2] == "–"
 

@@ -58,7 +58,9 @@ def test_mean_torque_and_power_at_the_speed_nearest_to_the_rated() -> None:
 
 
 def test_without_a_rated_speed_the_highest_counts() -> None:
-    text = TEXT.replace("rated: {speed: 28 rad/s, power: 5 kW}", "load: [[10 rad/s, 5], [50 rad/s, 9]]")
+    text = TEXT.replace(
+        "rated: {speed: 28 rad/s, power: 5 kW}", "load: [[10 rad/s, 5], [50 rad/s, 9]]"
+    )
     found = written((1.0, 2.0, 5.0, 5.0), text)
     assert [row[2] for row in table(found).rows] == ["3.0000", "6.0000", "15.000"]
     assert table(found).caption.startswith("Mean torque at 381.97 rpm")
@@ -68,7 +70,10 @@ def test_nothing_without_a_mean_torque(bare: Findings) -> None:
     found = written((1.0, 2.0, 3.0, 4.0))
     still = replace(found.need(Steady), torque=0.0 * found.need(Steady).torque)
     assert (
-        list(chapter(found.having(mean=still))) == list(chapter(found.having(mean=None))) == list(chapter(bare)) == []
+        list(chapter(found.having(mean=still)))
+        == list(chapter(found.having(mean=None)))
+        == list(chapter(bare))
+        == []
     )
     one = written((1.0, 2.0, 3.0, 4.0), speed=SPEED[:1])
     assert [row[2] for row in table(one).rows] == ["−4.0000", "−8.0000", "−12.000"]

@@ -20,15 +20,26 @@ FREQUENCY = np.array([12.3456789, 23.4567891, 345.678912])
 
 
 def torques(largest: float, **changed: object) -> TorquesCompared:
-    made = TorquesCompared(np.array([0.1, 1.0, 0.5]) * largest, largest, 1, Fraction(3, 2), None, "tube", 0)
+    made = TorquesCompared(
+        np.array([0.1, 1.0, 0.5]) * largest, largest, 1, Fraction(3, 2), None, "tube", 0
+    )
     return replace(made, **changed)
 
 
 def model(name: str, error: float, **changed: object) -> ModelCompared:
     made = ModelCompared(
-        name, f"{name} pieces", True, FREQUENCY * (1 + error), error * np.array([1.0, -2.0, 1.5]),
-        error * np.array([0.1, 0.2, 0.5]), 3, torques(3 * error), 0.01249, 0.456, (1e-2, 1e-2, 1e-2),
-    )  # fmt: skip
+        name,
+        f"{name} pieces",
+        True,
+        FREQUENCY * (1 + error),
+        error * np.array([1.0, -2.0, 1.5]),
+        error * np.array([0.1, 0.2, 0.5]),
+        3,
+        torques(3 * error),
+        0.01249,
+        0.456,
+        (1e-2, 1e-2, 1e-2),
+    )
     return replace(made, **changed)
 
 
@@ -57,27 +68,43 @@ def items(made: Iterable[Block]) -> list[str]:
 
 
 def test_largest_errors_and_times(bare: Findings) -> None:
-    made = tables(blocks(bare, comparing(model("lumped", 4e-3), model("fem", 1e-3, torques=None))))[0]
+    made = tables(blocks(bare, comparing(model("lumped", 4e-3), model("fem", 1e-3, torques=None))))[
+        0
+    ]
     assert made.rows == (
         ("exact", "–", "–", "–", "3", "12 + 460", "–"),
         ("lumped", "0.800", "0.200", "1.20", "3", "12 + 460", "FAIL"),
         ("fem", "0.200", "0.0500", "–", "3", "12 + 460", "PASS"),
     )
     assert made.marks == ("", "fail", "pass")
-    assert made.caption.startswith("Maximum errors against the exact model, of 3 modes; modes below 54.321 Hz")
+    assert made.caption.startswith(
+        "Maximum errors against the exact model, of 3 modes; modes below 54.321 Hz"
+    )
 
 
 def test_modes_side_by_side(bare: Findings) -> None:
     made = tables(blocks(bare, GOOD))[1]
     titles = [column.title for column in made.columns]
-    assert titles == ["Mode", "exact", "lumped", "lumped error", "1 − MAC", "fem", "fem error", "1 − MAC"]
+    assert titles == [
+        "Mode",
+        "exact",
+        "lumped",
+        "lumped error",
+        "1 − MAC",
+        "fem",
+        "fem error",
+        "1 − MAC",
+    ]
     assert [row[:3] for row in made.rows] == [
-        ("1", "12.3456789", f"{12.3456789 * 1.002:.7f}"), ("2", "23.4567891", f"{23.4567891 * 1.002:.7f}"),
+        ("1", "12.3456789", f"{12.3456789 * 1.002:.7f}"),
+        ("2", "23.4567891", f"{23.4567891 * 1.002:.7f}"),
         ("3", "345.678912", f"{345.678912 * 1.002:.6f}"),
-    ]  # fmt: skip
+    ]
     assert [row[3:5] for row in made.rows] == [
-        ("0.200", "0.00020"), ("−0.400", "0.00040"), ("0.300", "0.0010"),
-    ]  # fmt: skip
+        ("0.200", "0.00020"),
+        ("−0.400", "0.00040"),
+        ("0.300", "0.0010"),
+    ]
     assert [row[6] for row in made.rows] == ["0.100", "−0.200", "0.150"]
 
 
@@ -97,10 +124,21 @@ def test_forty_modes_stand_in_the_table(bare: Findings, number: int) -> None:
 def test_blocks_in_their_order(bare: Findings) -> None:
     made = blocks(bare, GOOD)
     heads = [(block.text, block.level) for block in made if isinstance(block, Heading)]
-    assert heads == [("Comparison of the models", 1), ("Frequencies and shapes", 2), ("Response torques", 2)]
+    assert heads == [
+        ("Comparison of the models", 1),
+        ("Frequencies and shapes", 2),
+        ("Response torques", 2),
+    ]
     assert "torques by 1 %." in texts(made)[0]
-    shown = [block.text.split(" has")[0] for block in made if isinstance(block, Paragraph) and block.brief]
-    assert shown == ["The models lumped and fem are within 1 % of the exact model.", "The exact model"]
+    shown = [
+        block.text.split(" has")[0]
+        for block in made
+        if isinstance(block, Paragraph) and block.brief
+    ]
+    assert shown == [
+        "The models lumped and fem are within 1 % of the exact model.",
+        "The exact model",
+    ]
     assert items(made)[:3] == ["exact: exact pieces", "lumped: lumped pieces", "fem: fem pieces"]
     guessed = comparing(model("lumped", 1e-3, certified=False))
     assert items(blocks(bare, guessed))[1] == "lumped: lumped pieces; not certified by Sturm counts"
@@ -116,8 +154,14 @@ def test_blocks_in_their_order(bare: Findings) -> None:
     ("errors", "said"),
     [
         ({"fem": 1e-3}, "The model fem is within 1 % of the exact model."),
-        ({"lumped": 2e-3, "fem": 1e-3}, "The models lumped and fem are within 1 % of the exact model."),
-        ({"lumped": 4e-3, "fem": 1e-3}, "The model lumped is not within 1 % of the exact model; fem is."),
+        (
+            {"lumped": 2e-3, "fem": 1e-3},
+            "The models lumped and fem are within 1 % of the exact model.",
+        ),
+        (
+            {"lumped": 4e-3, "fem": 1e-3},
+            "The model lumped is not within 1 % of the exact model; fem is.",
+        ),
         ({"lumped": 4e-3}, "The model lumped is not within 1 % of the exact model."),
     ],
 )
@@ -128,7 +172,11 @@ def test_the_verdict_in_a_sentence(errors: dict[str, float], said: str) -> None:
 
 def test_counts_of_modes(bare: Findings) -> None:
     def said(*models: ModelCompared, **changed: object) -> str:
-        return next(text for text in texts(blocks(bare, comparing(*models, **changed))) if "elastic modes" in text)
+        return next(
+            text
+            for text in texts(blocks(bare, comparing(*models, **changed)))
+            if "elastic modes" in text
+        )
 
     lumped, fem, begin = (
         model("lumped", 1e-3),
@@ -137,25 +185,39 @@ def test_counts_of_modes(bare: Findings) -> None:
     )
     assert said(lumped, fem) == f"{begin}, and so have lumped and fem, as counted in each."
     assert said(fem) == f"{begin}, and so has fem, as counted in each."
-    assert said(lumped, replace(fem, certified=False)) == f"{begin}, and so have lumped and fem, as found in each."
-    assert said(fem, exact=replace(EXACT, certified=False)) == f"{begin}, and so has fem, as found in each."
+    assert (
+        said(lumped, replace(fem, certified=False))
+        == f"{begin}, and so have lumped and fem, as found in each."
+    )
+    assert (
+        said(fem, exact=replace(EXACT, certified=False))
+        == f"{begin}, and so has fem, as found in each."
+    )
     assert said(replace(lumped, below=2), fem) == f"{begin}, but lumped 2."
 
 
 def test_where_the_torques_are_farthest_off(bare: Findings) -> None:
-    fixed = model("lumped", 2e-3, torques=torques(0.006, worst_order=None, worst_frequency=7.5, worst_speed=0))
+    fixed = model(
+        "lumped", 2e-3, torques=torques(0.006, worst_order=None, worst_frequency=7.5, worst_speed=0)
+    )
     made = blocks(bare, comparing(fixed, model("fem", 1e-3)))
     assert items(made)[3:] == [
         "lumped: 0.600 % at 95.493 rpm, 7.5000 Hz, largest in tube",
         "fem: 0.300 % at 190.99 rpm, order 1.5, largest in tube",
     ]
-    assert next(block.brief for block in made if isinstance(block, Points) and "at 190.99" in block.items[-1])
+    assert next(
+        block.brief
+        for block in made
+        if isinstance(block, Points) and "at 190.99" in block.items[-1]
+    )
     modes, curves = (block for block in made if isinstance(block, Figure))
     wanted = {"lumped": [6e-4, 6e-3, 3e-3], "fem": [3e-4, 3e-3, 1.5e-3]}
     assert {name: line.y.tolist() for name, line in curves.lines.items()} == {
         name: pytest.approx(values) for name, values in wanted.items()
     }
-    np.testing.assert_allclose(curves.lines["fem"].x, [95.49296586, 190.9859317, 286.4788976], rtol=1e-9)
+    np.testing.assert_allclose(
+        curves.lines["fem"].x, [95.49296586, 190.9859317, 286.4788976], rtol=1e-9
+    )
     assert levels(curves) == levels(modes) == {"tolerance": [1e-2]}
     frequency, shape = modes.plots
     wanted = {"lumped": [2e-3, 4e-3, 3e-3], "fem": [1e-3, 2e-3, 1.5e-3]}
@@ -166,11 +228,18 @@ def test_where_the_torques_are_farthest_off(bare: Findings) -> None:
 
 
 def test_torques_that_are_not_compared_or_not_known(bare: Findings) -> None:
-    nothing = comparing(model("lumped", 1e-3, torques=None), speed=None, no_torques="nothing excites")
+    nothing = comparing(
+        model("lumped", 1e-3, torques=None), speed=None, no_torques="nothing excites"
+    )
     made = blocks(bare, nothing)
     assert made[-1] == Paragraph("No torques are compared: nothing excites.", "note", brief=True)
     singular = torques(math.nan, worst_speed=None, left_out=6)
-    made = blocks(bare, comparing(model("lumped", 1e-3, torques=singular), model("fem", 1e-3, torques=torques(1e-3))))
+    made = blocks(
+        bare,
+        comparing(
+            model("lumped", 1e-3, torques=singular), model("fem", 1e-3, torques=torques(1e-3))
+        ),
+    )
     assert [item.split(":")[0] for item in items(made)[3:]] == ["fem"]
     assert texts(made)[-1].startswith("Omitted: 6 solutions at undamped resonances.")
     made = blocks(bare, comparing(model("lumped", 1e-3, torques=singular)))

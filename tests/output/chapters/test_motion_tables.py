@@ -22,6 +22,10 @@ def test_a_torque_of_rounding_is_0_and_a_small_one_is_not() -> None:
     largest = float(one.peak.max())
     for least, is_nothing in ((-3.8e-11, True), (-3.8e-9, False)):
         changed = replace(one, least=np.full_like(one.least, least * largest))
-        tables = (one for one in chapter(found.having(transient=Transients((changed,)))) if isinstance(one, Table))
+        tables = (
+            one
+            for one in chapter(found.having(transient=Transients((changed,))))
+            if isinstance(one, Table)
+        )
         made = next(one for one in tables if one.caption.startswith("Torques over time"))
         assert (made.rows[0][3] == "0") == is_nothing

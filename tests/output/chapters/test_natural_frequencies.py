@@ -33,19 +33,29 @@ train:
 - disc: {name: screw, inertia: 12, stiffness: 30}
 analyses: {modes: {count: 3}}
 """
-SPEED = {"stage end": 0.4, "screw": 0.4, "screw ground": 0.4, "stage wheel 2": 0.5, "pump": 0.5}  # of the wheel's
+SPEED = {
+    "stage end": 0.4,
+    "screw": 0.4,
+    "screw ground": 0.4,
+    "stage wheel 2": 0.5,
+    "pump": 0.5,
+}  # of the wheel's
 CHAIN = "name: chain\ntrain: [disc: {{name: d0, inertia: 1}}{rest}]\nanalyses: {{modes: {{count: {count}}}}}\n"
 
 
 def value(text: str) -> float:
     """A cell as a number."""
     mantissa, _, power = text.replace("−", "-").partition("·10")
-    return float(mantissa) * 10.0 ** int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0)
+    return float(mantissa) * 10.0 ** int(
+        power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0
+    )
 
 
 def chain(couplings: int, count: int, end: str = "") -> Findings:
-    rest = "".join(f", coupling: {{name: c{k}, stiffness: 100}}, disc: {{name: d{k}, inertia: 2}}"
-                   for k in range(1, couplings + 1))  # fmt: skip
+    rest = "".join(
+        f", coupling: {{name: c{k}, stiffness: 100}}, disc: {{name: d{k}, inertia: 2}}"
+        for k in range(1, couplings + 1)
+    )
     return torsion.run(torsion.parse(CHAIN.format(rest=rest + end, count=count)))
 
 
@@ -77,7 +87,13 @@ def damped(speed: float, overdamped: int) -> DampedModes:
     none = np.empty(0)
     roots = np.array([-2.5 + 31.0j, 0.0 + 44.0j])
     return DampedModes(
-        np.array([5.0, 7.0]), np.array([0.08, 0.0]), roots, none, none, 10.0 * np.arange(1.0, overdamped + 1), speed
+        np.array([5.0, 7.0]),
+        np.array([0.08, 0.0]),
+        roots,
+        none,
+        none,
+        10.0 * np.arange(1.0, overdamped + 1),
+        speed,
     )
 
 
@@ -86,13 +102,17 @@ def test_blocks_of_the_chapter_in_their_order(geared: Findings) -> None:
     assert [type(block) for block in blocks] == [Heading, Paragraph, Table, Figure, Figure, Figure]
     hertz = [f"{one:.5g}" for one in geared.need(Modes).frequency]
     assert blocks[0] == Heading("Natural frequencies and mode shapes")
-    assert [(block.name, block.caption.split(":")[0]) for block in blocks if isinstance(block, Figure)] == [
-        (f"mode-{k + 1}", f"Mode {k + 1}, {hertz[k]} Hz") for k in range(3)
+    assert [
+        (block.name, block.caption.split(":")[0]) for block in blocks if isinstance(block, Figure)
+    ] == [(f"mode-{k + 1}", f"Mode {k + 1}, {hertz[k]} Hz") for k in range(3)]
+    brief, full = (
+        [block.caption.split(",")[0] for block in some(geared) if isinstance(block, Table)]
+        for some in (appendix, all_modes)
+    )
+    assert brief == [
+        *(f"Holzer table of mode {k}" for k in (1, 2, 3)),
+        "Shares of the kinetic and elastic energy; below 2 % blank",
     ]
-    brief, full = ([block.caption.split(",")[0] for block in some(geared) if isinstance(block, Table)]
-                   for some in (appendix, all_modes))  # fmt: skip
-    assert brief == [*(f"Holzer table of mode {k}" for k in (1, 2, 3)),
-                     "Shares of the kinetic and elastic energy; below 2 % blank"]  # fmt: skip
     assert full == [f"Constants of the shafts at the frequency of mode {k}" for k in (1, 2, 3)]
     assert list(chapter(geared.having(modes=None))) == []
     none = np.empty(0)
@@ -107,9 +127,14 @@ def test_blocks_of_the_chapter_in_their_order(geared: Findings) -> None:
         (2, "The train has 2 rigid-body modes (0 Hz) and 3 elastic modes (undamped)."),
         (1, "The train has one rigid-body mode (0 Hz) and 3 elastic modes (undamped)."),
     ],
-)  # fmt: skip
-def test_rigid_motions_and_the_certificate_in_words(geared: Findings, rigid: int, words: str) -> None:
-    for certified, more in ((True, "Sturm counts prove"), (False, "The bounds of these frequencies are not")):
+)
+def test_rigid_motions_and_the_certificate_in_words(
+    geared: Findings, rigid: int, words: str
+) -> None:
+    for certified, more in (
+        (True, "Sturm counts prove"),
+        (False, "The bounds of these frequencies are not"),
+    ):
         text = texts(list(chapter(with_modes(geared, rigid=rigid, certified=certified))))[0]
         assert text.startswith(words)
         assert more in text
@@ -129,17 +154,21 @@ def test_frequencies_with_their_bounds_and_nodes(geared: Findings) -> None:
 def test_damped_frequencies_and_what_decays_without_oscillation(geared: Findings) -> None:
     blocks = list(chapter(geared.having(damped_modes=damped(100.0, 9))))
     found = table(blocks, "Damped natural frequencies")
-    assert found.rows == (
-        ("1", "5.000000", "8.000", "6.250"), ("2", "7.000000", "0", "∞")
-    )  # fmt: skip
+    assert found.rows == (("1", "5.000000", "8.000", "6.250"), ("2", "7.000000", "0", "∞"))
     assert found.caption == found.short == "Damped natural frequencies, damping at 954.93 rpm"
     listed = ", ".join(f"{k}0.00" for k in range(1, 9))
     assert texts(blocks)[1] == f"Overdamped modes (decay without oscillation): {listed}, … 1/s."
     blocks = list(chapter(geared.having(damped_modes=damped(0.5, 8))))
-    assert table(blocks, "Damped natural").caption == "Damped natural frequencies, damping at 4.7746 rpm"
+    assert (
+        table(blocks, "Damped natural").caption
+        == "Damped natural frequencies, damping at 4.7746 rpm"
+    )
     assert texts(blocks)[1] == f"Overdamped modes (decay without oscillation): {listed} 1/s."
     blocks = list(chapter(geared.having(damped_modes=damped(0.0, 0))))
-    assert (table(blocks, "Damped natural").caption, len(texts(blocks))) == ("Damped natural frequencies", 1)
+    assert (table(blocks, "Damped natural").caption, len(texts(blocks))) == (
+        "Damped natural frequencies",
+        1,
+    )
 
 
 def test_shares_of_energy_of_a_shaft_are_those_of_its_segments_together(geared: Findings) -> None:
@@ -156,7 +185,10 @@ def test_shares_of_energy_of_a_shaft_are_those_of_its_segments_together(geared: 
     wanted["elastic: line"] = sum(spans[f"line [{k}]"] for k in range(1, 6))
     found = table(list(appendix(geared)), "Shares of the kinetic")
     cells = {row[0]: list(row[1:]) for row in found.rows}
-    shown = {name: [f"{100.0 * one:.1f}" if one > 0.02 else "" for one in share] for name, share in wanted.items()}
+    shown = {
+        name: [f"{100.0 * one:.1f}" if one > 0.02 else "" for one in share]
+        for name, share in wanted.items()
+    }
     assert cells == {name: row for name, row in shown.items() if any(row)}
     assert any("" in row for row in cells.values())
     assert "kinetic: screw ground" not in cells
@@ -172,10 +204,16 @@ def test_a_share_of_exactly_two_per_cent_is_printed() -> None:
     assert shares.rows == (("kinetic: d0", "2.0"),)
 
 
-def test_without_excitation_six_modes_have_a_figure_and_twelve_in_the_full_report(long: Findings) -> None:
+def test_without_excitation_six_modes_have_a_figure_and_twelve_in_the_full_report(
+    long: Findings,
+) -> None:
     blocks, full = list(chapter(long)), list(all_modes(long))
-    assert [block.name for block in blocks if isinstance(block, Figure)] == [f"mode-{k}" for k in range(1, 7)]
-    assert [block.name for block in full if isinstance(block, Figure)] == [f"mode-{k}" for k in range(7, 13)]
+    assert [block.name for block in blocks if isinstance(block, Figure)] == [
+        f"mode-{k}" for k in range(1, 7)
+    ]
+    assert [block.name for block in full if isinstance(block, Figure)] == [
+        f"mode-{k}" for k in range(7, 13)
+    ]
     assert texts(full)[-1] == "Modes 13 to 15 are in results.json."
     assert len(table(blocks, "Natural frequencies of").rows) == 15
     assert len(table(list(appendix(long)), "Shares of the kinetic").columns) == 13
@@ -206,12 +244,26 @@ def test_holzer_table_obeys_the_laws_of_a_geared_train(geared: Findings, mode: i
     names = [station.name for station in system.stations]
     block, constants = holzer_tables(geared, modes, mode)
     rows = {row[1]: row[2:] for row in block.rows}
-    assert list(rows) == ["wheel", "line end", "stage end", "screw", "screw ground", "stage wheel 2", "pump"]
+    assert list(rows) == [
+        "wheel",
+        "line end",
+        "stage end",
+        "screw",
+        "screw ground",
+        "stage wheel 2",
+        "pump",
+    ]
     assert [row[0] for row in block.rows] == ["1", "2", "3", "4", "5", "6", "7"]
     first, square = modes.shape[0, mode], (2.0 * math.pi * modes.frequency[mode]) ** 2
-    angle = {name: modes.shape[k, mode] / SPEED.get(name, 1.0) / first for k, name in enumerate(names)}
-    inertia = {name: system.lumped_inertia[k] * SPEED.get(name, 1.0) ** 2 for k, name in enumerate(names)}
-    torque = {name: square * inertia[name] * angle[name] for name in names if name != "screw ground"}
+    angle = {
+        name: modes.shape[k, mode] / SPEED.get(name, 1.0) / first for k, name in enumerate(names)
+    }
+    inertia = {
+        name: system.lumped_inertia[k] * SPEED.get(name, 1.0) ** 2 for k, name in enumerate(names)
+    }
+    torque = {
+        name: square * inertia[name] * angle[name] for name in names if name != "screw ground"
+    }
     for name, row in rows.items():
         assert value(row[1]) == pytest.approx(angle[name], rel=1e-6, abs=1e-12)
         assert row[1] == "0" or len(row[1].lstrip("−0.").replace(".", "")) == 7
@@ -225,7 +277,7 @@ def test_holzer_table_obeys_the_laws_of_a_geared_train(geared: Findings, mode: i
         "screw": ("3", "soft", "stage end", 1.0 / 800.0 / 0.16),
         "screw ground": ("4", "screw to ground", "screw", 1.0 / 30.0 / 0.16),
         "pump": ("6", "side", "stage wheel 2", 1.0 / 500.0 / 0.25),
-    }  # fmt: skip
+    }
     for name, (row, through, other, flexible) in links.items():
         twist = angle[other] - angle[name]
         assert rows[name][3:5] == (row, through)
@@ -238,7 +290,10 @@ def test_holzer_table_obeys_the_laws_of_a_geared_train(geared: Findings, mode: i
     assert [value(rows["line end"][k]) for k in (5, 7, 8)] == pytest.approx(entering, rel=1e-5)
     branch = torque["stage wheel 2"] + torque["pump"]
     ahead = behind + torque["line end"]
-    for name, through, carried in (("stage end", "stage", ahead + branch), ("stage wheel 2", "stage wheel 2", -branch)):
+    for name, through, carried in (
+        ("stage end", "stage", ahead + branch),
+        ("stage wheel 2", "stage wheel 2", -branch),
+    ):
         assert [rows[name][k] for k in (3, 4, 6, 7)] == ["2", through, "rigid", "0"]
         assert value(rows[name][5]) == pytest.approx(carried, rel=1e-4, abs=1e-4 * abs(branch))
     assert value(block.caption.rpartition(" ")[2]) < 1e-13
@@ -256,7 +311,9 @@ def test_holzer_table_obeys_the_laws_of_a_geared_train(geared: Findings, mode: i
 
 
 @pytest.mark.parametrize(("heavy", "first"), [(6.647, "largest"), (6.640, "first")])
-def test_holzer_table_of_a_first_station_that_hardly_moves_is_scaled_by_the_largest(heavy: float, first: str) -> None:
+def test_holzer_table_of_a_first_station_that_hardly_moves_is_scaled_by_the_largest(
+    heavy: float, first: str
+) -> None:
     """The discs of 1 and 2 kg m2 swing against one another, and the first a thousand times less."""
     text = f"""
 name: heavy
@@ -267,12 +324,18 @@ analyses: {{modes: {{count: 2}}}}
     found = torsion.run(torsion.parse(text))
     modes = found.need(Modes)
     (block,) = holzer_tables(found, modes, 1)
-    shape = modes.shape[:, 1] / (np.abs(modes.shape[:, 1]).max() if first == "largest" else modes.shape[0, 1])
+    shape = modes.shape[:, 1] / (
+        np.abs(modes.shape[:, 1]).max() if first == "largest" else modes.shape[0, 1]
+    )
     shape *= np.sign(shape[0])
     square = (2.0 * math.pi * modes.frequency[1]) ** 2
-    assert square * heavy / 10.0 - 1.0 == pytest.approx(1000.5 if first == "largest" else 999.5, abs=0.3)
+    assert square * heavy / 10.0 - 1.0 == pytest.approx(
+        1000.5 if first == "largest" else 999.5, abs=0.3
+    )
     assert [value(row[3]) for row in block.rows] == pytest.approx(shape, rel=1e-6)
-    assert [value(row[4]) for row in block.rows] == pytest.approx(square * shape * [heavy, 1.0, 2.0], rel=1e-6)
+    assert [value(row[4]) for row in block.rows] == pytest.approx(
+        square * shape * [heavy, 1.0, 2.0], rel=1e-6
+    )
     for row, k, twist in zip(block.rows[1:], (10.0, 1000.0), -np.diff(shape), strict=False):
         wanted = [k * twist, 1.0 / k, twist, k * twist]
         assert [value(row[j]) for j in (7, 8, 9, 10)] == pytest.approx(wanted, rel=1e-6)
@@ -316,7 +379,9 @@ def test_plot_of_a_mode_is_referred_and_relative_to_its_largest(geared: Findings
     assert pairs[start : start + 6] == [pytest.approx((at[name][0], angle[name])) for name in line]
     branch = named(upper)["branch 1"]
     turned = ["stage wheel 2", "pump", "", "line end", "stage wheel 2"]
-    assert branch.y.tolist() == pytest.approx([angle.get(name, math.nan) for name in turned], nan_ok=True)
+    assert branch.y.tolist() == pytest.approx(
+        [angle.get(name, math.nan) for name in turned], nan_ok=True
+    )
     assert at["pump"][1] == 1.0
     (stations,) = upper.marks
     wanted = sorted((at[name][0], angle[name]) for name in names[:7])
@@ -330,18 +395,27 @@ def test_plot_of_a_mode_is_referred_and_relative_to_its_largest(geared: Findings
     assert {round(one, 9) for one in shown["main line"].tolist()} == {
         round(steps[span.name], 9)
         for span in system.spans
-        if span.name not in ("side", "screw to ground") and at[system.stations[span.driven].name][1] == 0.0
+        if span.name not in ("side", "screw to ground")
+        and at[system.stations[span.driven].name][1] == 0.0
         and at[system.stations[span.driving].name][0] != at[system.stations[span.driven].name][0]
-    }  # fmt: skip
-    links = {"line": ("wheel", "line end"), "stage": ("line end", "stage end"), "soft": ("stage end", "screw")}
+    }
+    links = {
+        "line": ("wheel", "line end"),
+        "stage": ("line end", "stage end"),
+        "soft": ("stage end", "screw"),
+    }
     middle = {name: (at[a][0] + at[b][0]) / 2.0 for name, (a, b) in links.items()}
     wanted = {"wheel": at["wheel"][0], **middle, "screw": at["screw"][0]}
     assert {name: x for x, name in upper.x.places} == pytest.approx(wanted)
-    assert drawn.caption.endswith("angle and torque, referred to the reference speed and relative to their maximum")
+    assert drawn.caption.endswith(
+        "angle and torque, referred to the reference speed and relative to their maximum"
+    )
 
 
 @pytest.mark.parametrize(("couplings", "named"), [(6, 14), (7, 9)])
-def test_links_are_named_in_a_plot_of_at_most_fourteen_components(couplings: int, named: int) -> None:
+def test_links_are_named_in_a_plot_of_at_most_fourteen_components(
+    couplings: int, named: int
+) -> None:
     """A disc on the last one makes fourteen components, or sixteen."""
     more = chain(couplings, 1, ", disc: {name: end, inertia: 1}")
     drawn = next(block for block in chapter(more) if isinstance(block, Figure))
@@ -349,14 +423,14 @@ def test_links_are_named_in_a_plot_of_at_most_fourteen_components(couplings: int
 
 
 def test_of_a_shaft_of_502_segments_every_second_is_drawn() -> None:
-    text = (
-        "name: long\ntrain: [disc: {inertia: 1}, shaft: {length: 9, diameter: 0.1, segments: N}, disc: {inertia: 2}]\n"
-    )
+    text = "name: long\ntrain: [disc: {inertia: 1}, shaft: {length: 9, diameter: 0.1, segments: N}, disc: {inertia: 2}]\n"
     for segments, spans, words in (
         (502, 252, "; long shafts are drawn with every 2th segment"),
         (500, 500, "maximum"),
     ):
-        found = torsion.run(torsion.parse(text.replace("N", str(segments)) + "analyses: {modes: {count: 1}}\n"))
+        found = torsion.run(
+            torsion.parse(text.replace("N", str(segments)) + "analyses: {modes: {count: 1}}\n")
+        )
         drawn = next(block for block in chapter(found) if isinstance(block, Figure))
         angles, torques = (panel.lines[0] for panel in drawn.plots)
         assert len(torques.x) == 2 * spans

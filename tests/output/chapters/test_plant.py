@@ -90,33 +90,46 @@ def test_components_with_their_rated_speeds_sources_and_notes(found: Findings) -
 def test_heights_of_discs_are_by_the_logarithm_of_their_inertia(found: Findings) -> None:
     """Of three decades below the largest; the housing and the stations of shafts have more than their own inertia."""
     points, _ = sketch(found)
-    own = dict(zip((station.name for station in found.system.stations), found.system.inertia.tolist(), strict=True))
+    own = dict(
+        zip(
+            (station.name for station in found.system.stations),
+            found.system.inertia.tolist(),
+            strict=True,
+        )
+    )
     for name in ("big", "mid", "pto", "brake", "tail", "weak"):
-        assert points[name].size == pytest.approx((math.log10(own[name]) + 1.0) / 3.0, abs=1e-12), name
+        assert points[name].size == pytest.approx((math.log10(own[name]) + 1.0) / 3.0, abs=1e-12), (
+            name
+        )
     assert points["dmp"].ring == pytest.approx(2.5 / 3.0, rel=1e-12)
     assert points["weak"].ring == 0.1
     assert points["wall"].size == points["pump"].size == 0.0
     assert {name: point.ring for name, point in points.items() if point.ring} == {
-        "dmp": pytest.approx(2.5 / 3.0), "weak": 0.1,
-    }  # fmt: skip
+        "dmp": pytest.approx(2.5 / 3.0),
+        "weak": 0.1,
+    }
     assert [name for name, point in points.items() if point.is_held] == ["wall"]
     assert [name for name, point in points.items() if point.is_grounded] == ["brake"]
     place = places(found)
-    assert {name: (point.x, point.row) for name, point in points.items()} == {name: place[name] for name in points}
+    assert {name: (point.x, point.row) for name, point in points.items()} == {
+        name: place[name] for name in points
+    }
     assert {point.kind for point in points.values()} == {"disc", "damper"}
 
 
 @pytest.mark.parametrize(
     ("inertias", "sizes"),
     [
-        ((2.0, 2.0), (0.5, 0.5)), ((2.0, 0.5), (1.0, 0.0)), ((1e3, 20.0), (1.0, 0.0)),
-        ((1e4, 100.0), (1.0, 0.0)), ((0.1, 0.01), (1.0, 0.0)), ((0.0, 0.0), (0.0, 0.0)),
+        ((2.0, 2.0), (0.5, 0.5)),
+        ((2.0, 0.5), (1.0, 0.0)),
+        ((1e3, 20.0), (1.0, 0.0)),
+        ((1e4, 100.0), (1.0, 0.0)),
+        ((0.1, 0.01), (1.0, 0.0)),
+        ((0.0, 0.0), (0.0, 0.0)),
     ],
-)  # fmt: skip
+)
 def test_sizes_of_two_discs(inertias: tuple[float, float], sizes: tuple[float, float]) -> None:
-    text = (
-        "name: x\ntrain: [disc: {{name: a, inertia: {}}}, coupling: {{stiffness: 5}}, disc: {{name: b, inertia: {}}}]"
-    )
+    text = "name: x\ntrain: [disc: {{name: a, inertia: {}}}, coupling: {{stiffness: 5}}, disc: {{name: b, inertia: {}}}]"
     points, _ = sketch(torsion.run(torsion.parse(text.format(*inertias))))
     assert tuple(point.size for point in points.values()) == pytest.approx(sizes, abs=1e-15)
 
@@ -124,16 +137,31 @@ def test_sizes_of_two_discs(inertias: tuple[float, float], sizes: tuple[float, f
 def test_links_between_their_stations(found: Findings) -> None:
     """Ties lead down to the row of a branch and up to a link beside the train; a gear crosses rows by itself."""
     _, links = sketch(found)
-    place, name = places(found), {str(k): part.name for k, part in enumerate(found.study.train.parts, 1)}
+    place, name = (
+        places(found),
+        {str(k): part.name for k, part in enumerate(found.study.train.parts, 1)},
+    )
     drawn = {name.get(one.label.split()[0], ""): one for one in links if one.label}
     assert {one: drawn[one].kind for one in drawn} == {
-        "soft": "coupling", "cone": "shaft", "stage": "gear", "lift": "gear", "side": "coupling", "stub": "shaft",
-        "hooke": "joint", "wall spring": "coupling", "bypass": "coupling",
-    }  # fmt: skip
+        "soft": "coupling",
+        "cone": "shaft",
+        "stage": "gear",
+        "lift": "gear",
+        "side": "coupling",
+        "stub": "shaft",
+        "hooke": "joint",
+        "wall spring": "coupling",
+        "bypass": "coupling",
+    }
     ends = {
-        "soft": ("big", "mid"), "cone": ("mid", "cone end"), "stage": ("cone end", "dmp"), "lift": ("dmp", "lift end"),
-        "side": ("lift end", "weak"), "hooke": ("dmp", "brake"), "wall spring": ("tail", "wall"),
-    }  # fmt: skip
+        "soft": ("big", "mid"),
+        "cone": ("mid", "cone end"),
+        "stage": ("cone end", "dmp"),
+        "lift": ("dmp", "lift end"),
+        "side": ("lift end", "weak"),
+        "hooke": ("dmp", "brake"),
+        "wall spring": ("tail", "wall"),
+    }
     assert {one: (drawn[one].start, drawn[one].end) for one in ends} == {
         one: (place[first], place[last]) for one, (first, last) in ends.items()
     }
@@ -142,17 +170,24 @@ def test_links_between_their_stations(found: Findings) -> None:
     assert (drawn["stub"].start, drawn["stub"].end) == ((x, level), (last, level))
     from_side, to_tail = place["pto"], place["tail"]
     above = max(from_side[1], to_tail[1]) + 0.5
-    assert (drawn["bypass"].start, drawn["bypass"].end) == ((from_side[0], above), (to_tail[0], above))
+    assert (drawn["bypass"].start, drawn["bypass"].end) == (
+        (from_side[0], above),
+        (to_tail[0], above),
+    )
     ties = [(one.start, one.end) for one in links if one.kind == "tie"]
     assert ties == [
-        (place["dmp"], (x, level)), (from_side, (from_side[0], above)), (to_tail, (to_tail[0], above)),
-    ]  # fmt: skip
+        (place["dmp"], (x, level)),
+        (from_side, (from_side[0], above)),
+        (to_tail, (to_tail[0], above)),
+    ]
     rigid = [(one.start, one.end) for one in links if one.kind == "rigid"]
     assert rigid == [(place["brake"], place["tail"])]
     assert drawn["hooke"].label.endswith(" (5.13°)")
     (wheel,) = [one for one in links if one.kind == "gear" and not one.label]
     assert (wheel.start, wheel.end) == (place["cone end"], place["pump"])
-    assert (wheel.ratio, drawn["stage"].ratio, drawn["lift"].ratio) == pytest.approx((0.8, 2 / 3, 0.5))
+    assert (wheel.ratio, drawn["stage"].ratio, drawn["lift"].ratio) == pytest.approx(
+        (0.8, 2 / 3, 0.5)
+    )
     assert drawn["cone"].bore == pytest.approx(0.25)
     assert drawn["cone"].taper == pytest.approx((0.8, 1.0))
     assert (drawn["stub"].bore, drawn["stub"].taper) == (0.0, (1.0, 1.0))

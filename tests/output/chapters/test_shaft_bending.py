@@ -12,7 +12,13 @@ from tests.output.drawn import bands, levels, marks, named, plot, titles
 import torsion
 from torsion.analyses.lateral.couple_response import Answer
 from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
-from torsion.analyses.lateral.shaft_bending import Holding, InPlanes, Lateral, LateralSettings, ShaftFound
+from torsion.analyses.lateral.shaft_bending import (
+    Holding,
+    InPlanes,
+    Lateral,
+    LateralSettings,
+    ShaftFound,
+)
 from torsion.analyses.lateral.tilt_stability import Tilting, Zone
 from torsion.analyses.lateral.whirl import Critical, Whirl
 from torsion.findings import Findings
@@ -48,14 +54,21 @@ def critical(order: int, speed: float, direction: float = 1.0) -> Critical:
 
 
 CRITICAL = (
-    critical(1, 29.0), critical(2, 30.0, -0.99), critical(1, 90.0, 0.5), critical(4, 91.0, -0.5),
-    critical(1, 180.0, 0.05), critical(1, 181.0), critical(2, 185.0, -1.0), critical(2, 190.0),
-)  # fmt: skip
+    critical(1, 29.0),
+    critical(2, 30.0, -0.99),
+    critical(1, 90.0, 0.5),
+    critical(4, 91.0, -0.5),
+    critical(1, 180.0, 0.05),
+    critical(1, 181.0),
+    critical(2, 185.0, -1.0),
+    critical(2, 190.0),
+)
 WHIRL = Whirl(
-    SPEED, np.array([[7.0, 5.0, np.nan, 11.0], [8.0, 9.0, np.nan, 12.0], [13.0, 3.0, np.nan, 9.0]]),
+    SPEED,
+    np.array([[7.0, 5.0, np.nan, 11.0], [8.0, 9.0, np.nan, 12.0], [13.0, 3.0, np.nan, 9.0]]),
     np.array([[0.3, -1e-9, np.nan, 1e-9], [0.2, -0.1, np.nan, 0.5], [0.4, -0.2, np.nan, np.nan]]),
     np.array([[1.0, -1.0, np.nan, 0.5], [1.0, -1.0, np.nan, 0.5], [0.05, 0.5, np.nan, -0.5]]),
-)  # fmt: skip
+)
 
 
 def pairs(*rows: list[float]) -> np.ndarray:
@@ -68,18 +81,31 @@ def answer(order: int, moment: float, force: float, *status: Status) -> Answer:
     """At three speeds and places: displacements of 1 to 9 µm, moments and forces that many times the two values."""
     spread = np.array([[1.0, 2.0, 3.0], [4.0, 8.0, 9.0], [5.0, 7.0, 6.0]])
     return Answer(
-        order, SPEED + order, pairs(*(1e-6 * spread)), pairs(*(moment * spread[:, ::-1])),
-        pairs(*(force * spread[:, :2])), np.ones(3), np.array(status or [Status.OK] * 3, dtype=np.uint8),
-    )  # fmt: skip
+        order,
+        SPEED + order,
+        pairs(*(1e-6 * spread)),
+        pairs(*(moment * spread[:, ::-1])),
+        pairs(*(force * spread[:, :2])),
+        np.ones(3),
+        np.array(status or [Status.OK] * 3, dtype=np.uint8),
+    )
 
 
 def shaft(name: str, **changed: Any) -> ShaftFound:
     """A shaft at half of the reference speed."""
     made = ShaftFound(
-        name, (0,), Fraction(1, 2), 1.5, np.array([0.25, 0.75, 1.25]),
-        (Holding("front", 0.1), Holding("rear", 1.4)), InPlanes(np.array([6.5, 70.0]), NONE), CRITICAL, WHIRL,
-        (answer(0, 20.0, 2.0), answer(2, 300.0, 30.0)), 5,
-    )  # fmt: skip
+        name,
+        (0,),
+        Fraction(1, 2),
+        1.5,
+        np.array([0.25, 0.75, 1.25]),
+        (Holding("front", 0.1), Holding("rear", 1.4)),
+        InPlanes(np.array([6.5, 70.0]), NONE),
+        CRITICAL,
+        WHIRL,
+        (answer(0, 20.0, 2.0), answer(2, 300.0, 30.0)),
+        5,
+    )
     return replace(made, **changed)
 
 
@@ -106,14 +132,30 @@ def test_without_bending_there_is_no_chapter(operated: Findings) -> None:
 def test_blocks_of_the_chapter_in_their_order(operated: Findings) -> None:
     still = shaft("still", whirl=None, answers=())
     found = blocks(operated, still, shaft("tube"), remarks=("one", "two"))
-    kinds = [Heading, Paragraph, Table, Table, Heading, Paragraph, Table, Figure, Heading, Table, Table, Figure]
+    kinds = [
+        Heading,
+        Paragraph,
+        Table,
+        Table,
+        Heading,
+        Paragraph,
+        Table,
+        Figure,
+        Heading,
+        Table,
+        Table,
+        Figure,
+    ]
     assert [type(block) for block in found] == [*kinds, Heading, Points]
     assert [block.level for block in found if isinstance(block, Heading)] == [1, 2, 2, 2]
     assert texts(found) == [
-        "Bending of the shafts", f"Speeds are speeds of drive. {AXES}", "Whirl over the speed",
+        "Bending of the shafts",
+        f"Speeds are speeds of drive. {AXES}",
+        "Whirl over the speed",
         "1 of the modes below are unstable in the speed range.",
-        "Response to the secondary couples", "Not computed for the bending",
-    ]  # fmt: skip
+        "Response to the secondary couples",
+        "Not computed for the bending",
+    ]
     assert [block.name for block in found if isinstance(block, Figure)] == ["whirl-2", "bending-2"]
     assert found[-1] == Points(("one", "two"))
     assert [type(block) for block in blocks(operated, still)] == kinds[:4]
@@ -122,14 +164,23 @@ def test_blocks_of_the_chapter_in_their_order(operated: Findings) -> None:
 
 def test_supports_and_lowest_frequencies_at_rest(operated: Findings) -> None:
     found = table(blocks(operated, shaft("tube")), "and their supports")
-    assert found.rows == (("tube", "1.5000", "1/2", "front at 0.1000 m, rear at 1.400 m", "6.50000", "–"),)
+    assert found.rows == (
+        ("tube", "1.5000", "1/2", "front at 0.1000 m, rear at 1.400 m", "6.50000", "–"),
+    )
     other = shaft("tube", at_rest=InPlanes(NONE, np.array([8.5])))
     assert table(blocks(operated, other), "and their supports").rows[0][4:] == ("–", "8.50000")
 
 
 def test_critical_speeds_up_to_twice_the_range_and_two_of_every_order(operated: Findings) -> None:
     found = table(blocks(operated, shaft("tube", whirl=None)), "Critical bending")
-    words = ("forward", "backward", "forward, ellipse", "backward, ellipse", "nearly in a plane", "backward")
+    words = (
+        "forward",
+        "backward",
+        "forward, ellipse",
+        "backward, ellipse",
+        "nearly in a plane",
+        "backward",
+    )
     shown = [one for one in CRITICAL if one.speed not in (181.0, 190.0)]
     assert len(found.rows) == len(words)
     for row, one, whirl in zip(found.rows, shown, words, strict=True):
@@ -144,9 +195,13 @@ def test_critical_speeds_up_to_twice_the_range_and_two_of_every_order(operated: 
     assert found.caption.endswith("; above 1718.9 rpm the lowest two of each order")
 
 
-def test_without_speeds_every_critical_speed_is_listed_and_none_lies_in_a_range(bare: Findings) -> None:
+def test_without_speeds_every_critical_speed_is_listed_and_none_lies_in_a_range(
+    bare: Findings,
+) -> None:
     found = table(blocks(bare, shaft("tube", whirl=None, answers=())), "Critical bending")
-    assert [float(row[3]) for row in found.rows] == pytest.approx([one.speed * RPM for one in CRITICAL], rel=1e-4)
+    assert [float(row[3]) for row in found.rows] == pytest.approx(
+        [one.speed * RPM for one in CRITICAL], rel=1e-4
+    )
     assert {row[7] for row in found.rows} == {"no"}
     assert found.caption.endswith("damping ratio 0: unbounded amplitude")
 
@@ -168,12 +223,21 @@ SHAFT = MisalignedShaft(4.0, 0.25, 1.0, (3.0, 5.0), (24.0, 56.0), 1.0, 0.1)
 @pytest.mark.parametrize(
     ("whirl", "zones", "name"),
     [
-        (WHIRL, None, "tube (UNSTABLE)"), (STABLE, None, "tube"), (None, None, "tube"), (STABLE, (), "tube"),
+        (WHIRL, None, "tube (UNSTABLE)"),
+        (STABLE, None, "tube"),
+        (None, None, "tube"),
+        (STABLE, (), "tube"),
         (None, (Zone(1.0, 2.0, (False, False), "several", 1.5, 0.1),), "tube (UNSTABLE)"),
     ],
-)  # fmt: skip
-def test_a_shaft_that_whirls_or_tilts_by_itself_is_named_unstable(operated: Findings, whirl, zones, name) -> None:
-    tilts = None if zones is None else Tilting("joint", SHAFT, {"y": 7.5, "z": 8.5}, SPEED, SPEED, zones)
+)
+def test_a_shaft_that_whirls_or_tilts_by_itself_is_named_unstable(
+    operated: Findings, whirl, zones, name
+) -> None:
+    tilts = (
+        None
+        if zones is None
+        else Tilting("joint", SHAFT, {"y": 7.5, "z": 8.5}, SPEED, SPEED, zones)
+    )
     found = blocks(operated, shaft("tube", whirl=whirl, tilting=tilts), shaft("still", whirl=None))
     assert {row[0] for row in table(found, "Critical bending").rows} == {name, "still"}
     assert ("Parametric stability of the tilt" in texts(found)) == (tilts is not None)
@@ -183,7 +247,16 @@ def test_whirl_by_frequency_with_its_least_decrement(operated: Findings) -> None
     """A decrement between -1e-9 and 1e-9 is rounding, and a mode that is not found has no row."""
     found = table(blocks(operated, shaft("tube")), "Whirl over")
     assert found.rows == (
-        ("tube", "1", "5.0000", "3.0000", "forward, ellipse", "−0.200", "859.44", "UNSTABLE from 572.96 rpm"),
+        (
+            "tube",
+            "1",
+            "5.0000",
+            "3.0000",
+            "forward, ellipse",
+            "−0.200",
+            "859.44",
+            "UNSTABLE from 572.96 rpm",
+        ),
         ("tube", "2", "11.000", "9.0000", "backward, ellipse", "0", "286.48", "undamped"),
         ("tube", "3", "7.0000", "13.000", "nearly in a plane", "0.200", "572.96", "stable"),
     )
@@ -191,14 +264,23 @@ def test_whirl_by_frequency_with_its_least_decrement(operated: Findings) -> None
     undamped = replace(WHIRL, log_decrement=np.tile([2e-9, 0.0, -1e-9, 0.3], (3, 1)))
     found = table(blocks(operated, shaft("tube", whirl=undamped)), "Whirl over")
     assert [(row[5], row[7]) for row in found.rows] == [
-        ("0", "undamped"), ("0.300", "stable"), ("2.00·10⁻⁹", "stable"), ("0", "undamped")
-    ]  # fmt: skip
-    assert not [text for text in texts(blocks(operated, shaft("tube", whirl=undamped))) if "by themselves" in text]
+        ("0", "undamped"),
+        ("0.300", "stable"),
+        ("2.00·10⁻⁹", "stable"),
+        ("0", "undamped"),
+    ]
+    assert not [
+        text
+        for text in texts(blocks(operated, shaft("tube", whirl=undamped)))
+        if "by themselves" in text
+    ]
 
 
 def test_map_of_the_whirl_with_the_lines_of_every_order(operated: Findings) -> None:
     """At 90 rad/s of the reference the shaft turns 45/(2 pi) times a second."""
-    (drawn,) = figures(blocks(operated, shaft("tube", critical=CRITICAL[1:2] + CRITICAL[3:4])), "whirl")
+    (drawn,) = figures(
+        blocks(operated, shaft("tube", critical=CRITICAL[1:2] + CRITICAL[3:4])), "whirl"
+    )
     turns = 45.0 / (2.0 * math.pi)
     orders = {line.label: line for line in plot(drawn).lines if line.label}
     for n, name in ((1, "order 1"), (2, "order 2"), (4, "order 4")):
@@ -213,7 +295,11 @@ def test_map_of_the_whirl_with_the_lines_of_every_order(operated: Findings) -> N
         if not line.label:
             assert line.x == pytest.approx(SPEED * RPM)
             found.setdefault(line.name, []).append(line.y)
-    for name, low, high in (("forward", 0.1, 2.0), ("nearly in a plane", -0.1, 0.1), ("backward", -2.0, -0.1)):
+    for name, low, high in (
+        ("forward", 0.1, 2.0),
+        ("nearly in a plane", -0.1, 0.1),
+        ("backward", -2.0, -0.1),
+    ):
         here = (WHIRL.direction >= low) & (WHIRL.direction < high)
         columns = [WHIRL.frequency[:, k] for k in range(4) if here[:, k].any()]
         for shown, whole in zip(found.get(name, []), columns, strict=True):
@@ -227,11 +313,16 @@ def test_map_of_the_whirl_with_the_lines_of_every_order(operated: Findings) -> N
     assert len(shown) == sum(c.frequency <= top and c.speed * RPM <= right for c in CRITICAL) > 3
 
 
-def test_largest_displacement_and_moment_of_every_order_with_place_and_speed(operated: Findings) -> None:
+def test_largest_displacement_and_moment_of_every_order_with_place_and_speed(
+    operated: Findings,
+) -> None:
     """Moments are largest where displacements are smallest; at unreliable speeds there is none."""
     bad = answer(4, 7000.0, 700.0, Status.OK, Status.NEAR_SINGULAR, Status.SINGULAR)
     found = table(
-        blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), answer(2, 300.0, 30.0), bad))), "Response"
+        blocks(
+            operated, shaft("tube", answers=(answer(0, 20.0, 2.0), answer(2, 300.0, 30.0), bad))
+        ),
+        "Response",
     )
     rows = (
         ("tube", "0", "9.0000", "1.250", "572.96", "0.18000", "0.2500", "572.96", "0 of 3"),
@@ -247,23 +338,39 @@ def test_largest_displacement_and_moment_of_every_order_with_place_and_speed(ope
 
 def test_largest_force_of_every_order_on_every_joint_and_support(operated: Findings) -> None:
     """8 times the unit of the force at the rear, 5 times at the front, where the last speed is the worst."""
-    found = table(blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), answer(2, 300.0, 300.0)))), "Forces")
+    found = table(
+        blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), answer(2, 300.0, 300.0)))),
+        "Forces",
+    )
     assert found.rows == (
-        ("tube", "front", "0.1000", "0", "0.010000", "859.44"), ("tube", "front", "0.1000", "2", "1.5000", "878.54"),
-        ("tube", "rear", "1.400", "0", "0.016000", "572.96"), ("tube", "rear", "1.400", "2", "2.4000", "592.06"),
-    )  # fmt: skip
+        ("tube", "front", "0.1000", "0", "0.010000", "859.44"),
+        ("tube", "front", "0.1000", "2", "1.5000", "878.54"),
+        ("tube", "rear", "1.400", "0", "0.016000", "572.96"),
+        ("tube", "rear", "1.400", "2", "2.4000", "592.06"),
+    )
     assert found.columns[4].unit == "kN"
     bad = answer(4, 7.0, 700.0, Status.OK, Status.SINGULAR, Status.OK)
     found = table(blocks(operated, shaft("tube", answers=(answer(0, 20.0, 2.0), bad))), "Forces")
-    assert [row[4] for row in found.rows] == ["0.010000", "no reliable value", "0.016000", "no reliable value"]
+    assert [row[4] for row in found.rows] == [
+        "0.010000",
+        "no reliable value",
+        "0.016000",
+        "no reliable value",
+    ]
 
 
 def test_curves_of_displacement_moment_and_force(operated: Findings) -> None:
     bad = answer(2, 200.0, 2000.0, Status.NEAR_SINGULAR, Status.OK, Status.SINGULAR)
     still = shaft("still", answers=())
-    (drawn,) = figures(blocks(operated, still, shaft("tube", answers=(answer(0, 20.0, 2.0), bad))), "bending")
+    (drawn,) = figures(
+        blocks(operated, still, shaft("tube", answers=(answer(0, 20.0, 2.0), bad))), "bending"
+    )
     worst = np.array([3.0, 9.0, 7.0])
-    assert titles(drawn) == ["displacement, µm", "bending moment, kN m", "force on a joint or support, kN"]
+    assert titles(drawn) == [
+        "displacement, µm",
+        "bending moment, kN m",
+        "force on a joint or support, kN",
+    ]
     sizes = (np.ones(2), np.array([0.02, 0.2]), np.array([0.002, 2.0]))
     shapes = (worst, worst, np.array([2.0, 8.0, 7.0]))
     for panel, size, shape in zip(drawn.plots, sizes, shapes, strict=True):
@@ -273,13 +380,17 @@ def test_curves_of_displacement_moment_and_force(operated: Findings) -> None:
         assert still_.y == pytest.approx(size[0] * shape)
         assert moving.y == pytest.approx([math.nan, size[1] * shape[1], math.nan], nan_ok=True)
     assert marks(drawn, STANDING) == [pytest.approx(((SPEED[0] + 2.0) * RPM, worst[0]))]
-    assert bands(drawn, "no answer") == [pytest.approx(((SPEED[1] + 2.0) * RPM, (SPEED[2] + 2.0) * RPM))]
+    assert bands(drawn, "no answer") == [
+        pytest.approx(((SPEED[1] + 2.0) * RPM, (SPEED[2] + 2.0) * RPM))
+    ]
     assert levels(drawn) == {
-        "critical speeds of these orders": [pytest.approx(30.0 * RPM)], "rated speed": [pytest.approx(750.0)],
-    }  # fmt: skip
+        "critical speeds of these orders": [pytest.approx(30.0 * RPM)],
+        "rated speed": [pytest.approx(750.0)],
+    }
     assert (drawn.name, drawn.caption[:26]) == ("bending-2", "tube: maximum amplitude of")
     (drawn,) = figures(
-        blocks(operated, shaft("tube", answers=(replace(bad, status=bad.status[[0, 2, 0]]),))), "bending"
+        blocks(operated, shaft("tube", answers=(replace(bad, status=bad.status[[0, 2, 0]]),))),
+        "bending",
     )
     assert [panel.y.unit for panel in drawn.plots][1:] == ["N m", "N"]
 
@@ -287,9 +398,17 @@ def test_curves_of_displacement_moment_and_force(operated: Findings) -> None:
 @pytest.mark.parametrize(
     ("direction", "words"),
     [
-        (0.99, "forward"), (0.98, "forward, ellipse"), (0.1, "forward, ellipse"), (0.099, "nearly in a plane"),
-        (-0.099, "nearly in a plane"), (-0.1, "backward, ellipse"), (-0.98, "backward, ellipse"), (-0.99, "backward"),
+        (0.99, "forward"),
+        (0.98, "forward, ellipse"),
+        (0.1, "forward, ellipse"),
+        (0.099, "nearly in a plane"),
+        (-0.099, "nearly in a plane"),
+        (-0.1, "backward, ellipse"),
+        (-0.98, "backward, ellipse"),
+        (-0.99, "backward"),
     ],
-)  # fmt: skip
-def test_whirl_is_a_circle_from_99_percent_and_nearly_a_line_below_10(direction: float, words: str) -> None:
+)
+def test_whirl_is_a_circle_from_99_percent_and_nearly_a_line_below_10(
+    direction: float, words: str
+) -> None:
     assert sense(direction) == words

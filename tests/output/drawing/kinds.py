@@ -19,7 +19,12 @@ SPEED = np.linspace(300.0, 1800.0, 61)
 BUMP = 100.0 / (1.0 + ((SPEED - 900.0) / 60.0) ** 2)
 BAD = np.abs(SPEED - 1500.0) < 1.0
 TURN, RAD = np.linspace(0.0, 360.0, 361), np.pi / 180.0
-OVER_SPEED: dict[str, Any] = {"speed": SPEED, "bad": BAD, "rated": 1500.0, "barred": ((800.0, 1000.0),)}
+OVER_SPEED: dict[str, Any] = {
+    "speed": SPEED,
+    "bad": BAD,
+    "rated": 1500.0,
+    "barred": ((800.0, 1000.0),),
+}
 SKETCH = Sketch(
     (
         Disc(0.0, 0.0, 0.5, "1 <motor> & $x$", "motor"),
@@ -30,100 +35,197 @@ SKETCH = Sketch(
         Link(kind, (0.0, 0.0), (1.0, 0.0), kind)
         for kind in ("shaft", "coupling", "gear", "joint", "rigid", "tie")
     ),
-)  # fmt: skip
+)
 ERRORS = [("<lumped>", np.array([1e-5, np.inf, 0.0])), ("$fem$", np.array([1e-12, 1e-9, 1e-8]))]
 PANELS = [
-    ("angle error", "deg", 57.3, [("behind <a> & $b$", np.sin(2 * RAD * TURN)), ("behind joint-2", 0 * TURN)]),
-    ("speed", "rpm", 1500.0, [("behind <a> & $b$", 1500 + np.cos(2 * RAD * TURN)), ("behind joint-2", TURN)]),
-]  # fmt: skip
+    (
+        "angle error",
+        "deg",
+        57.3,
+        [("behind <a> & $b$", np.sin(2 * RAD * TURN)), ("behind joint-2", 0 * TURN)],
+    ),
+    (
+        "speed",
+        "rpm",
+        1500.0,
+        [("behind <a> & $b$", 1500 + np.cos(2 * RAD * TURN)), ("behind joint-2", TURN)],
+    ),
+]
 
 
 def torque(name: str = "torque", **changes: Any) -> Figure:
     """Torque over the speed."""
     values = {
-        **OVER_SPEED, "lines": [("order 1", BUMP), ("order <2>", BUMP / 3)], "synthesis": 1.2 * BUMP, "unit": "N m",
+        **OVER_SPEED,
+        "lines": [("order 1", BUMP), ("order <2>", BUMP / 3)],
+        "synthesis": 1.2 * BUMP,
+        "unit": "N m",
         "limits": [("T_{KW}", 80.0)],
-    }  # fmt: skip
+    }
     return curves_over_speed.torque(name, "torque in <a> & b", **{**values, **changes})
 
 
 def frequency(**changes: Any) -> Figure:
     """Torque over the frequency."""
     values = {"frequency": SPEED, "lines": [("<disc>", BUMP)], "bad": BAD, "natural": [900.0]}
-    return curves_over_speed.frequency("f", "c", **{**values, **changes}, quantity="torque amplitude", unit="N m")
+    return curves_over_speed.frequency(
+        "f", "c", **{**values, **changes}, quantity="torque amplitude", unit="N m"
+    )
 
 
 KINDS: dict[str, Figure] = {
     "sketch": Figure("plant", "the <plant>", (SKETCH,)),
     "mode": mode_shape.mode(
-        "mode-1", "mode 1", x=np.array([0.0, 1, 2, 2]), row=np.array([0.0, 0, 0, 1]),
-        ends=np.array([[0, 1], [1, 2], [2, 3]]), marked=np.ones(4, dtype=bool), angle=np.array([1.0, 0, -1, -0.5]),
-        torque=np.array([1.0, 0.5, -0.2]), ticks=[(0.0, "motor <A>")],
-        stations=["motor", "<wheel>", "end", "ring"], spans=["shaft", "coupling", "tie"],
+        "mode-1",
+        "mode 1",
+        x=np.array([0.0, 1, 2, 2]),
+        row=np.array([0.0, 0, 0, 1]),
+        ends=np.array([[0, 1], [1, 2], [2, 3]]),
+        marked=np.ones(4, dtype=bool),
+        angle=np.array([1.0, 0, -1, -0.5]),
+        torque=np.array([1.0, 0.5, -0.2]),
+        ticks=[(0.0, "motor <A>")],
+        stations=["motor", "<wheel>", "end", "ring"],
+        spans=["shaft", "coupling", "tie"],
     ),
     "campbell": frequencies_over_speed.campbell(
-        "campbell", "c", frequencies=[10.0, 40.0], orders=[(1.0, "order 1"), (2.0, "order 2")],
-        crossings=[(600.0, 10.0, True, "order 1 <meets> 1"), (100.0, 10.0, False, "other")], speeds=(300.0, 1800.0),
+        "campbell",
+        "c",
+        frequencies=[10.0, 40.0],
+        orders=[(1.0, "order 1"), (2.0, "order 2")],
+        crossings=[(600.0, 10.0, True, "order 1 <meets> 1"), (100.0, 10.0, False, "other")],
+        speeds=(300.0, 1800.0),
         rated=1500.0,
     ),
     "torque": torque(),
     "stress": curves_over_speed.stress(
-        "stress-1", "c", **OVER_SPEED, synthesis=BUMP, continuous=BUMP + 1, transient=np.full(61, np.nan)
+        "stress-1",
+        "c",
+        **OVER_SPEED,
+        synthesis=BUMP,
+        continuous=BUMP + 1,
+        transient=np.full(61, np.nan),
     ),
     "small stress": curves_over_speed.stress(
-        "stress-2", "c", **OVER_SPEED, synthesis=BUMP, lines=[("order 2", BUMP / 2)], continuous=np.full(61, 2000.0)
+        "stress-2",
+        "c",
+        **OVER_SPEED,
+        synthesis=BUMP,
+        lines=[("order 2", BUMP / 2)],
+        continuous=np.full(61, 2000.0),
     ),
-    "gear": curves_over_speed.gear("g", "c", **OVER_SPEED, vibratory=BUMP, mean=BUMP * 0 + 50, unit="N m", limit=70.0),
+    "gear": curves_over_speed.gear(
+        "g", "c", **OVER_SPEED, vibratory=BUMP, mean=BUMP * 0 + 50, unit="N m", limit=70.0
+    ),
     "frequency": frequency(),
-    "joint": joint_curves.joint_turn("j", "c", angle=TURN, quantity="angle before <j>", panels=PANELS),
+    "joint": joint_curves.joint_turn(
+        "j", "c", angle=TURN, quantity="angle before <j>", panels=PANELS
+    ),
     "joint index": joint_curves.joint_index(
-        "i", "c", values=TURN, index=5 + 4 * np.cos(2 * RAD * TURN), quantity="phase of <a> & $b$",
-        present=(10.0, 9.0), best=(90.0, 1.0),
+        "i",
+        "c",
+        values=TURN,
+        index=5 + 4 * np.cos(2 * RAD * TURN),
+        quantity="phase of <a> & $b$",
+        present=(10.0, 9.0),
+        best=(90.0, 1.0),
     ),
     "check modes": error_curves.modes("m", "c", frequency=ERRORS, shape=ERRORS, tolerance=1e-3),
     "check torques": error_curves.torques(
-        "t", "c", speed=SPEED, tolerance=1e-3,
+        "t",
+        "c",
+        speed=SPEED,
+        tolerance=1e-3,
         lines=[("<lumped>", np.full(61, 1e-4)), ("$fem$", np.full(61, np.nan))],
     ),
     "periodic": curves_over_speed.periodic(
-        "p", "c", first_speed=SPEED, speed=SPEED, lines=[("order 2", BUMP + 1, BUMP), ("order 4", None, BUMP / 9)],
-        unit="N m", none=BAD, coarse=SPEED < 350.0, grows=(SPEED > 800.0) & (SPEED < 1000.0),
-        unstable=((800.0, 1000.0),), rated=1500.0,
+        "p",
+        "c",
+        first_speed=SPEED,
+        speed=SPEED,
+        lines=[("order 2", BUMP + 1, BUMP), ("order 4", None, BUMP / 9)],
+        unit="N m",
+        none=BAD,
+        coarse=SPEED < 350.0,
+        grows=(SPEED > 800.0) & (SPEED < 1000.0),
+        unstable=((800.0, 1000.0),),
+        rated=1500.0,
     ),
     "stability": curves_over_speed.stability(
-        "stability", "c", speed=SPEED, growth=np.where(BAD, np.nan, BUMP - 50), rated=1500.0,
+        "stability",
+        "c",
+        speed=SPEED,
+        growth=np.where(BAD, np.nan, BUMP - 50),
+        rated=1500.0,
         unstable=[(840.0, 960.0, "principal of <mode> 1 & $x$")],
     ),
     "stability map": curves_over_speed.stability_map(
-        "map", "c", speed=SPEED, value=np.array([5.0, 10.0, 15.0]), quantity="joint angle", unit="deg", rated=1500.0,
+        "map",
+        "c",
+        speed=SPEED,
+        value=np.array([5.0, 10.0, 15.0]),
+        quantity="joint angle",
+        unit="deg",
+        rated=1500.0,
         growth=np.where(BAD[:, None], np.nan, np.outer(BUMP, [0.5, 1.0, 1.5]) - 50),
     ),
     "whirl": frequencies_over_speed.whirl(
-        "whirl-1", "c", speed=SPEED, frequency=np.column_stack([40 + SPEED / 100, 40 - SPEED / 100]), rated=1500.0,
-        direction=np.tile([1.0, -1.0], (61, 1)), unstable=np.column_stack([BAD, BAD]),
+        "whirl-1",
+        "c",
+        speed=SPEED,
+        frequency=np.column_stack([40 + SPEED / 100, 40 - SPEED / 100]),
+        rated=1500.0,
+        direction=np.tile([1.0, -1.0], (61, 1)),
+        unstable=np.column_stack([BAD, BAD]),
         orders=[(30.0, "order 1 <a>"), (60.0, "order 2")],
         crossings=[(1500.0, 55.0, True, "x"), (1900.0, 60.0, False, "y")],
     ),
     "bending": curves_over_speed.bending(
-        "bending-1", "c", speed=[SPEED, SPEED], orders=["order 0", "order 2"], rated=1500.0, crossings=[900.0],
-        panels=[("displacement", "<mm>", [BUMP, BUMP / 2]), ("bearing force", "N", [BUMP, BUMP])], near=[BAD, BAD],
+        "bending-1",
+        "c",
+        speed=[SPEED, SPEED],
+        orders=["order 0", "order 2"],
+        rated=1500.0,
+        crossings=[900.0],
+        panels=[("displacement", "<mm>", [BUMP, BUMP / 2]), ("bearing force", "N", [BUMP, BUMP])],
+        near=[BAD, BAD],
         singular=[BAD, SPEED < 320.0],
     ),
     "over time": curves_over_time.over_time(
-        "motion 1", "c", time=SPEED, quantity="torque", unit="kN m", lines=[("<coupling> $x$", -BUMP), ("disc", BUMP)]
+        "motion 1",
+        "c",
+        time=SPEED,
+        quantity="torque",
+        unit="kN m",
+        lines=[("<coupling> $x$", -BUMP), ("disc", BUMP)],
     ),
     "orders": orders_over_speed.orders(
-        "orders", "c", over=Axis("time", "s"), x=SPEED, lines=[("order 2 of <a> & $x$", BUMP)], unit="N m"
+        "orders",
+        "c",
+        over=Axis("time", "s"),
+        x=SPEED,
+        lines=[("order 2 of <a> & $x$", BUMP)],
+        unit="N m",
     ),
     "waterfall": orders_over_speed.waterfall(
-        "waterfall", "c", over=Axis("speed of <a> & $x$", "rpm"), y=SPEED, order=np.arange(1, 4) / 8.0,
-        amplitude=np.outer(BUMP, [0.0, 1e-9, 2.0]), reference="<a> & $x$", unit="N m",
+        "waterfall",
+        "c",
+        over=Axis("speed of <a> & $x$", "rpm"),
+        y=SPEED,
+        order=np.arange(1, 4) / 8.0,
+        amplitude=np.outer(BUMP, [0.0, 1e-9, 2.0]),
+        reference="<a> & $x$",
+        unit="N m",
     ),
     "run times": error_curves.run_times(
-        "study", "c", tolerance=1e-3, bound=1e-13, best=(300.0, 1e-3),
+        "study",
+        "c",
+        tolerance=1e-3,
+        bound=1e-13,
+        best=(300.0, 1e-3),
         curves=[
             ("lumped <a>", "lumped", 0, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e4),
             ("Bathe", "integration", 6, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e5),
         ],
     ),
-}  # fmt: skip
+}

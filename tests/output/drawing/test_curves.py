@@ -26,7 +26,9 @@ def points(drawn: str) -> list[np.ndarray]:
 
 @settings(max_examples=40)
 @given(seed=st.integers(0, 10**6), columns=st.integers(2, 200))
-def test_every_bin_keeps_its_least_and_its_greatest_value_and_its_ends(seed: int, columns: int) -> None:
+def test_every_bin_keeps_its_least_and_its_greatest_value_and_its_ends(
+    seed: int, columns: int
+) -> None:
     rng = np.random.default_rng(seed)
     x = np.sort(rng.random(10 * columns + 800))
     y = rng.standard_normal(x.size).cumsum()
@@ -53,7 +55,9 @@ def test_few_points_all_stand_in_the_path_to_a_tenth() -> None:
     x, y = np.sort(rng.random(200)) * 5000, rng.random(200) * 2000
     (drawn,) = points(path(x, y, 500))
     wanted = np.rint(np.column_stack([x, y]))
-    assert {tuple(one) for one in wanted[[0, -1]].tolist()} <= {tuple(one) for one in drawn.tolist()}
+    assert {tuple(one) for one in wanted[[0, -1]].tolist()} <= {
+        tuple(one) for one in drawn.tolist()
+    }
     for place in wanted:
         assert np.abs(drawn - place).max(axis=1).min() <= 1.0
 
@@ -72,17 +76,27 @@ def test_a_line_is_broken_where_there_is_no_value_and_a_lone_point_is_a_dash() -
 
 
 def test_an_area_goes_along_the_line_and_back_along_its_base() -> None:
-    assert area(np.array([0.0, 10.0]), np.array([5.0, 6.0]), np.zeros(2), 100) == "M0 5l10 1 0-6-10 0z"
+    assert (
+        area(np.array([0.0, 10.0]), np.array([5.0, 6.0]), np.zeros(2), 100) == "M0 5l10 1 0-6-10 0z"
+    )
 
 
 @pytest.mark.parametrize("far", [1e9, -1e9])
 def test_what_is_far_outside_stays_a_number_that_a_browser_can_draw(far: float) -> None:
-    assert max(abs(float(one)) for one in re.findall(r"-?\d+", path(np.arange(2.0), np.array([0.0, far]), 9))) < 1e6
+    assert (
+        max(
+            abs(float(one))
+            for one in re.findall(r"-?\d+", path(np.arange(2.0), np.array([0.0, far]), 9))
+        )
+        < 1e6
+    )
 
 
 def test_a_coupling_by_table_has_room_for_the_symbols_of_its_first_and_last_point() -> None:
     over, at = Axis("vibratory torque", "N m"), np.array([0.0, 300.0, 1600.0])
-    figure = coupling_table("t", "c", over=over, at=at, stiffness=at + 9.0, unit="kN m/rad", loss_factor=0.1 + at)
+    figure = coupling_table(
+        "t", "c", over=over, at=at, stiffness=at + 9.0, unit="kN m/rad", loss_factor=0.1 + at
+    )
     for panel in figure.panels:
         shown = (panel.x.high - panel.x.low) / WIDTH  # N m for each px, at most
         assert panel.x.low <= -4.0 * shown

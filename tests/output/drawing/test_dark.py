@@ -31,7 +31,9 @@ def test_colours_of_the_perceptual_space_are_those_published() -> None:
 def test_what_stands_out_on_paper_stands_out_on_a_dark_screen(colour: str) -> None:
     assert contrast(dark(colour), PAPER) >= 4.5
     (_, *was), (_, *now) = module._oklab(colour), module._oklab(dark(colour))
-    assert float(np.dot(was, now)) >= 0.8 * float(np.dot(was, was)) * (np.hypot(*was) > 0.02)  # the hue stays
+    assert float(np.dot(was, now)) >= 0.8 * float(np.dot(was, was)) * (
+        np.hypot(*was) > 0.02
+    )  # the hue stays
 
 
 @pytest.mark.parametrize("colour", BEHIND)
@@ -40,7 +42,9 @@ def test_what_lies_behind_leaves_ink_legible(colour: str) -> None:
     assert contrast(dark(colour), PAPER) < 3.0
 
 
-@pytest.mark.parametrize("pattern", [one for one in GRADES.values() if one.slopes], ids=lambda one: one.words)
+@pytest.mark.parametrize(
+    "pattern", [one for one in GRADES.values() if one.slopes], ids=lambda one: one.words
+)
 def test_a_hatching_stands_out_from_its_area(pattern: Pattern) -> None:
     """W3C, WCAG 2.1, 1.4.11: what is no text has a contrast of 3 at least."""
     assert contrast(pattern.colour, pattern.fill) >= 3.0
@@ -50,5 +54,8 @@ def test_a_hatching_stands_out_from_its_area(pattern: Pattern) -> None:
 def test_the_rules_are_for_the_colours_that_are_used() -> None:
     text = '<path fill="#ffffff"/><path stroke="#0072B2" fill="rgb(1,2,3)"/><path fill="none"/>'
     found = rules([text, text])
-    assert re.findall(r"\[(\w+)=\"(#\w+)\"\]", found) == [("fill", "#ffffff"), ("stroke", "#0072B2")]
+    assert re.findall(r"\[(\w+)=\"(#\w+)\"\]", found) == [
+        ("fill", "#ffffff"),
+        ("stroke", "#0072B2"),
+    ]
     assert f"{{fill:light-dark(#ffffff,{PAPER})}}" in found

@@ -25,7 +25,9 @@ def read(*figures: Figure) -> tuple[list[dict[str, Any]], list[np.ndarray], list
     page = Page()
     data = [json.loads(page.figure(figure, framed(figure)[1])) for figure in figures]
     numbers = json.loads(page.numbers())
-    columns = np.frombuffer(zlib.decompress(b64decode(numbers["doubles"])), dtype=np.uint8).reshape(8, -1)
+    columns = np.frombuffer(zlib.decompress(b64decode(numbers["doubles"])), dtype=np.uint8).reshape(
+        8, -1
+    )
     doubles = np.ascontiguousarray(columns.T).view("<f8").ravel()
     ends = [0, *np.cumsum(numbers["lengths"]).tolist()]
     return data, [doubles[first:last] for first, last in pairwise(ends)], numbers["names"]
@@ -57,8 +59,10 @@ def test_the_tables_of_a_figure_are_those_of_its_file(kind: str) -> None:
                 assert one == other
             case Cells():
                 assert [arrays[one[key]].size for key in ("x", "y", "cells")] == [
-                    other.x.size, other.y.size, other.values.size,
-                ]  # fmt: skip
+                    other.x.size,
+                    other.y.size,
+                    other.values.size,
+                ]
                 np.testing.assert_array_equal(arrays[one["cells"]], other.values.ravel())
             case _:
                 for at, column in zip(one, other, strict=True):
@@ -67,7 +71,10 @@ def test_the_tables_of_a_figure_are_those_of_its_file(kind: str) -> None:
 
 def test_the_speeds_of_all_figures_are_written_once() -> None:
     data, arrays, _ = read(torque(), KINDS["stress"], KINDS["gear"])
-    assert len({line["x"] for figure in data for plot in figure["plots"] for line in plot["lines"]}) == 1
+    assert (
+        len({line["x"] for figure in data for plot in figure["plots"] for line in plot["lines"]})
+        == 1
+    )
     assert sum(np.array_equal(one, SPEED) for one in arrays) == 1
 
 
@@ -86,7 +93,9 @@ def test_a_place_without_a_value_is_kept_and_names_cannot_end_the_element() -> N
 def test_of_long_lines_the_extremes_are_kept_and_the_table_says_so() -> None:
     time, values = np.linspace(0.0, 1.0, 50_000), np.zeros(50_000)
     values[31_234], values[777] = 9.0, -8.0
-    figure = over_time("m", "c", time=time, lines=[("a", values), ("b", -values)], quantity="torque", unit="N m")
+    figure = over_time(
+        "m", "c", time=time, lines=[("a", values), ("b", -values)], quantity="torque", unit="N m"
+    )
     (data,), arrays, _ = read(figure)
     one, other = data["plots"][0]["lines"]
     assert one["x"] == other["x"]
@@ -101,9 +110,15 @@ def test_of_long_lines_the_extremes_are_kept_and_the_table_says_so() -> None:
 
 def test_a_large_map_is_left_out_and_the_table_says_so() -> None:
     figure = orders_over_speed.waterfall(
-        "w", "c", over=Axis("time", "s"), y=np.arange(300.0), order=np.arange(1.0, 101.0),
-        amplitude=np.ones((300, 100)), reference="a", unit="N m",
-    )  # fmt: skip
+        "w",
+        "c",
+        over=Axis("time", "s"),
+        y=np.arange(300.0),
+        order=np.arange(1.0, 101.0),
+        amplitude=np.ones((300, 100)),
+        reference="a",
+        unit="N m",
+    )
     (data,), arrays, _ = read(figure)
     assert data["csv"][0] == LEFT_OUT
     assert sum(one.size for one in arrays) == 0
@@ -120,19 +135,30 @@ def test_a_mode_names_its_stations_and_says_what_moves() -> None:
     np.testing.assert_array_equal(arrays[lower["stops"]["x"]], [0.5, 1.5, 2.0])
     moving = {key: arrays[at].tolist() for key, at in data["moving"].items()}
     assert moving == {
-        "x": [0.0, 1.0, 2.0, 2.0], "row": [0.0, 0.0, 0.0, 1.0], "angle": [1.0, 0.0, -1.0, -0.5],
-        "ends": [0.0, 1.0, 1.0, 2.0, 2.0, 3.0], "marked": [0.0, 1.0, 2.0, 3.0],
-    }  # fmt: skip
+        "x": [0.0, 1.0, 2.0, 2.0],
+        "row": [0.0, 0.0, 0.0, 1.0],
+        "angle": [1.0, 0.0, -1.0, -0.5],
+        "ends": [0.0, 1.0, 1.0, 2.0, 2.0, 3.0],
+        "marked": [0.0, 1.0, 2.0, 3.0],
+    }
 
 
 def test_a_mode_of_too_many_stations_says_that_it_has_neither_cursor_nor_motion() -> None:
     count = MOST_POINTS + 1
     x, link = np.arange(float(count)), np.ones(count - 1)
     figure = mode_shape.mode(
-        "mode-1", "c", x=x, row=0 * x, ends=np.column_stack([np.arange(count - 1), np.arange(1, count)]),
-        marked=np.ones(count, dtype=bool), angle=np.linspace(1.0, -1.0, count), torque=link, ticks=[(0.0, "a")],
-        stations=[f"s{k}" for k in range(count)], spans=[f"e{k}" for k in range(count - 1)],
-    )  # fmt: skip
+        "mode-1",
+        "c",
+        x=x,
+        row=0 * x,
+        ends=np.column_stack([np.arange(count - 1), np.arange(1, count)]),
+        marked=np.ones(count, dtype=bool),
+        angle=np.linspace(1.0, -1.0, count),
+        torque=link,
+        ticks=[(0.0, "a")],
+        stations=[f"s{k}" for k in range(count)],
+        spans=[f"e{k}" for k in range(count - 1)],
+    )
     (data,), _, _ = read(figure)
     assert "moving" not in data
     assert data["said"] == "no cursor and no motion here: more than 1,200 stations or elements"
@@ -143,7 +169,12 @@ def test_lines_over_one_coordinate_keep_the_same_points_in_all_plots_of_a_figure
     speed = np.linspace(300.0, 1800.0, 3001)
     small = 1.0 / (1.0 + ((speed - 900.0) / 3.0) ** 2)
     figure = curves_over_speed.stress(
-        "s", "c", speed=speed, synthesis=small, bad=speed < 0, continuous=np.full(3001, 50.0) + np.sin(speed)
+        "s",
+        "c",
+        speed=speed,
+        synthesis=small,
+        bad=speed < 0,
+        continuous=np.full(3001, 50.0) + np.sin(speed),
     )
     (data,), _, _ = read(figure)
     assert len(data["plots"]) == 2

@@ -31,7 +31,9 @@ def read(text: str) -> float:
 
 
 @given(low=st.floats(-1.0, 1.0), span=st.floats(0.01, 2.0), size=SIZES, most=MOST)
-def test_numbers_cover_the_data_in_steps_of_one_two_and_five(low: float, span: float, size: float, most: int) -> None:
+def test_numbers_cover_the_data_in_steps_of_one_two_and_five(
+    low: float, span: float, size: float, most: int
+) -> None:
     data = np.array([low, low + span]) * size
     found = scale(Axis("x"), [data], most)
     at = np.array([place for place, _ in found.ticks])
@@ -50,7 +52,9 @@ def test_numbers_cover_the_data_in_steps_of_one_two_and_five(low: float, span: f
 
 
 @given(low=st.floats(-9.0, 6.0), decades=st.floats(0.05, 12.0), most=MOST)
-def test_numbers_of_a_logarithmic_axis_are_few_and_lie_within_it(low: float, decades: float, most: int) -> None:
+def test_numbers_of_a_logarithmic_axis_are_few_and_lie_within_it(
+    low: float, decades: float, most: int
+) -> None:
     ends = 10.0**low, 10.0 ** (low + decades)
     found = scale(Axis("x", low=ends[0], high=ends[1], is_log=True), [], most)
     at = [place for place, _ in found.ticks]
@@ -73,23 +77,42 @@ def test_a_few_decades_have_their_twos_and_fives() -> None:
 @pytest.mark.parametrize(
     ("values", "step", "written"),
     [
-        ([0.0, 0.05, 0.1], 0.05, ["0", "0.05", "0.1"]), ([-200.0, 0.0], 200.0, ["−200", "0"]),
-        ([0.0, 2e6, 1.2e7], 2e6, ["0", "0.2·10⁷", "1.2·10⁷"]), ([1490.0, 1495.0], 5.0, ["1490", "1495"]),
+        ([0.0, 0.05, 0.1], 0.05, ["0", "0.05", "0.1"]),
+        ([-200.0, 0.0], 200.0, ["−200", "0"]),
+        ([0.0, 2e6, 1.2e7], 2e6, ["0", "0.2·10⁷", "1.2·10⁷"]),
+        ([1490.0, 1495.0], 5.0, ["1490", "1495"]),
         ([0.0, 5e-6], 5e-6, ["0", "5·10⁻⁶"]),
     ],
-)  # fmt: skip
+)
 def test_numbers_have_the_decimals_of_their_step(values: list, step: float, written: list) -> None:
     assert texts(values, step) == written
 
 
 def test_errors_above_a_hundredth_of_a_per_cent_are_in_per_cent() -> None:
     found = scale(Axis("error", low=1e-7, high=2.0, is_log=True, is_error=True), [], 9)
-    assert [text for _, text in found.ticks] == ["10⁻⁷", "10⁻⁶", "10⁻⁵", "0.01 %", "0.1 %", "1 %", "10 %", "100 %"]
+    assert [text for _, text in found.ticks] == [
+        "10⁻⁷",
+        "10⁻⁶",
+        "10⁻⁵",
+        "0.01 %",
+        "0.1 %",
+        "1 %",
+        "10 %",
+        "100 %",
+    ]
 
 
 def test_errors_beyond_the_whole_stand_in_powers_of_ten() -> None:
     found = scale(Axis("error", low=1e-16, high=2e3, is_log=True, is_error=True), [], 8)
-    assert [text for _, text in found.ticks] == ["10⁻¹⁵", "10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "1", "10³"]
+    assert [text for _, text in found.ticks] == [
+        "10⁻¹⁵",
+        "10⁻¹²",
+        "10⁻⁹",
+        "10⁻⁶",
+        "10⁻³",
+        "1",
+        "10³",
+    ]
 
 
 def test_a_revolution_is_marked_in_whole_steps_and_so_are_many() -> None:
@@ -113,7 +136,10 @@ def test_modes_have_whole_numbers() -> None:
 
 
 def test_an_axis_goes_as_far_as_the_levels_on_it_that_it_must_reach() -> None:
-    line, limit = Line("a", np.array([0.0, 8.0]), np.array([0.0, 2.0])), Level("limit", 100.0, is_reached=True)
+    line, limit = (
+        Line("a", np.array([0.0, 8.0]), np.array([0.0, 2.0])),
+        Level("limit", 100.0, is_reached=True),
+    )
     panel = Panel(Axis("x"), Axis("y"), (line,), (limit, replace(limit, axis="x", value=40.0)))
     assert (horizontal(panel, 600.0).high, vertical(panel).high) == (40.0, 100.0)
     aside = replace(panel, levels=(replace(limit, axis="x", is_reached=False),))

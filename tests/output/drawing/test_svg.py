@@ -26,7 +26,9 @@ def parsed(figure: Figure) -> ET.Element:
 
 
 def texts(figure: Figure) -> list[str]:
-    return ["".join(one.itertext()).replace("\u200b", "") for one in parsed(figure).iter(f"{SVG}text")]
+    return [
+        "".join(one.itertext()).replace("\u200b", "") for one in parsed(figure).iter(f"{SVG}text")
+    ]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -47,8 +49,16 @@ def test_nothing_is_fetched_and_no_name_is_an_id(kind: str) -> None:
             assert "url(" not in value
             assert key not in ("id", "style")
         assert one.tag.removeprefix(SVG) in {
-            "svg", "desc", "title", "g", "path", "rect", "text", "tspan", "image",
-        }  # fmt: skip
+            "svg",
+            "desc",
+            "title",
+            "g",
+            "path",
+            "rect",
+            "text",
+            "tspan",
+            "image",
+        }
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -59,7 +69,9 @@ def test_a_figure_has_a_title_and_a_description_for_those_who_cannot_see_it(kind
     said = root.find(f"{SVG}desc").text or ""
     for panel in KINDS[kind].plots:
         assert plain(panel.y.title) in said
-        assert all(plain(name) in said for name, line in named(panel).items() if np.isfinite(line.y).any())
+        assert all(
+            plain(name) in said for name, line in named(panel).items() if np.isfinite(line.y).any()
+        )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -68,11 +80,22 @@ def test_every_line_stands_in_its_plot_and_every_name_once_in_the_key(kind: str)
     drawn = [one.get("data-name") for one in root.iter(f"{SVG}g") if one.get("class") == "line"]
     assert drawn == [plain(line.name) for panel in figure.plots for line in panel.lines]
     keys = next((one for one in root.iter(f"{SVG}g") if one.get("class") == "key"), None)
-    said = [] if keys is None else ["".join(one.itertext()).replace("\u200b", "") for one in keys.iter(f"{SVG}text")]
+    said = (
+        []
+        if keys is None
+        else ["".join(one.itertext()).replace("\u200b", "") for one in keys.iter(f"{SVG}text")]
+    )
     for panel in figure.plots:
-        for one in (*panel.lines, *panel.levels, *panel.bands, *(m for m in panel.marks if m.x.size)):
+        for one in (
+            *panel.lines,
+            *panel.levels,
+            *panel.bands,
+            *(m for m in panel.marks if m.x.size),
+        ):
             if one.name:
-                assert sum(word.split(":")[0] == plain(one.name).split(":")[0] for word in said) == 1, one.name
+                assert (
+                    sum(word.split(":")[0] == plain(one.name).split(":")[0] for word in said) == 1
+                ), one.name
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -89,7 +112,12 @@ def test_words_lie_on_the_sheet_and_do_not_overlap(kind: str) -> None:
             if one.get("transform") is None:
                 boxes.append((left, y - high / 2, left + wide, y + high / 2))
         for one, other in itertools.combinations(boxes, 2):
-            assert one[0] >= other[2] or other[0] >= one[2] or one[1] >= other[3] - 1 or other[1] >= one[3] - 1
+            assert (
+                one[0] >= other[2]
+                or other[0] >= one[2]
+                or one[1] >= other[3] - 1
+                or other[1] >= one[3] - 1
+            )
     box = [float(one) for one in root.get("viewBox").split()]
     for one in root.iter(f"{SVG}g"):
         if one.get("class") == "axis":
@@ -160,8 +188,15 @@ def test_crossings_lie_on_the_lines_of_their_orders_and_modes() -> None:
     from torsion.output.figures.frequencies_over_speed import campbell
 
     found = [(120.0, 2.0, True, "a"), (40.0, 2.0, True, "b"), (100.0, 5.0, True, "c")]
-    figure = campbell("c", "", frequencies=[2.0, 5.0], orders=[(1.0, "one"), (3.0, "three")], crossings=found,
-                      speeds=(30.0, 150.0), rated=None)  # fmt: skip
+    figure = campbell(
+        "c",
+        "",
+        frequencies=[2.0, 5.0],
+        orders=[(1.0, "one"), (3.0, "three")],
+        crossings=found,
+        speeds=(30.0, 150.0),
+        rated=None,
+    )
     root = parsed(figure)
     plot = next(one for one in root.iter(f"{SVG}svg") if one.get("class") == "plot")
     high, wide = (float(plot.get("viewBox").split()[k]) for k in (3, 2))
@@ -170,9 +205,13 @@ def test_crossings_lie_on_the_lines_of_their_orders_and_modes() -> None:
     for one in root.iter(f"{SVG}g"):
         title, drawn = one.find(f"{SVG}title"), one.find(f"{SVG}path")
         if title is not None and drawn is not None:
-            marks[title.text] = [float(v) for v in re.match(r"M(\S+) (-?\d+)", drawn.get("d")).groups()]
+            marks[title.text] = [
+                float(v) for v in re.match(r"M(\S+) (-?\d+)", drawn.get("d")).groups()
+            ]
     for rpm, hertz, _, word in found:
-        np.testing.assert_allclose(marks[word], [rpm / right * wide, high - hertz / top * high], atol=1.0)
+        np.testing.assert_allclose(
+            marks[word], [rpm / right * wide, high - hertz / top * high], atol=1.0
+        )
     lines = {
         one.get("data-name"): one.find(f"{SVG}path").get("d")
         for one in root.iter(f"{SVG}g")
@@ -181,7 +220,9 @@ def test_crossings_lie_on_the_lines_of_their_orders_and_modes() -> None:
     for name, order in (("one", 1), ("three", 3)):
         x0, y0, across, down = (float(v) for v in re.findall(r"-?\d+", lines[name]))
         assert (x0, y0) == (0.0, high)
-        np.testing.assert_allclose(-down / across, order * right / 60.0 / top * high / wide, rtol=2e-3)
+        np.testing.assert_allclose(
+            -down / across, order * right / 60.0 / top * high / wide, rtol=2e-3
+        )
 
 
 def test_numbers_stand_below_the_last_of_plots_that_share_an_axis() -> None:
@@ -194,7 +235,9 @@ def test_numbers_stand_below_the_last_of_plots_that_share_an_axis() -> None:
 
 
 def test_the_description_says_the_largest_value_and_its_place() -> None:
-    assert "order 1: largest 100 N m at 900.0 rpm." in description(torque(bad=np.zeros(61, dtype=bool)))
+    assert "order 1: largest 100 N m at 900.0 rpm." in description(
+        torque(bad=np.zeros(61, dtype=bool))
+    )
 
 
 def test_subscripts_are_lowered_and_leave_no_braces() -> None:
@@ -220,12 +263,17 @@ def test_a_figure_of_very_many_points_is_as_small_as_its_px_and_keeps_its_peak()
     assert len(few) < 60_000
 
 
-def test_of_more_than_eight_orders_seven_have_a_line_and_the_envelope_is_the_largest_of_the_others() -> None:
+def test_of_more_than_eight_orders_seven_have_a_line_and_the_envelope_is_the_largest_of_the_others() -> (
+    None
+):
     x = np.linspace(0.0, 1.0, 50)
     sizes = [5.0, 1.0, 9.0, 3.0, 0.0, 8.0, 7.0, 6.0, 4.0, 2.0]
     lines = [(f"order {k}", size * (1.0 + x**k)) for k, size in enumerate(sizes)]
     found = orders(x, lines, np.zeros(50, dtype=bool))
-    assert [line.name for line in found] == [*(f"order {k}" for k in (0, 2, 3, 5, 6, 7, 8)), "envelope of the other 2"]
+    assert [line.name for line in found] == [
+        *(f"order {k}" for k in (0, 2, 3, 5, 6, 7, 8)),
+        "envelope of the other 2",
+    ]
     np.testing.assert_array_equal(found[-1].y, np.maximum(lines[1][1], lines[9][1]))
     assert len(orders(x, lines[:9], np.zeros(50, dtype=bool))) == 8
     assert max(found, key=lambda line: line.weight).name == "order 2"

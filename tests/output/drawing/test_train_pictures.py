@@ -18,7 +18,9 @@ from torsion.output.figures.mode_shape import MOST_TICKS, mode
 def chain(number: int) -> str:
     """Discs with couplings between them."""
     discs = tuple(Disc(float(k), 0.0, 0.5, f"p{k}", "disc") for k in range(number))
-    links = tuple(Link("coupling", (float(k), 0.0), (k + 1.0, 0.0), f"c{k}") for k in range(number - 1))
+    links = tuple(
+        Link("coupling", (float(k), 0.0), (k + 1.0, 0.0), f"c{k}") for k in range(number - 1)
+    )
     return svg(Figure("chain", "c", (Sketch(discs, links),)))
 
 
@@ -49,8 +51,17 @@ def test_words_of_a_sketch_do_not_overlap() -> None:
 def test_a_mode_plot_of_many_stations_names_some() -> None:
     x = np.arange(500.0)
     ends = np.column_stack([np.arange(499), np.arange(1, 500)])
-    figure = mode("m", "c", x=x, row=0 * x, ends=ends, marked=x < 0, angle=np.cos(x), torque=np.sin(x[1:]),
-                  ticks=[(float(at), f"p{at:.0f}") for at in x])  # fmt: skip
+    figure = mode(
+        "m",
+        "c",
+        x=x,
+        row=0 * x,
+        ends=ends,
+        marked=x < 0,
+        angle=np.cos(x),
+        torque=np.sin(x[1:]),
+        ticks=[(float(at), f"p{at:.0f}") for at in x],
+    )
     named = [int(name[1:]) for _, name in plot(figure).x.places]
     assert named[0] == 0
     assert len(named) <= MOST_TICKS
@@ -62,8 +73,17 @@ def test_a_mode_is_one_line_along_its_shaft_and_broken_at_a_branch() -> None:
     ends = np.array([[0, 1], [1, 2], [1, 3], [3, 4]])
     x = np.array([0.0, 1, 2, 1.5, 2.5])
     angle = np.array([1.0, 0.5, -1.0, 0.2, 0.3])
-    figure = mode("m", "c", x=x, row=np.zeros(5), ends=ends, marked=np.ones(5, dtype=bool), angle=angle,
-                  torque=np.array([1.0, 0.5, 0.2, 0.1]), ticks=[])  # fmt: skip
+    figure = mode(
+        "m",
+        "c",
+        x=x,
+        row=np.zeros(5),
+        ends=ends,
+        marked=np.ones(5, dtype=bool),
+        angle=angle,
+        torque=np.array([1.0, 0.5, 0.2, 0.1]),
+        ticks=[],
+    )
     (line,) = plot(figure).lines
     np.testing.assert_array_equal(line.x, [0, 1, 2, np.nan, 1, 1.5, 2.5])
     np.testing.assert_array_equal(line.y, [1, 0.5, -1, np.nan, 0.5, 0.2, 0.3])

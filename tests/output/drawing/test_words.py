@@ -17,10 +17,14 @@ def apart(one: tuple, other: tuple) -> bool:
 
 
 @given(
-    places=st.lists(st.tuples(st.floats(0, 500), st.floats(0, 200), st.text("12345 order", min_size=1, max_size=12)),
-                    max_size=40),
+    places=st.lists(
+        st.tuples(
+            st.floats(0, 500), st.floats(0, 200), st.text("12345 order", min_size=1, max_size=12)
+        ),
+        max_size=40,
+    ),
     seed=st.integers(0, 99),
-)  # fmt: skip
+)
 def test_no_two_words_overlap_and_none_leaves_the_plot(places: list, seed: int) -> None:
     curve = np.random.default_rng(seed).random((300, 2)) * [500.0, 200.0]
     room = Room(PLOT, curve)
@@ -43,7 +47,9 @@ def test_words_avoid_a_curve_where_there_is_room_beside_it() -> None:
     curve = np.column_stack([x, 100.0 - 60.0 * np.exp(-(((x - 250.0) / 20.0) ** 2))])
     word = Room(PLOT, curve).place("order 2", np.array([[250.0, 40.0]]))
     left, top, right, foot = word.box
-    assert not ((curve[:, 0] > left) & (curve[:, 0] < right) & (curve[:, 1] > top) & (curve[:, 1] < foot)).any()
+    assert not (
+        (curve[:, 0] > left) & (curve[:, 0] < right) & (curve[:, 1] > top) & (curve[:, 1] < foot)
+    ).any()
     assert word.foot is None  # it stands at its point
     assert foot <= 40.0
 

@@ -16,14 +16,37 @@ from torsion.output.results_json import documented, results, text
 
 KEYS = {key.path: key.meaning for key in documented()}
 NOT_IN_THIS_TRAIN = (
-    "frequency_response", "check.", "checks[].barred", "checks[].times", "checks[].reach",
-    "compressors", "lateral", "joints.lines[].optimum",
-    "periodic", "stability", "plan.unanswered", "transient", "nonlinear_peaks", "tooth_forces", "dampers", "engines",
-    "pendulums", "coupling_tables", "design", "sweep", "fit", "tolerances", "coupling_temperatures",
-    "frequencies_over_speed", "sharp_steps", "hubs", "fillets",
+    "frequency_response",
+    "check.",
+    "checks[].barred",
+    "checks[].times",
+    "checks[].reach",
+    "compressors",
+    "lateral",
+    "joints.lines[].optimum",
+    "periodic",
+    "stability",
+    "plan.unanswered",
+    "transient",
+    "nonlinear_peaks",
+    "tooth_forces",
+    "dampers",
+    "engines",
+    "pendulums",
+    "coupling_tables",
+    "design",
+    "sweep",
+    "fit",
+    "tolerances",
+    "coupling_temperatures",
+    "frequencies_over_speed",
+    "sharp_steps",
+    "hubs",
+    "fillets",
     "vibratory_torques",
-    "files", "report",  # in files alone
-)  # fmt: skip
+    "files",
+    "report",  # in files alone
+)
 LIGHT = """
 import sys, torsion
 from torsion.output.results_json import text
@@ -59,7 +82,9 @@ def test_the_text_is_strict_json_without_infinities(train: Findings, undamped: F
 
 
 @pytest.mark.parametrize("only", [("modes",), ("checks", "damped_modes")])
-def test_of_some_results_their_keys_and_the_head_are_printed(train: Findings, only: tuple[str, ...]) -> None:
+def test_of_some_results_their_keys_and_the_head_are_printed(
+    train: Findings, only: tuple[str, ...]
+) -> None:
     every, some = json.loads(text(train)), json.loads(text(train, only))
     assert set(some) == {"format", "program", "legend", "scene", "plan", *only}
     assert some == {key: every[key] for key in some}
@@ -71,7 +96,9 @@ def test_numbers_come_back_to_the_last_digit(train: Findings) -> None:
     np.testing.assert_array_equal(back["modes"]["frequency_Hz"], train.need(Modes).frequency)
     pairs = np.array(back["response"]["lines"][0]["torque_Nm"])
     spans = back["response"]["span"]
-    np.testing.assert_array_equal(pairs[..., 0] + 1j * pairs[..., 1], train.need(Response).torque[:, 0, spans])
+    np.testing.assert_array_equal(
+        pairs[..., 0] + 1j * pairs[..., 1], train.need(Response).torque[:, 0, spans]
+    )
 
 
 def test_orders_are_exact_texts(train: Findings) -> None:
@@ -94,13 +121,17 @@ def test_a_line_that_is_not_ok_has_its_word_and_no_number(undamped: Findings) ->
 def test_json_alone_loads_neither_plots_nor_templates() -> None:
     scene = "name: a\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
     script = LIGHT.format(scene=scene)
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "[]"
 
 
 def test_results_alone_load_nothing_that_prints(tmp_path: Path) -> None:
     scene = tmp_path / "scene.yaml"
-    scene.write_text("name: two discs\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 1}]\n")
+    scene.write_text(
+        "name: two discs\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 1}]\n"
+    )
     heavy = ("matplotlib", "jinja2", "typst", "rich")
     code = f"""
 import sys

@@ -13,7 +13,15 @@ from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
 from torsion.output import results_json
 from torsion.output.plain import numbers
-from torsion.output.results_json import SERIES, bounded_text, lines, listed, pieces, text, write_json
+from torsion.output.results_json import (
+    SERIES,
+    bounded_text,
+    lines,
+    listed,
+    pieces,
+    text,
+    write_json,
+)
 from torsion.results import words
 
 SPECS = Path(__file__).parents[3] / "shafting_specs"
@@ -24,9 +32,20 @@ def _data() -> dict:
     values = rng.normal(size=(3, 7001))
     values[1, 5] = np.nan
     return {
-        "few": {"number": 1.5, "word": 'x"y', "none": None, "list": [1, [2.0, "z"]], "empty": np.empty((0, 3))},
+        "few": {
+            "number": 1.5,
+            "word": 'x"y',
+            "none": None,
+            "list": [1, [2.0, "z"]],
+            "empty": np.empty((0, 3)),
+        },
         "long": [
-            {"torque": values, "complex": numbers(values[0] + 1j), "at": np.arange(23_456), "flag": values[0] > 0}
+            {
+                "torque": values,
+                "complex": numbers(values[0] + 1j),
+                "at": np.arange(23_456),
+                "flag": values[0] > 0,
+            }
         ],
         "status": words(np.array([0, 2, 1]), Status),
     }
@@ -46,7 +65,9 @@ def test_no_piece_of_a_long_array_is_long():
     assert max(map(len, pieces(np.ones(200_000)))) < 60_000
 
 
-@pytest.mark.parametrize(("size", "lengths"), [(10_000, [1]), (10_001, [1, 1]), (20_000, [1, 1]), (20_001, [1, 1, 1])])
+@pytest.mark.parametrize(
+    ("size", "lengths"), [(10_000, [1]), (10_001, [1, 1]), (20_000, [1, 1]), (20_001, [1, 1, 1])]
+)
 def test_at_most_ten_thousand_numbers_are_text_at_once(size: int, lengths: list[int]) -> None:
     values = np.arange(size) % 7
     found = [piece for piece in pieces(values) if any(letter.isdigit() for letter in piece)]
@@ -66,7 +87,11 @@ def test_long_arrays_stand_in_a_file_of_their_own_under_their_keys(tmp_path):
         assert sorted(series) == ["long[0].at", "long[0].complex", "long[0].torque"]
         for name, place in back["long"][0].items():
             if name != "flag":
-                assert place == {"file": SERIES, "array": f"long[0].{name}", "shape": list(data["long"][0][name].shape)}
+                assert place == {
+                    "file": SERIES,
+                    "array": f"long[0].{name}",
+                    "shape": list(data["long"][0][name].shape),
+                }
                 np.testing.assert_array_equal(series[place["array"]], data["long"][0][name])
     assert back["long"][0]["flag"] == data["long"][0]["flag"].tolist()
 
@@ -82,7 +107,9 @@ def test_an_array_of_as_many_numbers_as_are_written_stays_in_the_file(tmp_path):
 def test_numbers_of_all_arrays_together_are_bounded(tmp_path, monkeypatch):
     """Many arrays of fewer numbers than one may have do not make a file of any size."""
     monkeypatch.setattr(results_json, "MOST_LISTED", 10_000)
-    parts = {name: lambda: np.arange(3_000) for name in "abcde"} | {"short": lambda: np.arange(1_000)}
+    parts = {name: lambda: np.arange(3_000) for name in "abcde"} | {
+        "short": lambda: np.arange(1_000)
+    }
     write_json(parts, tmp_path / "results.json")
     back = json.loads((tmp_path / "results.json").read_text())
     assert [name for name in parts if isinstance(back[name], list)] == ["a", "b", "c", "short"]
@@ -93,7 +120,9 @@ def test_results_that_are_too_long_for_a_stream_are_refused_with_what_to_do():
     findings = torsion.run(torsion.parse((SPECS / "two_discs.yaml").read_text(encoding="utf-8")))
     whole = text(findings)
     assert bounded_text(findings) == bounded_text(findings, most=len(whole)) == whole
-    with pytest.raises(InputError, match=r"MB of JSON, too many for --json \(use -o DIR, .* series.npz"):
+    with pytest.raises(
+        InputError, match=r"MB of JSON, too many for --json \(use -o DIR, .* series.npz"
+    ):
         bounded_text(findings, most=len(whole) - 1)
 
 

@@ -68,14 +68,21 @@ def leaves(value: Any, at: str) -> set[str]:
 
 
 def test_every_key_is_documented_and_every_documented_key_is_there(good: Findings) -> None:
-    assert leaves(results(good)["check"], "check") == {key for key in KEYS if key.startswith("check.")}
+    assert leaves(results(good)["check"], "check") == {
+        key for key in KEYS if key.startswith("check.")
+    }
 
 
 def test_what_a_model_does_not_have_is_null_in_strict_json(coarse: Findings) -> None:
     stated = json.loads(text(coarse), parse_constant=pytest.fail)["check"]
     lumped = stated["models"][1]
     assert stated["failed"] == ["lumped"]
-    assert lumped["frequency_Hz"][4:] == lumped["frequency_error"][4:] == lumped["shape_error"][4:] == [None, None]
+    assert (
+        lumped["frequency_Hz"][4:]
+        == lumped["frequency_error"][4:]
+        == lumped["shape_error"][4:]
+        == [None, None]
+    )
     assert lumped["modes_below"] == 4
     assert json.loads(text(coarse, REPORTS["check"].keys))["check"]["models"][1] == lumped
 
@@ -89,7 +96,10 @@ def test_numbers_come_back_to_the_last_digit(good: Findings) -> None:
 
 def test_the_chapter_has_verdict_errors_and_both_figures(good: Findings) -> None:
     blocks = list(chapter(good))
-    assert next(block.text for block in blocks if isinstance(block, Heading)) == "Comparison of the models"
+    assert (
+        next(block.text for block in blocks if isinstance(block, Heading))
+        == "Comparison of the models"
+    )
     tables_found = [block for block in blocks if isinstance(block, Table)]
     assert tables_found[0].marks == ("", "pass", "pass")
     assert [row[0] for row in tables_found[0].rows] == ["exact", "lumped", "fem"]
@@ -98,7 +108,9 @@ def test_the_chapter_has_verdict_errors_and_both_figures(good: Findings) -> None
     assert [figure.name for figure in figures] == ["check-modes", "check-torques"]
     for figure in figures:
         assert svg(figure) == svg(figure)
-    assert any(isinstance(b, Paragraph) and b.kind == "pass" and "within 0.1 %" in b.text for b in blocks)
+    assert any(
+        isinstance(b, Paragraph) and b.kind == "pass" and "within 0.1 %" in b.text for b in blocks
+    )
 
 
 def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings) -> None:
@@ -109,14 +121,24 @@ def test_missing_modes_and_a_failed_model_stand_in_the_chapter(coarse: Findings)
     assert [row[4] for row in summary.rows] == ["6", "4", "6"]
     assert by_mode.rows[5][2:5] == ("–", "∞", "∞")
     words = " ".join(block.text for block in blocks if isinstance(block, Paragraph))
-    assert "The model lumped is not within 0.1 % of the exact model (torques: 1 %); fem is." in words
+    assert (
+        "The model lumped is not within 0.1 % of the exact model (torques: 1 %); fem is." in words
+    )
     assert "has 6 elastic modes below" in words
     assert "but lumped 4" in words
     assert "within 0.1 %" in html(document(coarse, report=REPORTS["check"]))
 
 
-def test_the_terminal_fits_eighty_columns_and_says_the_verdict(good: Findings, coarse: Findings) -> None:
-    assert max(len(line) for line in printed(screen(document(coarse, report=REPORTS["check"]))).splitlines()) <= 80
+def test_the_terminal_fits_eighty_columns_and_says_the_verdict(
+    good: Findings, coarse: Findings
+) -> None:
+    assert (
+        max(
+            len(line)
+            for line in printed(screen(document(coarse, report=REPORTS["check"]))).splitlines()
+        )
+        <= 80
+    )
     assert "fem are within 0.1 % of the exact model" in printed(
         screen(document(good, report=REPORTS["check"]))
     ).replace("\n", " ")
@@ -127,7 +149,9 @@ def test_the_terminal_fits_eighty_columns_and_says_the_verdict(good: Findings, c
 def test_the_terminal_shows_columns_of_the_tables_of_the_report(good: Findings) -> None:
     _, by_mode = (block for block in chapter(good) if isinstance(block, Table))
     lines = printed(screen(document(good, report=REPORTS["check"]))).splitlines()
-    assert ["mode", "exact,", "Hz", "lumped", "error,", "%", "fem", "error,", "%"] in [line.split() for line in lines]
+    assert ["mode", "exact,", "Hz", "lumped", "error,", "%", "fem", "error,", "%"] in [
+        line.split() for line in lines
+    ]
     for row in by_mode.rows:
         assert [row[0], row[1], row[3], row[6]] in [line.split() for line in lines]
 
@@ -142,7 +166,9 @@ def test_a_train_without_shafts_has_one_sentence() -> None:
 
 
 def test_a_study_that_does_not_ask_has_no_chapter() -> None:
-    found = torsion.run(torsion.parse("name: x\ntrain: [disc: {inertia: 2}, shaft: {length: 1, diameter: 9 mm}]"))
+    found = torsion.run(
+        torsion.parse("name: x\ntrain: [disc: {inertia: 2}, shaft: {length: 1, diameter: 9 mm}]")
+    )
     assert list(chapter(found)) == []
     assert results(found)["check"] is None
     assert "MAC" not in printed(screen(document(found, report=REPORTS["check"])))

@@ -124,17 +124,27 @@ def test_two_joints_as_one_are_the_printed_result(solve: Solve) -> None:
     assert row[8] == number(14.2564571917204)
 
 
-def test_without_speed_and_torque_there_are_ratios_and_no_couples_and_it_is_said(solve: Solve) -> None:
+def test_without_speed_and_torque_there_are_ratios_and_no_couples_and_it_is_said(
+    solve: Solve,
+) -> None:
     found = solve("bare")
     assert "Secondary couples" not in titles(found)
-    assert [block for block in chapter(found) if isinstance(block, Table) and "acceleration" in block.caption] == []
+    assert [
+        block
+        for block in chapter(found)
+        if isinstance(block, Table) and "acceleration" in block.caption
+    ] == []
     axes = titles_of(figures(found)["joint-motion-1"])
     assert "speed ratio" in axes
     assert not any("rpm" in says or "rad/s" in says for says in axes)
-    said = " ".join(item for block in chapter(found) if isinstance(block, Points) for item in block.items)
+    said = " ".join(
+        item for block in chapter(found) if isinstance(block, Points) for item in block.items
+    )
     assert "speed" in said
     assert "torque" in said
-    assert all("torque" in terminal(found) and word in terminal(found) for word in ("speed", "couples"))
+    assert all(
+        "torque" in terminal(found) and word in terminal(found) for word in ("speed", "couples")
+    )
 
 
 def test_with_a_speed_the_curves_have_its_units(solve: Solve) -> None:
@@ -143,14 +153,29 @@ def test_with_a_speed_the_curves_have_its_units(solve: Solve) -> None:
     panels = {panel.y.title: panel.lines for panel in figures(found)["joint-motion-1"].plots}
     line = panels["speed, rpm"][0]
     assert line.name == "downstream of " + NAME.strip('"')
-    assert line.y.max() == pytest.approx(60.0 / math.cos(math.radians(15.0)) * 30.0 / math.pi, rel=1e-12)
-    assert set(panels) == {"angle error, deg", "speed, rpm", "acceleration, rad/s²", "torque downstream / upstream"}
+    assert line.y.max() == pytest.approx(
+        60.0 / math.cos(math.radians(15.0)) * 30.0 / math.pi, rel=1e-12
+    )
+    assert set(panels) == {
+        "angle error, deg",
+        "speed, rpm",
+        "acceleration, rad/s²",
+        "torque downstream / upstream",
+    }
 
 
 def test_couples_of_a_cross_joint_have_the_closed_mean_and_amplitude(solve: Solve) -> None:
     rows = table(solve("full"), "Secondary couples").rows
     slope, tilt = (400.0 * f(math.radians(15.0)) for f in (math.tan, math.sin))
-    assert rows[0][1:8] == ("driving", "800.00", number(slope), "2", number(slope), number(slope), number(2 * slope))
+    assert rows[0][1:8] == (
+        "driving",
+        "800.00",
+        number(slope),
+        "2",
+        number(slope),
+        number(slope),
+        number(2 * slope),
+    )
     assert rows[1][3] == number(tilt)
     assert rows[2][8] == number(800.0 * math.tan(math.radians(20.0)) / 0.25)
     assert rows[0][8] == "–"
@@ -182,7 +207,9 @@ def test_a_line_that_turns_evenly_shows_no_rounding(solve: Solve) -> None:
     row = table(solve("even"), "as one cross joint").rows[0]
     assert (row[1], row[3], row[5], row[7], row[8]) == ("0", "–", "–", "–", "0")
     assert "already rotates uniformly" in terminal(solve("even"))
-    assert [(one.x[0], one.y[0]) for one in plot(figures(solve("even"))["joint-index-1"]).marks][1] == (0.0, 0.0)
+    assert [(one.x[0], one.y[0]) for one in plot(figures(solve("even"))["joint-index-1"]).marks][
+        1
+    ] == (0.0, 0.0)
     assert table(solve("even"), "Speed and acceleration").rows[1][4] == "0"
 
 
@@ -191,7 +218,9 @@ def test_every_json_key_is_documented_and_numbers_are_finite(scene: str, solve: 
     back = json.loads(text(solve(scene), JOINTS), parse_constant=pytest.fail)
     assert "modes" not in back
     joints = back["joints"]
-    np.testing.assert_array_equal(joints["joints"][1]["error_rad"], solve(scene).need(Joints).joints[1].error)
+    np.testing.assert_array_equal(
+        joints["joints"][1]["error_rad"], solve(scene).need(Joints).joints[1].error
+    )
 
     def paths(value: object, at: str) -> set[str]:
         if isinstance(value, dict):
@@ -207,7 +236,9 @@ def test_every_json_key_is_documented_and_numbers_are_finite(scene: str, solve: 
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_the_table_of_numbers_has_one_row_an_angle_and_titles_with_units(scene: str, solve: Solve) -> None:
+def test_the_table_of_numbers_has_one_row_an_angle_and_titles_with_units(
+    scene: str, solve: Solve
+) -> None:
     found = solve(scene)
     comments, head, values = table_of_numbers(found)
     assert found.study.name in comments[0]
@@ -215,18 +246,33 @@ def test_the_table_of_numbers_has_one_row_an_angle_and_titles_with_units(scene: 
     assert values.shape == (found.need(Joints).angle.size, len(head))
     assert len(set(head)) == len(head)
     assert all(title.endswith("]") for title in head)
-    np.testing.assert_array_equal(np.radians(values[:, 0]).round(12), found.need(Joints).angle.round(12))
+    np.testing.assert_array_equal(
+        np.radians(values[:, 0]).round(12), found.need(Joints).angle.round(12)
+    )
     for k, joint in enumerate(found.need(Joints).joints):
-        column = [title.endswith("speed ratio [1]") for title in head].index(True) if k == 0 else None
+        column = (
+            [title.endswith("speed ratio [1]") for title in head].index(True) if k == 0 else None
+        )
         if column is not None:
             np.testing.assert_array_equal(values[:, column], joint.speed_ratio)
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_the_page_of_the_joints_has_the_summary_first_and_its_names_escaped(scene: str, solve: Solve) -> None:
+def test_the_page_of_the_joints_has_the_summary_first_and_its_names_escaped(
+    scene: str, solve: Solve
+) -> None:
     made = joint_document(solve(scene))
-    heads = [item.block.text for item in made.body if isinstance(item.block, Heading) and item.block.level == 1]
-    assert heads == ["Summary", "Universal joints", "Appendix: what was computed", "Appendix: the input as read"]
+    heads = [
+        item.block.text
+        for item in made.body
+        if isinstance(item.block, Heading) and item.block.level == 1
+    ]
+    assert heads == [
+        "Summary",
+        "Universal joints",
+        "Appendix: what was computed",
+        "Appendix: the input as read",
+    ]
     page = html(made)
     assert "a <b>" not in page
     assert page.count("<figure") == sum(isinstance(item.block, Figure) for item in made.body)

@@ -16,27 +16,43 @@ SCENES = Path(__file__).parents[3] / "shafting_specs"
 
 @pytest.mark.parametrize(
     ("scene", "pages"),
-    [("usv", 12), ("haixun_06402", 12), ("v12_generator_set", 18), ("two_stroke_ship", 18), ("truck_gears", 18)],
+    [
+        ("usv", 12),
+        ("haixun_06402", 12),
+        ("v12_generator_set", 18),
+        ("two_stroke_ship", 18),
+        ("truck_gears", 18),
+    ],
 )
 def test_a_report_has_at_most_so_many_pages(scene: str, pages: int) -> None:
     made = pdf(document(torsion.run(torsion.read(SCENES / f"{scene}.yaml"))))
-    count = max(int(number) for number in re.findall(rb"/Type\s*/Pages.*?/Count\s+(\d+)", made, re.DOTALL))
+    count = max(
+        int(number) for number in re.findall(rb"/Type\s*/Pages.*?/Count\s+(\d+)", made, re.DOTALL)
+    )
     assert 5 < count <= pages
 
 
 def test_the_full_report_has_all_of_the_report_and_its_further_appendices() -> None:
     findings = torsion.run(torsion.read(SCENES / "two_stroke_ship.yaml"))
-    brief, full = ([item.block for item in document(findings, is_full=is_full).body] for is_full in (False, True))
+    brief, full = (
+        [item.block for item in document(findings, is_full=is_full).body]
+        for is_full in (False, True)
+    )
 
     def titles(blocks: list[object]) -> list[str]:
         return [block.text for block in blocks if isinstance(block, Heading) and block.level == 1]
 
     more = [title for title in titles(full) if title not in titles(brief)]
     assert more == [
-        "Appendix: angular amplitudes", "Appendix: engine harmonics", "Appendix: all modes",
+        "Appendix: angular amplitudes",
+        "Appendix: engine harmonics",
+        "Appendix: all modes",
         "Appendix: remarks on the checks",
-    ]  # fmt: skip
+    ]
     assert [title for title in titles(full) if title not in more] == titles(brief)
     for kind in (Table, Figure):
-        captions = [[block.caption for block in blocks if isinstance(block, kind)] for blocks in (brief, full)]
+        captions = [
+            [block.caption for block in blocks if isinstance(block, kind)]
+            for blocks in (brief, full)
+        ]
         assert set(captions[0]) < set(captions[1])

@@ -15,7 +15,9 @@ from torsion.errors import Fault, Path
 from torsion.study import FiniteElements, Study
 from torsion.train import Train
 
-Named = Callable[[str, str, int, Callable[[], System]], Candidate]  # of method, words, size and what assembles it
+Named = Callable[
+    [str, str, int, Callable[[], System]], Candidate
+]  # of method, words, size and what assembles it
 COUNT = 6  # elastic modes, where neither the file nor an excitation says how many
 
 
@@ -30,7 +32,9 @@ def loop_faults(study: Study, path: Path) -> list[Fault]:
 def plain(study: Study) -> Study:
     """The study in the exact model, its shafts without a number of segments of their own, sections already solved."""
     train = divided(resolved(study.train), None)
-    return replace(study, train=train, model="exact" if train.has_shafts else "lumped", fem=FiniteElements())
+    return replace(
+        study, train=train, model="exact" if train.has_shafts else "lumped", fem=FiniteElements()
+    )
 
 
 def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:
@@ -44,7 +48,12 @@ def divided(train: Train, number: int | Mapping[str, int] | None) -> Train:
 
 
 def ready(
-    train: Train, model: str, *, frequency: float = 0.0, degree: int | None = None, elements: int | None = None
+    train: Train,
+    model: str,
+    *,
+    frequency: float = 0.0,
+    degree: int | None = None,
+    elements: int | None = None,
 ) -> System:
     """A system with its tree and the laws of its shafts, which are made when first used."""
     system = assemble(train, model, frequency=frequency, degree=degree, elements=elements)
@@ -55,13 +64,23 @@ def ready(
 def lumped(train: Train, most: int, curve: str, named: Named) -> list[Candidate]:
     """One curve: lumped shafts of 1, 2, 4 .. segments."""
     return [
-        named(curve, counted(number, "segment"), number, partial(ready, divided(train, number), "lumped"))
+        named(
+            curve,
+            counted(number, "segment"),
+            number,
+            partial(ready, divided(train, number), "lumped"),
+        )
         for number in doubled(most)
     ]
 
 
 def candidates(
-    train: Train, frequency: float, effort: Effort, degrees: tuple[int, ...], named: Named, method: str = ""
+    train: Train,
+    frequency: float,
+    effort: Effort,
+    degrees: tuple[int, ...],
+    named: Named,
+    method: str = "",
 ) -> list[list[Candidate]]:
     """Every discretisation of the shafts, a list a curve; frequency (Hz): what the exact model is divided for.
 
@@ -70,10 +89,17 @@ def candidates(
     curves = [lumped(train, effort.segments, f"lumped{method}", named)]
     for degree in degrees:
         finite = partial(ready, train, "fem", frequency=frequency, degree=degree)
-        curves.append([
-            named(f"fem, degree {degree}{method}", counted(number, "element"), number, partial(finite, elements=number))
-            for number in doubled(max(1, effort.unknowns // degree))
-        ])  # fmt: skip
+        curves.append(
+            [
+                named(
+                    f"fem, degree {degree}{method}",
+                    counted(number, "element"),
+                    number,
+                    partial(finite, elements=number),
+                )
+                for number in doubled(max(1, effort.unknowns // degree))
+            ]
+        )
     exact = partial(ready, train, "exact", frequency=frequency)
     pieces = max(exact().segments.values())
     return [*curves, [named(f"exact{method}", counted(pieces, "piece"), pieces, exact)]]
@@ -99,5 +125,7 @@ def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, M
 
             count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
     found = modes(system, count)
-    finer = ready(divided(study.train, {name: 2 * n for name, n in found.system.segments.items()}), "exact")
+    finer = ready(
+        divided(study.train, {name: 2 * n for name, n in found.system.segments.items()}), "exact"
+    )
     return found, modes_as_discretised(finer, count)

@@ -14,7 +14,9 @@ TOGETHER = 1e-6  # relative; modes nearer to each other than that are one, and a
 NEGLIGIBLE = 1e-9  # of the largest torque of a harmonic: torques that stay below are rounding and are not compared
 
 
-def relative_errors(found: Sequence[float] | FloatArray, reference: Sequence[Any] | FloatArray) -> FloatArray:
+def relative_errors(
+    found: Sequence[float] | FloatArray, reference: Sequence[Any] | FloatArray
+) -> FloatArray:
     """(values,) signed error of each value over its reference; infinite for values that are missing at the end.
 
     The difference is taken in the numbers of the reference, which may have more digits than double precision.
@@ -41,7 +43,9 @@ def shape_weights(system: System) -> FloatArray:
 
 
 @source("AllemangBrown1982")
-def shape_errors(shape: FloatArray, exact: FloatArray, frequency: FloatArray, weight: FloatArray) -> FloatArray:
+def shape_errors(
+    shape: FloatArray, exact: FloatArray, frequency: FloatArray, weight: FloatArray
+) -> FloatArray:
     """(modes,) 1 - MAC of every shape (stations, modes) against the exact one of the same number.
 
     exact: (stations, at least as many modes) with their `frequency`; weight: (stations,) inertias. MAC is the modal

@@ -7,7 +7,14 @@ import numpy as np
 
 from torsion.analyses.compare.timing import Candidate, Effort, TimedQuantity, timed
 from torsion.analyses.discretisation import assembled
-from torsion.analyses.transient.compared_methods import COMPARED, March, errors_of, linear_curves, marched, solved
+from torsion.analyses.transient.compared_methods import (
+    COMPARED,
+    March,
+    errors_of,
+    linear_curves,
+    marched,
+    solved,
+)
 from torsion.analyses.transient.energy_balance import residual
 from torsion.analyses.transient.torque_curves import Curves
 from torsion.analyses.transient.transient_settings import SOLVED, TransientSettings, cases
@@ -41,19 +48,37 @@ def timed_motions(
         title = f"Motion over time {settings.name}".rstrip()
         try:
             found.append(
-                _timed(study, system, settings, place, effort, progress, title=title, key=f"motion-{number + 1}")
+                _timed(
+                    study,
+                    system,
+                    settings,
+                    place,
+                    effort,
+                    progress,
+                    title=title,
+                    key=f"motion-{number + 1}",
+                )
             )
         except InputError as error:
-            remarks.append(f"{title} is not compared: {'; '.join(fault.message for fault in error.faults)}.")
+            remarks.append(
+                f"{title} is not compared: {'; '.join(fault.message for fault in error.faults)}."
+            )
         except SolveError as error:
             remarks.append(f"{title} is not compared: {error}.")
     return found, remarks
 
 
 def _timed(
-    study: Study, system: System, settings: TransientSettings, place: Path, effort: Effort, progress: Progress,
-    *, title: str, key: str,
-) -> TimedQuantity:  # fmt: skip
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    place: Path,
+    effort: Effort,
+    progress: Progress,
+    *,
+    title: str,
+    key: str,
+) -> TimedQuantity:
     made = partial(linear_curves, study, system, settings, place)
     curves, duration = made(), settings.duration
 
@@ -62,23 +87,42 @@ def _timed(
 
     rows = [FIRST * FINER**k for k in range(ROWS)]
     named = partial(Candidate, assemble=made, errors=errors)
-    exact = [named(EXACT, f"{n} samples", n, solve=partial(_exact, duration=duration, number=n)) for n in rows]
+    exact = [
+        named(EXACT, f"{n} samples", n, solve=partial(_exact, duration=duration, number=n))
+        for n in rows
+    ]
     every = [exact]
     for name in METHODS:
         own = [(n, duration / n) for n in rows]
-        every.append([
-            named(TITLES[name], f"{h:.3g} s", n, solve=partial(_marched, method=name, step=h, duration=duration))
-            for n, h in own
-        ])  # fmt: skip
+        every.append(
+            [
+                named(
+                    TITLES[name],
+                    f"{h:.3g} s",
+                    n,
+                    solve=partial(_marched, method=name, step=h, duration=duration),
+                )
+                for n, h in own
+            ]
+        )
     for name, word in SOLVED.items():
-        every.append([
-            named(word, f"tolerance {t:g}", n, solve=partial(_solved, method=name, tolerance=t, duration=duration))
-            for n, t in enumerate(TOLERANCES, start=1)
-        ])  # fmt: skip
+        every.append(
+            [
+                named(
+                    word,
+                    f"tolerance {t:g}",
+                    n,
+                    solve=partial(_solved, method=name, tolerance=t, duration=duration),
+                )
+                for n, t in enumerate(TOLERANCES, start=1)
+            ]
+        )
     found, remarks = timed(every, effort, title, progress)
     fastest = curves.fastest / (2.0 * math.pi)
     about = f"{title}, {duration:g} s, {len(curves.found.frequency)} elastic modes up to {fastest:.5g} Hz. {MEANING}"
-    bound = max(residual(curves.motion, np.linspace(0.0, duration, COMPARED)), float(np.finfo(float).eps))
+    bound = max(
+        residual(curves.motion, np.linspace(0.0, duration, COMPARED)), float(np.finfo(float).eps)
+    )
     names = tuple(span.name for span in system.spans)
     return TimedQuantity(key, title, about, REFERENCE, bound, fastest, names, found, remarks)
 

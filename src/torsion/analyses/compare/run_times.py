@@ -22,7 +22,15 @@ from torsion.analyses.compare.candidates import (
     reference,
 )
 from torsion.analyses.compare.model_errors import over_peaks, relative_errors
-from torsion.analyses.compare.timing import FULL, QUICK, Candidate, Effort, TimedQuantity, Timings, timed
+from torsion.analyses.compare.timing import (
+    FULL,
+    QUICK,
+    Candidate,
+    Effort,
+    TimedQuantity,
+    Timings,
+    timed,
+)
 from torsion.analyses.compare.torque_methods import (
     Harmonics,
     Loaded,
@@ -46,7 +54,9 @@ NOTHING_TO_DIVIDE = (
     "No shaft of the train has inertia, so there is nothing to divide: lumped, fem and exact are one model, and its "
     "frequencies are right to rounding."
 )
-OWN_SEGMENTS = "The `segments` that the file gives its shafts are not used: the study divides them itself."
+OWN_SEGMENTS = (
+    "The `segments` that the file gives its shafts are not used: the study divides them itself."
+)
 SECTIONS = "Sections given by a mesh were solved beforehand and are not part of the time."
 EPS = float(np.finfo(np.float64).eps)
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -129,7 +139,9 @@ def timed_frequencies(
     coarse, fine = reference(study, highest, count)
     wanted = fine.frequency
     half = (fine.upper - fine.lower) / (2.0 * wanted)
-    bound = max(float(half.max()), float(np.abs(relative_errors(coarse.frequency, wanted)).max()), EPS)
+    bound = max(
+        float(half.max()), float(np.abs(relative_errors(coarse.frequency, wanted)).max()), EPS
+    )
 
     def errors(found: Modes) -> tuple[float, ...]:
         return tuple(np.abs(relative_errors(found.frequency, wanted)).tolist())
@@ -146,10 +158,14 @@ def timed_frequencies(
     )
     columns = tuple(f"mode {k + 1}, {f:.6g} Hz" for k, f in enumerate(wanted.tolist()))
     last = highest if count is None and highest > 0.0 else float(wanted[-1])
-    return TimedQuantity("frequencies", "Natural frequencies", meaning, ENCLOSED, bound, last, columns, rows, remarks)
+    return TimedQuantity(
+        "frequencies", "Natural frequencies", meaning, ENCLOSED, bound, last, columns, rows, remarks
+    )
 
 
-def machine(packages: Sequence[str] = ("numpy", "scipy", "scikit-fem")) -> tuple[tuple[str, str], ...]:
+def machine(
+    packages: Sequence[str] = ("numpy", "scipy", "scikit-fem"),
+) -> tuple[tuple[str, str], ...]:
     """On what the times were taken: system, threads, interpreter and the versions of packages."""
     threads = ", ".join(f"{name}={os.environ[name]}" for name in THREADS if name in os.environ)
     return (
@@ -176,9 +192,14 @@ class _Case:
     has_joints: bool
 
     def named(
-        self, curve: str, words: str, size: int, assemble: Callable[[], System],
-        solve: Callable[[Any], Any] = eliminated, finish: Callable[[Loaded], Any] | None = None,
-    ) -> Candidate:  # fmt: skip
+        self,
+        curve: str,
+        words: str,
+        size: int,
+        assemble: Callable[[], System],
+        solve: Callable[[Any], Any] = eliminated,
+        finish: Callable[[Loaded], Any] | None = None,
+    ) -> Candidate:
         """A candidate of which the loads, and what `finish` makes of them, are part of the assembly."""
 
         def made() -> Any:
@@ -188,7 +209,9 @@ class _Case:
         return Candidate(curve, words, size, made, solve, partial(over_peaks, self.wanted))
 
 
-def timed_torques(study: Study, highest: float, effort: Effort, progress: Progress) -> TimedQuantity:
+def timed_torques(
+    study: Study, highest: float, effort: Effort, progress: Progress
+) -> TimedQuantity:
     """study: in the exact model, or without shafts that have inertia; its operation has speeds. highest: Hz excited.
 
     Raises SolveError where the exact model cannot take the train, or where no torque or no speed can be compared.
@@ -200,10 +223,14 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
         coarse, fine = (found.system for found in reference(study, highest, 1))
     else:
         coarse = fine = ready(study.train, "lumped")
-    harmonics, lost = _sound(Harmonics(study, np.linspace(speeds.first, speeds.last, effort.speeds)), fine)
+    harmonics, lost = _sound(
+        Harmonics(study, np.linspace(speeds.first, speeds.last, effort.speeds)), fine
+    )
     given = loaded(fine, harmonics)
     if not given.ends.name:
-        raise SolveError("no elastic coupling, mesh or shaft carries a torque that could be compared")
+        raise SolveError(
+            "no elastic coupling, mesh or shaft carries a torque that could be compared"
+        )
     found = elimination(given)
     wanted = [one.torque for one in found]
     lines = tuple(load.line.words for load in given.loads)
@@ -212,15 +239,25 @@ def timed_torques(study: Study, highest: float, effort: Effort, progress: Progre
     differences = over_peaks(wanted, eliminated(loaded(coarse, harmonics)))
     bound = max(*differences, *(float(one.residual.max()) for one in found))
     rows, remarks = timed(_curves(case, effort), effort, "response", progress)
-    rpm, number = harmonics.speed * 30.0 / pi, "one line" if len(lines) == 1 else f"{len(lines)} lines"
+    rpm, number = (
+        harmonics.speed * 30.0 / pi,
+        "one line" if len(lines) == 1 else f"{len(lines)} lines",
+    )
     compared = (
         f"Compared: {number} at {len(rpm)} speeds from {rpm[0]:.6g} to {rpm[-1]:.6g} rpm; the time is the sum over "
         "all speeds, sources and mean torque counted as assembly."
     )
     return TimedQuantity(
-        "response", "Response torques", f"{MEANING} {compared}", DIVIDED if study.train.has_shafts else AS_GIVEN,
-        bound, given.highest, lines, rows, (*lost, *((JOINTS,) if has_joints else ()), *remarks),
-    )  # fmt: skip
+        "response",
+        "Response torques",
+        f"{MEANING} {compared}",
+        DIVIDED if study.train.has_shafts else AS_GIVEN,
+        bound,
+        given.highest,
+        lines,
+        rows,
+        (*lost, *((JOINTS,) if has_joints else ()), *remarks),
+    )
 
 
 def _sound(harmonics: Harmonics, system: System) -> tuple[Harmonics, tuple[str, ...]]:
@@ -228,14 +265,23 @@ def _sound(harmonics: Harmonics, system: System) -> tuple[Harmonics, tuple[str, 
     given = loaded(system, harmonics)
     found = elimination(given)
     good: list[BoolArray] = [one.status == Status.OK for one in found]
-    size = [float(np.abs(one.torque[here]).max(initial=0.0)) for one, here in zip(found, good, strict=True)]
+    size = [
+        float(np.abs(one.torque[here]).max(initial=0.0))
+        for one, here in zip(found, good, strict=True)
+    ]
     kept = sorted(sorted(range(len(size)), key=lambda k: -size[k])[:LINES])
     sound: BoolArray = np.all([good[k] for k in kept], axis=0)
     if not np.any(sound):
-        raise SolveError("at none of the compared speeds the response is beyond doubt; give the damping of the train")
+        raise SolveError(
+            "at none of the compared speeds the response is beyond doubt; give the damping of the train"
+        )
     keys = tuple((given.loads[k].line.order, given.loads[k].line.frequency) for k in kept)
     lost = int(np.count_nonzero(~sound))
-    remark = (f"{lost} of {len(sound)} speeds are omitted: an undamped train is in resonance there.",) if lost else ()
+    remark = (
+        (f"{lost} of {len(sound)} speeds are omitted: an undamped train is in resonance there.",)
+        if lost
+        else ()
+    )
     return replace(harmonics, speed=harmonics.speed[sound], keys=keys), remark
 
 
@@ -244,10 +290,16 @@ def _curves(case: _Case, effort: Effort) -> list[list[Candidate]]:
     if not train.has_shafts:
         bare = partial(ready, train, "lumped")
         swept = case.named(ELIMINATION, "as given", 1, bare)
-        return [[swept], *_superpositions(case, effort), [case.named(DENSE, "as given", 1, bare, solved, dense)]]
+        return [
+            [swept],
+            *_superpositions(case, effort),
+            [case.named(DENSE, "as given", 1, bare, solved, dense)],
+        ]
     degrees = tuple(degree for degree in DEGREES if degree in effort.degrees)
     swept_curves = candidates(train, case.top, effort, degrees, case.named, ", elimination")
-    dense_curve = lumped(train, effort.dense, f"lumped, {DENSE}", partial(case.named, solve=solved, finish=dense))
+    dense_curve = lumped(
+        train, effort.dense, f"lumped, {DENSE}", partial(case.named, solve=solved, finish=dense)
+    )
     return [*swept_curves, *_superpositions(case, effort), dense_curve]
 
 
@@ -260,8 +312,15 @@ def _superpositions(case: _Case, effort: Effort) -> list[list[Candidate]]:
         system = found.system
         if len(found.frequency) < count:
             break
-        made = partial(ready, case.study.train, case.study.model, frequency=max(case.top, float(found.frequency[-1])))
-        for curve, name, is_corrected in zip(curves, (MODAL, CORRECTED), (False, True), strict=True):
+        made = partial(
+            ready,
+            case.study.train,
+            case.study.model,
+            frequency=max(case.top, float(found.frequency[-1])),
+        )
+        for curve, name, is_corrected in zip(
+            curves, (MODAL, CORRECTED), (False, True), strict=True
+        ):
             if is_corrected or not case.has_joints:
                 solve = partial(superposed, count=count, corrected=is_corrected)
                 curve.append(case.named(name, counted(count, "mode"), count, made, solve))

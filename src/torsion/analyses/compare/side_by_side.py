@@ -10,9 +10,21 @@ import numpy as np
 from pydantic import model_validator
 
 from torsion.analyses.compare.candidates import COUNT, loop_faults
-from torsion.analyses.compare.model_errors import over_largest, relative_errors, shape_errors, shape_weights
+from torsion.analyses.compare.model_errors import (
+    over_largest,
+    relative_errors,
+    shape_errors,
+    shape_weights,
+)
 from torsion.analyses.compare.timing import Candidate, run
-from torsion.analyses.compare.torque_methods import Harmonics, Loaded, Torques, driving_ends, elimination, loaded
+from torsion.analyses.compare.torque_methods import (
+    Harmonics,
+    Loaded,
+    Torques,
+    driving_ends,
+    elimination,
+    loaded,
+)
 from torsion.analyses.discretisation import assembled, discretisation_words
 from torsion.analyses.response.harmonic_components import excitations
 from torsion.analyses.response.over_speed import requested_orders
@@ -35,7 +47,9 @@ SAME_WITHOUT_SHAFTS = "No shaft of this train has inertia: all models are the sa
 class CheckSettings(Declared):
     """Settings of `check`."""
 
-    models: tuple[Model, ...] | None = given("the models compared with the exact one (default: all)")
+    models: tuple[Model, ...] | None = given(
+        "the models compared with the exact one (default: all)"
+    )
     tolerance: Annotated[float, Quantity("1", above=0, usual="tolerance")] = given(
         "largest relative error of frequencies and shapes (1 - MAC); default: what the lumped model promises",
         SHARE_OF_ERROR,
@@ -52,7 +66,9 @@ class CheckSettings(Declared):
     @model_validator(mode="after")
     def _compares(self) -> Self:
         if self.models is not None and not set(self.models) - {"exact"}:
-            raise refuse("every error is one against the exact model", "name lumped or fem too", "models")
+            raise refuse(
+                "every error is one against the exact model", "name lumped or fem too", "models"
+            )
         return self
 
 
@@ -63,7 +79,9 @@ class TorquesCompared:
     Both are compared equally far from their own resonances: peaks with peaks.
     """
 
-    error: FloatArray = result("1", ("speed",), "relative, the largest of all orders; null if unknown")
+    error: FloatArray = result(
+        "1", ("speed",), "relative, the largest of all orders; null if unknown"
+    )
     largest: float  # of all; NaN where there is none
     worst_speed: int | None = result("", (), "position of the speed of the largest error, or null")
     worst_order: Fraction | None = result("", (), "its order of the reference, or null")
@@ -80,9 +98,15 @@ class ModelCompared:
     division: str = result("", (), "segments, elements or pieces of the shafts, in words")
     certified: bool = result("", (), "counts prove the frequencies", key="is_certified")
     frequency: FloatArray = result("Hz", ("mode",), "null if the model has no such mode")
-    frequency_error: FloatArray = result("1", ("mode",), "signed; null if the model has no such mode")
-    shape_error: FloatArray = result(  # infinite where it has no such mode, NaN where no station has a shape
-        "1", ("mode",), "1 - MAC at the stations of the train, weighted by inertia; null for none"
+    frequency_error: FloatArray = result(
+        "1", ("mode",), "signed; null if the model has no such mode"
+    )
+    shape_error: FloatArray = (
+        result(  # infinite where it has no such mode, NaN where no station has a shape
+            "1",
+            ("mode",),
+            "1 - MAC at the stations of the train, weighted by inertia; null for none",
+        )
     )
     below: int = result("", (), "elastic modes below `check.highest_Hz`", key="modes_below")
     torques: TorquesCompared | None = result("", (), "of the response; null if not compared")
@@ -113,24 +137,33 @@ class ModelCompared:
     @derived("", (), "no error exceeds the tolerance")
     def passes(self) -> bool:
         """As its verdict says."""
-        return not any(error > limit for error, limit in zip(self.largest, self.tolerances, strict=True))
+        return not any(
+            error > limit for error, limit in zip(self.largest, self.tolerances, strict=True)
+        )
 
 
 @reported
 class Compared:
     """The models side by side; `exact` is what the others are compared with."""
 
-    tolerance: float = result("", (), "largest relative error of frequencies and shapes that passes")
+    tolerance: float = result(
+        "", (), "largest relative error of frequencies and shapes that passes"
+    )
     torque_tolerance: float = result("", (), "largest relative error of torques that passes")
     exact: ModelCompared | None = None
     models: tuple[ModelCompared, ...] = ()
     highest: float = result(  # between the last mode compared and the next
-        "Hz", (), "frequency below which modes are counted, between the last mode compared and the next", default=0.0
+        "Hz",
+        (),
+        "frequency below which modes are counted, between the last mode compared and the next",
+        default=0.0,
     )
     speed: FloatArray | None = result(
         "rad/s", ("speed",), "reference speeds at which torques are compared, or null", default=None
     )
-    same: str = result("", (), "why all models are the same; empty if they were compared", default="")
+    same: str = result(
+        "", (), "why all models are the same; empty if they were compared", default=""
+    )
     no_torques: str = result("", (), "why no torques were compared", default="")
 
     @derived("", (), "models with an error above the tolerance")
@@ -138,7 +171,12 @@ class Compared:
         """Their names."""
         return tuple(found.model for found in self.models if not found.passes)
 
-    @derived("", (), "every model with its errors, which are relative and against the exact one", key="models")
+    @derived(
+        "",
+        (),
+        "every model with its errors, which are relative and against the exact one",
+        key="models",
+    )
     def all_models(self) -> tuple[ModelCompared, ...]:
         """The exact one first."""
         return () if self.exact is None else (self.exact, *self.models)
@@ -149,7 +187,9 @@ class Compared:
         return bool(self.failed)
 
 
-def check(study: Study, requested: CheckSettings | None = None, *, progress: Progress = silent) -> Compared:
+def check(
+    study: Study, requested: CheckSettings | None = None, *, progress: Progress = silent
+) -> Compared:
     """Every requested model against the exact one, for the modes and the orders that the study says.
 
     Raises InputError for closed loops, SolveError where a model cannot take the train.
@@ -161,7 +201,11 @@ def check(study: Study, requested: CheckSettings | None = None, *, progress: Pro
         raise InputError(faults)
     count = getattr(study.analyses.get("modes"), "count", COUNT)
     harmonics, top, lacking = operating_harmonics(study, assembled(replace(study, model="lumped")))
-    names = [name for name in get_args(Model) if name != "exact" and name in (settings.models or get_args(Model))]
+    names = [
+        name
+        for name in get_args(Model)
+        if name != "exact" and name in (settings.models or get_args(Model))
+    ]
     progress("check: exact", 0.0)
     exact = _solved(replace(study, model="exact"), count, top, harmonics)
     excited = _frequencies(exact.modes, _count_below(exact.modes, top))
@@ -205,7 +249,11 @@ class _Solved:
 
 
 def _solved(
-    study: Study, count: int, top: float, harmonics: Harmonics | None, exact: FloatArray | None = None
+    study: Study,
+    count: int,
+    top: float,
+    harmonics: Harmonics | None,
+    exact: FloatArray | None = None,
 ) -> _Solved:
     """The modes and torques of a model, its shafts divided as a study of that model alone would have it.
 
@@ -222,9 +270,13 @@ def _solved(
         return found, given, [] if given is None else elimination(given)
 
     assemble(0.0, 1)  # imports what the model needs, which is no time of its own
-    candidate = Candidate(study.model, "", 0, partial(assemble, top, count + 1), solve, lambda found: ())
+    candidate = Candidate(
+        study.model, "", 0, partial(assemble, top, count + 1), solve, lambda found: ()
+    )
     (found, given, torques), modes_seconds, torques_seconds = run(candidate)
-    return _Solved(found, given, torques, modes_seconds, 0.0 if harmonics is None else torques_seconds)
+    return _Solved(
+        found, given, torques, modes_seconds, 0.0 if harmonics is None else torques_seconds
+    )
 
 
 def _frequencies(found: Modes, number: int) -> FloatArray:
@@ -242,40 +294,68 @@ def _as_far_from_resonance(given: Loaded, frequency: FloatArray, exact: FloatArr
     """
     number = min(frequency.size, exact.size)
     ratio = frequency[:number] / exact[:number]
-    loads = (replace(load, w=load.w * np.interp(load.w, 2.0 * math.pi * exact[:number], ratio)) for load in given.loads)
+    loads = (
+        replace(load, w=load.w * np.interp(load.w, 2.0 * math.pi * exact[:number], ratio))
+        for load in given.loads
+    )
     return replace(given, loads=tuple(loads)) if number else given
 
 
-def _compared(one: _Solved, exact: _Solved, count: int, highest: float, limits: tuple[float, float]) -> ModelCompared:
+def _compared(
+    one: _Solved, exact: _Solved, count: int, highest: float, limits: tuple[float, float]
+) -> ModelCompared:
     system, train = one.modes.system, exact.modes.system.train
     known, own = min(count, one.modes.frequency.size), len(train.stations)
     frequency, shape = np.full(count, math.nan), np.full(count, math.inf)
     frequency[:known] = one.modes.frequency[:known]
     weights = shape_weights(exact.modes.system)
-    shape[:known] = shape_errors(one.modes.shape[:own, :known], exact.modes.shape[:own], exact.modes.frequency, weights)
-    torques = None if one.loaded is None or exact.loaded is None else _torques(one, exact, exact.loaded)
+    shape[:known] = shape_errors(
+        one.modes.shape[:own, :known], exact.modes.shape[:own], exact.modes.frequency, weights
+    )
+    torques = (
+        None if one.loaded is None or exact.loaded is None else _torques(one, exact, exact.loaded)
+    )
     return ModelCompared(
-        system.model, discretisation_words(system), one.modes.certified, frequency,
-        relative_errors(frequency[:known], exact.modes.frequency[:count]), shape, _count_below(one.modes, highest),
-        torques, one.modes_seconds, one.torques_seconds, (limits[0], *limits),
-    )  # fmt: skip
+        system.model,
+        discretisation_words(system),
+        one.modes.certified,
+        frequency,
+        relative_errors(frequency[:known], exact.modes.frequency[:count]),
+        shape,
+        _count_below(one.modes, highest),
+        torques,
+        one.modes_seconds,
+        one.torques_seconds,
+        (limits[0], *limits),
+    )
 
 
 def _torques(one: _Solved, exact: _Solved, given: Loaded) -> TorquesCompared:
     """The relative difference at every speed and order, where both answers can be trusted."""
     # referred to the reference speed, so that the torques of all ends are of one size
     ratio = given.system.span_ratio[given.ends.span]
-    found, wanted = (np.array([line.torque * ratio for line in model.torques]) for model in (one, exact))
-    unknown = np.any([[line.status != Status.OK for line in model.torques] for model in (one, exact)], axis=0).T
-    error = np.array([over_largest(*pair) for pair in zip(found, wanted, strict=True)]).T  # (speeds, lines)
+    found, wanted = (
+        np.array([line.torque * ratio for line in model.torques]) for model in (one, exact)
+    )
+    unknown = np.any(
+        [[line.status != Status.OK for line in model.torques] for model in (one, exact)], axis=0
+    ).T
+    error = np.array(
+        [over_largest(*pair) for pair in zip(found, wanted, strict=True)]
+    ).T  # (speeds, lines)
     error[unknown] = np.nan
     over_lines, left_out = np.fmax.reduce(error, axis=1), int(np.count_nonzero(unknown))
     if np.isnan(error).all():
         return TorquesCompared(over_lines, math.nan, None, None, None, "", left_out)
     speed, row = (int(place) for place in np.unravel_index(np.nanargmax(error), error.shape))
-    end, line = int(np.argmax(np.abs(found[row, speed] - wanted[row, speed]))), given.loads[row].line
+    end, line = (
+        int(np.argmax(np.abs(found[row, speed] - wanted[row, speed]))),
+        given.loads[row].line,
+    )
     largest = float(error[speed, row])
-    return TorquesCompared(over_lines, largest, speed, line.order, line.frequency, given.ends.name[end], left_out)
+    return TorquesCompared(
+        over_lines, largest, speed, line.order, line.frequency, given.ends.name[end], left_out
+    )
 
 
 def _count_below(found: Modes, highest: float) -> int:
@@ -295,7 +375,9 @@ def run_check(work: Work) -> None:
     """The models of the shafts side by side."""
     with work.log.step("comparison of the models", "requested") as step:
         found = check(work.study, work.settings("check", CheckSettings), progress=work.progress)
-        step.method = ", ".join(model.model for model in found.all_models) or "all models are the same"
+        step.method = (
+            ", ".join(model.model for model in found.all_models) or "all models are the same"
+        )
         step.size = "; ".join(f"{model.model}: {model.division}" for model in found.all_models)
     if found.no_torques:
         work.log.without("comparison of response torques", found.no_torques)

@@ -45,7 +45,9 @@ class TimedRow:
     curve: str  # the method; rows of one method are one curve
     division: str  # in words
     size: int  # segments, elements or pieces of a shaft, or modes
-    errors: tuple[float, ...]  # relative, one a column of the quantity; infinite where the method gives no value
+    errors: tuple[
+        float, ...
+    ]  # relative, one a column of the quantity; infinite where the method gives no value
     assembly: tuple[float, ...]  # s, of every run
     solve: tuple[float, ...]  # s, of every run
 
@@ -108,7 +110,11 @@ def as_fast(rows: Sequence[TimedRow], tolerance: float) -> tuple[TimedRow, ...]:
     if best is None or best.total.runs < LEAST_SAMPLES:
         return ()
     limit = best.total.three_quarters
-    return tuple(row for row in rows if row is not best and row.error <= tolerance and row.total.quarter <= limit)
+    return tuple(
+        row
+        for row in rows
+        if row is not best and row.error <= tolerance and row.total.quarter <= limit
+    )
 
 
 def unbeaten(rows: Sequence[TimedRow], bound: float = 0.0) -> tuple[TimedRow, ...]:
@@ -164,9 +170,25 @@ class Effort(Pace):
 
 
 FULL = Effort(
-    rounds=7, longest=1.5, segments=1024, unknowns=128, degrees=tuple(range(1, 11)), modes=64, dense=256, speeds=25
+    rounds=7,
+    longest=1.5,
+    segments=1024,
+    unknowns=128,
+    degrees=tuple(range(1, 11)),
+    modes=64,
+    dense=256,
+    speeds=25,
 )
-QUICK = Effort(rounds=3, longest=0.3, segments=256, unknowns=24, degrees=(1, 2, 4, 8), modes=16, dense=64, speeds=9)
+QUICK = Effort(
+    rounds=3,
+    longest=0.3,
+    segments=256,
+    unknowns=24,
+    degrees=(1, 2, 4, 8),
+    modes=16,
+    dense=64,
+    speeds=9,
+)
 
 
 @dataclass
@@ -201,7 +223,9 @@ def timed(
         if not remark and len(found) < len(curve):
             ended.append(curve[0].curve)
     if ended:
-        remarks.append(f"Finer discretisations are not run if only rounding is left: {', '.join(ended)}.")
+        remarks.append(
+            f"Finer discretisations are not run if only rounding is left: {', '.join(ended)}."
+        )
     start, turn = pace.clock(), 0
     while turn < pace.rounds or pace.clock() - start < pace.seconds:
         turning = [one for one in tried if turn < pace.slow_rounds or sum(one.first) <= pace.slow]
@@ -209,13 +233,17 @@ def timed(
             break
         gc.collect()
         for number, one in enumerate(turning):
-            progress(f"{what}: times", min(0.3 + 0.7 * (turn + number / len(turning)) / pace.rounds, 1.0))
+            progress(
+                f"{what}: times", min(0.3 + 0.7 * (turn + number / len(turning)) / pace.rounds, 1.0)
+            )
             _turn(one, pace)
         turn += 1
     return tuple(one.row() for one in tried), tuple(remarks)
 
 
-def run(candidate: Candidate, clock: Callable[[], float] = perf_counter) -> tuple[Any, float, float]:
+def run(
+    candidate: Candidate, clock: Callable[[], float] = perf_counter
+) -> tuple[Any, float, float]:
     """The answer, and seconds of assembly and solve; no garbage is collected meanwhile."""
     was = gc.isenabled()
     gc.disable()

@@ -25,7 +25,9 @@ from torsion.primitives import Bar
 from torsion.sources import source
 from torsion.study import Study
 
-_End = tuple[int, str, int, int, float, float, float]  # number of the component, and a row of `Ends`
+_End = tuple[
+    int, str, int, int, float, float, float
+]  # number of the component, and a row of `Ends`
 DRIVEN = ", driven end"
 SLOW = 1e-7  # of the lowest frequency: its square is the relative error of the static torques
 
@@ -41,7 +43,9 @@ class Ends:
     name: tuple[str, ...]
     span: IntArray  # (ends,)
     station: IntArray  # (ends,) of the half segment's inertia
-    lump: FloatArray  # (ends,) kg m2: that inertia, negative at a driving end; 0 where there is none
+    lump: (
+        FloatArray  # (ends,) kg m2: that inertia, negative at a driving end; 0 where there is none
+    )
     loss_factor: FloatArray  # (ends,) of the elastic span there
     delay: FloatArray  # (ends,) s: viscous damping of that span / its stiffness
 
@@ -57,13 +61,17 @@ class Ends:
 def elastic_ends(system: System) -> Ends:
     """Every elastic span between two components, and both ends of every shaft; a massless one has one torque."""
     links = (k for k in range(_links(system)) if 0 < system.flexibility[k] < np.inf)
-    return _ends(system, links, (end for bar in system.train.bars for end in _of_shaft(system, bar)))
+    return _ends(
+        system, links, (end for bar in system.train.bars for end in _of_shaft(system, bar))
+    )
 
 
 def driving_ends(system: System) -> Ends:
     """One end a shaft, coupling, gear mesh, joint or link; none where points join rigidly."""
     parts, spans, is_rigid = system.train.parts, system.spans, system.flexibility == 0
-    links = (k for k in range(_links(system)) if not parts[spans[k].part].is_point or not is_rigid[k])
+    links = (
+        k for k in range(_links(system)) if not parts[spans[k].part].is_point or not is_rigid[k]
+    )
     return _ends(system, links, (_of_shaft(system, bar)[0] for bar in system.train.bars))
 
 
@@ -77,10 +85,14 @@ def _ends(system: System, links: Iterable[int], shafts: Iterable[_End]) -> Ends:
     found = list(shafts)
     for k in links:
         span, delay = system.spans[k], float(system.viscous[k] * system.flexibility[k])
-        found.append((span.part, span.name, k, span.driving, 0.0, float(system.loss_factor[k]), delay))
+        found.append(
+            (span.part, span.name, k, span.driving, 0.0, float(system.loss_factor[k]), delay)
+        )
     _, names, *columns = zip(*sorted(found, key=itemgetter(0)), strict=True) if found else ((),) * 7
     places = [np.array(column, dtype=np.int64) for column in columns[:2]]
-    return Ends(names, places[0], places[1], *(np.array(column, dtype=np.float64) for column in columns[2:]))
+    return Ends(
+        names, places[0], places[1], *(np.array(column, dtype=np.float64) for column in columns[2:])
+    )
 
 
 def _of_shaft(system: System, bar: Bar) -> list[_End]:
@@ -95,7 +107,10 @@ def _of_shaft(system: System, bar: Bar) -> list[_End]:
     if bar.density == 0:
         return [driving]
     last = next(k for k in reversed(own) if system.spans[k].driven == bar.driven)
-    return [driving, (bar.part, f"{bar.name}{DRIVEN}", last, bar.driven, half[1], bar.loss_factor, 0.0)]
+    return [
+        driving,
+        (bar.part, f"{bar.name}{DRIVEN}", last, bar.driven, half[1], bar.loss_factor, 0.0),
+    ]
 
 
 @dataclass(frozen=True)
@@ -105,7 +120,9 @@ class Harmonics:
     study: Study
     speed: FloatArray  # (speeds,) rad/s of the reference station
     orders: tuple[Fraction, ...] | None = None  # None: every order; fixed frequencies always
-    keys: tuple[tuple[Fraction | None, float | None], ...] | None = None  # order and frequency of those that are kept
+    keys: tuple[tuple[Fraction | None, float | None], ...] | None = (
+        None  # order and frequency of those that are kept
+    )
     ends: Callable[[System], Ends] = elastic_ends
 
 
@@ -153,14 +170,23 @@ def loaded(system: System, harmonics: Harmonics) -> Loaded:
     for one in excitations(system, harmonics.orders):
         line = one.line
         if harmonics.keys is None or (line.order, line.frequency) in harmonics.keys:
-            loads.append(Load(line, line.circular_frequency(speed), sources(system, one, speed, mean), ground))
+            loads.append(
+                Load(
+                    line, line.circular_frequency(speed), sources(system, one, speed, mean), ground
+                )
+            )
     return Loaded(system, harmonics.ends(system), tuple(loads))
 
 
 def elimination(given: Loaded) -> list[Torques]:
     """The torques of every harmonic by two-sided elimination, and how far they can be trusted."""
-    found = ((load, answer(given.system, load.w, load.sources, load.ground)) for load in given.loads)
-    return [Torques(given.ends.torque(load.w, one.angle, one.torque), one.residual, one.status) for load, one in found]
+    found = (
+        (load, answer(given.system, load.w, load.sources, load.ground)) for load in given.loads
+    )
+    return [
+        Torques(given.ends.torque(load.w, one.angle, one.torque), one.residual, one.status)
+        for load, one in found
+    ]
 
 
 def eliminated(given: Loaded) -> list[ComplexArray]:
@@ -202,7 +228,9 @@ def dense(given: Loaded) -> Dense:
     node[system.condensed.node] = referred
     elastic = (system.flexibility > 0) & np.isfinite(system.flexibility)
     stiffness = np.divide(1.0, system.flexibility, out=np.zeros(len(elastic)), where=elastic)
-    return Dense(given, view, node, system.twist(referred), stiffness * (1.0 + 1j * system.loss_factor))
+    return Dense(
+        given, view, node, system.twist(referred), stiffness * (1.0 + 1j * system.loss_factor)
+    )
 
 
 def solved(full: Dense) -> list[ComplexArray]:
@@ -220,7 +248,11 @@ def _of_line(full: Dense, load: Load) -> ComplexArray:
     inertia = np.where(system.held, 0.0, system.inertia)
     for k, w in enumerate(load.w.tolist()):
         ground = load.ground[:, k]
-        stiffness = constant - w * w * view.inertia + 1j * w * (view.damping + (view.basis.T * ground) @ view.basis)
+        stiffness = (
+            constant
+            - w * w * view.inertia
+            + 1j * w * (view.damping + (view.basis.T * ground) @ view.basis)
+        )
         spring = full.stiffness + 1j * w * system.viscous
         own = turned[:, k] * system.speed_ratio
         twist = system.twist(turned[:, k, None])[:, 0]
@@ -251,17 +283,29 @@ def superposed(given: Loaded, count: int, *, corrected: bool) -> list[ComplexArr
     system are exact: their torques at both ends are those of spans.
     """
     found = modes_as_discretised(given.system, count)
-    still = statically(given, SLOW * 2.0 * np.pi * found.frequency[0]) if corrected else [None] * len(given.loads)
-    return [_superposed(given, found, load, torque) for load, torque in zip(given.loads, still, strict=True)]
+    still = (
+        statically(given, SLOW * 2.0 * np.pi * found.frequency[0])
+        if corrected
+        else [None] * len(given.loads)
+    )
+    return [
+        _superposed(given, found, load, torque)
+        for load, torque in zip(given.loads, still, strict=True)
+    ]
 
 
-def _superposed(given: Loaded, found: Modes, load: Load, still: ComplexArray | None) -> ComplexArray:
+def _superposed(
+    given: Loaded, found: Modes, load: Load, still: ComplexArray | None
+) -> ComplexArray:
     """Of one harmonic component, from modes each damped by itself; what couples them is left out."""
     system, w, n, twist = given.system, load.w, 2.0 * np.pi * found.frequency, load.sources.twist
     referred = found.shape / system.speed_ratio[:, None]  # (stations, modes) rad
     node = np.zeros((system.condensed.tree.size, referred.shape[1]))
     node[system.condensed.node] = referred
-    loss_factor, of_spans = system.loss_factor @ found.elastic, system.viscous @ system.twist(referred) ** 2
+    loss_factor, of_spans = (
+        system.loss_factor @ found.elastic,
+        system.viscous @ system.twist(referred) ** 2,
+    )
     force = load.sources.force.T @ node
     turned = np.zeros_like(force)
     if twist is not None:
@@ -272,9 +316,13 @@ def _superposed(given: Loaded, found: Modes, load: Load, still: ComplexArray | N
     viscous = of_spans + load.ground.T @ (angle.T**2)
     lossy = n**2 * (1.0 + 1j * loss_factor)
     spring = lossy + 1j * np.outer(w, of_spans)  # a twist is resisted elastically and by damping
-    amplitude = (force + spring * turned / n**2) / (lossy - (w * w)[:, None] + 1j * w[:, None] * viscous)
+    amplitude = (force + spring * turned / n**2) / (
+        lossy - (w * w)[:, None] + 1j * w[:, None] * viscous
+    )
     at = given.ends
-    share = 1.0 + 1j * (at.loss_factor + np.outer(w, at.delay))  # elastic and damping torque / elastic torque
+    share = 1.0 + 1j * (
+        at.loss_factor + np.outer(w, at.delay)
+    )  # elastic and damping torque / elastic torque
     if still is not None:
         moved = amplitude - force / spring - turned / n**2
         return np.asarray(still[:, at.span] + share * (moved @ found.torque[at.span].T))

@@ -25,7 +25,9 @@ DRAWN = 361  # points of the effort over a revolution
 def run(work: Work) -> None:
     """Every compressor."""
     with work.log.step("compressors", "the train has one") as step:
-        found = tuple(_one(work, part, part.compressor) for part in work.study.train.parts if part.compressor)
+        found = tuple(
+            _one(work, part, part.compressor) for part in work.study.train.parts if part.compressor
+        )
         step.method = "harmonics by quadrature over the pieces of the pressures"
         step.size = f"{len(found)} with {sum(len(one.throws) for one in found)} throws"
         work.put(compressors=Compressors(found))
@@ -38,7 +40,11 @@ def _one(work: Work, part: Part, record: CompressorRecord) -> CompressorFound:
     if reference is not None:
         steady = steady_if_known(work.study, work.system, np.array([reference]))
         stations = {one.station for one in record.throws}
-        mean = None if steady is None else -float(sum(steady.applied[station, 0] for station in stations))
+        mean = (
+            None
+            if steady is None
+            else -float(sum(steady.applied[station, 0] for station in stations))
+        )
     each = [one.gas + one.inertia * speed**2 for one in record.throws]
     order = np.arange(len(each[0]))
     turned: FloatArray = np.linspace(0.0, 2.0 * math.pi, DRAWN)
@@ -51,31 +57,46 @@ def _one(work: Work, part: Part, record: CompressorRecord) -> CompressorFound:
         for phase in (np.array([one.phasor(k) for k in range(1, VARYING + 1)]),)
     ]
     return CompressorFound(
-        name=part.name, speed=own, indicated=-float(sum(one.gas[0].real for one in record.throws)),
-        efficiency=record.efficiency, mean_torque=mean,
-        throws=tuple(_throw(work, one, own) for one in record.throws), rigid=tuple(torque.sum(axis=0)[1:].tolist()),
-        turned=turned, effort=effort, varying=tuple(varying_inertia(work, over)), words=record.words,
-    )  # fmt: skip
+        name=part.name,
+        speed=own,
+        indicated=-float(sum(one.gas[0].real for one in record.throws)),
+        efficiency=record.efficiency,
+        mean_torque=mean,
+        throws=tuple(_throw(work, one, own) for one in record.throws),
+        rigid=tuple(torque.sum(axis=0)[1:].tolist()),
+        turned=turned,
+        effort=effort,
+        varying=tuple(varying_inertia(work, over)),
+        words=record.words,
+    )
 
 
 def _throw(work: Work, one: ThrowRecord, speed: float | None) -> ThrowFound:
     square = 0.0 if speed is None else speed**2
     return ThrowFound(
-        number=one.number, station=work.system.stations[one.station].name, angle=one.angle,
-        mean_torque=-float(one.gas[0].real), inertia=float(one.inertia_over_angle[0].real),
+        number=one.number,
+        station=work.system.stations[one.station].name,
+        angle=one.angle,
+        mean_torque=-float(one.gas[0].real),
+        inertia=float(one.inertia_over_angle[0].real),
         ends=tuple(_ends(one, speed)),
         harmonics=tuple(
             ThrowHarmonic(order, complex(one.gas[order]), complex(one.inertia[order]) * square)
             for order in range(1, len(one.gas))
         ),
-    )  # fmt: skip
+    )
 
 
 def _ends(one: ThrowRecord, speed: float | None) -> Iterator[EndFound]:
     for end in one.ends:
         torque = -float(end.torque[0].real)
         yield EndFound(
-            end=end.end, given=end.given, area=end.cylinder.area, clearance=end.clearance,
-            imep=end.cylinder.imep(torque), power=None if speed is None else torque * speed,
-            angle=end.diagram.angle, pressure=end.diagram.pressure,
-        )  # fmt: skip
+            end=end.end,
+            given=end.given,
+            area=end.cylinder.area,
+            clearance=end.clearance,
+            imep=end.cylinder.imep(torque),
+            power=None if speed is None else torque * speed,
+            angle=end.diagram.angle,
+            pressure=end.diagram.pressure,
+        )

@@ -12,8 +12,12 @@ class EndFound:
     end: str = result("", (), "head end or crank end")
     given: str = result("", (), "its file, or its constant pressure", key="pressures")
     area: float = result("m**2", (), "of the piston on this side")
-    clearance: float | None = result("1", (), "volume at its dead centre / swept volume; null without volumes")
-    imep: float = result("Pa", (), "indicated mean effective pressure, positive if the cylinder absorbs work")
+    clearance: float | None = result(
+        "1", (), "volume at its dead centre / swept volume; null without volumes"
+    )
+    imep: float = result(
+        "Pa", (), "indicated mean effective pressure, positive if the cylinder absorbs work"
+    )
     power: float | None = result("W", (), "indicated, at the speed of the harmonics; or null")
     angle: FloatArray = result("rad", ("crank angle",), "from the dead centre of the head end")
     pressure: FloatArray = result("Pa", ("crank angle",), "absolute")
@@ -51,19 +55,35 @@ class CompressorFound:
     """One compressor."""
 
     name: str = result("", (), "the compressor")
-    speed: float | None = result("rad/s", (), "own speed of the harmonics: rated, else the highest; or null")
-    indicated: float = result("N*m", (), "mean torque that the gas absorbs", key="indicated_torque_Nm")
+    speed: float | None = result(
+        "rad/s", (), "own speed of the harmonics: rated, else the highest; or null"
+    )
+    indicated: float = result(
+        "N*m", (), "mean torque that the gas absorbs", key="indicated_torque_Nm"
+    )
     efficiency: float = result("1", (), "mechanical: that / torque at the shaft")
-    mean_torque: float | None = result("N*m", (), "power absorbed at that speed according to `operation`; or null")
+    mean_torque: float | None = result(
+        "N*m", (), "power absorbed at that speed according to `operation`; or null"
+    )
     throws: tuple[ThrowFound, ...] = result("", (), "from the first end of the crankshaft")
-    rigid: tuple[complex, ...] = result("N*m", (), "sum of all throws by order, as phasors, reference angle zero",
-                                        key="sum_of_throws_Nm")  # fmt: skip
-    turned: FloatArray = result("rad", ("crank angle",), "of the effort, from reference angle zero",
-                                key="effort_angle_rad")  # fmt: skip
-    effort: FloatArray = result("N*m", ("throw", "crank angle"), "torque that each throw takes from the crankshaft, "
-                                "of all orders listed and the mean")  # fmt: skip
+    rigid: tuple[complex, ...] = result(
+        "N*m",
+        (),
+        "sum of all throws by order, as phasors, reference angle zero",
+        key="sum_of_throws_Nm",
+    )
+    turned: FloatArray = result(
+        "rad", ("crank angle",), "of the effort, from reference angle zero", key="effort_angle_rad"
+    )
+    effort: FloatArray = result(
+        "N*m",
+        ("throw", "crank angle"),
+        "torque that each throw takes from the crankshaft, of all orders listed and the mean",
+    )
     varying: tuple[VaryingInertia, ...] = result("", (), "by mode; empty without masses or modes")
-    words: tuple[tuple[str, str], ...] = result("", (), "figures of its data sheet: what, and value with unit")
+    words: tuple[tuple[str, str], ...] = result(
+        "", (), "figures of its data sheet: what, and value with unit"
+    )
 
     @derived("N*m", (), "torque at the shaft that the pressures need: indicated / efficiency")
     def needed(self) -> float:

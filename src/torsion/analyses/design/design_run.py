@@ -22,8 +22,14 @@ from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
 from torsion.study import Variation
 
-JUDGED, TOGETHER = 2000, 50_000  # trains solved where nothing else is said: one by one, side by side
-CONFIRMED, ROUNDS = 200, 3  # trains of the best, judged side by side, that are then solved by themselves; times
+JUDGED, TOGETHER = (
+    2000,
+    50_000,
+)  # trains solved where nothing else is said: one by one, side by side
+CONFIRMED, ROUNDS = (
+    200,
+    3,
+)  # trains of the best, judged side by side, that are then solved by themselves; times
 SAMPLES = 16  # of `sweep`, beside the file's own figures
 TEN, TRIED = 10, 5  # best that are reported, and that are solved by themselves at most
 APART = 0.02  # of a range, within which two choices are one
@@ -57,12 +63,16 @@ def run(work: Work) -> None:
         is_fast = _is_fast(trials)
         most = settings.evaluations or (TOGETHER if is_fast else JUDGED)
         if not is_fast:
-            work.progress(f"design, trains solved separately: at most {duration(most * seconds)}", 0.0)
+            work.progress(
+                f"design, trains solved separately: at most {duration(most * seconds)}", 0.0
+            )
         trials.limit = max(most // searched, 20)
         method = search(trials)
         best = list(_best(trials))
         for _ in range(ROUNDS):
-            if not (rough := [one for one in best[: max(CONFIRMED // searched, 1)] if not one.is_exact]):
+            if not (
+                rough := [one for one in best[: max(CONFIRMED // searched, 1)] if not one.is_exact]
+            ):
                 break
             trials.confirm(rough)
             best = list(_best(trials))
@@ -81,7 +91,9 @@ def _cases(work: Work, trials: Trials) -> Iterator[tuple[str, Case]]:
         if name:
             if study.case is None or not study.case.is_judged:
                 continue
-            own = replace(work, study=bare(study), results={}, ruled=work.rules.analyses_read(study))
+            own = replace(
+                work, study=bare(study), results={}, ruled=work.rules.analyses_read(study)
+            )
             variation = variation.in_case(study)
         sampled = variation if trials.sweep is None else trials.sweep.behind(variation)
         bench = JudgedInGroups(own, sampled, trials.modes) if trials.judged else None
@@ -118,18 +130,26 @@ def _samples(work: Work, sweep: Variation) -> FloatArray:
     """(samples, figures) of the sweep, the file's own first."""
     seed = work.settings("sweep", SweepSettings).seed
     unit = units(SAMPLES, 1 + max(one.column for one in sweep.figures), "latin", seed)
-    own = [one.nominal if np.isfinite(one.nominal) else one.at(np.array([0.5]))[0] for one in sweep.figures]
+    own = [
+        one.nominal if np.isfinite(one.nominal) else one.at(np.array([0.5]))[0]
+        for one in sweep.figures
+    ]
     return np.vstack([own, drawn(sweep.figures, unit)])
 
 
 def _best(trials: Trials) -> Iterator[Trial]:
     """The ten best, none of them beside a better one."""
     figures, kept = trials.variation.figures, list[FloatArray]()
-    width = np.array([
-        0.5 * float(np.diff(one.every()).min(initial=1.0)) if one.rows
-        else 0.5 * float(np.diff(one.every()).min()) if one.places else APART * one.law.width
-        for one in figures
-    ])  # fmt: skip
+    width = np.array(
+        [
+            0.5 * float(np.diff(one.every()).min(initial=1.0))
+            if one.rows
+            else 0.5 * float(np.diff(one.every()).min())
+            if one.places
+            else APART * one.law.width
+            for one in figures
+        ]
+    )
     for one in trials.best:
         row = np.array(one.values)
         if not any(np.all(np.abs(row - other) < width) for other in kept):
@@ -167,7 +187,9 @@ def _solved(trials: Trials, one: Trial) -> tuple[str, float, str]:
         if name in trials.searched and (worst is None or again.score[0] < worst.score[0]):
             worst = again
         verdicts.append(f"{words}{_verdict(found)}")
-    aim, score = (math.nan, math.nan) if worst is None else (float(worst.aim[0]), float(worst.score[0]))
+    aim, score = (
+        (math.nan, math.nan) if worst is None else (float(worst.aim[0]), float(worst.score[0]))
+    )
     nearby = abs(score - one.nominal_score) <= MISSED[0 if trials.judged else 1]
     agrees = nearby and (not trials.judged or not one.is_allowed or kept)
     return ("kept" if kept else "not kept") if agrees else "disagrees", aim, "; ".join(verdicts)
@@ -180,13 +202,19 @@ def _verdict(found: Findings) -> str:
 
 
 def _result(
-    trials: Trials, before: Trial | None, best: Sequence[Trial], proofs: Sequence[tuple[str, float, str]], method: str
-) -> Design:  # fmt: skip
+    trials: Trials,
+    before: Trial | None,
+    best: Sequence[Trial],
+    proofs: Sequence[tuple[str, float, str]],
+    method: str,
+) -> Design:
     settings, figures = trials.settings, trials.variation.figures
     at = next((k for k, (said, *_) in enumerate(proofs) if said != "disagrees"), None)
     picked = () if at is None else best[at].values
     done, target = list(trials.done.values()), settings.target
-    amounts = np.array([getattr(one, settings.against) if settings.against else np.nan for one in done])
+    amounts = np.array(
+        [getattr(one, settings.against) if settings.against else np.nan for one in done]
+    )
     aims, allowed = np.array([one.aim for one in done]), np.array([one.is_allowed for one in done])
     front = _front(amounts, np.where([one.score > -50.0 for one in done], aims, np.nan))
     uncounted = [
@@ -195,40 +223,72 @@ def _result(
         if said == TO_BE_VERIFIED
     ]
     return Design(
-        "the greatest smallest margin" if target is None else f"{target[0].name} at {target[1]:.6g} Hz",
-        tuple(one.words for one in settings.kept), method, len(done),
-        len(done) * len(trials.samples) * len(trials.searched), trials.unsolved,
+        "the greatest smallest margin"
+        if target is None
+        else f"{target[0].name} at {target[1]:.6g} Hz",
+        tuple(one.words for one in settings.kept),
+        method,
+        len(done),
+        len(done) * len(trials.samples) * len(trials.searched),
+        trials.unsolved,
         tuple(trials.faults)[:MOST_FAULTS],
         tuple(
-            ChosenFigure(one.name, one.law.words, one.words(one.nominal) if np.isfinite(one.nominal) else "",
-                         one.words(value) if picked else "")
+            ChosenFigure(
+                one.name,
+                one.law.words,
+                one.words(one.nominal) if np.isfinite(one.nominal) else "",
+                one.words(value) if picked else "",
+            )
             for one, value in zip(figures, picked or [0.0] * len(figures), strict=True)
         ),
         _known(before.aim) if before is not None and target is None else None,
         _known(before.frequency) if before is not None else None,
-        tuple(_candidate(trials, one, *(proofs[k] if k < len(proofs) else ("", math.nan, ""))[:2])
-              for k, one in enumerate(best)),
-        None if at is None else at + 1, proofs[at][2] if at is not None else "; ".join(one[2] for one in proofs),
-        tuple(dict.fromkeys(uncounted)), settings.against or "", amounts[front], aims[front],
-        np.array([one.values for one in done]), aims, amounts, allowed,
-        tuple(tuple(row.label for row in one.rows) for one in figures), tuple(one.law.unit for one in figures),
-        np.array(picked), tuple(name for name in trials.cases if name), set(trials.cases) == set(trials.searched),
-    )  # fmt: skip
+        tuple(
+            _candidate(trials, one, *(proofs[k] if k < len(proofs) else ("", math.nan, ""))[:2])
+            for k, one in enumerate(best)
+        ),
+        None if at is None else at + 1,
+        proofs[at][2] if at is not None else "; ".join(one[2] for one in proofs),
+        tuple(dict.fromkeys(uncounted)),
+        settings.against or "",
+        amounts[front],
+        aims[front],
+        np.array([one.values for one in done]),
+        aims,
+        amounts,
+        allowed,
+        tuple(tuple(row.label for row in one.rows) for one in figures),
+        tuple(one.law.unit for one in figures),
+        np.array(picked),
+        tuple(name for name in trials.cases if name),
+        set(trials.cases) == set(trials.searched),
+    )
 
 
 def _candidate(trials: Trials, one: Trial, said: str, aim: float) -> Candidate:
     rule, clause, where, what = one.decides or ("", "", "", "")
     sample = trials.samples[one.worst]
     varied = () if trials.sweep is None else trials.sweep.figures
-    worst = ", ".join(f"{figure.name} {figure.words(value)}" for figure, value in zip(varied, sample, strict=True))
+    worst = ", ".join(
+        f"{figure.name} {figure.words(value)}" for figure, value in zip(varied, sample, strict=True)
+    )
     worst = worst if one.worst else "as in the file" if varied else ""
     is_margin = trials.judged
     return Candidate(
-        tuple(figure.words(value) for figure, value in zip(trials.variation.figures, one.values, strict=True)),
-        _known(one.aim) if is_margin else None, f"{where}: {what} ({clause}, {rule})" if rule else "",
-        ", ".join(filter(None, (f"case {one.case}" if one.case else "", worst))), _known(one.frequency),
-        _known(one.mass), _known(one.cost), one.is_allowed, said, _known(aim) if is_margin and said else None,
-    )  # fmt: skip
+        tuple(
+            figure.words(value)
+            for figure, value in zip(trials.variation.figures, one.values, strict=True)
+        ),
+        _known(one.aim) if is_margin else None,
+        f"{where}: {what} ({clause}, {rule})" if rule else "",
+        ", ".join(filter(None, (f"case {one.case}" if one.case else "", worst))),
+        _known(one.frequency),
+        _known(one.mass),
+        _known(one.cost),
+        one.is_allowed,
+        said,
+        _known(aim) if is_margin and said else None,
+    )
 
 
 def _known(value: float) -> float | None:

@@ -35,7 +35,12 @@ def search(trials: Trials) -> str:
             tops = _tops(scores)
             for top in tops:
                 start = [float(axes[k][at]) for k, at in enumerate(top)]
-                _refined(trials, start, [_step(axis) for axis in axes], (limit - len(values)) // len(tops))
+                _refined(
+                    trials,
+                    start,
+                    [_step(axis) for axis in axes],
+                    (limit - len(values)) // len(tops),
+                )
             return f"{' by '.join(str(len(axis)) for axis in axes)} values, the best {len(tops)} refined"
     return _evolution(trials)
 
@@ -46,7 +51,10 @@ def _axes(figures: Sequence[Any], limit: int) -> list[FloatArray]:
     free = sum(not one.places for one in figures)
     most = CURVE if len(figures) == 1 else MAP
     side = max(min(most, int((0.8 * limit / listed) ** (1.0 / max(free, 1)))), 5)
-    return [one.every() if one.places else np.linspace(one.law.ends[0], one.law.ends[1], side) for one in figures]
+    return [
+        one.every() if one.places else np.linspace(one.law.ends[0], one.law.ends[1], side)
+        for one in figures
+    ]
 
 
 def _grid(axes: Sequence[FloatArray]) -> FloatArray:
@@ -85,7 +93,10 @@ def _refined(trials: Trials, start: Sequence[float], step: Sequence[float], most
         row[free] = low + np.atleast_1d(share) * (high - low)
         return -float(trials.scores(row[None])[0])
 
-    middle, around = (np.array(start)[free] - low) / (high - low), np.array(step)[free] / (high - low)
+    middle, around = (
+        (np.array(start)[free] - low) / (high - low),
+        np.array(step)[free] / (high - low),
+    )
     lowest, highest = np.maximum(middle - around, 0.0), np.minimum(middle + around, 1.0)
     if len(free) == 1:
         minimize_scalar(
@@ -95,13 +106,27 @@ def _refined(trials: Trials, start: Sequence[float], step: Sequence[float], most
             options={"xatol": REFINED, "maxiter": max(min(STEPS, most), FEW)},
         )
         return
-    corners = np.vstack([middle, *(np.where(np.arange(len(free)) == k, _other(lowest, highest, middle), middle)
-                                   for k in range(len(free)))])  # fmt: skip
+    corners = np.vstack(
+        [
+            middle,
+            *(
+                np.where(np.arange(len(free)) == k, _other(lowest, highest, middle), middle)
+                for k in range(len(free))
+            ),
+        ]
+    )
     minimize(
-        cost, middle, method="Nelder-Mead", bounds=[(0.0, 1.0)] * len(free),
-        options={"initial_simplex": corners, "xatol": REFINED, "fatol": 1e-9,
-                 "maxfev": max(min(SIMPLEX * len(free), most), FEW)},
-    )  # fmt: skip
+        cost,
+        middle,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * len(free),
+        options={
+            "initial_simplex": corners,
+            "xatol": REFINED,
+            "fatol": 1e-9,
+            "maxfev": max(min(SIMPLEX * len(free), most), FEW),
+        },
+    )
 
 
 def _other(low: FloatArray, high: FloatArray, middle: FloatArray) -> FloatArray:
@@ -122,10 +147,11 @@ def _evolution(trials: Trials) -> str:
     def values(unit: FloatArray) -> FloatArray:
         """(variants, figures) of places in lists and shares of ranges (figures, variants)."""
         columns = [
-            one.at(row) if each is None
+            one.at(row)
+            if each is None
             else each[np.clip(np.rint(row).astype(np.intp), 0, len(each) - 1)]
             for one, each, row in zip(figures, every, np.atleast_2d(unit.T).T, strict=True)
-        ]  # fmt: skip
+        ]
         return np.stack(columns, axis=-1)
 
     def cost(unit: FloatArray) -> Any:
@@ -135,10 +161,18 @@ def _evolution(trials: Trials) -> str:
         return len(trials.done) + crowd > 0.8 * limit
 
     differential_evolution(
-        cost, bounds, integrality=[each is not None for each in every], vectorized=True, updating="deferred",
-        polish=False, popsize=max(crowd // len(figures), 5), maxiter=limit, tol=1e-6, rng=trials.settings.seed,
+        cost,
+        bounds,
+        integrality=[each is not None for each in every],
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        popsize=max(crowd // len(figures), 5),
+        maxiter=limit,
+        tol=1e-6,
+        rng=trials.settings.seed,
         callback=is_spent,
-    )  # fmt: skip
+    )
     _others(trials, every)
     tops = list(_different(trials, every))
     left = (limit - len(trials.done)) // len(tops)
@@ -162,7 +196,9 @@ def _different(trials: Trials, every: Sequence[FloatArray | None]) -> Iterator[t
     """The best choices, no two of them with the same values of all lists."""
     seen = set[tuple[float, ...]]()
     for one in trials.best:
-        own = tuple(value for value, each in zip(one.values, every, strict=True) if each is not None)
+        own = tuple(
+            value for value, each in zip(one.values, every, strict=True) if each is not None
+        )
         if own not in seen:
             seen.add(own)
             yield one.values

@@ -21,7 +21,11 @@ FEWEST = 16  # trains of which the frequencies are found side by side
 DIGITS = 6  # of the range of a figure, in which its values are chosen
 SAME = 9  # decimals to which two scores are equal
 WIDEST = 50.0  # margin of a check of which nothing is used; beyond that of any other
-BROKEN, DOUBTFUL, WITHOUT = -100.0, -200.0, -1000.0  # condition broken; exceeded or not judged; no limit or no answer
+BROKEN, DOUBTFUL, WITHOUT = (
+    -100.0,
+    -200.0,
+    -1000.0,
+)  # condition broken; exceeded or not judged; no limit or no answer
 
 
 @dataclass(frozen=True)
@@ -83,14 +87,20 @@ class Trials:
     variation: Variation
     modes: int
     limit: int = 0  # choices at most
-    cases: Mapping[str, Case] = field(default_factory=dict)  # that are judged, the file as it stands first
+    cases: Mapping[str, Case] = field(
+        default_factory=dict
+    )  # that are judged, the file as it stands first
     sweep: Variation | None = None  # whose samples the worst is of
-    samples: FloatArray = field(default_factory=lambda: np.empty((1, 0)))  # (samples, figures) of `sweep`
+    samples: FloatArray = field(
+        default_factory=lambda: np.empty((1, 0))
+    )  # (samples, figures) of `sweep`
     done: dict[tuple[float, ...], Trial] = field(default_factory=dict)
     standing: dict[Key, str] = field(default_factory=dict)
     faults: dict[str, None] = field(default_factory=dict)
     unsolved: int = 0
-    masses: dict[tuple[float, ...], float] = field(default_factory=dict)  # of the shafts, kg, by their figures
+    masses: dict[tuple[float, ...], float] = field(
+        default_factory=dict
+    )  # of the shafts, kg, by their figures
 
     @property
     def judged(self) -> bool:
@@ -102,7 +112,8 @@ class Trials:
         """From the best to the worst; of equals the lightest, or cheapest, first."""
         against = self.settings.against or "mass"
         return sorted(
-            self.done.values(), key=lambda one: (-round(one.score, SAME), np.nan_to_num(getattr(one, against)))
+            self.done.values(),
+            key=lambda one: (-round(one.score, SAME), np.nan_to_num(getattr(one, against))),
         )
 
     def scores(self, values: FloatArray) -> FloatArray:
@@ -116,13 +127,15 @@ class Trials:
     def rounded(self, row: Sequence[float]) -> tuple[float, ...]:
         """Values of a range with so many digits as matter; rows of a list as they are."""
         return tuple(
-            value if digits is None else round(value, digits) for value, digits in zip(row, self._digits, strict=True)
+            value if digits is None else round(value, digits)
+            for value, digits in zip(row, self._digits, strict=True)
         )
 
     @cached_property
     def _digits(self) -> list[int | None]:
         return [
-            None if one.places else DIGITS - int(np.floor(np.log10(one.law.width))) for one in self.variation.figures
+            None if one.places else DIGITS - int(np.floor(np.log10(one.law.width)))
+            for one in self.variation.figures
         ]
 
     def confirm(self, rows: Sequence[Trial]) -> None:
@@ -144,17 +157,28 @@ class Trials:
         for name, own in zip(searched, found, strict=True):
             self.faults |= dict.fromkeys(_of_case(name, why) for why in own.faults.values())
             self.standing |= own.standing
-        score = np.stack([one.score.reshape(count, each) for one in judged], axis=1)  # (choices, cases, samples)
+        score = np.stack(
+            [one.score.reshape(count, each) for one in judged], axis=1
+        )  # (choices, cases, samples)
         worst = score.reshape(count, -1).argmin(axis=1)
         allowed = np.stack([one.allowed for one in judged]).all(axis=0).reshape(count, each)
         for k, row in enumerate(values.tolist()):
             case, sample = divmod(int(worst[k]), each)
             at, one = k * each + sample, judged[case]
             self.done[tuple(row)] = Trial(
-                tuple(row), float(one.aim[at]), float(one.score[at]), bool(allowed[k].all()), one.decides[at],
-                list(searched)[case], sample, float(score[k, :, 0].min()), float(judged[0].frequency[k * each]),
-                float(amounts[k, 0]), float(amounts[k, 1]), alone or not self.is_together,
-            )  # fmt: skip
+                tuple(row),
+                float(one.aim[at]),
+                float(one.score[at]),
+                bool(allowed[k].all()),
+                one.decides[at],
+                list(searched)[case],
+                sample,
+                float(score[k, :, 0].min()),
+                float(judged[0].frequency[k * each]),
+                float(amounts[k, 0]),
+                float(amounts[k, 1]),
+                alone or not self.is_together,
+            )
 
     def judge(self, found: Answers, amounts: FloatArray, *, of_case: bool = False) -> Judged:
         """Aims and conditions of the answers; amounts (variants, 2): mass and cost of each.
@@ -173,21 +197,29 @@ class Trials:
         else:
             frequency = found.frequency[target[0].mode - 1]
             aim = -np.abs(np.log(frequency / target[1]))
-        broken = sum((_broken(one, found.frequency, amounts) for one in self.settings.kept), np.zeros(count))
+        broken = sum(
+            (_broken(one, found.frequency, amounts) for one in self.settings.kept), np.zeros(count)
+        )
         unknown = unsolved | ~np.isfinite(aim) | ~np.isfinite(broken)
         known = np.where(unknown, 0.0, aim)
         score = np.where(broken > 0.0, BROKEN - np.minimum(np.nan_to_num(broken), 50.0), known)
-        score = np.where(unknown, WITHOUT, np.where(doubtful, DOUBTFUL + np.minimum(known, 0.0), score))
+        score = np.where(
+            unknown, WITHOUT, np.where(doubtful, DOUBTFUL + np.minimum(known, 0.0), score)
+        )
         allowed = ~unknown & ~doubtful & (broken == 0.0) & ((target is not None) | (known >= 0.0))
         return Judged(np.where(unknown, np.nan, aim), score, allowed, decides, frequency)
 
-    def _margins(self, found: Answers, count: int) -> tuple[FloatArray, tuple[Key | None, ...], BoolArray]:
+    def _margins(
+        self, found: Answers, count: int
+    ) -> tuple[FloatArray, tuple[Key | None, ...], BoolArray]:
         """Smallest margin, the check that has it, and whether something is not kept that has no margin."""
         standing = self.standing | found.standing
         doubtful = np.isin(np.arange(count), list(found.partly))
         keys = [key for key in found.checks if standing.get(key) != TO_BE_VERIFIED]
         for key, (used, fails) in found.checks.items():
-            doubtful |= fails & (~((used > 1.0) & np.isfinite(used)) | (standing.get(key) == TO_BE_VERIFIED))
+            doubtful |= fails & (
+                ~((used > 1.0) & np.isfinite(used)) | (standing.get(key) == TO_BE_VERIFIED)
+            )
         if not keys:
             return np.full(count, np.nan), (None,) * count, doubtful
         used = np.stack([found.checks[key][0] for key in keys])
@@ -196,7 +228,9 @@ class Trials:
         margin[~np.isfinite(used)] = np.inf
         least: IntArray = margin.argmin(axis=0)
         value = margin.min(axis=0)
-        names = tuple(keys[k] if np.isfinite(one) else None for k, one in zip(least, value, strict=True))
+        names = tuple(
+            keys[k] if np.isfinite(one) else None for k, one in zip(least, value, strict=True)
+        )
         return np.where(np.isfinite(value), value, np.nan), names, doubtful
 
     def as_it_stands(self) -> Trial | None:
@@ -216,14 +250,28 @@ class Trials:
             self.standing |= found.standing
             every.append(self.judge(found, np.array([[mass, np.nan]]), of_case=bool(name)))
         one = min(every, key=lambda one: one.score[0])
-        return Trial((), float(one.aim[0]), float(one.score[0]), all(bool(own.allowed[0]) for own in every),
-                     one.decides[0], "", 0, float(one.score[0]), float(every[0].frequency[0]),
-                     mass, np.nan)  # fmt: skip
+        return Trial(
+            (),
+            float(one.aim[0]),
+            float(one.score[0]),
+            all(bool(own.allowed[0]) for own in every),
+            one.decides[0],
+            "",
+            0,
+            float(one.score[0]),
+            float(every[0].frequency[0]),
+            mass,
+            np.nan,
+        )
 
     @cached_property
     def searched(self) -> dict[str, Case]:
         """The file and its cases of which the worst counts: a frequency is that of the file, conditions of all."""
-        return {name: one for name, one in self.cases.items() if not name or self.judged or self.settings.keeps_modes}
+        return {
+            name: one
+            for name, one in self.cases.items()
+            if not name or self.judged or self.settings.keeps_modes
+        }
 
     @property
     def how(self) -> str:
@@ -231,7 +279,10 @@ class Trials:
         benches = [one.bench for one in self.cases.values() if one.bench is not None]
         if not benches:
             return ""
-        alone, why = sum(one.alone for one in benches), "; ".join(dict.fromkeys(one.why for one in benches if one.why))
+        alone, why = (
+            sum(one.alone for one in benches),
+            "; ".join(dict.fromkeys(one.why for one in benches if one.why)),
+        )
         if not self.is_together:
             return f"; every train solved and judged separately: {why or 'more than numbers of one train vary'}"
         few = f"{alone:,} trains and the best separately" if alone else "the best by itself"
@@ -240,14 +291,25 @@ class Trials:
     @property
     def is_together(self) -> bool:
         """Some train was judged side by side with others."""
-        return any(case.bench is not None and any(case.bench.trains.values()) for case in self.cases.values())
+        return any(
+            case.bench is not None and any(case.bench.trains.values())
+            for case in self.cases.values()
+        )
 
     def amounts(self, row: Sequence[float]) -> tuple[float, float]:
         """Mass (kg) and cost; NaN where nothing requests it."""
-        rows = [one.rows[int(value)].said for one, value in zip(self.variation.figures, row, strict=True) if one.rows]
+        rows = [
+            one.rows[int(value)].said
+            for one, value in zip(self.variation.figures, row, strict=True)
+            if one.rows
+        ]
         requested = {self.settings.against, *(one.subject.name for one in self.settings.kept)}
         cost = sum(one.get("cost", 0.0) for one in rows) if "cost" in requested else np.nan
-        mass = sum(one.get("mass", 0.0) for one in rows) + self._shafts(row) if "mass" in requested else np.nan
+        mass = (
+            sum(one.get("mass", 0.0) for one in rows) + self._shafts(row)
+            if "mass" in requested
+            else np.nan
+        )
         return mass, cost
 
     def _shafts(self, row: Sequence[float]) -> float:
@@ -264,12 +326,18 @@ class Trials:
     def _of_shafts(self) -> list[int]:
         """The figures that stand in a shaft or a material."""
         shafts = {part.path for part in self.work.study.train.parts if part.kind == "shaft"}
-        paths = [[*(path for path, _ in one.paths), *(path for row in one.rows for path, _ in row.puts)]
-                 for one in self.variation.figures]  # fmt: skip
+        paths = [
+            [*(path for path, _ in one.paths), *(path for row in one.rows for path, _ in row.puts)]
+            for one in self.variation.figures
+        ]
         return [
-            place for place, each in enumerate(paths)
-            if any(path[0] == "materials" or any(path[: len(own)] == own for own in shafts) for path in each)
-        ]  # fmt: skip
+            place
+            for place, each in enumerate(paths)
+            if any(
+                path[0] == "materials" or any(path[: len(own)] == own for own in shafts)
+                for path in each
+            )
+        ]
 
     def shown(self, work: Work) -> Work:
         """The work with a progress of all trials."""
@@ -298,7 +366,9 @@ def shaft_mass(train: Train) -> float:
     if any(bar.section is not None for bar in train.bars):
         return float("nan")
     areas = [_cone(bar.outer) - _cone(bar.bore) for bar in train.bars]
-    return float(sum(bar.density * bar.length * area for bar, area in zip(train.bars, areas, strict=True)))
+    return float(
+        sum(bar.density * bar.length * area for bar, area in zip(train.bars, areas, strict=True))
+    )
 
 
 def _cone(ends: tuple[float, float]) -> float:
@@ -307,10 +377,18 @@ def _cone(ends: tuple[float, float]) -> float:
 
 def _broken(one: Kept, frequency: FloatArray, amounts: FloatArray) -> FloatArray:
     """(variants,) by how much a condition is not kept, as a logarithm; 0 where it is, NaN where it is not known."""
-    value = frequency[one.subject.mode - 1] if one.subject.mode else amounts[:, int(one.subject.name == "cost")]
+    value = (
+        frequency[one.subject.mode - 1]
+        if one.subject.mode
+        else amounts[:, int(one.subject.name == "cost")]
+    )
     with np.errstate(divide="ignore"):
         above: FloatArray = np.log(one.high) - np.log(value)
-        below: FloatArray = np.log(value) - np.log(one.low) if one.low else np.where(np.isnan(value), np.nan, np.inf)
+        below: FloatArray = (
+            np.log(value) - np.log(one.low)
+            if one.low
+            else np.where(np.isnan(value), np.nan, np.inf)
+        )
     if one.is_outside:
         return np.maximum(np.minimum(below, above), 0.0)
     return np.maximum(np.maximum(-below, -above), 0.0)

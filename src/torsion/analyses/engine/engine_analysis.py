@@ -46,7 +46,11 @@ class Running:
 def run(work: Work) -> None:
     """Every engine."""
     with work.log.step("engines", "the train has one") as step:
-        found = tuple(_engine(work, part, part.engine) for part in work.study.train.parts if part.engine is not None)
+        found = tuple(
+            _engine(work, part, part.engine)
+            for part in work.study.train.parts
+            if part.engine is not None
+        )
         step.method = "harmonics by quadrature, sums of phasors, misfires by superposition"
         step.size = f"{len(found)} with {sum(len(one.cylinders) for one in found)} cylinders"
         work.put(engines=Engines(found))
@@ -55,29 +59,48 @@ def run(work: Work) -> None:
 def _engine(work: Work, part: Part, engine: EngineRecord) -> EngineFound:
     running = _running(work, part, engine)
     share = sum(own for _, own in engine.drives)
-    balanced = None if running is None or running.mean is None or not share else running.mean / share
+    balanced = (
+        None if running is None or running.mean is None or not share else running.mean / share
+    )
     gas_mean = None if balanced is None else balanced / len(engine.cylinders) / engine.efficiency
     size, law = engine.cylinder, engine.gas
     at_one = law is not None and law.goes_on  # load
-    stated = None if size is None or law is None or law.stated is None or not at_one else size.imep(law.stated)
+    stated = (
+        None
+        if size is None or law is None or law.stated is None or not at_one
+        else size.imep(law.stated)
+    )
     return EngineFound(
-        name=part.name, gas_words=engine.gas_words, speed=None if running is None else running.speed,
-        mean_torque=None if running is None else running.mean, balanced_torque=balanced, gas_mean=gas_mean,
-        imep=None if size is None or gas_mean is None else size.imep(gas_mean), stated=stated,
-        efficiency=engine.efficiency, keeps_power=engine.keeps_power,
+        name=part.name,
+        gas_words=engine.gas_words,
+        speed=None if running is None else running.speed,
+        mean_torque=None if running is None else running.mean,
+        balanced_torque=balanced,
+        gas_mean=gas_mean,
+        imep=None if size is None or gas_mean is None else size.imep(gas_mean),
+        stated=stated,
+        efficiency=engine.efficiency,
+        keeps_power=engine.keeps_power,
         cylinders=tuple(
             CylinderFound(
-                one.number, work.system.stations[one.station].name, one.firing, one.state,
+                one.number,
+                work.system.stations[one.station].name,
+                one.firing,
+                one.state,
                 one.share if one.state == "firing" else 0.0,
             )
             for one in engine.cylinders
         ),
         harmonics=tuple(_harmonics(work, engine, running, gas_mean)),
-        curves=tuple(_curves(engine)), inertia=float(engine.inertia_over_angle[0].real),
+        curves=tuple(_curves(engine)),
+        inertia=float(engine.inertia_over_angle[0].real),
         inertia_harmonics=tuple(engine.inertia_over_angle[1 : VARYING + 1].tolist()),
-        varying=tuple(_varying(work, engine)), superposed=_misfires(work, engine),
-        stress_modulus=engine.modulus, words=engine.words, remarks=engine.remarks,
-    )  # fmt: skip
+        varying=tuple(_varying(work, engine)),
+        superposed=_misfires(work, engine),
+        stress_modulus=engine.modulus,
+        words=engine.words,
+        remarks=engine.remarks,
+    )
 
 
 def _running(work: Work, part: Part, engine: EngineRecord) -> Running | None:
@@ -107,17 +130,28 @@ def _harmonics(
     for place, number in enumerate(numbers):
         gas = 0j if law is None else complex(law.harmonic(number, load, speed)[0])
         known = law is not None and law.motored is not None
-        motored = complex(law.harmonic(number, load, speed, state="motored")[0]) if law is not None and known else None
+        motored = (
+            complex(law.harmonic(number, load, speed, state="motored")[0])
+            if law is not None and known
+            else None
+        )
         masses = complex(engine.inertia[number]) * float(speed[0]) ** 2
         tangential = None if size is None else abs(gas + masses) / size.tangential
         yield HarmonicFound(
-            Fraction(number, engine.revolutions), gas, masses, motored, tangential, float(rigid[place]),
+            Fraction(number, engine.revolutions),
+            gas,
+            masses,
+            motored,
+            tangential,
+            float(rigid[place]),
             tuple(float(mode[place]) for mode in modes),
-        )  # fmt: skip
+        )
 
 
 def _is_there(engine: EngineRecord, number: int) -> bool:
-    return bool(engine.inertia[number] or (engine.gas is not None and engine.gas.firing[:, number].any()))
+    return bool(
+        engine.inertia[number] or (engine.gas is not None and engine.gas.firing[:, number].any())
+    )
 
 
 def _shapes(work: Work, engine: EngineRecord) -> list[FloatArray]:
@@ -134,22 +168,39 @@ def _shapes(work: Work, engine: EngineRecord) -> list[FloatArray]:
 def _curves(engine: EngineRecord) -> Iterator[CurveFound]:
     for curve in engine.curves:
         size = engine.cylinder
-        lever = np.zeros(len(curve.angle)) if size is None else size.lever(curve.angle) / size.tangential
+        lever = (
+            np.zeros(len(curve.angle))
+            if size is None
+            else size.lever(curve.angle) / size.tangential
+        )
         tangential = (curve.pressure - curve.around) * lever
-        yield CurveFound(curve.name, curve.angle, curve.pressure, curve.motored, tangential, curve.imep, curve.stated)
+        yield CurveFound(
+            curve.name,
+            curve.angle,
+            curve.pressure,
+            curve.motored,
+            tangential,
+            curve.imep,
+            curve.stated,
+        )
 
 
 def _varying(work: Work, engine: EngineRecord) -> Iterator[VaryingInertia]:
     """Of all cylinders alike."""
     numbers = range(1, min(VARYING, len(engine.inertia_over_angle) - 1) + 1)
     over = engine.inertia_over_angle[1 : len(numbers) + 1]
-    return varying_inertia(work, [
-        (one.station, over * np.array([one.phasor(k * engine.revolutions) for k in numbers]))
-        for one in engine.cylinders
-    ])  # fmt: skip
+    return varying_inertia(
+        work,
+        [
+            (one.station, over * np.array([one.phasor(k * engine.revolutions) for k in numbers]))
+            for one in engine.cylinders
+        ],
+    )
 
 
-def varying_inertia(work: Work, cylinders: Sequence[tuple[int, ComplexArray]]) -> Iterator[VaryingInertia]:
+def varying_inertia(
+    work: Work, cylinders: Sequence[tuple[int, ComplexArray]]
+) -> Iterator[VaryingInertia]:
     """Of cylinders with their stations and (harmonics,) kg m2 of their inertia over a revolution, phasors included.
 
     Of every mode with its largest harmonic: J_0 (1 + e cos k angle) is unstable about 2 w/k +- e/4 of that.
@@ -160,7 +211,9 @@ def varying_inertia(work: Work, cylinders: Sequence[tuple[int, ComplexArray]]) -
     over = np.array([own for _, own in cylinders]).T
     if modes is None or not over.any():
         return
-    square = modes.shape[[station for station, _ in cylinders]] ** 2  # of 1 kg m2 of the mode: mass-normalised
+    square = (
+        modes.shape[[station for station, _ in cylinders]] ** 2
+    )  # of 1 kg m2 of the mode: mass-normalised
     found = np.abs(over @ square)
     for mode in range(min(modes.shape.shape[1], 2 * MOST_MODES)):
         best = int(found[:, mode].argmax())
@@ -168,7 +221,9 @@ def varying_inertia(work: Work, cylinders: Sequence[tuple[int, ComplexArray]]) -
         middle = 2.0 * 2.0 * math.pi * float(modes.frequency[mode]) / (best + 1)
         same = damped is not None and len(damped.damping_ratio) > mode
         ratio = float(damped.damping_ratio[mode]) if damped is not None and same else None
-        yield VaryingInertia(mode + 1, best + 1, share, middle * (1 - share / 4), middle * (1 + share / 4), ratio)
+        yield VaryingInertia(
+            mode + 1, best + 1, share, middle * (1 - share / 4), middle * (1 + share / 4), ratio
+        )
 
 
 def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[MisfireFound]]:
@@ -177,18 +232,22 @@ def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[Misfire
     It finds nothing without a response, and in all but the first of the runs of `misfire: worst`.
     """
     response = work.get(Response)
-    if engine.tries_all and next(one.number for one in engine.cylinders if one.state != "cut out") not in (
-        one.number for one in engine.cylinders if one.state == "motored"
-    ):
+    if engine.tries_all and next(
+        one.number for one in engine.cylinders if one.state != "cut out"
+    ) not in (one.number for one in engine.cylinders if one.state == "motored"):
         return tuple
     if response is None or len(engine.cylinders) == 1:
         return tuple
     if work.study.case is not None and not engine.tries_all:
         what = f"misfire of each cylinder of {work.study.train.parts[engine.part].name} in addition to this case"
-        work.log.without(what, f"the nominal case contains it; {STATED}, in a case `based_on` this one")
+        work.log.without(
+            what, f"the nominal case contains it; {STATED}, in a case `based_on` this one"
+        )
         return tuple
     if why := without_answer(response):
-        work.log.without(f"misfire of each cylinder of {work.study.train.parts[engine.part].name}", why)
+        work.log.without(
+            f"misfire of each cylinder of {work.study.train.parts[engine.part].name}", why
+        )
     return partial(misfires, work.study, response, engine)
 
 
@@ -198,10 +257,18 @@ def engine_faults(study: Study) -> Iterator[Fault]:
     lacking = [part for part in parts if part.engine is not None and not part.engine.has_phase]
     for part in lacking[1:]:
         message = f"'{part.name}' and '{lacking[0].name}' have no `phase` between them"
-        yield Fault(part.path, message, "give the crank angle at which its first cylinder fires: `phase: 60 deg`")
+        yield Fault(
+            part.path,
+            message,
+            "give the crank angle at which its first cylinder fires: `phase: 60 deg`",
+        )
     chance = [part for part in parts if part.engine is not None and part.engine.by_chance]
     if chance and (study.train.has_nonlinear_couplings or "transient" in study.analyses):
-        what = "a motion over time" if "transient" in study.analyses else "backlash, friction, stages or a clutch"
+        what = (
+            "a motion over time"
+            if "transient" in study.analyses
+            else "backlash, friction, stages or a clutch"
+        )
         message = f"`phase: worst` adds magnitudes, and {what} does not follow so"
         yield Fault((*chance[0].path, "phase"), message, "give the angle, in several cases")
     for part in parts:
@@ -230,7 +297,10 @@ def _uncovered(study: Study, part: Part, engine: EngineRecord) -> Iterator[Fault
         if not law.covers(each):
             unit = 1.0 if engine.cylinder is None else engine.cylinder.imep(1.0) * 1e-5
             yield _beyond(
-                part, unit * each, unit * law.at, "N m of a cylinder" if engine.cylinder is None else "`bar` imep"
+                part,
+                unit * each,
+                unit * law.at,
+                "N m of a cylinder" if engine.cylinder is None else "`bar` imep",
             )
 
 

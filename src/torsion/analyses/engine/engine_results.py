@@ -16,9 +16,13 @@ class CylinderFound:
     number: int = result("", (), "as the file counts, from 1")
     station: str = result("", (), "its throw")
     firing: float = result("rad", (), "crank angle at which it fires, from reference angle zero")
-    state: Literal["firing", "motored", "cut out"] = result("", (), "firing, motored (misfire) or cut out")
+    state: Literal["firing", "motored", "cut out"] = result(
+        "", (), "firing, motored (misfire) or cut out"
+    )
     share: float = result(
-        "1", (), "its heat / heat of a cylinder of the balanced engine; 0 for a cylinder without firing"
+        "1",
+        (),
+        "its heat / heat of a cylinder of the balanced engine; 0 for a cylinder without firing",
     )
 
 
@@ -29,11 +33,19 @@ class HarmonicFound:
     order: Fraction = result("", (), "per revolution of the crankshaft, exact")
     gas: complex = result("N*m", (), "of the gas")
     masses: complex = result("N*m", (), "of the moving masses")
-    motored: complex | None = result("N*m", (), "gas torque of a misfiring cylinder; null if unknown")
-    tangential: float | None = result("Pa", (), "magnitude of the sum / (piston area times half the stroke), or null")
-    rigid: float = result("1", (), "magnitude of the sum of exp(-i order firing angle) over the cylinders")
+    motored: complex | None = result(
+        "N*m", (), "gas torque of a misfiring cylinder; null if unknown"
+    )
+    tangential: float | None = result(
+        "Pa", (), "magnitude of the sum / (piston area times half the stroke), or null"
+    )
+    rigid: float = result(
+        "1", (), "magnitude of the sum of exp(-i order firing angle) over the cylinders"
+    )
     by_mode: tuple[float, ...] = result(
-        "1", (), "the same of each elastic mode, weighted with its angle at the throws / the largest of these"
+        "1",
+        (),
+        "the same of each elastic mode, weighted with its angle at the throws / the largest of these",
     )
 
     @derived("N*m", (), "of gas and masses together")
@@ -50,9 +62,13 @@ class CurveFound:
     angle: FloatArray = result("rad", ("crank angle",), "from firing top dead centre")
     pressure: FloatArray = result("Pa", ("crank angle",), "absolute")
     motored: FloatArray = result("Pa", ("crank angle",), "the same without heat")
-    tangential: FloatArray = result("Pa", ("crank angle",), "torque of the gas / (piston area times half the stroke)")
+    tangential: FloatArray = result(
+        "Pa", ("crank angle",), "torque of the gas / (piston area times half the stroke)"
+    )
     imep: float = result("Pa", (), "indicated mean effective pressure found")
-    stated: float | None = result("Pa", (), "the same as the file states it, or null", key="stated_imep_Pa")
+    stated: float | None = result(
+        "Pa", (), "the same as the file states it, or null", key="stated_imep_Pa"
+    )
 
 
 @reported
@@ -77,9 +93,15 @@ class MisfireFound:
     """The engine with one cylinder motored, all others in balance."""
 
     cylinder: int = result("", (), "number; 0 of the engine with every cylinder firing")
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds: some of those requested, and every peak")
-    half_range: FloatArray = result("N*m", ("speed", "span"), "(max - min)/2 of all orders together",
-                                    printed=("element", "speed"))  # fmt: skip
+    speed: FloatArray = result(
+        "rad/s", ("speed",), "reference speeds: some of those requested, and every peak"
+    )
+    half_range: FloatArray = result(
+        "N*m",
+        ("speed", "span"),
+        "(max - min)/2 of all orders together",
+        printed=("element", "speed"),
+    )
 
 
 @reported
@@ -88,24 +110,42 @@ class EngineFound:
 
     name: str = result("", (), "the engine")
     gas_words: str = result("", (), "how the gas torque is given", key="gas")
-    speed: float | None = result("rad/s", (), "own speed of the harmonics: rated, else the highest; or null")
-    mean_torque: float | None = result("N*m", (), "that it gives at that speed, as it runs; or null")
-    balanced_torque: float | None = result("N*m", (), "the same with every cylinder firing alike, or null")
-    gas_mean: float | None = result("N*m", (), "mean gas torque of a firing cylinder for that, or null")
-    imep: float | None = result("Pa", (), "the indicated mean effective pressure that this needs, or null")
-    stated: float | None = result("Pa", (), "that at which the gas torque is given, or null", key="stated_imep_Pa")
+    speed: float | None = result(
+        "rad/s", (), "own speed of the harmonics: rated, else the highest; or null"
+    )
+    mean_torque: float | None = result(
+        "N*m", (), "that it gives at that speed, as it runs; or null"
+    )
+    balanced_torque: float | None = result(
+        "N*m", (), "the same with every cylinder firing alike, or null"
+    )
+    gas_mean: float | None = result(
+        "N*m", (), "mean gas torque of a firing cylinder for that, or null"
+    )
+    imep: float | None = result(
+        "Pa", (), "the indicated mean effective pressure that this needs, or null"
+    )
+    stated: float | None = result(
+        "Pa", (), "that at which the gas torque is given, or null", key="stated_imep_Pa"
+    )
     efficiency: float = result("1", (), "mechanical: mean torque / mean gas torque")
     keeps_power: bool = result("", (), "the other cylinders make up for those that do not fire")
     cylinders: tuple[CylinderFound, ...] = result("", (), "in the order of their numbers")
     harmonics: tuple[HarmonicFound, ...] = result("", (), "ascending")
     curves: tuple[CurveFound, ...] = result("", (), "indicator diagrams, or the cycle")
     inertia: float = result("kg*m**2", (), "mean of the moving masses of a cylinder")
-    inertia_harmonics: tuple[complex, ...] = result("kg*m**2", (), "of a revolution, 1, 2, ..: complex amplitudes")
+    inertia_harmonics: tuple[complex, ...] = result(
+        "kg*m**2", (), "of a revolution, 1, 2, ..: complex amplitudes"
+    )
     varying: tuple[VaryingInertia, ...] = result("", (), "by mode; empty without masses or modes")
     stress_modulus: float | None = result("m**3", (), "minimum of journal and pin, or null")
-    words: tuple[tuple[str, str], ...] = result("", (), "figures of its data sheet: what, and value with unit")
+    words: tuple[tuple[str, str], ...] = result(
+        "", (), "figures of its data sheet: what, and value with unit"
+    )
     remarks: tuple[str, ...] = result("", (), "what is estimated or omitted")
-    superposed: Callable[[], Sequence[MisfireFound]] = field(default=tuple, repr=False, compare=False)
+    superposed: Callable[[], Sequence[MisfireFound]] = field(
+        default=tuple, repr=False, compare=False
+    )
 
     @derived("", (), "every cylinder in turn, first none; empty if not known")
     def misfires(self) -> tuple[MisfireFound, ...]:

@@ -36,7 +36,9 @@ def misfires(study: Study, found: Response, engine: EngineRecord) -> list[Misfir
     each = np.concatenate([each, _half_ranges(study, found, engine, more)], axis=1)
     at = np.concatenate([at, more])
     order = np.argsort(at)
-    return [MisfireFound(number, found.speed[at[order]], own[order]) for number, own in enumerate(each)]
+    return [
+        MisfireFound(number, found.speed[at[order]], own[order]) for number, own in enumerate(each)
+    ]
 
 
 def _half_ranges(study: Study, found: Response, engine: EngineRecord, at: IntArray) -> FloatArray:
@@ -51,7 +53,9 @@ def _half_ranges(study: Study, found: Response, engine: EngineRecord, at: IntArr
         for line, cylinder, one in own:
             state: State = "motored" if cylinder == number else "firing"
             order = one.cylinder
-            if order is None or (order.state == state and (order.share == 1.0 or state == "motored")):
+            if order is None or (
+                order.state == state and (order.share == 1.0 or state == "motored")
+            ):
                 continue
             ratio = float(system.speed_ratio[one.station])
             mean = None if steady is None else steady.applied[order.station]
@@ -81,13 +85,18 @@ def _torques(found: Response, engine: EngineRecord) -> list[tuple[int, int, Torq
     return [
         (lines[order], number, torque)
         for number, torque in by_cylinder(system.train.torques, engine)
-        if torque.order is not None and (order := torque.order * system.stations[torque.station].ratio) in lines
+        if torque.order is not None
+        and (order := torque.order * system.stations[torque.station].ratio) in lines
     ]
 
 
 def by_cylinder(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[tuple[int, Torque]]:
     """The torques of an engine, each with the number of its cylinder: they follow one another as these do."""
-    mine = [one for one in torques if isinstance(one.cylinder, CylinderOrder) and one.cylinder.engine == engine.part]
+    mine = [
+        one
+        for one in torques
+        if isinstance(one.cylinder, CylinderOrder) and one.cylinder.engine == engine.part
+    ]
     each = len(mine) // max(len(engine.cylinders), 1)
     return ((engine.cylinders[place // each].number, one) for place, one in enumerate(mine))
 
@@ -95,7 +104,9 @@ def by_cylinder(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[tup
 def _speeds(found: Response) -> IntArray:
     """Positions of some of the speeds of a response: those requested, thinned, the peaks, and that of the synthesis."""
     requested = np.flatnonzero(found.requested)
-    thinned = requested[np.linspace(0, len(requested) - 1, min(len(requested), MOST_SPEEDS)).round().astype(int)]
+    thinned = requested[
+        np.linspace(0, len(requested) - 1, min(len(requested), MOST_SPEEDS)).round().astype(int)
+    ]
     size = np.nan_to_num(np.abs(found.torque))
     kept = np.unique(np.append(thinned, size.sum(axis=1).argmax(axis=0))).tolist()
     for peak in np.unique(size.argmax(axis=0)).tolist():

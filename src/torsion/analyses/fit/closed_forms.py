@@ -24,9 +24,19 @@ from torsion.errors import SolveError
 from torsion.kernels.loops import Chords, graph_modes, looped_response
 from torsion.kernels.mode_shapes import TreeModes
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.sensitivities import compliance_slopes, frequency_sensitivity, response_sensitivity
+from torsion.kernels.sensitivities import (
+    compliance_slopes,
+    frequency_sensitivity,
+    response_sensitivity,
+)
 from torsion.kernels.tree import Tree
-from torsion.kernels.tree_response import Status, TreeResponse, complex_compliance, status, tree_response
+from torsion.kernels.tree_response import (
+    Status,
+    TreeResponse,
+    complex_compliance,
+    status,
+    tree_response,
+)
 from torsion.study import Study, Variation
 
 OWN = 7  # blocks of rows that do not follow the speed: four of the tree, three of the chords
@@ -58,12 +68,19 @@ class ClosedForms:
     def blocks(self, rows: Rows) -> list[Rows]:
         """The rows of each block."""
         size, chords = self.system.condensed.tree.size, len(self.system.condensed.extra)
-        each = [size] * 4 + [chords] * 3 + [size] * bool(self.curves) + [size, size, chords] * len(self.found)
+        each = (
+            [size] * 4
+            + [chords] * 3
+            + [size] * bool(self.curves)
+            + [size, size, chords] * len(self.found)
+        )
         return np.split(rows, np.cumsum(each)[:-1])
 
     def line(self, place: int) -> int:
         """Which of the excitations a curve is of."""
-        return next(k for k, one in enumerate(self.found) if one.line.order == self.curves[place].order)
+        return next(
+            k for k, one in enumerate(self.found) if one.line.order == self.curves[place].order
+        )
 
     @cached_property
     def at(self) -> Callable[[tuple[float, ...]], "AtFigures"]:
@@ -72,32 +89,52 @@ class ClosedForms:
 
 
 def closed_forms(
-    variation: Variation, system: System, curves: tuple[Curve, ...], count: int,
+    variation: Variation,
+    system: System,
+    curves: tuple[Curve, ...],
+    count: int,
     assembled: Callable[[Study], System],
-) -> ClosedForms | None:  # fmt: skip
+) -> ClosedForms | None:
     """None where the train is another one, or a figure enters otherwise; assembled: a study, divided as the file is."""
-    study, orders = variation.study([one.nominal for one in variation.figures]), {curve.order for curve in curves}
+    study, orders = (
+        variation.study([one.nominal for one in variation.figures]),
+        {curve.order for curve in curves},
+    )
     train = study.train
     if (
-        system.tables or system.bars is not None or system.groups is not None or train.modal_damping
-        or train.has_nonlinear_couplings or train.has_tables_over("vibratory torque")
+        system.tables
+        or system.bars is not None
+        or system.groups is not None
+        or train.modal_damping
+        or train.has_nonlinear_couplings
+        or train.has_tables_over("vibratory torque")
         or (np.isinf(system.flexibility) & (system.viscous == 0.0)).any()
-    ):  # fmt: skip
+    ):
         return None
     found = tuple(one for one in excitations(system, orders) if one.line.order in orders)
     targets = tuple(_target(system, curve) for curve in curves)
-    if any(len(one.apart) > 1 for one in found) or any(one.at < 0 for one in targets):  # the torque of a chord
+    if any(len(one.apart) > 1 for one in found) or any(
+        one.at < 0 for one in targets
+    ):  # the torque of a chord
         return None
     speed = np.unique(np.concatenate([[], *(curve.speed for curve in curves)]))
 
     def rows(other: Study, own: System) -> Rows | None:
         lines = [one for one in excitations(own, orders) if one.line.order in orders]
-        return np.vstack([*_rows(other, own, lines, speed)]) if _alike(own, system, lines, found) else None
+        return (
+            np.vstack([*_rows(other, own, lines, speed)])
+            if _alike(own, system, lines, found)
+            else None
+        )
 
     base = rows(study, system)
     deviation = np.array([one.law.lognormal for one in variation.figures])
     ends = np.exp(OUTSIDE * np.outer([-1.0, 1.0], deviation))
-    enters = None if base is None else products(variation, ends, lambda other: rows(other, assembled(other)))
+    enters = (
+        None
+        if base is None
+        else products(variation, ends, lambda other: rows(other, assembled(other)))
+    )
     if base is None or enters is None:
         return None
     return ClosedForms(system, curves, targets, found, speed, base, enters, count)
@@ -105,35 +142,55 @@ def closed_forms(
 
 def no_value(curve: Curve) -> SolveError:
     """At a resonance without damping."""
-    return SolveError(f"the response of order {curve.order} has no finite value at a speed", "give damping")
+    return SolveError(
+        f"the response of order {curve.order} has no finite value at a speed", "give damping"
+    )
 
 
 def spot(system: System, curve: Curve) -> int:
     """The span of a torque, the first of its component; the station of anything else."""
     if curve.quantity == "torque":
-        return next(k for k, one in enumerate(system.spans) if system.train.parts[one.part].name == curve.at)
+        return next(
+            k for k, one in enumerate(system.spans) if system.train.parts[one.part].name == curve.at
+        )
     return next(k for k, one in enumerate(system.stations) if one.name == curve.at)
 
 
 def _target(system: System, curve: Curve) -> Target:
     condensed, at = system.condensed, spot(system, curve)
     if curve.quantity == "torque":
-        return Target(True, int(condensed.span[at]), np.array(condensed.sign[at] / system.span_ratio[at]))
+        return Target(
+            True, int(condensed.span[at]), np.array(condensed.sign[at] / system.span_ratio[at])
+        )
     factor = 1j * float(curve.order) * curve.speed if curve.quantity == "speed" else np.array(1.0)
     return Target(False, int(condensed.node[at]), np.asarray(system.speed_ratio[at] * factor))
 
 
-def _rows(study: Study, system: System, found: Sequence[Excitation], speed: FloatArray) -> Iterator[Rows]:
+def _rows(
+    study: Study, system: System, found: Sequence[Excitation], speed: FloatArray
+) -> Iterator[Rows]:
     """All numbers of a train (rows, speeds), block by block."""
     condensed, extra = system.condensed, system.condensed.extra
     ratio = system.span_ratio[extra] ** 2
-    own = condensed.tree.flexibility, condensed.tree.moving_inertia, condensed.viscous, condensed.loss_factor
-    chords = system.flexibility[extra] / ratio, system.viscous[extra] * ratio, system.loss_factor[extra]
+    own = (
+        condensed.tree.flexibility,
+        condensed.tree.moving_inertia,
+        condensed.viscous,
+        condensed.loss_factor,
+    )
+    chords = (
+        system.flexibility[extra] / ratio,
+        system.viscous[extra] * ratio,
+        system.loss_factor[extra],
+    )
     for each in chain(own, chords):  # a damper alone, whose flexibility is infinite, has 0
         yield np.repeat(np.where(np.isinf(each), 0.0, each)[:, None], max(1, len(speed)), axis=1)
     if not len(speed):
         return
-    known, ground = steady_if_known(study, system, speed), np.zeros((condensed.tree.size, len(speed)))
+    known, ground = (
+        steady_if_known(study, system, speed),
+        np.zeros((condensed.tree.size, len(speed))),
+    )
     ground[condensed.node] = ground_damping(system, speed, known) * (system.speed_ratio**2)[:, None]
     yield ground
     for one in found:
@@ -144,13 +201,23 @@ def _rows(study: Study, system: System, found: Sequence[Excitation], speed: Floa
         yield none[1] if acting.loop_twist is None else acting.loop_twist
 
 
-def _alike(own: System, base: System, lines: Sequence[Excitation], found: Sequence[Excitation]) -> bool:
+def _alike(
+    own: System, base: System, lines: Sequence[Excitation], found: Sequence[Excitation]
+) -> bool:
     """Two trains differ in numbers alone."""
     mine, theirs = own.condensed, base.condensed
-    pairs = [(getattr(mine, key), getattr(theirs, key)) for key in ("node", "span", "sign", "extra")]
-    pairs += [(mine.tree.parent, theirs.tree.parent), (own.speed_ratio, base.speed_ratio), (own.held, base.held)]
+    pairs = [
+        (getattr(mine, key), getattr(theirs, key)) for key in ("node", "span", "sign", "extra")
+    ]
+    pairs += [
+        (mine.tree.parent, theirs.tree.parent),
+        (own.speed_ratio, base.speed_ratio),
+        (own.held, base.held),
+    ]
     pairs.append((np.isinf(own.flexibility), np.isinf(base.flexibility)))
-    return [one.line for one in lines] == [one.line for one in found] and all(np.array_equal(*pair) for pair in pairs)
+    return [one.line for one in lines] == [one.line for one in found] and all(
+        np.array_equal(*pair) for pair in pairs
+    )
 
 
 class AtFigures:
@@ -164,7 +231,11 @@ class AtFigures:
         system, tree = forms.system, forms.system.condensed.tree
         self.flexibility[np.isinf(tree.flexibility)] = np.inf
         self.chords[0][np.isinf(system.flexibility[system.condensed.extra])] = np.inf
-        self.tree = replace(tree, flexibility=self.flexibility, inertia=np.where(tree.held, tree.inertia, self.inertia))
+        self.tree = replace(
+            tree,
+            flexibility=self.flexibility,
+            inertia=np.where(tree.held, tree.inertia, self.inertia),
+        )
         self.responses = dict[int, tuple[TreeResponse, dict[str, Any], list[Rows]]]()
 
     @cached_property
@@ -178,7 +249,9 @@ class AtFigures:
         tree, (first, second), holds = self.springs, self.ends, np.isfinite(self.chords[0])
         if not holds.any():
             return tree_modes(tree, self.forms.count)
-        return graph_modes(tree, first[holds], second[holds], self.chords[0][holds], self.forms.count)
+        return graph_modes(
+            tree, first[holds], second[holds], self.chords[0][holds], self.forms.count
+        )
 
     @property
     def springs(self) -> Tree:
@@ -216,18 +289,29 @@ class AtFigures:
         by = response_sensitivity(self.tree, w, found, chords=chords, **at, **given)
         first = OWN + 1 + ACTING * self.forms.line(place)
         terms = [
-            *self._compliance_terms(by.compliance, w, (self.flexibility, self.viscous, self.loss), (0, 2, 3)),
+            *self._compliance_terms(
+                by.compliance, w, (self.flexibility, self.viscous, self.loss), (0, 2, 3)
+            ),
             *self._compliance_terms(by.chord, w, self.chords, (4, 5, 6)),
-            (by.inertia * self.inertia[:, None], 1), (by.ground_damping * given["ground_damping"], OWN),
-            *((one * rows, first + k)
-              for k, (one, rows) in enumerate(zip((by.force, by.twist, by.chord_twist), acting, strict=True))),
-        ]  # fmt: skip
+            (by.inertia * self.inertia[:, None], 1),
+            (by.ground_damping * given["ground_damping"], OWN),
+            *(
+                (one * rows, first + k)
+                for k, (one, rows) in enumerate(
+                    zip((by.force, by.twist, by.chord_twist), acting, strict=True)
+                )
+            ),
+        ]
         value = found.torque[target.at] if target.is_torque else found.angle[target.at]
         return np.asarray(sum(one.T @ self.slopes[block] for one, block in terms) / value[:, None])
 
     def _compliance_terms(
-        self, by: ComplexArray, w: FloatArray, own: Sequence[FloatArray], blocks: tuple[int, int, int]
-    ) -> Iterator[tuple[ComplexArray, int]]:  # fmt: skip
+        self,
+        by: ComplexArray,
+        w: FloatArray,
+        own: Sequence[FloatArray],
+        blocks: tuple[int, int, int],
+    ) -> Iterator[tuple[ComplexArray, int]]:
         """Of spans of flexibility, damper and loss factor: the slopes by the logarithms of these, each with its block.
 
         by: slopes by the complex compliance; none of rigid spans.
@@ -235,9 +319,13 @@ class AtFigures:
         flexibility, viscous, loss = own
         moves = (flexibility > 0.0)[:, None]
         stiffness = 1.0 / np.where(flexibility > 0.0, flexibility, 1.0)
-        by_stiffness, by_loss, by_viscous = compliance_slopes(stiffness, viscous, loss, 1j * w.astype(np.complex128))
+        by_stiffness, by_loss, by_viscous = compliance_slopes(
+            stiffness, viscous, loss, 1j * w.astype(np.complex128)
+        )
         each = -by_stiffness, by_viscous * viscous[:, None], by_loss * loss[:, None]
-        yield from ((np.where(moves, by * one, 0.0), block) for one, block in zip(each, blocks, strict=True))
+        yield from (
+            (np.where(moves, by * one, 0.0), block) for one, block in zip(each, blocks, strict=True)
+        )
 
     def _response(self, place: int) -> tuple[TreeResponse, dict[str, Any], list[Rows]]:
         """At the points of a curve, what it was computed with, and what acts."""
@@ -245,7 +333,9 @@ class AtFigures:
             curve = self.forms.curves[place]
             w, at = float(curve.order) * curve.speed, np.searchsorted(self.forms.speed, curve.speed)
             first = OWN + 1 + ACTING * self.forms.line(place)
-            force, twist, loop_twist = acting = [one[:, at] for one in self.rows[first : first + ACTING]]
+            force, twist, loop_twist = acting = [
+                one[:, at] for one in self.rows[first : first + ACTING]
+            ]
             given: dict[str, Any] = {
                 "ground_damping": self.rows[OWN][:, at].real,
                 "compliance": complex_compliance(self.flexibility, self.viscous, self.loss, w),

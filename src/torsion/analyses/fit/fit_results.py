@@ -17,12 +17,20 @@ class FittedFigure:
     given: str = result("", (), "its value in the file, as written there")
     fitted: str = result("", (), "the fitted value")
     factor: float = result("1", (), "updated value / value of the file")
-    prior: float = result("1", (), "standard deviation of its logarithm before the fit, as the file states it")
-    deviation: float = result("1", (), "standard deviation of its logarithm after the fit, over `others` too")
-    lower: float = result("1", (), "lower end of the 95 % interval, of `others` too, over the value of the file")
+    prior: float = result(
+        "1", (), "standard deviation of its logarithm before the fit, as the file states it"
+    )
+    deviation: float = result(
+        "1", (), "standard deviation of its logarithm after the fit, over `others` too"
+    )
+    lower: float = result(
+        "1", (), "lower end of the 95 % interval, of `others` too, over the value of the file"
+    )
     upper: float = result("1", (), "upper end of the 95 % interval")
     shift: float = result("1", (), "ln of the factor over the deviation before the fit")
-    from_data: float = result("1", (), "share of the variance before the fit that the measurements took away, 0 to 1")
+    from_data: float = result(
+        "1", (), "share of the variance before the fit that the measurements took away, 0 to 1"
+    )
 
 
 @reported
@@ -30,16 +38,22 @@ class FittedMode:
     """A measured natural frequency."""
 
     mode: int = result("", (), "with which it is paired, from 1")
-    is_given: bool = result("", (), "the number is from the file; else modes rise with the frequencies, in their bands")
+    is_given: bool = result(
+        "", (), "the number is from the file; else modes rise with the frequencies, in their bands"
+    )
     measured: float = result("Hz", (), "as measured")
     within: float = result("1", (), "its standard deviation")
     lower: float = result(
-        "Hz", (), "minimum frequency with every parameter within two of its deviations before the fit"
+        "Hz",
+        (),
+        "minimum frequency with every parameter within two of its deviations before the fit",
     )
     upper: float = result("Hz", (), "greatest such frequency")
     before: float = result("Hz", (), "of the nominal case")
     after: float = result("Hz", (), "with the updated parameters, solved as a separate file")
-    residual: float = result("1", (), "ln of fitted over measured, in deviations of the measurement")
+    residual: float = result(
+        "1", (), "ln of fitted over measured, in deviations of the measurement"
+    )
     is_outside: bool = result("", (), "the measured frequency lies outside its band")
 
 
@@ -52,7 +66,9 @@ class FittedCurve:
     quantity: str = result("", (), "angle, speed or torque")
     unit: str = result("", (), "of the amplitudes")
     origin: str = result("", (), "torsiogram, or signal whose orders were tracked")
-    within: float = result("1", (), "standard deviation of an amplitude, and in rad of a phase, as stated")
+    within: float = result(
+        "1", (), "standard deviation of an amplitude, and in rad of a phase, as stated"
+    )
     deviation: FloatArray = result(
         "1", ("point",), "the same with the remainder of a signal at the neighbouring orders"
     )
@@ -60,7 +76,9 @@ class FittedCurve:
     measured: FloatArray = result("", ("point",), "amplitude as measured")
     before: FloatArray = result("", ("point",), "of the nominal case")
     after: FloatArray = result("", ("point",), "with the fitted figures")
-    residual: FloatArray = result("1", ("point",), "ln of fitted over measured, in deviations of the measurement")
+    residual: FloatArray = result(
+        "1", ("point",), "ln of fitted over measured, in deviations of the measurement"
+    )
     phase_residual: FloatArray | None = result(
         "1", ("point",), "fitted less measured phase in such deviations; null without phases"
     )
@@ -68,7 +86,10 @@ class FittedCurve:
     curve_before: FloatArray = result("", ("speed",), "amplitude of the nominal case")
     curve_after: FloatArray = result("", ("speed",), "amplitude with the fitted figures")
     unused: int = result(
-        "", (), "windows of a signal outside the speed range, or in whose noise the order is lost", default=0
+        "",
+        (),
+        "windows of a signal outside the speed range, or in whose noise the order is lost",
+        default=0,
     )
 
 
@@ -76,7 +97,9 @@ class FittedCurve:
 class Direction:
     """A combination of figures, and how much the measurements say of it."""
 
-    information: float = result("1", (), "deviation before the fit / deviation from only the measurements")
+    information: float = result(
+        "1", (), "deviation before the fit / deviation from only the measurements"
+    )
     is_unidentified: bool = result("", (), "no measurement says anything of it")
     words: str = result("", (), "the combination in words")
 
@@ -98,22 +121,30 @@ class Fit:
     figures: tuple[FittedFigure, ...] = result("", (), "figures that were fitted")
     modes: tuple[FittedMode, ...] = result("", (), "measured natural frequencies")
     curves: tuple[FittedCurve, ...] = result("", (), "measured amplitudes over speed")
-    directions: tuple[Direction, ...] = result("", (), "combinations of figures in all minima, the best known first")
+    directions: tuple[Direction, ...] = result(
+        "", (), "combinations of figures in all minima, the best known first"
+    )
     correlation: FloatArray = result(
         "1", ("figure", "other figure"), "correlation of the logarithms, over `others` too"
     )
     measurements: int = result("", (), "values that were measured")
     chi2: float = result("1", (), "sum of the squared residuals of the measurements")
-    freedom: float = result("1", (), "degrees of freedom: measurements less the figures that they determine")
+    freedom: float = result(
+        "1", (), "degrees of freedom: measurements less the figures that they determine"
+    )
     prior_chi2: float = result("1", (), "sum of the squared shifts of the figures")
     rank: int = result("", (), "combinations of parameters that the measurements identify")
     steps: int = result("", (), "steps of Gauss and Newton, of all searches")
     searches: int = result("", (), "searches, each from another start; this is the best")
     others: tuple[OtherFit, ...] = result(
-        "", (), "other minima by at most 6 greater in the sum of squares of measurements and figures, the best first"
+        "",
+        (),
+        "other minima by at most 6 greater in the sum of squares of measurements and figures, the best first",
     )
     warnings: tuple[str, ...] = result("", (), "what does not go together, in words")
-    frequency: FloatArray = result("Hz", ("mode",), "natural frequencies of the fitted file, solved the ordinary way")
+    frequency: FloatArray = result(
+        "Hz", ("mode",), "natural frequencies of the fitted file, solved the ordinary way"
+    )
     scene: str  # text of the file with the fitted values
 
     @derived("1", (), "chi2 over the degrees of freedom; null without any", key="chi2_over_freedom")

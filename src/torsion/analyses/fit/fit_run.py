@@ -82,8 +82,12 @@ class Problem:
         self.measured, self.sigma = np.concatenate(measured), np.concatenate(within)
         if len(self.deviation) > self.sigma.size:
             were = "value was" if self.sigma.size == 1 else "values were"
-            message = f"{len(self.deviation)} parameters vary, and {self.sigma.size} {were} measured"
-            raise InputError([Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")])
+            message = (
+                f"{len(self.deviation)} parameters vary, and {self.sigma.size} {were} measured"
+            )
+            raise InputError(
+                [Fault((*FIT, "vary"), message, "vary fewer, or give more measurements")]
+            )
 
     def fitted(self) -> Fitted:
         """The least sum of squares."""
@@ -94,7 +98,10 @@ class Problem:
         other = copy(self)
         other.train = self.train.by_reading()
         try:
-            return all(np.abs(other.residual(one.values) - one.residual).max() < AS_READ for one in found.minima)
+            return all(
+                np.abs(other.residual(one.values) - one.residual).max() < AS_READ
+                for one in found.minima
+            )
         except SolveError:
             return False
 
@@ -105,10 +112,16 @@ class Problem:
 
     def swapped(self, values: FloatArray) -> Iterator[FloatArray]:
         """Figures (figures,) as near as can be at which a measured mode and a neighbour swap frequencies, by slopes."""
-        frequency = self.train.frequencies(np.exp(values * self.deviation).tolist()) if self.pairs.number else ()
+        frequency = (
+            self.train.frequencies(np.exp(values * self.deviation).tolist())
+            if self.pairs.number
+            else ()
+        )
         lower = sorted({number - below for number in self.pairs.number for below in (0, 1)})
         for mode in (one for one in lower if 0 <= one < len(frequency) - 1):
-            rise = self.train.mode_slopes(values * self.deviation, [mode, mode + 1]) * self.deviation
+            rise = (
+                self.train.mode_slopes(values * self.deviation, [mode, mode + 1]) * self.deviation
+            )
             gap = float(np.log(frequency[mode + 1] / frequency[mode]))
             start = np.linalg.lstsq(rise, rise @ values + np.array([gap, -gap]), rcond=1e-3)[0]
             if (np.abs(start) < FARTHEST).all():
@@ -118,47 +131,71 @@ class Problem:
         """(measurements, figures)."""
         self.steps += 1
         self.progress(
-            f"fit to measurements, step {self.steps}", min(self.steps / (USUAL_STEPS * (1 + 2 * len(values))), 0.99)
+            f"fit to measurements, step {self.steps}",
+            min(self.steps / (USUAL_STEPS * (1 + 2 * len(values))), 0.99),
         )
         slopes = self.train.slopes(values * self.deviation, self.pairs.number)
         return np.asarray(slopes * self.deviation / self.sigma[:, None])
 
 
-def _result(
-    problem: Problem, found: Fitted, values: Sequence[float], frequency: FloatArray
-) -> Fit:  # fmt: skip
+def _result(problem: Problem, found: Fitted, values: Sequence[float], frequency: FloatArray) -> Fit:
     """All that is stated; values: factors as they stand in the fitted file."""
     known, train, count = found.known, problem.train, problem.sigma.size
     each = np.sqrt(np.diag(known.covariance))
     figures = tuple(_figures(problem, found, each, values))
     made = Fit(
-        figures, tuple(_modes(problem, found, values)), tuple(_curves(problem, found, values)),
-        directions(known, [one.name for one in figures], problem.deviation), known.covariance / np.outer(each, each),
-        count, float(np.square(found.residual).sum()), count - identified(found.jacobian).used,
-        float(np.square(found.values).sum()), known.rank, found.steps, found.searches,
-        tuple(_others(problem, found)), (), frequency, train.variation.text(values),
-    )  # fmt: skip
+        figures,
+        tuple(_modes(problem, found, values)),
+        tuple(_curves(problem, found, values)),
+        directions(known, [one.name for one in figures], problem.deviation),
+        known.covariance / np.outer(each, each),
+        count,
+        float(np.square(found.residual).sum()),
+        count - identified(found.jacobian).used,
+        float(np.square(found.values).sum()),
+        known.rank,
+        found.steps,
+        found.searches,
+        tuple(_others(problem, found)),
+        (),
+        frequency,
+        train.variation.text(values),
+    )
     return replace(made, warnings=tuple(_warnings(made, found)))
 
 
-def _figures(problem: Problem, found: Fitted, each: FloatArray, values: Sequence[float]) -> Iterator[FittedFigure]:
+def _figures(
+    problem: Problem, found: Fitted, each: FloatArray, values: Sequence[float]
+) -> Iterator[FittedFigure]:
     variation, logs = problem.train.variation, found.values * problem.deviation
     lower, upper = (np.exp(end * problem.deviation) for end in found.interval(NINETY_FIVE))
     for place, one in enumerate(variation.figures):
         given, fitted_value = variation.stated(place, values[place])
         yield FittedFigure(
-            one.name, given, fitted_value, float(np.exp(logs[place])), float(problem.deviation[place]),
-            float(each[place] * problem.deviation[place]), float(lower[place]), float(upper[place]),
-            float(found.values[place]), max(float(1.0 - each[place] ** 2), 0.0),
-        )  # fmt: skip
+            one.name,
+            given,
+            fitted_value,
+            float(np.exp(logs[place])),
+            float(problem.deviation[place]),
+            float(each[place] * problem.deviation[place]),
+            float(lower[place]),
+            float(upper[place]),
+            float(found.values[place]),
+            max(float(1.0 - each[place] ** 2), 0.0),
+        )
 
 
 def _others(problem: Problem, found: Fitted) -> Iterator[OtherFit]:
     variation = problem.train.variation
     for other in found.others:
         factors = np.exp(other.values * problem.deviation)
-        values = (variation.stated(place, float(f"{factor:.{SHOWN}g}"))[1] for place, factor in enumerate(factors))
-        words = listed([f"{one.name} {value}" for one, value in zip(variation.figures, values, strict=True)])
+        values = (
+            variation.stated(place, float(f"{factor:.{SHOWN}g}"))[1]
+            for place, factor in enumerate(factors)
+        )
+        words = listed(
+            [f"{one.name} {value}" for one, value in zip(variation.figures, values, strict=True)]
+        )
         chi2, prior = (float(np.square(one).sum()) for one in (other.residual, other.values))
         yield OtherFit(factors, chi2, prior, words)
 
@@ -172,14 +209,20 @@ def _modes(problem: Problem, found: Fitted, values: Sequence[float]) -> Iterator
         one, lower, upper = measured[place], float(pairs.lower[row]), float(pairs.upper[row])
         hertz, slack = one.frequency or 0.0, np.exp(OUTSIDE * one.within)
         yield FittedMode(
-            number + 1, one.mode is not None, hertz, one.within, lower, upper, float(before[number]),
-            float(after[number]), float(found.residual[row]), bool(not lower / slack <= hertz <= upper * slack),
-        )  # fmt: skip
+            number + 1,
+            one.mode is not None,
+            hertz,
+            one.within,
+            lower,
+            upper,
+            float(before[number]),
+            float(after[number]),
+            float(found.residual[row]),
+            bool(not lower / slack <= hertz <= upper * slack),
+        )
 
 
-def _curves(
-    problem: Problem, found: Fitted, values: Sequence[float]
-) -> Iterator[FittedCurve]:  # fmt: skip
+def _curves(problem: Problem, found: Fitted, values: Sequence[float]) -> Iterator[FittedCurve]:
     train, place, plain = problem.train, len(problem.pairs.place), [1.0] * len(values)
     for curve in train.curves:
         size = curve.speed.size
@@ -190,12 +233,28 @@ def _curves(
         place += size if curve.has_phase else 0
         before, after, drawn, fitted_curve = (
             np.abs(train.amplitudes(factors, curve, speed))
-            for speed in (curve.speed, fine) for factors in (plain, values)
-        )  # fmt: skip
+            for speed in (curve.speed, fine)
+            for factors in (plain, values)
+        )
         yield FittedCurve(
-            curve.at, curve.order, curve.quantity, unit(curve), curve.origin, curve.within, curve.deviation,
-            curve.speed, np.abs(curve.amplitude), before, after, own, phase, fine, drawn, fitted_curve, curve.unused,
-        )  # fmt: skip
+            curve.at,
+            curve.order,
+            curve.quantity,
+            unit(curve),
+            curve.origin,
+            curve.within,
+            curve.deviation,
+            curve.speed,
+            np.abs(curve.amplitude),
+            before,
+            after,
+            own,
+            phase,
+            fine,
+            drawn,
+            fitted_curve,
+            curve.unused,
+        )
 
 
 def _warnings(made: Fit, found: Fitted) -> Iterator[str]:

@@ -14,11 +14,15 @@ ALIKE = 0.02  # of each other: parts that are said as one
 EXAMPLE = 1.0  # %, by which the first figure of a combination changes
 
 
-def directions(known: Identified, names: Sequence[str], deviation: FloatArray) -> tuple[Direction, ...]:
+def directions(
+    known: Identified, names: Sequence[str], deviation: FloatArray
+) -> tuple[Direction, ...]:
     """Of every singular value its combination; deviation: (figures,) of the logarithms beforehand."""
     return tuple(
         Direction(float(singular), bool(unseen), combination(row * deviation, names))
-        for singular, unseen, row in zip(known.singular, known.unseen, known.directions, strict=True)
+        for singular, unseen, row in zip(
+            known.singular, known.unseen, known.directions, strict=True
+        )
     )
 
 
@@ -48,6 +52,8 @@ def unidentified(each: Sequence[Direction], *, only_frequencies: bool) -> list[s
         if one.is_unidentified:
             words = f"No measurement identifies {one.words}: changed so, every measured value stays as it is"
             if only_frequencies and "common factor" in one.words:
-                words += " (frequencies never identify the common scale of stiffnesses and inertias)"
+                words += (
+                    " (frequencies never identify the common scale of stiffnesses and inertias)"
+                )
             found.append(f"{words}. Its values are the prior values of the file.")
     return found

@@ -24,9 +24,13 @@ SEEN = 10.0  # deviations of what was tracked that an amplitude stands out by: o
 LEAST_CYCLES = 3.0  # of an order in a window; of fewer the mean rotation takes a part
 APART = 1.0  # cycles by which two orders differ over a window; nearer ones cannot be kept apart
 TIME_AND_SPEED = Columns(
-    ("time", "speed"), ("s", "rad/s"), "time [s], speed [rpm]", "0.5, 1200", "a finite speed at a finite time",
+    ("time", "speed"),
+    ("s", "rad/s"),
+    "time [s], speed [rpm]",
+    "0.5, 1200",
+    "a finite speed at a finite time",
     most=MOST_ROWS,
-)  # fmt: skip
+)
 PULSES = Columns(("time",), ("s",), "time [s]", "0.00213", "a finite time", most=MOST_ROWS)
 
 
@@ -43,7 +47,9 @@ class Curve:
     has_phase: bool
     origin: str  # what of the file it is
     error: FloatArray  # (points,) over the amplitude: standard deviation of what was tracked; 0 of a torsiogram
-    unused: int = 0  # windows of a signal outside the speeds, or in which the order does not stand out
+    unused: int = (
+        0  # windows of a signal outside the speeds, or in which the order does not stand out
+    )
 
     @property
     def deviation(self) -> FloatArray:
@@ -69,10 +75,16 @@ def _of_torsiogram(study: Study, one: Measured, path: Path) -> Curve:
     phases = [row.phase for row in rows]
     phase = np.array([0.0 if value is None else value for value in phases])
     return Curve(
-        one.at or "", one.order or Fraction(1), one.quantity or "", one.within, np.array([row.speed for row in rows]),
-        amplitude * np.exp(1j * phase), phases[0] is not None, f"torsiogram {int(path[-1]) + 1} of `measured`",
+        one.at or "",
+        one.order or Fraction(1),
+        one.quantity or "",
+        one.within,
+        np.array([row.speed for row in rows]),
+        amplitude * np.exp(1j * phase),
+        phases[0] is not None,
+        f"torsiogram {int(path[-1]) + 1} of `measured`",
         np.zeros(len(rows)),
-    )  # fmt: skip
+    )
 
 
 def _of_signal(study: Study, one: Measured, path: Path) -> Iterator[Curve]:
@@ -85,7 +97,9 @@ def _of_signal(study: Study, one: Measured, path: Path) -> Iterator[Curve]:
         inside = (reference >= speeds.first) & (reference <= speeds.last)
     if not inside.any():
         least, most = (end * 30.0 / np.pi for end in (reference.min(), reference.max()))
-        message = f"the signal runs from {least:.6g} to {most:.6g} rpm, outside the speeds of `operation`"
+        message = (
+            f"the signal runs from {least:.6g} to {most:.6g} rpm, outside the speeds of `operation`"
+        )
         raise InputError([Fault((*path, "signal"), message, "widen `operation.speeds`")])
     for k, order in enumerate(one.orders):
         angle, error = tracked.angle[:, k], tracked.error[:, k]
@@ -96,9 +110,17 @@ def _of_signal(study: Study, one: Measured, path: Path) -> Iterator[Curve]:
             raise InputError([Fault((*path, "orders"), message, hint)])
         used = used[np.argsort(reference[used], kind="stable")]
         yield Curve(
-            one.at or "", order, "angle", one.within, reference[used], angle[used], False, one.signal or "",
-            error[used] / np.abs(angle[used]), len(reference) - len(used),
-        )  # fmt: skip
+            one.at or "",
+            order,
+            "angle",
+            one.within,
+            reference[used],
+            angle[used],
+            False,
+            one.signal or "",
+            error[used] / np.abs(angle[used]),
+            len(reference) - len(used),
+        )
 
 
 def signal_faults(study: Study, one: Measured, path: Path) -> tuple[Fault, ...]:
@@ -126,7 +148,9 @@ def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked"
         raise InputError([Fault(place, "the speed is not above 0 throughout", hint)])
     if one.pulses and (wrong := uneven(time)) is not None:
         message = f"at {time[wrong]:.6g} s pulses are missing, or there is one too many"
-        raise InputError([Fault(place, message, "even marks, each once a revolution: mend the file")])
+        raise InputError(
+            [Fault(place, message, "even marks, each once a revolution: mend the file")]
+        )
     steps = np.diff(time)
     gap = int(steps.argmax())
     if one.pulses is None and steps[gap] > GAP * np.median(steps):
@@ -141,11 +165,14 @@ def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked"
         raise InputError([Fault((*path, "orders"), message, "leave it out")])
     try:
         found = (
-            of_pulses(time, one.pulses, own, one.revolutions) if one.pulses
+            of_pulses(time, one.pulses, own, one.revolutions)
+            if one.pulses
             else of_speeds(time, values[1], own, one.revolutions)
-        )  # fmt: skip
+        )
     except ValueError as error:
-        raise InputError([Fault(place, str(error), "more samples, or a longer window: `revolutions`")]) from None
+        raise InputError(
+            [Fault(place, str(error), "more samples, or a longer window: `revolutions`")]
+        ) from None
     if not found.speed.size:
         message = f"the signal is shorter than a window of {one.revolutions} revolutions"
         raise InputError([Fault(place, message, "a lower `revolutions`")])
@@ -156,7 +183,10 @@ def _refuse_orders(one: Measured, own: FloatArray, path: Path) -> None:
     """Orders that a window is too short for; own: (orders,) per revolution of the shaft."""
     ascending = np.argsort(own)
     least, gaps = float(own.min()), np.diff(own[ascending])
-    slow, close = least * one.revolutions < LEAST_CYCLES, bool((gaps * one.revolutions < APART).any())
+    slow, close = (
+        least * one.revolutions < LEAST_CYCLES,
+        bool((gaps * one.revolutions < APART).any()),
+    )
     if not slow and not close:
         return
     cycles, needed = (least, LEAST_CYCLES) if slow else (float(gaps.min()), APART)

@@ -48,12 +48,19 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
         if mode is not None:
             if mode > len(nominal):
                 message = f"mode {mode} is not among the {len(nominal)} of the train"
-                raise InputError([Fault((*FIT, "measured", place, "mode"), message, "a lower number")])
+                raise InputError(
+                    [Fault((*FIT, "measured", place, "mode"), message, "a lower number")]
+                )
             numbers[place] = mode - 1
-    unnamed = sorted((place for place in places if place not in numbers), key=lambda k: measured[k].frequency or 0.0)
+    unnamed = sorted(
+        (place for place in places if place not in numbers),
+        key=lambda k: measured[k].frequency or 0.0,
+    )
     if len(places) > len(nominal):
         message = f"of {len(places)} measured natural frequencies the train has {len(nominal)}"
-        raise InputError([Fault((*FIT, "measured", places[-1], "frequency"), message, "leave one out")])
+        raise InputError(
+            [Fault((*FIT, "measured", places[-1], "frequency"), message, "leave one out")]
+        )
     apart = np.array([_apart(measured[place], nominal, lower, upper) for place in unnamed])
     for row, place in enumerate(unnamed):
         for other, mode in numbers.items():
@@ -62,7 +69,13 @@ def paired(train: Train, deviation: FloatArray, measured: Sequence[Measured]) ->
     found = _rising(apart)
     if found is None:
         message = "no mode is left between those that are named for a frequency that is not"
-        raise InputError([Fault((*FIT, "measured", unnamed[0], "frequency"), message, "say which `mode` each is")])
+        raise InputError(
+            [
+                Fault(
+                    (*FIT, "measured", unnamed[0], "frequency"), message, "say which `mode` each is"
+                )
+            ]
+        )
     numbers |= dict(zip(unnamed, found, strict=True))
     at = [numbers[place] for place in places]
     return Pairs(tuple(places), tuple(at), lower[at], upper[at])
@@ -77,10 +90,17 @@ def _rising(cost: FloatArray) -> list[int] | None:
     states: list[tuple[float, list[int]]] = [(0.0, [])]  # of every last column the best
     for row in cost:
         below = [
-            min(((total, chosen) for total, chosen in states if not chosen or chosen[-1] < k), default=(np.inf, []))
+            min(
+                ((total, chosen) for total, chosen in states if not chosen or chosen[-1] < k),
+                default=(np.inf, []),
+            )
             for k in range(len(row))
-        ]  # fmt: skip
-        states = [(total + row[k], [*chosen, k]) for k, (total, chosen) in enumerate(below) if total + row[k] < np.inf]
+        ]
+        states = [
+            (total + row[k], [*chosen, k])
+            for k, (total, chosen) in enumerate(below)
+            if total + row[k] < np.inf
+        ]
     return min(states, default=(0.0, None))[1]
 
 

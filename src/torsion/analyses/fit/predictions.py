@@ -25,7 +25,9 @@ STEP = 1e-5  # of the logarithm of a factor: a central difference errs by some 1
 class Train:
     """The train of a file with its figures at given factors, divided as that of the file is."""
 
-    def __init__(self, variation: Variation, system: System, curves: tuple[Curve, ...], count: int) -> None:
+    def __init__(
+        self, variation: Variation, system: System, curves: tuple[Curve, ...], count: int
+    ) -> None:
         self.variation, self.curves, self.count = variation, curves, count
         self.system = system  # of the file, as finely as all that was measured needs
         self._known = lru_cache(maxsize=64)(self._read)
@@ -43,13 +45,17 @@ class Train:
             study = self.variation.study(factors)
         except InputError as error:
             message = "; ".join(fault.message for fault in error.faults)
-            raise SolveError(f"the file with updated parameters is invalid: {message}", "a smaller deviation") from None
+            raise SolveError(
+                f"the file with updated parameters is invalid: {message}", "a smaller deviation"
+            ) from None
         return study, self._assembled(study)
 
     def _assembled(self, study: Study) -> System:
         train, segments = study.train, self.system.segments
         if self.system.model == "lumped":
-            bars = tuple(replace(bar, segments=segments.get(bar.name, bar.segments)) for bar in train.bars)
+            bars = tuple(
+                replace(bar, segments=segments.get(bar.name, bar.segments)) for bar in train.bars
+            )
             train = replace(train, bars=bars)
         return assemble(train, self.system.model, **vars(self.system.requested))
 
@@ -63,7 +69,9 @@ class Train:
             return self.modes(factors).frequency
         return np.asarray(self.closed.at(tuple(factors)).modes.frequency / (2.0 * math.pi))
 
-    def amplitudes(self, factors: Sequence[float], curve: Curve, speed: FloatArray | None = None) -> ComplexArray:
+    def amplitudes(
+        self, factors: Sequence[float], curve: Curve, speed: FloatArray | None = None
+    ) -> ComplexArray:
         """(speeds,) in SI; raises SolveError where the response has no value there."""
         study, system = self._known(tuple(factors))
         points = curve.speed if speed is None else speed
@@ -74,14 +82,20 @@ class Train:
         if curve.quantity == "torque":
             return found.torque[:, line, spot(system, curve)]
         angle = found.angle[:, line, spot(system, curve)]
-        return angle * (2j * math.pi * found.frequency[:, line]) if curve.quantity == "speed" else angle
+        return (
+            angle * (2j * math.pi * found.frequency[:, line])
+            if curve.quantity == "speed"
+            else angle
+        )
 
     def logarithms(self, factors: Sequence[float], numbers: Sequence[int]) -> FloatArray:
         """ln of the frequencies of the modes `numbers` (from 0), and of all amplitudes; then their phases in rad."""
         found = [np.log(self.frequencies(factors)[list(numbers)])] if len(numbers) else []
         for place, curve in enumerate(self.curves):
             closed = None if self.closed is None else self.closed.at(tuple(factors))
-            values = np.log(self.amplitudes(factors, curve) if closed is None else closed.amplitude(place))
+            values = np.log(
+                self.amplitudes(factors, curve) if closed is None else closed.amplitude(place)
+            )
             found += [values.real, values.imag] if curve.has_phase else [values.real]
         return np.concatenate(found)
 
@@ -91,7 +105,9 @@ class Train:
         for curve in self.curves:
             place += curve.speed.size
             if curve.has_phase:
-                found[place : place + curve.speed.size] = np.angle(np.exp(1j * found[place : place + curve.speed.size]))
+                found[place : place + curve.speed.size] = np.angle(
+                    np.exp(1j * found[place : place + curve.speed.size])
+                )
                 place += curve.speed.size
         return found
 
@@ -116,7 +132,10 @@ class Train:
         if self.closed is not None:
             return self.closed.at(tuple(np.exp(logs).tolist())).mode_slopes(numbers)
         each = list(numbers)
-        moved = [[self._known(tuple(np.exp(ends).tolist()))[1] for ends in pair] for pair in _either_side(logs)]
+        moved = [
+            [self._known(tuple(np.exp(ends).tolist()))[1] for ends in pair]
+            for pair in _either_side(logs)
+        ]
         if all(map(_is_plain, (self.system, *(one for pair in moved for one in pair)))):
             found = self.modes(np.exp(logs).tolist())
             elastic, kinetic = found.elastic[:, each], found.kinetic[:, each]
@@ -126,11 +145,13 @@ class Train:
                 for pair in moved
             ]
             return np.stack(columns, axis=1)
-        return self._differences(logs, lambda factors: np.log(self.modes(factors).frequency[list(numbers)]), None)
+        return self._differences(
+            logs, lambda factors: np.log(self.modes(factors).frequency[list(numbers)]), None
+        )
 
     def _differences(
         self, logs: FloatArray, values: Callable[[Sequence[float]], FloatArray], modes: int | None
-    ) -> FloatArray:  # fmt: skip
+    ) -> FloatArray:
         """Central; phases lie behind the curves of so many modes."""
         columns = []
         for pair in _either_side(logs):
@@ -159,5 +180,7 @@ def _change(low: FloatArray, high: FloatArray) -> FloatArray:
 
 def resolved_for(system: System, curves: Sequence[Curve]) -> System:
     """The system divided finely enough for every order that was measured."""
-    highest = max((float(one.order) * one.speed.max() / (2.0 * math.pi) for one in curves), default=0.0)
+    highest = max(
+        (float(one.order) * one.speed.max() / (2.0 * math.pi) for one in curves), default=0.0
+    )
     return resolving(system.whole, highest)

@@ -24,27 +24,38 @@ from torsion.study import Operation, states_mean_torque
 from torsion.train import Train
 
 PLACE: Path = ("analyses", "joints")
-_SAMPLES = 720  # of a tripod's turn; symmetry puts the extremes of its speed at multiples of 30 degrees
+_SAMPLES = (
+    720  # of a tripod's turn; symmetry puts the extremes of its speed at multiples of 30 degrees
+)
 
 
 class JointsSettings(Declared):
     """Settings of `joints`."""
 
     optimise: Variable | None = given("which quantity of the joints is to be chosen best")
-    joint: str | None = given("the one joint that may be changed (default: every joint of its line but the first)")
-    turns: Annotated[int, Field(ge=1, le=100)] = given("turns of the driving shaft that are shown", 1)
+    joint: str | None = given(
+        "the one joint that may be changed (default: every joint of its line but the first)"
+    )
+    turns: Annotated[int, Field(ge=1, le=100)] = given(
+        "turns of the driving shaft that are shown", 1
+    )
     steps: Annotated[int, Field(ge=8, le=10_000)] = given("angles per revolution", 360)
     torque: fields.Torque | None = given(
         "torque in the driving shaft of every joint (default: the mean torque, if known)"
     )
-    carrier: Literal["driving", "driven"] = given("the shaft of a joint whose torque is constant", "driving")
-    bearings: Mapping[str, Annotated[float, Quantity("m", above=0, usual="distance of bearings")]] = given(
-        "distance of the bearings that carry a joint's couple, by joint", {}
+    carrier: Literal["driving", "driven"] = given(
+        "the shaft of a joint whose torque is constant", "driving"
     )
+    bearings: Mapping[
+        str, Annotated[float, Quantity("m", above=0, usual="distance of bearings")]
+    ] = given("distance of the bearings that carry a joint's couple, by joint", {})
 
 
 def joints(
-    train: Train, operation: Operation, requested: JointsSettings | None = None, steady: Steady | None = None
+    train: Train,
+    operation: Operation,
+    requested: JointsSettings | None = None,
+    steady: Steady | None = None,
 ) -> Joints:
     """All joints of a train over the turns of each line's first shaft; the rest of the train is taken as rigid.
 
@@ -62,29 +73,50 @@ def joints(
     moved = joint_lines.motions(every, turned)
     found = [_joint(every, k, moved[k], wanted, speed, torque) for k, torque in enumerate(torques)]
     paths = joint_lines.paths(every)
-    lines = tuple(joint_lines.line_found(every, path, wanted.optimise, wanted.joint) for path in paths)
+    lines = tuple(
+        joint_lines.line_found(every, path, wanted.optimise, wanted.joint) for path in paths
+    )
     remarks = [] if speed else ["no speed is given: accelerations are given for speed 1 rad/s"]
-    return Joints(turned, tuple(found), lines, (*remarks, *lacking, *_remarks(every, lines, wanted)))
+    return Joints(
+        turned, tuple(found), lines, (*remarks, *lacking, *_remarks(every, lines, wanted))
+    )
 
 
 def _joint(
-    every: Sequence[Placed], position: int, behind: Behind, requested: JointsSettings, speed: float | None,
+    every: Sequence[Placed],
+    position: int,
+    behind: Behind,
+    requested: JointsSettings,
+    speed: float | None,
     torque: float | None,
-) -> JointFound:  # fmt: skip
+) -> JointFound:
     place, moved = every[position], behind.transfer
     pair, force = tuple[CoupleFound, ...](), 0.0
     if torque is not None:
         distance = requested.bearings.get(place.name)
         pair, force = couples_found(place, behind.yoke, torque, requested.carrier, distance)
     return JointFound(
-        name=place.name, part=place.part, kind=place.joint.kind,
-        angle=place.joint.angle, plane=place.joint.plane, phase=place.joint.phase, yoke=place.joint.yoke,
-        ratio=place.ratio, order=place.joint.order, amplitude=place.error[0][1] if place.error else 0j,
-        unevenness=_unevenness(place), speed=None if speed is None else speed * float(place.ratio), torque=torque,
-        error=moved.error, speed_ratio=moved.ratio, acceleration=moved.curvature,
-        torque_ratio=1.0 / behind.ratio, couples=pair, force=force,
+        name=place.name,
+        part=place.part,
+        kind=place.joint.kind,
+        angle=place.joint.angle,
+        plane=place.joint.plane,
+        phase=place.joint.phase,
+        yoke=place.joint.yoke,
+        ratio=place.ratio,
+        order=place.joint.order,
+        amplitude=place.error[0][1] if place.error else 0j,
+        unevenness=_unevenness(place),
+        speed=None if speed is None else speed * float(place.ratio),
+        torque=torque,
+        error=moved.error,
+        speed_ratio=moved.ratio,
+        acceleration=moved.curvature,
+        torque_ratio=1.0 / behind.ratio,
+        couples=pair,
+        force=force,
         steepest=joint_lines.steepest(every, joint_lines.path_to(every, position)),
-    )  # fmt: skip
+    )
 
 
 def _unevenness(place: Placed) -> float:
@@ -96,7 +128,11 @@ def _unevenness(place: Placed) -> float:
 
 
 def _torques(
-    train: Train, operation: Operation, every: Sequence[Placed], requested: JointsSettings, known: Steady | None
+    train: Train,
+    operation: Operation,
+    every: Sequence[Placed],
+    requested: JointsSettings,
+    known: Steady | None,
 ) -> tuple[list[float | None], list[str]]:
     """Mean torque in the driving shaft of every joint, N m, and what to say where it is not known."""
     if requested.torque is not None:
@@ -110,16 +146,22 @@ def _torques(
     return [float(known.torque[place.span, column]) for place in every], []
 
 
-def _remarks(every: Sequence[Placed], lines: Sequence[LineFound], requested: JointsSettings) -> list[str]:
+def _remarks(
+    every: Sequence[Placed], lines: Sequence[LineFound], requested: JointsSettings
+) -> list[str]:
     """What a reader must know of the lines."""
     found = []
     for line in lines:
         names = ", ".join(every[k].name for k in line.joints)
         if joint_lines.has_third_order(every, line.joints):
-            found.append(f"{names}: the resulting angle and the optimum include only the cross joints; speeds "
-                         "include the tripods")  # fmt: skip
+            found.append(
+                f"{names}: the resulting angle and the optimum include only the cross joints; speeds "
+                "include the tripods"
+            )
         if requested.optimise and line.optimum is None:
-            found.append(f"{names}: no {requested.optimise} of a cross joint is free to be chosen on this line")
+            found.append(
+                f"{names}: no {requested.optimise} of a cross joint is free to be chosen on this line"
+            )
     return found
 
 
@@ -149,9 +191,17 @@ def _freedom(place: Placed, requested: JointsSettings) -> list[Fault]:
         message = "`joint` lists joints that may change, and nothing is optimised"
         return [Fault(where, message, "add `optimise: phase`")]
     if place.joint.kind != "cross":
-        return [Fault(where, f"'{place.name}' is not a cross joint; it has nothing to choose", "name a cross joint")]
+        return [
+            Fault(
+                where,
+                f"'{place.name}' is not a cross joint; it has nothing to choose",
+                "name a cross joint",
+            )
+        ]
     if place.before is None and requested.optimise != "angle":
-        message = f"'{place.name}' is the first of its line; its {requested.optimise} changes nothing"
+        message = (
+            f"'{place.name}' is the first of its line; its {requested.optimise} changes nothing"
+        )
         return [Fault(where, message, "name a later joint")]
     return []
 
@@ -159,7 +209,8 @@ def _freedom(place: Placed, requested: JointsSettings) -> list[Fault]:
 def run(work: Work) -> None:
     """The joints of the train by themselves."""
     with work.log.step(
-        "universal joints", "requested" if "joints" in work.study.analyses else "the train has joints"
+        "universal joints",
+        "requested" if "joints" in work.study.analyses else "the train has joints",
     ) as step:
         settings = work.settings("joints", JointsSettings)
         found = joints(work.study.train, work.study.operation, settings, work.get(Steady))

@@ -46,15 +46,22 @@ def _of_cross(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier) 
     turn, sine = np.exp(2j * start), math.sin(angle)
     # on the shaft without the constant torque: the peak of tan u sqrt(1 - sin^2 u^2)
     lesser = sine if 2.0 * sine * sine <= 1.0 else 0.5 / math.cos(angle)
-    shafts = zip(SHAFTS, (found.driving, found.driven), couple_harmonics(angle, torque, carrier), strict=True)
+    shafts = zip(
+        SHAFTS, (found.driving, found.driven), couple_harmonics(angle, torque, carrier), strict=True
+    )
     return tuple(
         CoupleFound(
-            shaft, couple.normal, couple.inplane, couple.yoke, mean=(0.0, float(part.mean)),
-            amplitude=(complex(part.normal * turn), complex(part.inplane * turn)), order=2,
+            shaft,
+            couple.normal,
+            couple.inplane,
+            couple.yoke,
+            mean=(0.0, float(part.mean)),
+            amplitude=(complex(part.normal * turn), complex(part.inplane * turn)),
+            order=2,
             largest=abs(torque) * (math.tan(angle) if shaft == carrier else lesser),
         )
         for shaft, couple, part in shafts
-    )  # fmt: skip
+    )
 
 
 def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair:
@@ -65,19 +72,28 @@ def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair
     return driving, replace(driving, shaft="driven")
 
 
-def _of_tripod(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> tuple[Pair, float]:
+def _of_tripod(
+    place: Placed, yoke: FloatArray, torque: float, carrier: Carrier
+) -> tuple[Pair, float]:
     """Exact couples of a single bearing; mean and third harmonic over the carrier's own angle from one revolution."""
     joint, start = place.joint, place.joint.yoke + math.pi / 2
     arms = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
     data = joint.angle, joint.radius or 0.0, joint.arm or 1.0
-    x, share = arms - start, np.ones_like(arms)  # the carrier's angle from where it starts, its speed / driving speed
+    x, share = (
+        arms - start,
+        np.ones_like(arms),
+    )  # the carrier's angle from where it starts, its speed / driving speed
     if carrier == "driven":
         both = exact_motion(np.append(arms, start), *data)
         x, share = x + both.error[:-1] - both.error[-1], both.ratio[:-1]
 
     def statics(angles: FloatArray) -> tuple[list[tuple[FloatArray, FloatArray]], FloatArray]:
         """(normal, inplane) on both shafts, the first arm at angles from the plane's normal, and the force."""
-        carried = np.full_like(angles, torque) if carrier == "driving" else torque * exact_motion(angles, *data).ratio
+        carried = (
+            np.full_like(angles, torque)
+            if carrier == "driving"
+            else torque * exact_motion(angles, *data).ratio
+        )
         found = exact_statics(angles, *data, carried)
         on_driven = -found.driving_normal, found.driven_inplane
         return [(found.driving_normal, found.driving_inplane), on_driven], np.hypot(*found.force)
@@ -88,5 +104,7 @@ def _of_tripod(place: Placed, yoke: FloatArray, torque: float, carrier: Carrier)
         mean = [float(np.mean(part * share)) for part in whole]
         third = [complex(2.0 * np.mean(part * share * np.exp(-3j * x))) for part in whole]
         largest = float(np.hypot(*whole).max())
-        pair.append(CoupleFound(shaft, *curve, None, (mean[0], mean[1]), (third[0], third[1]), 3, largest))
+        pair.append(
+            CoupleFound(shaft, *curve, None, (mean[0], mean[1]), (third[0], third[1]), 3, largest)
+        )
     return tuple(pair), float(force.max())

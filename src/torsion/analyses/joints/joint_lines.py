@@ -16,9 +16,7 @@ from torsion.kinematics.line import Line, Variable, classical_angle, index_over,
 from torsion.kinematics.tripod import exact_motion
 from torsion.train import Train
 
-_SAMPLES = (
-    256  # of a third of a revolution; harmonics of a tripod that can turn fall below rounding long before the 128th
-)
+_SAMPLES = 256  # of a third of a revolution; harmonics of a tripod that can turn fall below rounding long before the 128th
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,9 @@ def placed(train: Train) -> tuple[Placed, ...]:
         part = train.parts[mesh.part]
         if part.joint is not None:
             before = None if mesh.after is None else list(found).index(mesh.after)
-            found[mesh.part] = Placed(mesh.name, mesh.part, part.joint, part.ratio, before, mesh.error, span)
+            found[mesh.part] = Placed(
+                mesh.name, mesh.part, part.joint, part.ratio, before, mesh.error, span
+            )
     return tuple(found.values())
 
 
@@ -73,7 +73,11 @@ def motions(joints: Sequence[Placed], turned: FloatArray) -> tuple[Behind, ...]:
     """Exact motion behind every joint, its line's first shaft at the angles `turned` (angles,) rad."""
     none, found = np.zeros(turned.size), list[Behind]()
     for joint in joints:
-        before = Transfer(none, none + 1.0, none) if joint.before is None else found[joint.before].transfer
+        before = (
+            Transfer(none, none + 1.0, none)
+            if joint.before is None
+            else found[joint.before].transfer
+        )
         yoke = turned + (before.error + joint.joint.yoke)
         own = turning(joint.joint, yoke)
         found.append(Behind(behind(before, own), yoke, own.ratio))
@@ -123,7 +127,9 @@ def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, .
     return tuple(rows), Line(*np.array(list(rows.values()) or [(0.0, 0.0, 0.0)]).T)
 
 
-_TURN = 1440  # samples of a revolution, in which every extreme of speed or acceleration is first sought
+_TURN = (
+    1440  # samples of a revolution, in which every extreme of speed or acceleration is first sought
+)
 _WIDEST = math.radians(45.0)  # of a joint's angle in the picture of the index
 
 
@@ -169,7 +175,9 @@ def steepest(joints: Sequence[Placed], path: tuple[int, ...]) -> float:
     """Greatest magnitude of the acceleration behind the last joint of a path at speed 1, 1/rad."""
     if not has_third_order(joints, path):
         return float(greatest_curvature(resultant(crosses(joints, path)[1]).angle))
-    size = np.abs(_end(joints, path, np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)).curvature)
+    size = np.abs(
+        _end(joints, path, np.linspace(0.0, 2.0 * math.pi, _TURN, endpoint=False)).curvature
+    )
     at = int(np.argmax(size))
     before, top, behind = size[at - 1], size[at], size[(at + 1) % _TURN]
     bow = before - 2.0 * top + behind  # vertex of the parabola through the three
@@ -190,13 +198,19 @@ def optimum_found(
     free: the joint that may be changed, all cross joints but the first if None.
     """
     chosen, line = crosses(joints, path)
-    ranks = range(1, len(chosen)) if free is None else [k for k, one in enumerate(chosen) if joints[one].name == free]
+    ranks = (
+        range(1, len(chosen))
+        if free is None
+        else [k for k, one in enumerate(chosen) if joints[one].name == free]
+    )
     ranks = [rank for rank in ranks if rank > 0 or variable == "angle"]
     if len(chosen) < 2 or not ranks:
         return None
     best = optimise(line, variable, ranks)
     before = [float(getattr(joints[chosen[rank]].joint, variable)) for rank in ranks]
-    changes = [float(getattr(best.line, variable)[rank] - getattr(line, variable)[rank]) for rank in ranks]
+    changes = [
+        float(getattr(best.line, variable)[rank] - getattr(line, variable)[rank]) for rank in ranks
+    ]
     if variable != "angle":
         changes = [math.remainder(change, math.pi) for change in changes]
     best_first = before[0] + changes[0]
@@ -204,7 +218,9 @@ def optimum_found(
         values = over = np.linspace(0.0, max(_WIDEST, before[0], best_first), 361)
     else:
         over = np.linspace(0.0, 2.0 * math.pi, 361)
-        values = over + (float(getattr(line, variable)[ranks[0]]) - before[0])  # as the line counts them
+        values = over + (
+            float(getattr(line, variable)[ranks[0]]) - before[0]
+        )  # as the line counts them
     return OptimumFound(
         variable=variable,
         names=tuple(joints[chosen[rank]].name for rank in ranks),

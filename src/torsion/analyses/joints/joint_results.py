@@ -15,13 +15,19 @@ class CoupleFound:
         "", (), "driving or driven: the shaft that the joint puts the couple on"
     )
     normal: FloatArray = result("N*m", ("angle",), "about the normal of the joint's plane")
-    inplane: FloatArray = result("N*m", ("angle",), "about the axis in the plane, square to the shaft")
+    inplane: FloatArray = result(
+        "N*m", ("angle",), "about the axis in the plane, square to the shaft"
+    )
     yoke: FloatArray | None = result("N*m", ("angle",), "in axes that turn with the yoke, or null")
     mean: tuple[float, float] = result("N*m", (), "[about the normal, in the plane]")
     amplitude: tuple[complex, complex] = result(
-        "N*m", (), "complex, of `order` over the shaft's own angle: [about the normal, in the plane]"
+        "N*m",
+        (),
+        "complex, of `order` over the shaft's own angle: [about the normal, in the plane]",
     )
-    order: int = result("", (), "of the amplitudes: 2 of a cross joint, 3 of a tripod, 0 of a steady couple")
+    order: int = result(
+        "", (), "of the amplitudes: 2 of a cross joint, 3 of a tripod, 0 of a steady couple"
+    )
     largest: float = result("N*m", (), "largest resultant over the revolution")
     bearing: float | None = result(
         "N", (), "largest bearing reaction; null without a distance of bearings", default=None
@@ -36,23 +42,46 @@ class JointFound:
     part: int  # position of its component
     kind: Literal["cross", "tripod", "cv"] = result("", (), "cross, tripod or cv")
     angle: float = result("rad", (), "between its shafts")
-    plane: float = result("rad", (), "from the plane of the joint before it to its own; 0 of a first joint")
-    phase: float = result("rad", (), "from the driven yoke of the joint before it to its driving yoke")
+    plane: float = result(
+        "rad", (), "from the plane of the joint before it to its own; 0 of a first joint"
+    )
+    phase: float = result(
+        "rad", (), "from the driven yoke of the joint before it to its driving yoke"
+    )
     yoke: float = result("rad", (), "from its plane to its driving yoke at angle zero")
     ratio: Fraction = result("", (), "speed of its driving shaft / reference speed, exact")
-    order: int = result("", (), "of its excitation per revolution of its driving shaft; 0 if it does not excite")
-    amplitude: complex = result("rad", (), "complex amplitude of that order of its transmission error")
-    unevenness: float = result("1", (), "of this joint only: (largest - smallest driven speed) / mean")
-    speed: float | None = result("rad/s", (), "mean speed of its driving shaft at the rated point, or null")
+    order: int = result(
+        "", (), "of its excitation per revolution of its driving shaft; 0 if it does not excite"
+    )
+    amplitude: complex = result(
+        "rad", (), "complex amplitude of that order of its transmission error"
+    )
+    unevenness: float = result(
+        "1", (), "of this joint only: (largest - smallest driven speed) / mean"
+    )
+    speed: float | None = result(
+        "rad/s", (), "mean speed of its driving shaft at the rated point, or null"
+    )
     torque: float | None = result("N*m", (), "mean torque in its driving shaft, or null")
-    error: FloatArray = result("rad", ("angle",), "of its driven shaft against the first shaft of the line")
-    speed_ratio: FloatArray = result("1", ("angle",), "speed of its driven shaft / speed of the first shaft")
-    acceleration: FloatArray = result("1/rad", ("angle",), "acceleration of its driven shaft / speed squared")
+    error: FloatArray = result(
+        "rad", ("angle",), "of its driven shaft against the first shaft of the line"
+    )
+    speed_ratio: FloatArray = result(
+        "1", ("angle",), "speed of its driven shaft / speed of the first shaft"
+    )
+    acceleration: FloatArray = result(
+        "1/rad", ("angle",), "acceleration of its driven shaft / speed squared"
+    )
     torque_ratio: FloatArray = result("1", ("angle",), "torque after it / torque before it")
     couples: tuple[CoupleFound, ...] = result("", (), "on its shafts; empty without a known torque")
-    steepest: float = result("1/rad", (), "maximum magnitude of acceleration / speed squared", default=0.0)
+    steepest: float = result(
+        "1/rad", (), "maximum magnitude of acceleration / speed squared", default=0.0
+    )
     force: float = result(
-        "N", (), "maximum force across the driving shaft of a tripod with a single bearing; otherwise 0", default=0.0
+        "N",
+        (),
+        "maximum force across the driving shaft of a tripod with a single bearing; otherwise 0",
+        default=0.0,
     )
 
 
@@ -68,14 +97,20 @@ class Extreme:
 class LineFound:
     """Joints on one shaft line, as one."""
 
-    joints: tuple[int, ...] = result("", (), "positions in `joints` of the joints of one shaft line")
-    resultant: float = result("rad", (), "angle of the one cross joint that does the same at order 2")
+    joints: tuple[int, ...] = result(
+        "", (), "positions in `joints` of the joints of one shaft line"
+    )
+    resultant: float = result(
+        "rad", (), "angle of the one cross joint that does the same at order 2"
+    )
     phase: float = result("rad", (), "its phase")
     classical: float = result("rad", (), "small-angle sum of the handbooks")
     index: float = result("1", (), "(maximum - minimum) / mean speed of the last shaft")
     greatest: Extreme = result("", (), "greatest speed")
     least: Extreme = result("", (), "least speed")
-    optimum: "OptimumFound | None" = result("", (), "the best choice; null if not requested", default=None)
+    optimum: "OptimumFound | None" = result(
+        "", (), "the best choice; null if not requested", default=None
+    )
 
 
 @reported

@@ -17,7 +17,9 @@ from torsion.arrays import FloatArray
 from torsion.sources import source
 
 DEGREE = 13  # of the displacement in an element
-POINTS = DEGREE + 4  # of Gauss: exact for the product of two functions and a moment of area of degree 4
+POINTS = (
+    DEGREE + 4
+)  # of Gauss: exact for the product of two functions and a moment of area of degree 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +41,9 @@ class Segment:
 
     def between(self, start: float, end: float) -> "Segment":
         """The part between two distances from its start, m."""
-        (o1, o2), (b1, b2) = (each.tolist() for each in self.diameters(np.array([start, end]) / self.length))
+        (o1, o2), (b1, b2) = (
+            each.tolist() for each in self.diameters(np.array([start, end]) / self.length)
+        )
         return replace(self, length=end - start, outer=(o1, o2), bore=(b1, b2))
 
     def area(self, share: FloatArray) -> FloatArray:
@@ -60,16 +64,24 @@ class Segment:
         square = (bore / outer) ** 2
         whole = (1.0 + square) ** 2
         return np.asarray(
-            6.0 * (1.0 + poisson) * whole / ((7.0 + 6.0 * poisson) * whole + (20.0 + 12.0 * poisson) * square)
+            6.0
+            * (1.0 + poisson)
+            * whole
+            / ((7.0 + 6.0 * poisson) * whole + (20.0 + 12.0 * poisson) * square)
         )
 
     def phase(self, frequency: float, shear: bool) -> float:
         """rad of the bending wave along the element at a frequency, rad/s; not less than it is."""
         ends = np.array([0.0, 1.0])
-        bending = np.sqrt(self.density * self.area(ends) / (self.youngs_modulus * self.moment(ends))) * frequency
+        bending = (
+            np.sqrt(self.density * self.area(ends) / (self.youngs_modulus * self.moment(ends)))
+            * frequency
+        )
         slow = self.density / self.youngs_modulus
         if shear:
-            slow += float((self.density / (self.shear_coefficient(ends) * self.shear_modulus)).max())
+            slow += float(
+                (self.density / (self.shear_coefficient(ends) * self.shear_modulus)).max()
+            )
         return float(np.sqrt(bending.max() + slow * frequency**2)) * self.length
 
 
@@ -80,7 +92,9 @@ class Functions:
     deflection: FloatArray
     rotation: FloatArray
     bending: FloatArray  # derivative of the rotation
-    shear: FloatArray  # derivative of the deflection alone; the shear strain is that less the rotation
+    shear: (
+        FloatArray  # derivative of the deflection alone; the shear strain is that less the rotation
+    )
 
 
 def size(shear: bool) -> int:
@@ -95,7 +109,10 @@ def element(section: Segment, shear: bool) -> tuple[FloatArray, FloatArray, Floa
     Each (functions, functions) of one plane over displacements, m, slopes, and inner unknowns.
     """
     points, weights = gauss(POINTS)
-    shapes, weights = scaled(functions(tuple(points), shear), section.length, shear), weights * section.length
+    shapes, weights = (
+        scaled(functions(tuple(points), shear), section.length, shear),
+        weights * section.length,
+    )
     area, moment = section.area(points), section.moment(points)
     stiffness = _product(shapes.bending, weights * section.youngs_modulus * moment)
     if shear:
@@ -108,12 +125,17 @@ def element(section: Segment, shear: bool) -> tuple[FloatArray, FloatArray, Floa
 def scaled(shapes: Functions, length: float, shear: bool) -> Functions:
     """The functions on an element of a length, m, whose unknowns at the ends are displacements and slopes."""
     if shear:
-        return Functions(shapes.deflection, shapes.rotation, shapes.bending / length, shapes.shear / length)
+        return Functions(
+            shapes.deflection, shapes.rotation, shapes.bending / length, shapes.shear / length
+        )
     factor = np.ones((shapes.deflection.shape[0], 1))
     factor[[1, 3]] = length
     by_length, by_square = factor / length, factor / length**2
     return Functions(
-        factor * shapes.deflection, by_length * shapes.rotation, by_square * shapes.bending, by_length * shapes.shear
+        factor * shapes.deflection,
+        by_length * shapes.rotation,
+        by_square * shapes.bending,
+        by_length * shapes.shear,
     )
 
 
@@ -140,7 +162,10 @@ def _hermite(points: FloatArray) -> Functions:
     first = (legendre[3:-1] - legendre[1:-3]) / (2 * j + 1)
     rotation = np.vstack([slope, norm * first / 2.0])
     return Functions(
-        np.vstack([value, norm * inner / 4.0]), rotation, np.vstack([bend, norm * legendre[2:-2]]), rotation
+        np.vstack([value, norm * inner / 4.0]),
+        rotation,
+        np.vstack([bend, norm * legendre[2:-2]]),
+        rotation,
     )
 
 
@@ -148,7 +173,9 @@ def _independent(points: FloatArray) -> Functions:
     """Displacement of DEGREE, then rotation of one degree less, each by its own functions."""
     import skfem
 
-    along, turned = (_on_cell(skfem.ElementLinePp(degree), points) for degree in (DEGREE, DEGREE - 1))
+    along, turned = (
+        _on_cell(skfem.ElementLinePp(degree), points) for degree in (DEGREE, DEGREE - 1)
+    )
     w, r = (np.array([np.asarray(field)[0] for field in fields]) for fields in (along, turned))
     dw, dr = (np.array([field.grad[0, 0] for field in fields]) for fields in (along, turned))
     return Functions(_mixed(w, 0 * r), _mixed(0 * w, r), _mixed(0 * w, dr), _mixed(dw, 0 * r))

@@ -16,10 +16,18 @@ from torsion.analyses.lateral.beam_elements import Segment, element, functions, 
 from torsion.arrays import FloatArray, IntArray
 from torsion.errors import SolveError
 
-LONGEST_PHASE = 4.5  # rad of the bending wave along an element: the error of a frequency is then below 1e-13
+LONGEST_PHASE = (
+    4.5  # rad of the bending wave along an element: the error of a frequency is then below 1e-13
+)
 STEEPEST = 1.5  # ratio of the diameters at the ends of one element of a cone
 MOST_ELEMENTS = 400
-SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of an element; both ends, as a moment may jump between two of them
+SHARES = (
+    0.0,
+    0.25,
+    0.5,
+    0.75,
+    1.0,
+)  # of an element; both ends, as a moment may jump between two of them
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +60,19 @@ class Beam:
     @property
     def is_isotropic(self) -> bool:
         """Its supports are the same in both planes."""
-        return all(p.stiffness[0] == p.stiffness[1] and p.damping[0] == p.damping[1] for p in self.points)
+        return all(
+            p.stiffness[0] == p.stiffness[1] and p.damping[0] == p.damping[1] for p in self.points
+        )
 
     def rigid_motions(self, plane: int) -> int:
         """Motions of a plane (0 is y, 1 is z) that bend nothing and meet no spring: 0, 1 or 2."""
         if any(point.fixation == "clamped" for point in self.points):
             return 0
-        places = {point.at for point in self.points if point.fixation == "pinned" or point.stiffness[plane] > 0}
+        places = {
+            point.at
+            for point in self.points
+            if point.fixation == "pinned" or point.stiffness[plane] > 0
+        }
         return max(0, 2 - len(places))
 
     def hold(self, plane: int) -> float:
@@ -79,7 +93,10 @@ class Beam:
     def bending_stiffness(self) -> float:
         """E I/length^3 of its weakest section, N/m."""
         ends = np.array([0.0, 1.0])
-        return float(min((each.youngs_modulus * each.moment(ends)).min() for each in self.segments)) / self.length**3
+        return (
+            float(min((each.youngs_modulus * each.moment(ends)).min() for each in self.segments))
+            / self.length**3
+        )
 
 
 @dataclass(frozen=True)
@@ -117,7 +134,12 @@ class LateralSystem:
 
 
 def assemble_lateral(
-    beam: Beam, *, frequency: float = 0.0, shear: bool = False, rotary_inertia: bool = True, elements: int = 1
+    beam: Beam,
+    *,
+    frequency: float = 0.0,
+    shear: bool = False,
+    rotary_inertia: bool = True,
+    elements: int = 1,
 ) -> LateralSystem:
     """The system of a shaft, divided finely enough for a highest frequency, rad/s, and into `elements` at least.
 
@@ -136,7 +158,9 @@ def assemble_lateral(
         lossy[at] += cell.section.loss_factor * stiff
         inertia[at] += mass + (rotary if rotary_inertia else 0.0)
         gyroscopic[at] += 2.0 * rotary if rotary_inertia else 0.0
-    place = np.array([2 * int(np.argmin(np.abs(nodes - point.at))) for point in beam.points], dtype=np.intp)
+    place = np.array(
+        [2 * int(np.argmin(np.abs(nodes - point.at))) for point in beam.points], dtype=np.intp
+    )
     fixed: set[int] = set()
     for point, row in zip(beam.points, place.tolist(), strict=True):
         inertia[row, row] += point.mass
@@ -147,28 +171,40 @@ def assemble_lateral(
     return LateralSystem(beam, cells, stiffness, lossy, inertia, gyroscopic, free, place, shear)
 
 
-def _cells(beam: Beam, frequency: float, shear: bool, elements: int) -> tuple[tuple[Cell, ...], FloatArray]:
+def _cells(
+    beam: Beam, frequency: float, shear: bool, elements: int
+) -> tuple[tuple[Cell, ...], FloatArray]:
     """Elements from start to end, and the places of their nodes, m."""
-    if not beam.length > 0 or any(not 0 <= point.at <= beam.length * (1 + 1e-12) for point in beam.points):
+    if not beam.length > 0 or any(
+        not 0 <= point.at <= beam.length * (1 + 1e-12) for point in beam.points
+    ):
         raise ValueError(f"{beam.name or 'beam'}: it has no length, or a point is next to it")
     apart = 1e-12 * beam.length  # places nearer to each other are one, but for rounding
     sections: list[tuple[float, Segment]] = []
     begin = 0.0
     for segment in beam.segments:
-        inner = sorted({p.at - begin for p in beam.points if apart < p.at - begin < segment.length - apart})
+        inner = sorted(
+            {p.at - begin for p in beam.points if apart < p.at - begin < segment.length - apart}
+        )
         for left, right in pairwise([0.0, *inner, segment.length]):
             whole = segment.between(left, right)
             steep = abs(math.log(whole.outer[1] / whole.outer[0])) / math.log(STEEPEST)
-            number = max(elements, math.ceil(whole.phase(frequency, shear) / LONGEST_PHASE), math.ceil(steep))
+            number = max(
+                elements, math.ceil(whole.phase(frequency, shear) / LONGEST_PHASE), math.ceil(steep)
+            )
             marks = pairwise(np.linspace(left, right, number + 1).tolist())
             sections += [(begin + start, segment.between(start, end)) for start, end in marks]
         begin += segment.length
     if len(sections) > MOST_ELEMENTS:
-        why = f"its bending needs {len(sections)} elements, and at most {MOST_ELEMENTS} are possible"
+        why = (
+            f"its bending needs {len(sections)} elements, and at most {MOST_ELEMENTS} are possible"
+        )
         raise SolveError(f"{beam.name or 'beam'}: {why}; request fewer `modes` or lower `speeds`")
     inside, first = size(shear) - 4, 2 * (len(sections) + 1)
     cells = [
-        Cell(start, section, np.r_[2 * k : 2 * k + 4, first + inside * k : first + inside * (k + 1)])
+        Cell(
+            start, section, np.r_[2 * k : 2 * k + 4, first + inside * k : first + inside * (k + 1)]
+        )
         for k, (start, section) in enumerate(sections)
     ]
     return tuple(cells), np.array([*(start for start, _ in sections), beam.length])
@@ -192,7 +228,9 @@ def places(system: LateralSystem, shares: tuple[float, ...] = SHARES) -> Places:
         section = cell.section
         shapes = scaled(functions(shares, system.shear), section.length, system.shear)
         moment = shapes.bending * (section.youngs_modulus * section.moment(local))
-        for row, values in zip(rows, (shapes.deflection, moment, section.loss_factor * moment), strict=True):
+        for row, values in zip(
+            rows, (shapes.deflection, moment, section.loss_factor * moment), strict=True
+        ):
             row[k][:, cell.unknowns] = values.T
     position = [cell.start + cell.section.length * local for cell in system.cells]
     return Places(np.concatenate(position), *rows.reshape(3, -1, rows.shape[3]))

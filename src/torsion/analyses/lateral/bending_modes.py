@@ -70,10 +70,15 @@ def planes(system: LateralSystem) -> Planes:
     none = np.zeros_like(turning)
     turning, crossed = _projected(system.gyroscopic, y, z), _projected(system.lossy, y, z)
     return Planes(
-        system, y, z, np.concatenate([y.square, z.square]), np.block([[none, turning], [turning.T, none]]),
+        system,
+        y,
+        z,
+        np.concatenate([y.square, z.square]),
+        np.block([[none, turning], [turning.T, none]]),
         np.block([[damping, none], [none, _projected(system.support("damping", 1), z, z)]]),
-        np.block([[_projected(system.lossy, y, y), none], [none, _projected(system.lossy, z, z)]]), crossed,
-    )  # fmt: skip
+        np.block([[_projected(system.lossy, y, y), none], [none, _projected(system.lossy, z, z)]]),
+        crossed,
+    )
 
 
 def _projected(matrix: FloatArray, one: Plane, other: Plane) -> FloatArray:
@@ -90,6 +95,8 @@ def _plane(system: LateralSystem, plane: int) -> Plane:
     whole = solve_triangular(factor, half.T, lower=True)
     square, turned = eigh((whole + whole.T) / 2.0)
     shape = np.zeros((stiffness.shape[0], len(square)))
-    shape[system.free] = scale[:, None] * solve_triangular(factor, turned[:, ::-1], lower=True, trans="T")
+    shape[system.free] = scale[:, None] * solve_triangular(
+        factor, turned[:, ::-1], lower=True, trans="T"
+    )
     square = square[::-1]
     return Plane(shape, np.where(square > len(square) * EPS * square[0], square, 0.0))

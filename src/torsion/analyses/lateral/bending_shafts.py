@@ -16,7 +16,9 @@ from torsion.primitives import Bar
 from torsion.train import Train
 
 SOFTEST = 1e-8  # of E I/L^3: the lowest frequency is wrong by about 1e-13 over this share (measured), here 1e-5
-Placing = tuple[int, Literal["driving", "driven"], int]  # part of a joint, which of its shafts, where on this one
+Placing = tuple[
+    int, Literal["driving", "driven"], int
+]  # part of a joint, which of its shafts, where on this one
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +68,11 @@ def _rows(bars: Sequence[Bar], node: list[int]) -> list[list[Bar]]:
     rows: list[list[Bar]] = []
     for bar in bars:
         ends = {node[bar.driving], node[bar.driven]}
-        near = [row for row in rows if ends & {node[s] for each in row for s in (each.driving, each.driven)}]
+        near = [
+            row
+            for row in rows
+            if ends & {node[s] for each in row for s in (each.driving, each.driven)}
+        ]
         joined = [each for row in near for each in row] + [bar]
         rows = [row for row in rows if row not in near] + [joined]
     return rows
@@ -78,7 +84,9 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     stations = [node[row[0].driving], *(node[bar.driven] for bar in row)]
     straight = all(node[bar.driving] == at for bar, at in zip(row, stations, strict=False))
     if not straight or len(set(stations)) < len(stations):
-        return BendingShaft(names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches")
+        return BendingShaft(
+            names, parts, train.stations[row[0].driving].ratio, Beam(()), (), (), "it branches"
+        )
     before, of_material = len(faults), list[Fault]()
     joints = _joints(train, node, stations)
     segments = [_segment(train, bar, of_material) for bar in row]
@@ -93,7 +101,9 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     faults += [] if lacks else of_material
     at = tuple(JointAt(part, held[k], side) for k, (part, side, _) in enumerate(joints))
     ratio = train.stations[row[0].driving].ratio
-    return BendingShaft(names, parts, ratio, beam, at, _loads(train, node, stations, parts), lacks, place)
+    return BendingShaft(
+        names, parts, ratio, beam, at, _loads(train, node, stations, parts), lacks, place
+    )
 
 
 def _joints(train: Train, node: list[int], stations: list[int]) -> list[Placing]:
@@ -114,8 +124,18 @@ def _segment(train: Train, bar: Bar, faults: list[Fault]) -> Segment:
     modulus = train.materials[name].youngs_modulus
     if modulus is None:
         hint = f"write it under materials: {name}"
-        faults.append(Fault((*part.path, "material"), f"bending needs the `youngs_modulus` of '{name}'", hint))
-    return Segment(bar.length, bar.outer, bar.bore, modulus or 1.0, bar.density, bar.shear_modulus, bar.loss_factor)
+        faults.append(
+            Fault((*part.path, "material"), f"bending needs the `youngs_modulus` of '{name}'", hint)
+        )
+    return Segment(
+        bar.length,
+        bar.outer,
+        bar.bore,
+        modulus or 1.0,
+        bar.density,
+        bar.shear_modulus,
+        bar.loss_factor,
+    )
 
 
 def _points(train: Train, row: list[Bar], joints: list[Placing]) -> tuple[list[Point], list[int]]:
@@ -125,11 +145,19 @@ def _points(train: Train, row: list[Bar], joints: list[Placing]) -> tuple[list[P
     for part, _, place in joints:
         if place not in at:
             at[place] = len(points)
-            points.append(Point(sum(bar.length for bar in row[:place]), train.parts[part].name, fixation="pinned"))
+            points.append(
+                Point(
+                    sum(bar.length for bar in row[:place]),
+                    train.parts[part].name,
+                    fixation="pinned",
+                )
+            )
     return points, [at[place] for _, _, place in joints]
 
 
-def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[Fault]) -> list[Point]:
+def _supports(
+    train: Train, row: list[Bar], is_from_behind: bool, faults: list[Fault]
+) -> list[Point]:
     """The supports of every shaft, counted from its end that faces the joint."""
     points = []
     begin = 0.0
@@ -144,15 +172,20 @@ def _supports(train: Train, row: list[Bar], is_from_behind: bool, faults: list[F
             name = part.name if len(every) == 1 else f"{part.name} {number + 1}"
             points.append(
                 Point(
-                    begin + place, f"support of {name}", support.mass,
-                    stiffness=support.stiffness_of_planes, damping=support.damping_of_planes,
+                    begin + place,
+                    f"support of {name}",
+                    support.mass,
+                    stiffness=support.stiffness_of_planes,
+                    damping=support.damping_of_planes,
                 )
-            )  # fmt: skip
+            )
         begin += bar.length
     return points
 
 
-def _loads(train: Train, node: list[int], stations: list[int], parts: tuple[int, ...]) -> tuple[str, ...]:
+def _loads(
+    train: Train, node: list[int], stations: list[int], parts: tuple[int, ...]
+) -> tuple[str, ...]:
     """Names of the discs, motors, wheels and the like on a shaft."""
     here = {place for place in range(len(node)) if node[place] in stations}
     return tuple(
@@ -172,7 +205,10 @@ def _lacking(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, Pa
     """Why a shaft made of `row` cannot be computed, each reason with the key it is about."""
     of_mesh = [bar for bar in row if bar.section is not None]
     if of_mesh:
-        yield "its section is a mesh, and bending needs diameters", (*train.parts[of_mesh[0].part].path, "section")
+        yield (
+            "its section is a mesh, and bending needs diameters",
+            (*train.parts[of_mesh[0].part].path, "section"),
+        )
     yield from _not_held(train, row, beam)
     if not any(bar.density for bar in row) and not any(point.mass for point in beam.points):
         place = (*train.parts[row[0].part].path, "material")
@@ -185,7 +221,10 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, P
     given = [one for bar in row for one in _supports_of(train, bar)]
     if not given:
         if any(free):
-            yield "it is not supported: it needs a joint at either end, a joint and a `support`, or two supports", ()
+            yield (
+                "it is not supported: it needs a joint at either end, a joint and a `support`, or two supports",
+                (),
+            )
     elif not any(free):
         hold, bent = min(beam.hold(0), beam.hold(1)), f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
         why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft"
@@ -195,11 +234,19 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, P
     elif free[0] != free[1]:
         plane = free.index(max(free))
         path = next(path for one, path in given if not one.stiffness_of_planes[plane] > 0)
-        why = f"it is not supported in the plane {'yz'[plane]}, in which its support has no stiffness"
+        why = (
+            f"it is not supported in the plane {'yz'[plane]}, in which its support has no stiffness"
+        )
         yield why, (*path, "stiffness")
     elif len({point.at for point in beam.points}) < len(beam.points):
         pinned = any(point.fixation == "pinned" for point in beam.points)
         where = "on the joint itself" if pinned else "where another does"
-        yield f"it is supported at one place only, because its support lies {where}", (*given[-1][1], "at")
+        yield (
+            f"it is supported at one place only, because its support lies {where}",
+            (*given[-1][1], "at"),
+        )
     else:
-        yield "it is supported at one place only: add another `support`, or a joint at an end", given[-1][1]
+        yield (
+            "it is supported at one place only: add another `support`, or a joint at an end",
+            given[-1][1],
+        )

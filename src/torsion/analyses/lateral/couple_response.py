@@ -16,7 +16,9 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.tree_response import NEAR_SINGULAR_LOSS, Status
 from torsion.results import derived, reported, result, words
 
-SINGULAR_LOSS = 1e-2  # relative error of the answer, from rounding of the data, from which nothing is reported
+SINGULAR_LOSS = (
+    1e-2  # relative error of the answer, from rounding of the data, from which nothing is reported
+)
 UNDAMPED = 1e-9  # damping ratio below which the height of a resonance is not known
 REACH = 0.01  # of its speed: an amplitude so near an undamped resonance, 50 times the static one, is marked
 Lines = NDArray[np.uint8]
@@ -35,16 +37,27 @@ class Answer:
     """
 
     order: int = result("", (), "per revolution of the shaft; 0 stands still")
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds, more of them around resonances")
-    displacement: ComplexArray = result("m", ("speed", "place", "direction"), "[y, z] complex amplitude (zero to peak)")
+    speed: FloatArray = result(
+        "rad/s", ("speed",), "reference speeds, more of them around resonances"
+    )
+    displacement: ComplexArray = result(
+        "m", ("speed", "place", "direction"), "[y, z] complex amplitude (zero to peak)"
+    )
     moment: ComplexArray  # (speeds, places, 2) N m, E I u'' with its damping share: [.., 0] bends in y, about z
     force: ComplexArray = result(
-        "N", ("speed", "point", "direction"), "[y, z] complex amplitude, of the shaft on its joints and supports"
+        "N",
+        ("speed", "point", "direction"),
+        "[y, z] complex amplitude, of the shaft on its joints and supports",
     )
     amplification: FloatArray = result("1", ("speed",), "growth of relative errors of the data")
     status: Lines  # (speeds,) uint8 of `Status`
 
-    @derived("N*m", ("speed", "place"), "largest amplitude of the bending moment in any direction", key="moment_Nm")
+    @derived(
+        "N*m",
+        ("speed", "place"),
+        "largest amplitude of the bending moment in any direction",
+        key="moment_Nm",
+    )
     def largest_moment(self) -> FloatArray:
         """(speeds, places)."""
         return extent(self.moment)
@@ -70,7 +83,11 @@ def speeds_for(requested: FloatArray, resonances: tuple[Critical, ...]) -> Float
     """The speeds requested, and more around the resonances between them, which are there themselves."""
     added = [requested]
     for resonance in resonances:
-        steps = ASIDE if resonance.damping_ratio < UNDAMPED else resonance.damping_ratio * np.append(STEPS, 0.0)
+        steps = (
+            ASIDE
+            if resonance.damping_ratio < UNDAMPED
+            else resonance.damping_ratio * np.append(STEPS, 0.0)
+        )
         added.append(resonance.speed * (1.0 + steps[np.abs(steps) < 1.0]))
     every: FloatArray = np.unique(np.concatenate(added))
     inside: FloatArray = every[(every >= requested.min()) & (every <= requested.max())]
@@ -86,12 +103,16 @@ def answer(planes: Planes, order: int, speed: FloatArray, couple: ComplexArray) 
     if order == 1 or order < 0:
         raise ValueError(f"order {order}: joints excite order 0 and orders from 2 on")
     speeds = np.asarray(speed, dtype=np.float64)
-    slopes = planes.system.place + 1  # a couple M_y, M_z does the work M_z on the slope y' and -M_y on z'
+    slopes = (
+        planes.system.place + 1
+    )  # a couple M_y, M_z does the work M_z on the slope y' and -M_y on z'
     y, z = couple[..., 1] @ planes.y.shape[slopes], -couple[..., 0] @ planes.z.shape[slopes]
     amplification = np.ones(len(speeds))
     if order:
         for part in (slice(k, k + CHUNK) for k in range(0, len(speeds), CHUNK)):
-            y[part], z[part], amplification[part] = _solved(planes, order, speeds[part], (y[part], z[part]))
+            y[part], z[part], amplification[part] = _solved(
+                planes, order, speeds[part], (y[part], z[part])
+            )
     status = _status(planes, order, speeds, amplification)
     y[status == Status.SINGULAR] = z[status == Status.SINGULAR] = np.nan
     x = np.stack([y @ planes.y.shape.T, z @ planes.z.shape.T], axis=-1)
@@ -115,14 +136,21 @@ def _solved(
     return p[:, :n], -1j * p[:, n:], grown
 
 
-def _solved_of(planes: Planes, order: int, speeds: FloatArray, load: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+def _solved_of(
+    planes: Planes, order: int, speeds: FloatArray, load: ComplexArray
+) -> tuple[ComplexArray, FloatArray]:
     """(speeds, coordinates); a negative order is the backward part, conjugate."""
     w = abs(order) * speeds[:, None, None]
-    matrix = 1j * (w * planes.damping + planes.lossy) + order * speeds[:, None, None] ** 2 * planes.gyroscopic
+    matrix = (
+        1j * (w * planes.damping + planes.lossy)
+        + order * speeds[:, None, None] ** 2 * planes.gyroscopic
+    )
     index = np.arange(len(planes.square))
     matrix[:, index, index] += 1.0 - w[:, :, 0] ** 2 * planes.square
     size = len(planes.square)
-    right = np.concatenate([load[:, :, None], np.broadcast_to(np.eye(size), (len(load), size, size))], axis=2)
+    right = np.concatenate(
+        [load[:, :, None], np.broadcast_to(np.eye(size), (len(load), size, size))], axis=2
+    )
     try:
         found = np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:  # exactly singular: moved by rounding, its growth then says so
@@ -203,7 +231,9 @@ def couples_at(
     return result
 
 
-def _carried(every: Sequence[Placed], position: int, moved: Sequence[Behind], carrier: Carrier) -> FloatArray:
+def _carried(
+    every: Sequence[Placed], position: int, moved: Sequence[Behind], carrier: Carrier
+) -> FloatArray:
     """(angles,) torque in the driving shaft of a joint over the constant one."""
     before = every[position].before
     speed = np.ones(SAMPLES) if before is None else moved[before].transfer.ratio

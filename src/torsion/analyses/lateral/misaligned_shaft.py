@@ -19,7 +19,9 @@ from torsion.kernels.periodic.monodromy import ANGLE_PER_STEP, FEWEST_STEPS, rad
 from torsion.kinematics.cross import transfer
 from torsion.sources import source
 
-NEUTRAL = 1e-10  # growth / speed that counts as none: rounding of a monodromy matrix moves it by 1e-12
+NEUTRAL = (
+    1e-10  # growth / speed that counts as none: rounding of a monodromy matrix moves it by 1e-12
+)
 MOST_STEPS_AT_A_TIME = 2000
 SPINNING = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
@@ -35,7 +37,9 @@ class MisalignedShaft:
     damping: tuple[float, float]  # N s/m along i and j
     torque: float  # N m of the driving shaft
     tilt: float  # rad between the shafts
-    load: Callable[[FloatArray], FloatArray] = np.ones_like  # of speeds, rad/s: the torque there / `torque`
+    load: Callable[[FloatArray], FloatArray] = (
+        np.ones_like
+    )  # of speeds, rad/s: the torque there / `torque`
 
     @property
     def square(self) -> FloatArray:
@@ -64,19 +68,27 @@ class MisalignedShaft:
 
 def linearised(turned: ArrayLike, tilt: float) -> FloatArray:
     """(..., 2, 2) minus the derivative of couple / torque: Zhu and Wang, eq. 7, sec and two entries corrected."""
-    sine, cosine = np.sin(2.0 * np.asarray(turned, dtype=float)), np.cos(2.0 * np.asarray(turned, dtype=float))
+    sine, cosine = (
+        np.sin(2.0 * np.asarray(turned, dtype=float)),
+        np.cos(2.0 * np.asarray(turned, dtype=float)),
+    )
     c, double = np.cos(tilt), np.cos(2.0 * tilt)
     upper = ((1.0 + double) + (3.0 - double) * cosine) / (2.0 * c)
     return _matrices(-sine / c**2, upper, -c * (1.0 - cosine), sine)
 
 
-def small_angle_part(turned: ArrayLike, *, sine: float, cosine: float, constant: float) -> FloatArray:
+def small_angle_part(
+    turned: ArrayLike, *, sine: float, cosine: float, constant: float
+) -> FloatArray:
     """(..., 2, 2) `linearised` at no tilt with its parts in sin 2x, cos 2x and the constant one scaled.
 
     With all three it is minus eq. 8 of Zhu and Wang in its right sign. The constant part, [[0, 1], [-1, 0]], is
     circulatory: it comes from no potential and feeds energy in.
     """
-    s, c = sine * np.sin(2.0 * np.asarray(turned, dtype=float)), cosine * np.cos(2.0 * np.asarray(turned, dtype=float))
+    s, c = (
+        sine * np.sin(2.0 * np.asarray(turned, dtype=float)),
+        cosine * np.cos(2.0 * np.asarray(turned, dtype=float)),
+    )
     return _matrices(-s, constant + c, -(constant - c), s)
 
 
@@ -128,7 +140,10 @@ def monodromies(shaft: MisalignedShaft, speeds: FloatArray, model: Model = EXACT
     for some in np.array_split(np.arange(at.size), -(-at.size * steps // MOST_STEPS_AT_A_TIME)):
         shape, each = (some.size, steps, rule.node.size, 2, 2), at[some, None, None, None]
         damping, stiffness = coefficients(shaft, turned, at[some], model)
-        parts = (damping / each).reshape(shape), (stiffness / each**2).reshape(shape)  # the angle is taken for time
+        parts = (
+            (damping / each).reshape(shape),
+            (stiffness / each**2).reshape(shape),
+        )  # the angle is taken for time
         whole[some] = through_steps(np.broadcast_to(np.eye(2), shape), *parts, np.pi / steps, rule)
     rate = np.concatenate([np.ones((at.size, 2)), np.repeat(at[:, None], 2, axis=1)], axis=1)
     return np.asarray(rate[:, :, None] * whole / rate[:, None, :])

@@ -40,8 +40,12 @@ class LateralSettings(Declared):
     modes: Annotated[int, Field(ge=1, le=20)] = given("bending modes of a plane", 4)
     speeds: SpeedRange | None = given("speed range (default: operation.speeds)")
     shear: bool = given("shear deflection and its effect on the frequencies (Timoshenko)", False)
-    torque: fields.Torque | None = given("torque in every joint (default: the mean torque, if known)")
-    carrier: Literal["driving", "driven"] = given("which end of a line of joints has the constant torque", "driving")
+    torque: fields.Torque | None = given(
+        "torque in every joint (default: the mean torque, if known)"
+    )
+    carrier: Literal["driving", "driven"] = given(
+        "which end of a line of joints has the constant torque", "driving"
+    )
 
 
 @reported
@@ -66,16 +70,25 @@ class ShaftFound:
 
     name: str = result("", (), "shafts that bend as one")
     parts: tuple[int, ...]  # of its shafts
-    ratio: Fraction = result("", (), "its speed / reference speed, exact; orders are per revolution of the shaft")
+    ratio: Fraction = result(
+        "", (), "its speed / reference speed, exact; orders are per revolution of the shaft"
+    )
     length: float = result("m", (), "its length")
-    position: FloatArray = result("m", ("place",), "along the shaft; the end between two elements is listed twice")
+    position: FloatArray = result(
+        "m", ("place",), "along the shaft; the end between two elements is listed twice"
+    )
     point: tuple[Holding, ...] = result("", (), "joints and supports that hold it", key="points")
     at_rest: InPlanes = result("", (), "natural frequencies without rotation", key="at_rest_Hz")
     critical: tuple[Critical, ...] = result(
-        "", (), "of order 1, then of the orders of the joints' couples, by speed", key="critical_speeds"
+        "",
+        (),
+        "of order 1, then of the orders of the joints' couples, by speed",
+        key="critical_speeds",
     )
     whirl: Whirl | None = result("", (), "over speed; null without speeds")
-    answers: tuple[Answer, ...] = result("", (), "to the secondary couples, one an order; empty without a torque")
+    answers: tuple[Answer, ...] = result(
+        "", (), "to the secondary couples, one an order; empty without a torque"
+    )
     elements: int = result("", (), "finite elements")
     tilting: Tilting | None = result(
         "", (), "of a driven, nearly rigid shaft on supports with a known torque", default=None
@@ -87,13 +100,19 @@ class ShaftFound:
 class Lateral:
     """The bending side of the train."""
 
-    shafts: tuple[ShaftFound, ...] = result("", (), "shafts that bend; all speeds are speeds of the reference")
+    shafts: tuple[ShaftFound, ...] = result(
+        "", (), "shafts that bend; all speeds are speeds of the reference"
+    )
     remarks: tuple[str, ...] = result("", (), "what was omitted, and why")
     shear: bool = result("", (), "shear deflection is in the beams", key="has_shear", default=False)
 
 
 def lateral(
-    train: Train, operation: Operation, requested: LateralSettings | None = None, *, progress: Progress = silent
+    train: Train,
+    operation: Operation,
+    requested: LateralSettings | None = None,
+    *,
+    progress: Progress = silent,
 ) -> Lateral:
     """Every shaft that joints and supports hold. Joints stand still in space and pass on no bending moment.
 
@@ -112,9 +131,15 @@ def lateral(
         progress("bending of the shafts", number / len(supported))
         found.append(_found(every, shaft, wanted, reference, torque))
     remarks = [
-        f"{shaft.name}: " + (shaft.lacks or f"it bends without the masses of {', '.join(shaft.loads)}, "
-        "which the file does not say") for shaft in shafts if shaft.lacks or shaft.loads
-    ]  # fmt: skip
+        f"{shaft.name}: "
+        + (
+            shaft.lacks
+            or f"it bends without the masses of {', '.join(shaft.loads)}, "
+            "which the file does not say"
+        )
+        for shaft in shafts
+        if shaft.lacks or shaft.loads
+    ]
     if reference is None:
         remarks.append(
             "no speeds are given: whirl over speed and the response to the secondary couples are not computed"
@@ -136,7 +161,9 @@ def lateral_faults(train: Train, requested: LateralSettings | None) -> list[Faul
     return faults
 
 
-def _torques(train: Train, operation: Operation, requested: LateralSettings, every: Sequence[Placed]) -> Torques | None:
+def _torques(
+    train: Train, operation: Operation, requested: LateralSettings, every: Sequence[Placed]
+) -> Torques | None:
     """(joints, speeds) N m, mean, in the driving shafts of all joints, of reference speeds, rad/s; None if unknown."""
     if not every or (requested.torque is None and not states_mean_torque(train, operation)):
         return None
@@ -147,29 +174,52 @@ def _torques(train: Train, operation: Operation, requested: LateralSettings, eve
 
 
 def _found(
-    every: Sequence[Placed], shaft: BendingShaft, requested: LateralSettings, reference: FloatArray | None,
+    every: Sequence[Placed],
+    shaft: BendingShaft,
+    requested: LateralSettings,
+    reference: FloatArray | None,
     torque: Torques | None,
-) -> ShaftFound:  # fmt: skip
+) -> ShaftFound:
     ratio = float(shaft.ratio)
     own = None if reference is None else reference * ratio
     excited = tuple(order for order in orders(every, shaft) if order) if shaft.joints else ()
     both, critical = _refined(shaft, requested, own, excited)
-    some = slice(0) if own is None else np.linspace(0, len(own) - 1, min(len(own), _WHIRL_SPEEDS)).round().astype(int)
+    some = (
+        slice(0)
+        if own is None
+        else np.linspace(0, len(own) - 1, min(len(own), _WHIRL_SPEEDS)).round().astype(int)
+    )
     map_of = None if own is None else _of_train(whirl(both, own[some], requested.modes), ratio)
-    rest = InPlanes(_hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes))
+    rest = InPlanes(
+        _hertz(both.y.frequency, requested.modes), _hertz(both.z.frequency, requested.modes)
+    )
     answers: tuple[Answer, ...] = ()
     tilt, remark = None, ""
     if own is not None and reference is not None and shaft.joints and torque is not None:
         tilt, remark = tilting(shaft, every, torque, reference, (rest.y, rest.z))
-        grid = speeds_for(own, tuple(crossing for crossing in critical if crossing.order in excited))
+        grid = speeds_for(
+            own, tuple(crossing for crossing in critical if crossing.order in excited)
+        )
         couple = couples_at(every, shaft, torque(grid / ratio), requested.carrier)
-        answers = tuple(_of_train(answer(both, order, grid, couple[order]), ratio) for order in couple)
+        answers = tuple(
+            _of_train(answer(both, order, grid, couple[order]), ratio) for order in couple
+        )
     system = both.system
     return ShaftFound(
-        shaft.name, shaft.parts, shaft.ratio, shaft.beam.length, places(system).position,
+        shaft.name,
+        shaft.parts,
+        shaft.ratio,
+        shaft.beam.length,
+        places(system).position,
         tuple(Holding(point.name, point.at) for point in shaft.beam.points),
-        rest, tuple(_of_train(one, ratio) for one in critical), map_of, answers, len(system.cells), tilt, remark,
-    )  # fmt: skip
+        rest,
+        tuple(_of_train(one, ratio) for one in critical),
+        map_of,
+        answers,
+        len(system.cells),
+        tilt,
+        remark,
+    )
 
 
 def _of_train(found: OfShaft, ratio: float) -> OfShaft:
@@ -182,21 +232,32 @@ def _hertz(frequency: FloatArray, modes: int) -> FloatArray:
 
 
 def _refined(
-    shaft: BendingShaft, requested: LateralSettings, speed: FloatArray | None, excited: tuple[int, ...]
+    shaft: BendingShaft,
+    requested: LateralSettings,
+    speed: FloatArray | None,
+    excited: tuple[int, ...],
 ) -> tuple[Planes, tuple[Critical, ...]]:
     """The shaft in as many elements as the highest frequency that is reported of it needs."""
     highest = 0.0 if speed is None else float(speed[-1]) * max((1, *excited))
     elements = 1
     for _ in range(_ROUNDS):
-        system = assemble_lateral(shaft.beam, frequency=highest, shear=requested.shear, elements=elements)
+        system = assemble_lateral(
+            shaft.beam, frequency=highest, shear=requested.shear, elements=elements
+        )
         both = planes(system)
         critical = tuple(
-            crossing for order in (1, *excited) for crossing in criticals(both, order, np.inf)[: 2 * requested.modes]
+            crossing
+            for order in (1, *excited)
+            for crossing in criticals(both, order, np.inf)[: 2 * requested.modes]
         )
         reported_of = [np.array([crossing.frequency for crossing in critical])]
         reported_of += [_hertz(plane.frequency, requested.modes) for plane in (both.y, both.z)]
         reported_of += [] if speed is None else [whirl(both, speed[-1:], requested.modes).frequency]
-        reached = 2.0 * np.pi * float(max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of))
+        reached = (
+            2.0
+            * np.pi
+            * float(max(part[np.isfinite(part)].max(initial=0.0) for part in reported_of))
+        )
         spare = len(system.free) >= _SPARE * requested.modes
         if spare and reached <= highest:
             return both, critical
@@ -206,7 +267,11 @@ def _refined(
 
 def _none_held(train: Train, shafts: Sequence[BendingShaft], is_requested: bool) -> list[Fault]:
     """At the keys where every shaft lacks something; else where bending is requested, or at the first support."""
-    named = [Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}") for shaft in shafts if shaft.place]
+    named = [
+        Fault(shaft.place, f"{shaft.name} cannot bend: {shaft.lacks}")
+        for shaft in shafts
+        if shaft.place
+    ]
     if named:
         return named
     held = [train.parts[bar.part].path for bar in train.bars if train.shaft(bar).support]
@@ -224,8 +289,12 @@ def _shear_faults(train: Train, shaft: BendingShaft) -> list[Fault]:
         poisson = segment.youngs_modulus / (2.0 * segment.shear_modulus) - 1.0
         if not 0.0 <= poisson <= 0.5:
             part = train.parts[number]
-            message = f"its `youngs_modulus` and `shear_modulus` make a Poisson's ratio of {poisson:.3g}"
-            faults.append(Fault((*part.path, "material"), message, "from 0 to 0.5 for `shear: true`"))
+            message = (
+                f"its `youngs_modulus` and `shear_modulus` make a Poisson's ratio of {poisson:.3g}"
+            )
+            faults.append(
+                Fault((*part.path, "material"), message, "from 0 to 0.5 for `shear: true`")
+            )
     return faults
 
 
@@ -237,7 +306,9 @@ def run(work: Work) -> None:
         found = lateral(work.study.train, work.study.operation, settings, progress=work.progress)
         beams = "with shear (Timoshenko)" if found.shear else "without shear"
         step.method = f"beams {beams} by finite elements of degree {DEGREE}, in all their modes"
-        step.size = f"{len(found.shafts)} shafts, {sum(shaft.elements for shaft in found.shafts)} elements"
+        step.size = (
+            f"{len(found.shafts)} shafts, {sum(shaft.elements for shaft in found.shafts)} elements"
+        )
     work.log.left_out += [("bending, in part", remark) for remark in found.remarks]
     work.log.libraries["scikit-fem"] = None
     work.put(lateral=found)

@@ -26,10 +26,15 @@ from torsion.analyses.lateral.misaligned_shaft import (
 from torsion.arrays import FloatArray
 from torsion.results import derived, reported, result
 
-Torques = Callable[[FloatArray], FloatArray]  # (speeds,) rad/s -> (joints, speeds) N m of their driving shafts
+Torques = Callable[
+    [FloatArray], FloatArray
+]  # (speeds,) rad/s -> (joints, speeds) N m of their driving shafts
 Bending = tuple[FloatArray, FloatArray]
 RIGID = 0.1  # a lowest frequency that bending lowers by a larger share is not that of a rigid shaft
-POINTS, LOOKED_AT = 201, 400  # speeds of the curve of growth, and of the search, beside those around resonances
+POINTS, LOOKED_AT = (
+    201,
+    400,
+)  # speeds of the curve of growth, and of the search, beside those around resonances
 SPAN = 0.05  # rad/s / the sum of both frequencies: how far around a resonance points are added
 PERIODS = 3  # whole multiples of twice the speed that are looked at for a zone's name
 EVEN = 1e-6  # imaginary / real part: a multiplier that is real
@@ -42,9 +47,13 @@ OF_MEAN = Model(lambda turned, tilt: small_angle_part(turned, sine=0.0, cosine=0
 class Zone:
     """An unstable range."""
 
-    lower: float = result("rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s")
+    lower: float = result(
+        "rad/s", (), "reference speed at which an unstable range begins", key="from_rad_per_s"
+    )
     upper: float = result("rad/s", (), "and ends", key="to_rad_per_s")
-    is_open: tuple[bool, bool] = result("", (), "[from, to] the range continues beyond the computed speeds")
+    is_open: tuple[bool, bool] = result(
+        "", (), "[from, to] the range continues beyond the computed speeds"
+    )
     kind: str = result(  # "principal of 2", "sum of 1 and 2", "difference of 2 and 1", "/n" behind where n is not 1
         "", (), "principal, sum, difference, several, or mean couple", key="type"
     )
@@ -58,9 +67,13 @@ class Tilting:
 
     joint: str = result("", (), "that drives the shaft")
     shaft: MisalignedShaft  # `length` 1 m and `torque` 1 N m: stiffness N m/rad, load N m
-    frequency: dict[str, float] = result("", (), "of the tilt at rest", key="frequency_Hz")  # of y and of z
+    frequency: dict[str, float] = result(
+        "", (), "of the tilt at rest", key="frequency_Hz"
+    )  # of y and of z
     speed: FloatArray = result("rad/s", ("speed",), "reference speeds")
-    growth: FloatArray = result("1/s", ("speed",), "of the fastest small motion; positive: unstable")
+    growth: FloatArray = result(
+        "1/s", ("speed",), "of the fastest small motion; positive: unstable"
+    )
     zones: tuple[Zone, ...] = result("", (), "unstable ranges", key="unstable")
 
     @derived("kg*m**2", (), "about the centre of the joint")
@@ -80,7 +93,11 @@ class Tilting:
 
 
 def tilting(
-    shaft: BendingShaft, placed: Sequence[Placed], torque: Torques, speeds: FloatArray, bending: Bending
+    shaft: BendingShaft,
+    placed: Sequence[Placed],
+    torque: Torques,
+    speeds: FloatArray,
+    bending: Bending,
 ) -> tuple[Tilting | None, str]:
     """Growth and unstable ranges of the tilt, and why there are none; torque, speeds (rad/s) are of the reference.
 
@@ -89,27 +106,46 @@ def tilting(
     if len(shaft.joints) != 1 or not any(max(point.stiffness) for point in shaft.beam.points):
         return None, ""
     if shaft.joints[0].shaft == "driving":
-        return None, "it drives its joint; the parametric terms of its tilt are built for driven shafts"
-    number, joint = next((k, one) for k, one in enumerate(placed) if one.part == shaft.joints[0].part)
+        return (
+            None,
+            "it drives its joint; the parametric terms of its tilt are built for driven shafts",
+        )
+    number, joint = next(
+        (k, one) for k, one in enumerate(placed) if one.part == shaft.joints[0].part
+    )
     if joint.joint.kind != "cross":
         return None, "the parametric terms of its tilt are built for cross joints"
     ratio = float(joint.ratio)
     last = float(speeds[-1]) * ratio
     first = max(float(speeds[0]) * ratio, last / POINTS)
-    rigid = _rigid(shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio)[number])
-    z, y = (np.sqrt(rigid.square) / (2.0 * np.pi)).tolist()  # the angle about y moves the shaft along z
+    rigid = _rigid(
+        shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio)[number]
+    )
+    z, y = (
+        np.sqrt(rigid.square) / (2.0 * np.pi)
+    ).tolist()  # the angle about y moves the shaft along z
     if why := _too_soft((y, z), bending):
         return None, why
     unstable = [_named(rigid, zone) for zone in zones(rigid, first, last, EXACT)]
     beside = [*resonances(rigid).values()]
     for zone in unstable:  # speeds in it, as far again on both sides, and its own
         wide = zone.upper - zone.lower
-        beside += [zone.lower, zone.worst, zone.upper, *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist()]
-    grid = np.union1d(np.linspace(first, last, POINTS), [speed for speed in beside if first < speed < last])
-    of_train = tuple(
-        replace(zone, lower=zone.lower / ratio, upper=zone.upper / ratio, worst=zone.worst / ratio) for zone in unstable
+        beside += [
+            zone.lower,
+            zone.worst,
+            zone.upper,
+            *np.linspace(zone.lower - wide, zone.upper + wide, 37).tolist(),
+        ]
+    grid = np.union1d(
+        np.linspace(first, last, POINTS), [speed for speed in beside if first < speed < last]
     )
-    return Tilting(joint.name, rigid, {"y": y, "z": z}, grid / ratio, growth(rigid, grid).rate, of_train), ""
+    of_train = tuple(
+        replace(zone, lower=zone.lower / ratio, upper=zone.upper / ratio, worst=zone.worst / ratio)
+        for zone in unstable
+    )
+    return Tilting(
+        joint.name, rigid, {"y": y, "z": z}, grid / ratio, growth(rigid, grid).rate, of_train
+    ), ""
 
 
 def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
@@ -123,22 +159,38 @@ def _too_soft(frequency: tuple[float, float], bending: Bending) -> str:
     return ""
 
 
-def _rigid(beam: Beam, joint: JointAt, tilt: float, torque: Callable[[FloatArray], FloatArray]) -> MisalignedShaft:
+def _rigid(
+    beam: Beam, joint: JointAt, tilt: float, torque: Callable[[FloatArray], FloatArray]
+) -> MisalignedShaft:
     """The whole beam as one body about the centre of its joint."""
     centre = beam.points[joint.point].at
-    transverse = sum(point.mass * (point.at - centre) ** 2 + point.diametral for point in beam.points)
+    transverse = sum(
+        point.mass * (point.at - centre) ** 2 + point.diametral for point in beam.points
+    )
     polar = sum(point.polar for point in beam.points)
     share, weight = gauss(5)  # exact for the sixth degree of a cone
-    starts = accumulate((segment.length for segment in beam.segments), initial=-centre)  # and the end
+    starts = accumulate(
+        (segment.length for segment in beam.segments), initial=-centre
+    )  # and the end
     for segment, start in zip(beam.segments, starts, strict=False):
         slices, second = weight * segment.length * segment.density, segment.moment(share)
         place = start + segment.length * share
         transverse += float(slices @ (segment.area(share) * place**2 + second))
         polar += float(slices @ (2.0 * second))
     arms = np.array([(point.at - centre) ** 2 for point in beam.points])
-    stiffness, damping = (arms @ np.array([getattr(p, what) for p in beam.points]) for what in ("stiffness", "damping"))
+    stiffness, damping = (
+        arms @ np.array([getattr(p, what) for p in beam.points])
+        for what in ("stiffness", "damping")
+    )
     return MisalignedShaft(
-        transverse, polar / transverse, 1.0, tuple(stiffness.tolist()), tuple(damping.tolist()), 1.0, tilt, torque
+        transverse,
+        polar / transverse,
+        1.0,
+        tuple(stiffness.tolist()),
+        tuple(damping.tolist()),
+        1.0,
+        tilt,
+        torque,
     )
 
 
@@ -165,9 +217,20 @@ def zones(
     for low, up in zip(bounds[::2], bounds[1::2], strict=True):
         inside = (speed >= low) & (speed <= up)
         worst = float(speed[inside][rate[inside].argmax()])
-        worst, most = _greatest(shaft, model, worst, max(low, worst - (up - low) / 8), min(up, worst + (up - low) / 8))
+        worst, most = _greatest(
+            shaft, model, worst, max(low, worst - (up - low) / 8), min(up, worst + (up - low) / 8)
+        )
         kind = _kind(shaft, growth(shaft, np.array([worst]), model), low, up)
-        out.append(Zone(low, up, (low == first and bool(high[0]), up == last and bool(high[-1])), kind, worst, most))
+        out.append(
+            Zone(
+                low,
+                up,
+                (low == first and bool(high[0]), up == last and bool(high[-1])),
+                kind,
+                worst,
+                most,
+            )
+        )
     return tuple(out)
 
 
@@ -190,25 +253,37 @@ def _sampled(
     known = np.array(list(resonances(shaft).values()))
     width = SPAN * float(shaft.frequency.sum())
     near = (known[:, None] + width * np.linspace(-1.0, 1.0, 41) ** 3).ravel()
-    speed = np.unique(np.concatenate([np.linspace(first, last, points), near[(near > first) & (near < last)]]))
+    speed = np.unique(
+        np.concatenate([np.linspace(first, last, points), near[(near > first) & (near < last)]])
+    )
     rate = growth(shaft, speed, model).rate
-    peak = np.flatnonzero((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]) & (rate[1:-1] <= 0.0)) + 1
+    peak = (
+        np.flatnonzero((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]) & (rate[1:-1] <= 0.0))
+        + 1
+    )
     more = [_greatest(shaft, model, speed[k], speed[k - 1], speed[k + 1]) for k in peak]
     if not more:
         return speed, rate
-    speed, rate = np.append(speed, [one[0] for one in more]), np.append(rate, [one[1] for one in more])
+    speed, rate = (
+        np.append(speed, [one[0] for one in more]),
+        np.append(rate, [one[1] for one in more]),
+    )
     rank = np.argsort(speed)
     return speed[rank], rate[rank]
 
 
-def _greatest(shaft: MisalignedShaft, model: Model, start: float, low: float, up: float) -> tuple[float, float]:
+def _greatest(
+    shaft: MisalignedShaft, model: Model, start: float, low: float, up: float
+) -> tuple[float, float]:
     """Speed and rate of the fastest growth between two speeds; `start` where nothing better is found."""
     from scipy.optimize import minimize_scalar
 
     def down(at: float) -> float:
         return -float(growth(shaft, np.array([at]), model).rate[0])
 
-    found = minimize_scalar(down, bounds=(low, up), method="bounded", options={"xatol": 1e-9 * up, "maxiter": 40})
+    found = minimize_scalar(
+        down, bounds=(low, up), method="bounded", options={"xatol": 1e-9 * up, "maxiter": 40}
+    )
     best = max((-down(start), float(start)), (-float(found.fun), float(found.x)))
     return best[1], best[0]
 

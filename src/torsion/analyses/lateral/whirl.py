@@ -25,23 +25,35 @@ APART = 1e-9  # relative: roots nearer than this may be one found twice
 class Whirl:
     """Modes of a shaft over its speed. Columns ascend by frequency, backward whirl first where directions are pure."""
 
-    speed: FloatArray = result("rad/s", ("speed",), "reference speeds")  # `whirl` itself returns those of the shaft
-    frequency: FloatArray = result("Hz", ("speed", "mode"), "of the oscillation; null if fewer modes oscillate")
+    speed: FloatArray = result(
+        "rad/s", ("speed",), "reference speeds"
+    )  # `whirl` itself returns those of the shaft
+    frequency: FloatArray = result(
+        "Hz", ("speed", "mode"), "of the oscillation; null if fewer modes oscillate"
+    )
     log_decrement: FloatArray = result("1", ("speed", "mode"), "negative: the shaft is unstable")
-    direction: FloatArray = result("1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse")
+    direction: FloatArray = result(
+        "1", ("speed", "mode"), "1 forward, -1 backward, between them an ellipse"
+    )
 
 
 @reported
 class Critical:
     """A speed at which a frequency of the shaft is `order` times its speed; damping is left out of the speed."""
 
-    order: int = result("", (), "per revolution of the shaft: 1 unbalance, others couples of joints")
+    order: int = result(
+        "", (), "per revolution of the shaft: 1 unbalance, others couples of joints"
+    )
     mode: int = result("", (), "counted from 1 by speed")
-    speed: float = result("rad/s", (), "reference speed")  # `criticals` itself returns that of the shaft
+    speed: float = result(
+        "rad/s", (), "reference speed"
+    )  # `criticals` itself returns that of the shaft
     frequency: float = result("Hz", (), "order times the speed of the shaft")
     direction: float = result("1", (), "1 forward, -1 backward whirl, between them an ellipse")
     damping_ratio: float = result(
-        "1", (), "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound"
+        "1",
+        (),
+        "first order: half width of the resonance over speed / speed; 0: the amplitude has no bound",
     )
 
 
@@ -77,7 +89,9 @@ def _roots(planes: Planes, speed: float, modes: int) -> tuple[ComplexArray, Comp
     every = np.arange(len(planes.square))
     if not planes.is_damped:
         return roots_among(planes, speed, every)
-    if (found := refined(planes, speed, roots_among(planes, speed, lowest(planes, modes)), modes)) is not None:
+    if (
+        found := refined(planes, speed, roots_among(planes, speed, lowest(planes, modes)), modes)
+    ) is not None:
         return found
     return roots_among(planes, speed, every)
 
@@ -94,7 +108,9 @@ def roots_among(planes: Planes, speed: float, kept: IntArray) -> tuple[ComplexAr
     n, m = len(kept), len(moving)
     symmetric = np.zeros((n + m, n + m))
     symmetric[:n, :n] = -speed * planes.gyroscopic[np.ix_(kept, kept)]
-    symmetric[moving, n + np.arange(m)] = symmetric[n + np.arange(m), moving] = -np.sqrt(square[moving])
+    symmetric[moving, n + np.arange(m)] = symmetric[n + np.arange(m), moving] = -np.sqrt(
+        square[moving]
+    )
     if planes.is_damped:  # i v = z
         damped = -1j * symmetric
         damped[:n, :n] -= planes.damping[np.ix_(kept, kept)]
@@ -118,9 +134,9 @@ def refined(
     The equation (1 + s2 M + s C - i s Omega G) p = 0 has complex symmetric matrices, so that p is also its left vector.
     """
     root, shape = rough
-    chosen = np.concatenate([
-        np.flatnonzero(sense * root.imag > OVERDAMPED * np.abs(root))[:modes] for sense in (-1, 1)
-    ])  # fmt: skip
+    chosen = np.concatenate(
+        [np.flatnonzero(sense * root.imag > OVERDAMPED * np.abs(root))[:modes] for sense in (-1, 1)]
+    )
     start, root, shape = root[chosen], root[chosen].copy(), shape[:, chosen].copy()
     open_roots = np.arange(len(root))
     for _ in range(STEPS):
@@ -137,7 +153,9 @@ def refined(
     return root[order], shape[:, order]
 
 
-def _improve(planes: Planes, speed: float, root: ComplexArray, shape: ComplexArray, which: np.ndarray) -> ComplexArray:
+def _improve(
+    planes: Planes, speed: float, root: ComplexArray, shape: ComplexArray, which: np.ndarray
+) -> ComplexArray:
     """One step for the roots numbered `which`, in place; the changes of the roots."""
     s, p = root[which][:, None, None], shape[:, which].T[:, :, None]
     index = np.arange(len(planes.square))
@@ -167,7 +185,9 @@ def _decays(planes: Planes, speed: float, root: ComplexArray, p: ComplexArray) -
     energy = np.sum(np.abs(p) ** 2 * (1.0 + w**2 * square[:, None]), axis=0)
     forward, backward = lossy_energies(planes, p)
     lost = (np.sign(w - speed) * forward + backward) / energy
-    return np.stack([w / (2.0 * math.pi), 2.0 * math.pi * (-root.real / w + lost), direction(planes, p)])
+    return np.stack(
+        [w / (2.0 * math.pi), 2.0 * math.pi * (-root.real / w + lost), direction(planes, p)]
+    )
 
 
 def _energy(p: ComplexArray, matrix: FloatArray, other: ComplexArray) -> FloatArray:
@@ -177,7 +197,11 @@ def _energy(p: ComplexArray, matrix: FloatArray, other: ComplexArray) -> FloatAr
 
 def _of_both(planes: Planes, p: ComplexArray, matrix: FloatArray) -> FloatArray:
     """(modes,) energy of shapes of both planes, of a matrix of one of them where the supports are isotropic."""
-    return np.asarray(sum(_energy(part, matrix, part) for part in (np.split(p, 2) if planes.is_isotropic else [p])))
+    return np.asarray(
+        sum(
+            _energy(part, matrix, part) for part in (np.split(p, 2) if planes.is_isotropic else [p])
+        )
+    )
 
 
 def lossy_energies(planes: Planes, p: ComplexArray) -> tuple[FloatArray, FloatArray]:

@@ -53,21 +53,33 @@ def too_long(train: Train, rank: int, most: int, *, vibratory: bool) -> SolveErr
     length = f"repeat together only every {float(period):.6g} revolutions of the reference shaft, which takes about "
     length += f"{needed} harmonics, and {most} are the most"
     first, second = max(
-        combinations(sources, 2), key=lambda pair: _needed(pair, ratios, rank), default=(sources[0], sources[0])
+        combinations(sources, 2),
+        key=lambda pair: _needed(pair, ratios, rank),
+        default=(sources[0], sources[0]),
     )
-    names = f"{first.name} (order {first.order} of its shaft) and {second.name} (order {second.order})"
+    names = (
+        f"{first.name} (order {first.order} of its shaft) and {second.name} (order {second.order})"
+    )
     between = [
-        mesh for mesh in train.constraints
-        if mesh.ratio != 1 and (first.station in (far := _beyond(train, mesh))) != (second.station in far)
-    ]  # fmt: skip
+        mesh
+        for mesh in train.constraints
+        if mesh.ratio != 1
+        and (first.station in (far := _beyond(train, mesh))) != (second.station in far)
+    ]
     if not between:
         return SolveError(f"{names} {length}", "take orders with smaller whole numbers")
-    offered = [(near, mesh) for mesh in between if (near := _nearest(train, mesh, sources, rank, most)) is not None]
+    offered = [
+        (near, mesh)
+        for mesh in between
+        if (near := _nearest(train, mesh, sources, rank, most)) is not None
+    ]
     worst = max(between, key=lambda one: one.ratio.numerator * one.ratio.denominator)
     near, mesh = min(offered, key=lambda one: abs(one[0] / one[1].ratio - 1), default=(None, worst))
     teeth = f"{mesh.ratio.numerator}/{mesh.ratio.denominator}"
     message = f"{names} lie on both sides of '{mesh.name}' (teeth {teeth}) and {length}"
-    remedy = f"{'excite, and bend joints,' if vibratory else 'bend joints'} on one side of the gear only"
+    remedy = (
+        f"{'excite, and bend joints,' if vibratory else 'bend joints'} on one side of the gear only"
+    )
     if near is not None:
         off = 100.0 * abs(float(near / mesh.ratio) - 1.0)
         remedy = f"take `teeth: [{near.numerator}, {near.denominator}]` for it, {off:.2g} % off, or {remedy}"
@@ -76,29 +88,39 @@ def too_long(train: Train, rank: int, most: int, *, vibratory: bool) -> SolveErr
 
 def _sources(train: Train, *, vibratory: bool) -> list[Source]:
     joints = [
-        Source(mesh.name, Fraction(order), mesh.driving, True) for mesh in train.constraints for order, _ in mesh.error
+        Source(mesh.name, Fraction(order), mesh.driving, True)
+        for mesh in train.constraints
+        for order, _ in mesh.error
     ]
     torques = [
-        Source(one.name, one.order, one.station, False) for one in train.torques if one.order is not None and vibratory
+        Source(one.name, one.order, one.station, False)
+        for one in train.torques
+        if one.order is not None and vibratory
     ]
     return [*joints, *torques]
 
 
 def _needed(sources: Sequence[Source], ratios: Sequence[Fraction], rank: int) -> int:
     orders = [(one.order * ratios[one.station], one.is_joint) for one in sources]
-    joints, torques = ([order for order, is_joint in orders if is_joint is kind] for kind in (True, False))
+    joints, torques = (
+        [order for order, is_joint in orders if is_joint is kind] for kind in (True, False)
+    )
     return harmonics_needed(rank, joints, torques)
 
 
 def _beyond(train: Train, mesh: Constraint) -> set[int]:
     """Stations on the driven side of a gear of a train without closed loops."""
     pieces: list[Spring | Bar | Constraint] = [*train.springs, *train.bars, *train.constraints]
-    ends = np.array([(one.driving, one.driven) for one in pieces if one is not mesh], dtype=int).reshape(-1, 2)
+    ends = np.array(
+        [(one.driving, one.driven) for one in pieces if one is not mesh], dtype=int
+    ).reshape(-1, 2)
     group = connected(len(train.stations), *ends.T)
     return set(np.flatnonzero(group == group[mesh.driven]).tolist())
 
 
-def _nearest(train: Train, mesh: Constraint, sources: list[Source], rank: int, most: int) -> Fraction | None:
+def _nearest(
+    train: Train, mesh: Constraint, sources: list[Source], rank: int, most: int
+) -> Fraction | None:
     """The ratio nearest to a gear's own with which `most` harmonics are enough; None where there is none near."""
     beyond, ratios = _beyond(train, mesh), [station.ratio for station in train.stations]
 
@@ -107,5 +129,9 @@ def _nearest(train: Train, mesh: Constraint, sources: list[Source], rank: int, m
         return _needed(sources, there, rank)
 
     every = {Fraction(round(mesh.ratio * teeth), teeth) for teeth in range(1, most + 1)}
-    close = {one: number for one in every if abs(one / mesh.ratio - 1) <= NEAR and (number := needed(one)) <= most}
+    close = {
+        one: number
+        for one in every
+        if abs(one / mesh.ratio - 1) <= NEAR and (number := needed(one)) <= most
+    }
     return min(close, key=lambda one: (close[one] > QUICK, abs(one / mesh.ratio - 1)), default=None)

@@ -61,7 +61,9 @@ def turning(layout: Layout, deviation: FloatArray, turned: FloatArray) -> Turnin
     parts = [start.deviation.copy(), start.first, start.second, start.third]
     for step in layout.steps:
         inner = Turning(*(part[step.inner] for part in parts))
-        for part, value in zip(parts, vars(beyond(inner, step.joint, turned)).values(), strict=True):
+        for part, value in zip(
+            parts, vars(beyond(inner, step.joint, turned)).values(), strict=True
+        ):
             part[step.outer] = value
     return Turning(*parts)
 
@@ -102,7 +104,9 @@ def scaled(part: FloatArray, value: float | FloatArray) -> FloatArray:
     return part[:, None] * value if np.ndim(value) else part * value
 
 
-def state(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, turned: FloatArray) -> State:
+def state(
+    layout: Layout, loading: Loading, motion: Motion, load: FloatArray, turned: FloatArray
+) -> State:
     """The motion of all bodies, and what each lacks for equilibrium.
 
     Behind its coordinates a motion may hold the twists of the layout's dampers, which else follow from it.
@@ -113,7 +117,9 @@ def state(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, tu
     slip = slow * where.first + loading.speed * (where.first - 1.0)
     acceleration = where.first * gain + where.second * rate**2
     residual = (
-        layout.inertia[:, None] * acceleration + over_time(loading.damping) * slip - torques(loading, turned, load)
+        layout.inertia[:, None] * acceleration
+        + over_time(loading.damping) * slip
+        - torques(loading, turned, load)
     )
     force = spring_torques(layout, where.deviation, slip, motion.speed[layout.free :])
     np.add.at(residual, layout.driving, force)
@@ -136,15 +142,21 @@ def spring_torques(
     if lossy.size:
         spectrum = np.fft.rfft(twist[lossy], axis=1)
         spectrum[:, 0] = 0.0
-        force[lossy] += layout.hysteretic[lossy, None] * np.fft.irfft(1j * spectrum, twist.shape[1], axis=1)
+        force[lossy] += layout.hysteretic[lossy, None] * np.fft.irfft(
+            1j * spectrum, twist.shape[1], axis=1
+        )
     acting = layout.dampers
     if acting.size.size:
-        rate = dampers if dampers is not None and len(dampers) else acting.onto.T @ (slip[a] - slip[b])
+        rate = (
+            dampers if dampers is not None and len(dampers) else acting.onto.T @ (slip[a] - slip[b])
+        )
         force += acting.onto @ (over_time(acting.size) * rate)
     return np.asarray(force)
 
 
-def linearised(layout: Layout, loading: Loading, motion: Motion, load: FloatArray, count: int) -> Linearised:
+def linearised(
+    layout: Layout, loading: Loading, motion: Motion, load: FloatArray, count: int
+) -> Linearised:
     """The equations at a motion over the common period, with their derivatives.
 
     Dampers are in them where the motion holds their twists: those are then further unknowns, and the matrix stays
@@ -156,13 +168,17 @@ def linearised(layout: Layout, loading: Loading, motion: Motion, load: FloatArra
     residual = gathered(layout, first * now.residual)
     force = np.array([-gathered(layout, first * one[:, None]) for one in loading.drive])
     force = force.reshape(len(loading.drive), *residual.shape)
-    found = Linearised(residual, entries(layout, loading, now), force, _hysteretic(layout, first, count))
+    found = Linearised(
+        residual, entries(layout, loading, now), force, _hysteretic(layout, first, count)
+    )
     if len(motion.deviation) == free:
         return found
     return _with_dampers(layout, found, now, motion.deviation[free:], loading.w0)
 
 
-def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArray, w0: float) -> Linearised:
+def _with_dampers(
+    layout: Layout, found: Linearised, now: State, twist: FloatArray, w0: float
+) -> Linearised:
     """The equations with the dampers' twists (dampers, times) as unknowns: size w0 (twist - that of the bodies) = 0."""
     size, times, free = layout.dampers.size, twist.shape[1], layout.free
     number = len(size)
@@ -172,16 +188,21 @@ def _with_dampers(layout: Layout, found: Linearised, now: State, twist: FloatArr
     alone, none = free + np.arange(number), np.zeros((number * free, times))
     here = found.entries
     grown = Couplings(
-        np.concatenate([here.row, coordinate, damper, alone]), np.concatenate([here.column, damper, coordinate, alone]),
+        np.concatenate([here.row, coordinate, damper, alone]),
+        np.concatenate([here.column, damper, coordinate, alone]),
         np.concatenate([here.mass, none, none, np.zeros((number, times))]),
         np.concatenate([here.damping, pull, none, np.zeros((number, times))]),
-        np.concatenate([here.stiffness, none, -w0 * pull, np.repeat((size * w0)[:, None], times, axis=1)]),
-    )  # fmt: skip
+        np.concatenate(
+            [here.stiffness, none, -w0 * pull, np.repeat((size * w0)[:, None], times, axis=1)]
+        ),
+    )
     force = np.pad(found.force, ((0, 0), (0, number), (0, 0)))
     return Linearised(np.concatenate([found.residual, missing]), grown, force, found.extra)
 
 
-def damper_matrices(layout: Layout, now: State, shape: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+def damper_matrices(
+    layout: Layout, now: State, shape: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
     """Damping and stiffness of the dampers, (times, free, free), or on shapes (free, shapes) of the coordinates."""
     twist = at_coordinates(layout, now.turning.first)
     slope = at_coordinates(layout, now.turning.second * now.rate)
@@ -198,7 +219,10 @@ def entries(layout: Layout, loading: Loading, now: State) -> Couplings:
     slip_slope = f2 * now.rate  # of a body's speed over its coordinate
     mass = inertia * f1**2
     damping = f1 * (2.0 * inertia * slip_slope + ground * f1)
-    stiffness = f1 * (inertia * (f2 * now.gain + f3 * now.rate**2) + ground * slip_slope) + f2 * now.residual
+    stiffness = (
+        f1 * (inertia * (f2 * now.gain + f3 * now.rate**2) + ground * slip_slope)
+        + f2 * now.residual
+    )
     own = np.arange(layout.free)
     parts = [(own, own, *(gathered(layout, part) for part in (mass, damping, stiffness)))]
     ends = (layout.driving, 1.0), (layout.driven, -1.0)
@@ -206,12 +230,18 @@ def entries(layout: Layout, loading: Loading, now: State) -> Couplings:
         row, column, sign = layout.coordinate[a], layout.coordinate[b], plus * minus
         inside = (row < layout.free) & (column < layout.free)
         c, k = sign * over_time(layout.viscous), sign * layout.stiffness[:, None]
-        between = np.zeros((len(a), f1.shape[1])), c * f1[a] * f1[b], f1[a] * (k * f1[b] + c * slip_slope[b])
+        between = (
+            np.zeros((len(a), f1.shape[1])),
+            c * f1[a] * f1[b],
+            f1[a] * (k * f1[b] + c * slip_slope[b]),
+        )
         parts.append((row[inside], column[inside], *(part[inside] for part in between)))
     return Couplings(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
-def _hysteretic(layout: Layout, first: FloatArray, count: int) -> list[tuple[int, int, ComplexArray]]:
+def _hysteretic(
+    layout: Layout, first: FloatArray, count: int
+) -> list[tuple[int, int, ComplexArray]]:
     """Blocks of the loss factors: i eta k sign(frequency) between the angles on both sides of a spring."""
     out = []
     wide = np.arange(-2 * count, 2 * count + 1)
@@ -219,7 +249,9 @@ def _hysteretic(layout: Layout, first: FloatArray, count: int) -> list[tuple[int
     lossy = np.flatnonzero(layout.hysteretic).tolist()
     bodies = {int(end[spring]) for spring in lossy for end in (layout.driving, layout.driven)}
     shapes = {body: toeplitz(first[body], count, wide) for body in bodies if not steady[body]}
-    alone = np.diag(turn[count : 3 * count + 1])  # of two bodies whose angles are their coordinates times a constant
+    alone = np.diag(
+        turn[count : 3 * count + 1]
+    )  # of two bodies whose angles are their coordinates times a constant
     for body in bodies & set(np.flatnonzero(steady)):
         shapes[body] = first[body, 0] * np.eye(len(wide), 2 * count + 1, -count)
     for spring in lossy:

@@ -6,7 +6,13 @@ from typing import Literal
 import numpy as np
 
 from torsion.analyses.law_slopes import mean_speed_slopes
-from torsion.analyses.motion.equations_of_motion import damper_matrices, entries, mean_angle, state, torque_rates
+from torsion.analyses.motion.equations_of_motion import (
+    damper_matrices,
+    entries,
+    mean_angle,
+    state,
+    torque_rates,
+)
 from torsion.analyses.motion.mean_speed import SLOW, agrees, drift_slope
 from torsion.analyses.motion.mechanism import Layout, gathered
 from torsion.analyses.motion.mechanism_loads import Scene, scene
@@ -17,14 +23,23 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
 from torsion.kernels.periodic.hill import DOUBLE, couplings_of, harmonics_of, hill_exponents
-from torsion.kernels.periodic.monodromy import exponents, monodromy, mostly_rigid, real_motions, rigid_motion, steps_for
+from torsion.kernels.periodic.monodromy import (
+    exponents,
+    monodromy,
+    mostly_rigid,
+    real_motions,
+    rigid_motion,
+    steps_for,
+)
 from torsion.study import Study
 
 KEPT_VECTOR = 1e-5  # relative: how well a motion that must repeat does so, to be taken out of the monodromy matrix
 REST = 1e-9  # relative: what a basis of modes may miss of a motion that repeats itself
 APART = 1e-10  # relative: of a motion that others combine to, less is left
 BEYOND = 2.0  # times the highest mode kept: what the steps resolve of the static shapes beside it
-HIGHEST = 3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
+HIGHEST = (
+    3.0  # times the highest order of a joint times the highest speed: modes up to there are kept
+)
 FEWEST_MODES, MOST_MODES = 1, 12  # elastic ones
 UNSTABLE = 1e-7  # growth over one common period: less is rounding
 Method = Literal["hill", "monodromy"]
@@ -59,11 +74,18 @@ class Variation:
         """
         missed = _beyond(reduced, self.repeated[:, : self.size])
         shape = np.column_stack([reduced.shape, missed])
-        mass, damping, stiffness = (shape.T @ part @ shape for part in (self.mass, self.damping, self.stiffness))
+        mass, damping, stiffness = (
+            shape.T @ part @ shape for part in (self.mass, self.damping, self.stiffness)
+        )
         parts = [part for motion in self.repeated for part in np.split(motion, 2)]
-        repeated = [np.concatenate([reduced.share(part), (missed.T * reduced.inertia) @ part]) for part in parts]
+        repeated = [
+            np.concatenate([reduced.share(part), (missed.T * reduced.inertia) @ part])
+            for part in parts
+        ]
         form = len(self.repeated), 2 * shape.shape[1], len(self.mass)
-        return Variation(mass, damping, stiffness, self.period, np.reshape(repeated, form), self.is_free)
+        return Variation(
+            mass, damping, stiffness, self.period, np.reshape(repeated, form), self.is_free
+        )
 
     @property
     def turning(self) -> FloatArray:
@@ -96,7 +118,9 @@ def variation(at: Scene, orbit: Orbit) -> Variation:
     now = state(at.layout, loading, motion, orbit.found.load, turned)
     mass, damping, stiffness = entries(at.layout, loading, now).full(free)
     own = np.arange(free)
-    stiffness[:, own, own] -= gathered(at.layout, now.turning.first * torque_rates(loading, turned) / now.rate).T
+    stiffness[:, own, own] -= gathered(
+        at.layout, now.turning.first * torque_rates(loading, turned) / now.rate
+    ).T
     if at.layout.dampers.size.size:
         damper_damping, damper_stiffness = damper_matrices(at.layout, now)
         damping, stiffness = damping + damper_damping, stiffness + damper_stiffness
@@ -113,9 +137,13 @@ def _repeated(layout: Layout, mean: float, motion: Motion) -> FloatArray:
     found = list[FloatArray]()
     if layout.floating:
         turning = np.isin(np.arange(free), np.concatenate(layout.floating))[:, None]
-        found.append(np.concatenate([turning * (mean + motion.speed), turning * motion.acceleration]))
+        found.append(
+            np.concatenate([turning * (mean + motion.speed), turning * motion.acceleration])
+        )
     for group in layout.loose:
-        found.append(np.concatenate([np.repeat(group[:, None], times, axis=1), np.zeros((free, times))]))
+        found.append(
+            np.concatenate([np.repeat(group[:, None], times, axis=1), np.zeros((free, times))])
+        )
     return np.array(found).reshape(-1, 2 * free, times)
 
 
@@ -127,8 +155,12 @@ class Multipliers:
     vector: ComplexArray  # (coordinates or modes, exponents) deviation at reference angle zero; NaN where not computed
     speed: ComplexArray  # (coordinates or modes, exponents) its rate of change
     period: float  # s
-    rigid: int | None = None  # the real exponent whose motion is mostly a turning of the whole train, if there is one
-    drift: float = np.nan  # 1/s: that exponent, where it was distinguished as the drift of the mean speed
+    rigid: int | None = (
+        None  # the real exponent whose motion is mostly a turning of the whole train, if there is one
+    )
+    drift: float = (
+        np.nan
+    )  # 1/s: that exponent, where it was distinguished as the drift of the mean speed
     is_doubtful: bool = False
 
     def distinguished(self, correction: float) -> "Multipliers":
@@ -136,14 +168,22 @@ class Multipliers:
         rest = np.arange(len(self.exponent)) != self.rigid
         drift = float(self.exponent[self.rigid].real) + correction
         return replace(
-            self, exponent=self.exponent[rest], vector=self.vector[:, rest], speed=self.speed[:, rest], rigid=None,
+            self,
+            exponent=self.exponent[rest],
+            vector=self.vector[:, rest],
+            speed=self.speed[:, rest],
+            rigid=None,
             drift=drift,
-        )  # fmt: skip
+        )
 
     @property
     def fastest(self) -> tuple[float, float]:
         """Growth (1/s) of the fastest growing motion, negative where all die out, and its frequency (rad/s)."""
-        return (self.exponent[0].real, self.exponent[0].imag) if self.exponent.size else (-np.inf, np.nan)
+        return (
+            (self.exponent[0].real, self.exponent[0].imag)
+            if self.exponent.size
+            else (-np.inf, np.nan)
+        )
 
     @property
     def growth(self) -> float:
@@ -161,7 +201,9 @@ def by_monodromy(around: Variation, highest: float) -> Multipliers:
     size = around.size
     scale = np.concatenate([np.ones(size), np.full(size, around.w0)])
     visited, steps = list[FloatArray](), steps_for(around.period, highest)
-    full = monodromy(around.mass, around.damping, around.stiffness, around.period, steps, visited=visited)
+    full = monodromy(
+        around.mass, around.damping, around.stiffness, around.period, steps, visited=visited
+    )
     whole = full / scale[:, None] * scale
     back = np.eye(2 * size)
     for one in around.repeated:
@@ -194,12 +236,17 @@ def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HIL
         message = f"Hill's matrix of {size} coordinates and {count} harmonics is too large"
         raise SolveError(message, "`method: monodromy`", ("analyses", "stability", "method"))
     entries = couplings_of(around.mass, around.damping, around.stiffness)
-    found = hill_exponents(entries, around.w0, count, size, harmonics_of(around.repeated[:, :size], count))
+    found = hill_exponents(
+        entries, around.w0, count, size, harmonics_of(around.repeated[:, :size], count)
+    )
     value = found.exponent
     order = np.argsort(-value.real, kind="stable")
     start = found.vector[order]
     rate = (value[order, None, None] + 1j * around.w0 * np.arange(-count, count + 1)) * start
-    within = value[order].real + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
+    within = (
+        value[order].real
+        + 1j * (np.mod(value[order].imag / around.w0 + 0.5, 1.0) - 0.5) * around.w0
+    )
 
     rigid = None
     if around.is_free:
@@ -209,7 +256,9 @@ def by_hill(around: Variation, highest: float, fewest: int, most: int = MOST_HIL
         along = np.abs(start[places][:, :, count] @ mass @ turning) ** 2
         share = along / (turning @ mass @ turning * mean_square)
         # The second of a double exponent 0 is that of the mean speed; its vector lacks the free turning.
-        rigid = mostly_rigid(places, np.where(np.abs(within[places]) < DOUBLE * around.w0, 1.0, share))
+        rigid = mostly_rigid(
+            places, np.where(np.abs(within[places]) < DOUBLE * around.w0, 1.0, share)
+        )
     return Multipliers(within, start.sum(axis=2).T, rate.sum(axis=2).T, around.period, rigid)
 
 
@@ -222,7 +271,9 @@ class Search:
     reduced: Basis | None
     method: Method = "monodromy"
     known: dict[float, tuple[Orbit, Multipliers] | None] = field(default_factory=dict)
-    unhelped: "Search | None" = None  # the same train without the slopes that damp its mean speed alone
+    unhelped: "Search | None" = (
+        None  # the same train without the slopes that damp its mean speed alone
+    )
 
     def __call__(self, speed: float) -> tuple[Orbit, Multipliers] | None:
         """Orbit and exponents at a speed (rad/s); None where there is no periodic motion."""
@@ -230,7 +281,9 @@ class Search:
             solved = (one[0] for one in self.known.values() if one is not None)
             orbit, _ = continued(self.at, speed, nearest(speed, solved))
             is_lost = orbit is None or (self.unhelped is not None and self.unhelped(speed) is None)
-            self.known[speed] = None if orbit is None or is_lost else (orbit, self.exponents(orbit, self.method))
+            self.known[speed] = (
+                None if orbit is None or is_lost else (orbit, self.exponents(orbit, self.method))
+            )
         return self.known[speed]
 
     def exponents(self, orbit: Orbit, method: Method, most: int = MOST_HILL) -> Multipliers:
@@ -245,7 +298,9 @@ class Search:
             return found
         bare = self.unhelped.exponents(without[0], method, most)
         worse = max(found, bare, key=lambda side: side.growth)
-        return replace(worse, rigid=None, drift=found.drift, is_doubtful=found.is_doubtful or bare.is_doubtful)
+        return replace(
+            worse, rigid=None, drift=found.drift, is_doubtful=found.is_doubtful or bare.is_doubtful
+        )
 
     def _exponents(self, orbit: Orbit, method: Method, most: int) -> Multipliers:
         """Return the exponents with whatever slopes act in the scene."""
@@ -266,7 +321,9 @@ class Search:
             return replace(found, rigid=None)
         inertia = float(self.at.layout.inertia.sum())
         growth = float(found.exponent[found.rigid].real) - orbit.now.beside / inertia
-        if growth > SLOW and not agrees(growth, drift_slope(self.at, orbit.now.loading.speed, orbit)[0], inertia):
+        if growth > SLOW and not agrees(
+            growth, drift_slope(self.at, orbit.now.loading.speed, orbit)[0], inertia
+        ):
             return replace(found, rigid=None, is_doubtful=True)
         return found.distinguished(-orbit.now.beside / inertia)
 
@@ -292,10 +349,15 @@ class Search:
             return self.unhelped.loses
         if self.at.system.damps and self.at.damping > 0:
             return True
-        return any(found is not None and bool(found[0].now.loading.damping.any()) for found in self.known.values())
+        return any(
+            found is not None and bool(found[0].now.loading.damping.any())
+            for found in self.known.values()
+        )
 
 
-def growth_search(study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None) -> Search:
+def growth_search(
+    study: Study, system: System, *, method: Method = "monodromy", modes: int | None = None
+) -> Search:
     """A train whose growth rates are wanted; `modes`: reduce to so many elastic modes."""
     at = scene(study, system, vibratory=False)
     shapes = basis(at.layout)
@@ -312,7 +374,9 @@ def damped(at: Scene, shapes: Basis) -> Scene:
     return replace(at, layout=viscous(at.layout, shapes))
 
 
-def modes_that_matter(at: Scene, shapes: Basis, fastest: float, requested: int | None = None) -> Basis:
+def modes_that_matter(
+    at: Scene, shapes: Basis, fastest: float, requested: int | None = None
+) -> Basis:
     """The rigid motions and as many elastic modes as requested.
 
     Else the modes up to three times the highest order of a joint at the fastest speed (rad/s): 1 to 12 elastic ones.

@@ -32,14 +32,24 @@ MOST_STEPS = 20  # of the secant method
 class MeanSpeedDrift:
     """Speeds at which the mean speed runs away from its value, and the slope of a drive that holds it."""
 
-    first: float = result("rad/s", (), "lowest speed that drifts faster than 1e-3 1/s", key="from_rad_per_s")
+    first: float = result(
+        "rad/s", (), "lowest speed that drifts faster than 1e-3 1/s", key="from_rad_per_s"
+    )
     last: float = result("rad/s", (), "highest one", key="to_rad_per_s")
     growth: float = result("1/s", (), "fastest drift")
     at: float = result("rad/s", (), "where")
-    slope: float = result("N*m*s/rad", (), "slope missing at the machine, at its own speed; null if not found")
+    slope: float = result(
+        "N*m*s/rad", (), "slope missing at the machine, at its own speed; null if not found"
+    )
     machine: str = result("", (), "the machine that drives, at which the slope is missing")
-    given: float = result("N*m*s/rad", (), "slopes and damping of the file that act on the mean speed, at that machine")
-    slip: float = result("N*m*s/rad", (), "slope at 1 % slip of that machine; null without a rated speed")
+    given: float = result(
+        "N*m*s/rad",
+        (),
+        "slopes and damping of the file that act on the mean speed, at that machine",
+    )
+    slip: float = result(
+        "N*m*s/rad", (), "slope at 1 % slip of that machine; null without a rated speed"
+    )
 
 
 def lost_torque(there: Orbit) -> float:
@@ -73,7 +83,9 @@ def slip_slope(at: Scene, station: int) -> float:
     if rated is None or known is None:
         return np.nan
     law = DriveLaw(slip=0.01)
-    return law.slope_at_rated(float(known.applied[station, 0]), rated.speed * float(at.system.speed_ratio[station]))
+    return law.slope_at_rated(
+        float(known.applied[station, 0]), rated.speed * float(at.system.speed_ratio[station])
+    )
 
 
 def agrees(growth: float, slope: float, inertia: float) -> bool:
@@ -102,7 +114,9 @@ def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station:
             return float(np.nan_to_num(slope_there, nan=np.inf))
 
         near = SMOOTH * (reach[1] - reach[0])
-        return -float(minimize_scalar(drift, bounds=reach, method="bounded", options={"xatol": near}).fun)
+        return -float(
+            minimize_scalar(drift, bounds=reach, method="bounded", options={"xatol": near}).fun
+        )
 
     # The secant method: what is lacking falls evenly with the slope, but for the vibration that the slope damps.
     without = lacking(0.0)
@@ -124,7 +138,9 @@ def driver(at: Scene, speed: float) -> tuple[int, str]:
     return station, at.system.stations[station].name
 
 
-def drift_ends(drift: Callable[[float], float], speeds: FloatArray, values: FloatArray) -> tuple[float, float]:
+def drift_ends(
+    drift: Callable[[float], float], speeds: FloatArray, values: FloatArray
+) -> tuple[float, float]:
     """Return the lowest and the highest speed (rad/s) at which the drift reaches SLOW; speeds ascend."""
     fast = np.flatnonzero(np.nan_to_num(values, nan=-np.inf) > SLOW)
     ends = []
@@ -134,7 +150,9 @@ def drift_ends(drift: Callable[[float], float], speeds: FloatArray, values: Floa
             continue
         inner, outer = float(speeds[row]), float(speeds[beside])
         try:
-            ends.append(float(brentq(lambda speed: drift(speed) - SLOW, inner, outer, rtol=BOUNDARY)))
+            ends.append(
+                float(brentq(lambda speed: drift(speed) - SLOW, inner, outer, rtol=BOUNDARY))
+            )
         except ValueError:  # no drift was distinguished between them
             ends.append(inner)
     return ends[0], ends[1]

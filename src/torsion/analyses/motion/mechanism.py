@@ -34,12 +34,17 @@ class JointMap:
     @property
     def strength(self) -> float:
         """Half of the amplitude by which the ratio varies: q of a cross joint, order times error / 2 of a series."""
-        return abs(self.unevenness) + sum(order * abs(amplitude) for order, amplitude in self.series) / 2.0
+        return (
+            abs(self.unevenness)
+            + sum(order * abs(amplitude) for order, amplitude in self.series) / 2.0
+        )
 
     def undone(self) -> "JointMap":
         """The map from the driven side back; raises SolveError where only a series is known."""
         if self.series:
-            raise SolveError("a tripod joint that is driven from its driven side by a fixed station is not built")
+            raise SolveError(
+                "a tripod joint that is driven from its driven side by a fixed station is not built"
+            )
         return replace(self, unevenness=-self.unevenness)
 
 
@@ -53,7 +58,9 @@ def joint_map(system: System, span: Span) -> JointMap:
     return JointMap(*ratios, abs(amplitude), float(np.angle(1j * amplitude)) / 2.0)
 
 
-def error(joint: JointMap, angle: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def error(
+    joint: JointMap, angle: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Transmission error (rad) and its derivatives over the driving angle, at driving angles at own speed.
 
     With w = q z/(1 - q z): e' = 2 Re w, e'' = -4 Im(w + w^2), e''' = -8 Re(w (1 + w)(1 + 2 w)).
@@ -68,7 +75,12 @@ def error(joint: JointMap, angle: FloatArray) -> tuple[FloatArray, FloatArray, F
     turned = joint.unevenness * np.exp(2j * (angle + joint.yoke))
     w = turned / (1.0 - turned)
     bent = w * (1.0 + w)
-    return -np.angle(1.0 - turned), 2.0 * w.real, -4.0 * bent.imag, -8.0 * (bent * (1.0 + 2.0 * w)).real
+    return (
+        -np.angle(1.0 - turned),
+        2.0 * w.real,
+        -4.0 * bent.imag,
+        -8.0 * (bent * (1.0 + 2.0 * w)).real,
+    )
 
 
 @dataclass(frozen=True)
@@ -90,12 +102,19 @@ def beyond(before: Turning, joint: JointMap, turned: FloatArray) -> Turning:
     e0, e1, e2, e3 = error(joint, r * (turned + before.deviation))
     g1, g2, g3 = 1.0 + e1 * r / s, e2 * r * r / s, e3 * r**3 / s
     f1, f2, f3 = before.first, before.second, before.third
-    return Turning(before.deviation + e0 / s, g1 * f1, g2 * f1**2 + g1 * f2, g3 * f1**3 + 3.0 * g2 * f1 * f2 + g1 * f3)
+    return Turning(
+        before.deviation + e0 / s,
+        g1 * f1,
+        g2 * f1**2 + g1 * f2,
+        g3 * f1**3 + 3.0 * g2 * f1 * f2 + g1 * f3,
+    )
 
 
 def at_rest(deviation: FloatArray) -> Turning:
     """The turning of the station that a coordinate is the angle of."""
-    return Turning(deviation, np.ones_like(deviation), np.zeros_like(deviation), np.zeros_like(deviation))
+    return Turning(
+        deviation, np.ones_like(deviation), np.zeros_like(deviation), np.zeros_like(deviation)
+    )
 
 
 @dataclass(frozen=True)
@@ -131,8 +150,12 @@ class Layout:
     stiffness: FloatArray  # (springs,) N m/rad
     viscous: FloatArray  # (springs,) N m s/rad
     hysteretic: FloatArray  # (springs,) N m/rad: stiffness times loss factor
-    dampers: Dampers  # what stands for loss factors that are not in `hysteretic`; none unless put there
-    floating: tuple[tuple[int, ...], ...]  # coordinates that springs join to each other and to nothing fixed
+    dampers: (
+        Dampers  # what stands for loss factors that are not in `hysteretic`; none unless put there
+    )
+    floating: tuple[
+        tuple[int, ...], ...
+    ]  # coordinates that springs join to each other and to nothing fixed
     orders: tuple[Fraction, ...]  # of the joints, per turn of the reference station, ascending
 
     @property
@@ -149,7 +172,11 @@ class Layout:
         if len(self.floating) < 2:
             return np.zeros((0, self.free), dtype=bool)
         driven = {int(self.coordinate[step.outer]) for step in self.steps}
-        groups = [np.isin(np.arange(self.free), group) for group in self.floating if not driven & set(group)]
+        groups = [
+            np.isin(np.arange(self.free), group)
+            for group in self.floating
+            if not driven & set(group)
+        ]
         return np.array(groups, dtype=bool).reshape(-1, self.free)
 
 
@@ -165,7 +192,9 @@ def layout(system: System) -> Layout:
     rigid = system.flexibility == 0
     joints = np.array([bool(span.error) for span in system.spans], dtype=bool)
     if np.any(joints & ~rigid):
-        raise SolveError("a mesh with a transmission error and a flexibility is not built in the exact motion")
+        raise SolveError(
+            "a mesh with a transmission error and a flexibility is not built in the exact motion"
+        )
     joined = rigid & ~joints  # stations that turn as one body
     first = connected(len(system.stations), system.driving[joined], system.driven[joined])
     body = np.unique(first, return_inverse=True)[1]
@@ -176,8 +205,9 @@ def layout(system: System) -> Layout:
     held[body[system.held]] = True
     orders = {
         order * system.stations[system.spans[k].driving].ratio
-        for k in np.flatnonzero(joints).tolist() for order, _ in system.spans[k].error
-    }  # fmt: skip
+        for k in np.flatnonzero(joints).tolist()
+        for order, _ in system.spans[k].error
+    }
     coordinate, root, free, steps = _coordinates(system, body, held, np.flatnonzero(joints))
     springs = np.flatnonzero(~rigid & (np.isfinite(system.flexibility) | (system.viscous > 0)))
     ratio2 = system.span_ratio[springs] ** 2
@@ -186,12 +216,27 @@ def layout(system: System) -> Layout:
     stiffness[elastic] = ratio2[elastic] / system.flexibility[springs][elastic]
     driving, driven = body[system.driving[springs]], body[system.driven[springs]]
     group = connected(len(root), coordinate[driving[elastic]], coordinate[driven[elastic]])
-    floating = [np.flatnonzero(group[:free] == one).tolist() for one in np.setdiff1d(group[:free], group[free:])]
+    floating = [
+        np.flatnonzero(group[:free] == one).tolist()
+        for one in np.setdiff1d(group[:free], group[free:])
+    ]
     return Layout(
-        body, inertia, coordinate, root, free, steps, springs, driving, driven, stiffness,
-        system.viscous[springs] * ratio2, stiffness * system.loss_factor[springs],
-        Dampers(np.zeros((len(springs), 0)), np.zeros(0)), tuple(tuple(one) for one in floating), tuple(sorted(orders)),
-    )  # fmt: skip
+        body,
+        inertia,
+        coordinate,
+        root,
+        free,
+        steps,
+        springs,
+        driving,
+        driven,
+        stiffness,
+        system.viscous[springs] * ratio2,
+        stiffness * system.loss_factor[springs],
+        Dampers(np.zeros((len(springs), 0)), np.zeros(0)),
+        tuple(tuple(one) for one in floating),
+        tuple(sorted(orders)),
+    )
 
 
 def common_order(orders: list[Fraction]) -> Fraction:
@@ -199,7 +244,9 @@ def common_order(orders: list[Fraction]) -> Fraction:
     if not orders:
         return Fraction(0)
     below = lcm(*(order.denominator for order in orders))
-    return Fraction(gcd(*(order.numerator * (below // order.denominator) for order in orders)), below)
+    return Fraction(
+        gcd(*(order.numerator * (below // order.denominator) for order in orders)), below
+    )
 
 
 def _coordinates(
@@ -220,5 +267,7 @@ def _coordinates(
         steps.append(JointStep(inner, outer, joint if driving[above] == inner else joint.undone()))
         coordinate[outer] = coordinate[inner]
     if len(steps) < len(joints):
-        raise SolveError("joints close a loop, or hold one body from two sides; give one of them an elastic coupling")
+        raise SolveError(
+            "joints close a loop, or hold one body from two sides; give one of them an elastic coupling"
+        )
     return coordinate, root, int(np.count_nonzero(~held[root])), tuple(steps)

@@ -32,11 +32,19 @@ class Scene:
     system: System
     layout: Layout
     order: Fraction  # of the common period
-    torques: tuple[tuple[Fraction, Torque], ...]  # vibratory torques with their orders of the reference station
+    torques: tuple[
+        tuple[Fraction, Torque], ...
+    ]  # vibratory torques with their orders of the reference station
     mean: float = 1.0  # factor on the mean torque
-    damping: float = 1.0  # factor on the damping to ground; that of the springs stands in the layout
-    slopes: FloatArray = field(default_factory=lambda: np.zeros(1))  # (stations,) N m s/rad at the reference, added
-    laws: Literal["none", "negative", "all"] = "none"  # which slopes of the laws of drive and load act too
+    damping: float = (
+        1.0  # factor on the damping to ground; that of the springs stands in the layout
+    )
+    slopes: FloatArray = field(
+        default_factory=lambda: np.zeros(1)
+    )  # (stations,) N m s/rad at the reference, added
+    laws: Literal["none", "negative", "all"] = (
+        "none"  # which slopes of the laws of drive and load act too
+    )
 
 
 def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
@@ -52,7 +60,9 @@ def scene(study: Study, system: System, *, vibratory: bool = True) -> Scene:
         for torque in one.torques
     ]
     if any(torque.mesh for _, torque in found):
-        raise SolveError("a mesh that excites is not built in the exact motion", "leave it out of this file")
+        raise SolveError(
+            "a mesh that excites is not built in the exact motion", "leave it out of this file"
+        )
     order = common_order([*(order for order, _ in found), *whole.orders]) or Fraction(1)
     still = np.zeros(len(system.stations))
     laws: Literal["none", "all"] = "none" if vibratory else "all"
@@ -78,7 +88,12 @@ def operating(at: Scene, speed: float) -> Operating:
     ratio = system.speed_ratio
     ground, beside = at.damping * ground_damping(system, speeds, known)[:, 0] * ratio**2, 0.0
     damping = ground + at.slopes
-    if at.laws != "none" and known is not None and known.load_slope is not None and known.drive_slope is not None:
+    if (
+        at.laws != "none"
+        and known is not None
+        and known.load_slope is not None
+        and known.drive_slope is not None
+    ):
         # A damping of the file acts in vibration in place of the slope; on the mean speed a machine acts by its law.
         stated = np.isin(np.arange(len(ratio)), [damper.station for damper in system.dampers])
         load = known.load_slope[:, 0] * ratio**2
@@ -93,20 +108,31 @@ def operating(at: Scene, speed: float) -> Operating:
     vibratory = np.zeros((len(ratio), len(orders)), dtype=np.complex128)
     for order, torque in at.torques:
         here = torque.station
-        vibratory[here, orders.index(order)] += ratio[here] * amplitude(system, torque, speeds, known)[0]
+        vibratory[here, orders.index(order)] += (
+            ratio[here] * amplitude(system, torque, speeds, known)[0]
+        )
     multiple = np.array([int(order / at.order) for order in orders], dtype=np.int64)
     constant, drive, steady, load = _drive(at, applied)
-    stations = Loading(speed, damping, constant, multiple, vibratory, drive, steady, float(at.order))
+    stations = Loading(
+        speed, damping, constant, multiple, vibratory, drive, steady, float(at.order)
+    )
     bodies = replace(
-        stations, damping=_on_bodies(whole, damping), torque=_on_bodies(whole, constant),
-        vibratory=_on_bodies(whole, vibratory), drive=_on_bodies(whole, drive.T).T,
-    )  # fmt: skip
+        stations,
+        damping=_on_bodies(whole, damping),
+        torque=_on_bodies(whole, constant),
+        vibratory=_on_bodies(whole, vibratory),
+        drive=_on_bodies(whole, drive.T).T,
+    )
     return Operating(bodies, stations, load, twist, beside)
 
 
 def _absorbing(at: Scene) -> BoolArray:
     """(stations,) where a machine absorbs power by its law of load."""
-    parts = (part for part in at.system.train.parts if part.machine is not None and not part.machine.is_driver)
+    parts = (
+        part
+        for part in at.system.train.parts
+        if part.machine is not None and not part.machine.is_driver
+    )
     return np.isin(np.arange(len(at.system.stations)), [part.stations[0] for part in parts])
 
 
@@ -139,10 +165,17 @@ def _drive(at: Scene, applied: FloatArray) -> tuple[FloatArray, FloatArray, IntA
             rows.append(slipping)
             steady.append(group[0])
             guess.append(0.0)
-    return known, np.array(rows).reshape(-1, number), np.array(steady, dtype=np.int64), np.array(guess)
+    return (
+        known,
+        np.array(rows).reshape(-1, number),
+        np.array(steady, dtype=np.int64),
+        np.array(guess),
+    )
 
 
-def rigid_deviation(whole: Layout, steady: IntArray, twist: FloatArray, turned: FloatArray) -> FloatArray:
+def rigid_deviation(
+    whole: Layout, steady: IntArray, twist: FloatArray, turned: FloatArray
+) -> FloatArray:
     """(free, times) rad of the train turning without any elasticity but its static twist (bodies, 1 or times).
 
     steady: coordinates that turn evenly, from which the motion is followed on; turned: (times,) rad.
@@ -173,7 +206,11 @@ def rigid_deviation(whole: Layout, steady: IntArray, twist: FloatArray, turned: 
         reach(own, int(whole.root[own]), np.zeros(len(turned)))
     ends = list(zip(whole.driving.tolist(), whole.driven.tolist(), strict=True))
     while True:
-        found = [(a, b) for a, b in [*ends, *((b, a) for a, b in ends)] if a in bodies and b not in bodies]
+        found = [
+            (a, b)
+            for a, b in [*ends, *((b, a) for a, b in ends)]
+            if a in bodies and b not in bodies
+        ]
         if not found:
             return deviation[: whole.free]
         a, b = found[0]

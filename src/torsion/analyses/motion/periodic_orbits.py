@@ -8,7 +8,14 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.motion.common_period import harmonics_needed, too_long
-from torsion.analyses.motion.equations_of_motion import linearised, mean_angle, spring_torques, state, torques, turning
+from torsion.analyses.motion.equations_of_motion import (
+    linearised,
+    mean_angle,
+    spring_torques,
+    state,
+    torques,
+    turning,
+)
 from torsion.analyses.motion.mechanism_loads import Operating, Scene, operating, rigid_deviation
 from torsion.analyses.motion.straight_modes import at_bodies
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
@@ -73,39 +80,63 @@ class PeriodicResponse:
         "", ("order",), "per revolution of the reference, ascending, exact", record="order"
     )
     angle: ComplexArray = result(
-        "rad", ("speed", "order", "station"), "complex amplitude at own speed; null without a periodic motion",
+        "rad",
+        ("speed", "order", "station"),
+        "complex amplitude at own speed; null without a periodic motion",
         printed=("speed", "named station"),
-    )  # fmt: skip
+    )
     torque: ComplexArray = result(
-        "N*m", ("speed", "order", "span"), "complex amplitude, elastic and damping share together",
+        "N*m",
+        ("speed", "order", "span"),
+        "complex amplitude, elastic and damping share together",
         printed=("speed", "end span"),
-    )  # fmt: skip
+    )
     mean: FloatArray = result(
         "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
     )
     drive: FloatArray = result(
-        "N*m", ("speed",), "mean torque of all drives at the reference speed; null if the train is fixed"
+        "N*m",
+        ("speed",),
+        "mean torque of all drives at the reference speed; null if the train is fixed",
     )
     harmonics: np.ndarray = result("", ("speed",), "of the common period")
     truncation: FloatArray = result(
-        "1", ("speed",), "estimated largest omitted harmonic / largest included harmonic", key="left_out"
+        "1",
+        ("speed",),
+        "estimated largest omitted harmonic / largest included harmonic",
+        key="left_out",
     )
     status: np.ndarray  # (speeds,) uint8: Found
-    why: tuple[str, ...] = result("", (), "of every speed: why the periodic motion was not found, or empty")
+    why: tuple[str, ...] = result(
+        "", (), "of every speed: why the periodic motion was not found, or empty"
+    )
     orbits: tuple[Orbit | None, ...]  # (speeds,)
-    growth: FloatArray | None = result("1/s", ("speed",), "of small deviations; null if not computed", default=None)
+    growth: FloatArray | None = result(
+        "1/s", ("speed",), "of small deviations; null if not computed", default=None
+    )
     others: "PeriodicResponse | None" = result(
-        "", (), "further motions at the highest peaks, in the same orders; null for none", default=None
+        "",
+        (),
+        "further motions at the highest peaks, in the same orders; null for none",
+        default=None,
     )
 
     def condensed(self, groups: SegmentGroups) -> "PeriodicResponse":
         """The same at the stations and spans that stand for segment groups."""
         return replace(
-            self, angle=self.angle[..., groups.stations], torque=self.torque[..., groups.spans],
-            mean=self.mean[..., groups.spans], others=self.others and self.others.condensed(groups),
-        )  # fmt: skip
+            self,
+            angle=self.angle[..., groups.stations],
+            torque=self.torque[..., groups.spans],
+            mean=self.mean[..., groups.spans],
+            others=self.others and self.others.condensed(groups),
+        )
 
-    @derived("", ("speed",), "ok, coarse (omitted harmonics above 1e-10) or none (no motion found)", key="status")
+    @derived(
+        "",
+        ("speed",),
+        "ok, coarse (omitted harmonics above 1e-10) or none (no motion found)",
+        key="status",
+    )
     def status_words(self) -> np.ndarray:
         """(speeds,)."""
         return words(self.status, Found)
@@ -115,7 +146,9 @@ class PeriodicResponse:
         """(speeds,)."""
         if self.growth is None:
             return np.zeros(len(self.speed), dtype=bool)
-        periods = np.array([np.nan if one is None else one.now.loading.period for one in self.orbits])
+        periods = np.array(
+            [np.nan if one is None else one.now.loading.period for one in self.orbits]
+        )
         return np.asarray(np.nan_to_num(self.growth * periods) > GROWS)
 
 
@@ -201,13 +234,18 @@ def _refuse_slipping(found: Balance, now: Operating) -> None:
     known = float(np.abs(now.loading.torque).max(initial=0.0))
     others = np.abs(np.where(now.load == 0.0, found.load, 0.0))[1:]
     if np.any(others > SLIPS * max(known, float(np.abs(found.load).max(initial=0.0)))):
-        raise SolveError("a coupling without stiffness would have to carry a mean torque; give it a stiffness")
+        raise SolveError(
+            "a coupling without stiffness would have to carry a mean torque; give it a stiffness"
+        )
 
 
 def response_of(
-    at: Scene, orbits: Sequence[Orbit | None], speed: FloatArray, why: tuple[str, ...],
+    at: Scene,
+    orbits: Sequence[Orbit | None],
+    speed: FloatArray,
+    why: tuple[str, ...],
     orders: tuple[Fraction, ...] | None = None,
-) -> PeriodicResponse:  # fmt: skip
+) -> PeriodicResponse:
     """The response at speeds (speeds,) rad/s whose orbits are known, in some orders: all that are more than rounding.
 
     why: of every speed without an orbit.
@@ -217,7 +255,11 @@ def response_of(
     stations, spans, number = len(at.system.stations), len(at.system.spans), len(speed)
     angle = np.full((number, most, stations), np.nan, dtype=complex)
     torque = np.full((number, most, spans), np.nan, dtype=complex)
-    mean, drive, truncation = np.full((number, spans), np.nan), np.full(number, np.nan), np.full(number, np.nan)
+    mean, drive, truncation = (
+        np.full((number, spans), np.nan),
+        np.full(number, np.nan),
+        np.full(number, np.nan),
+    )
     harmonics, status = np.zeros(number, dtype=int), np.full(number, Found.NONE, dtype=np.uint8)
     for k, one in enumerate(orbits):
         if one is None:
@@ -231,11 +273,25 @@ def response_of(
         harmonics[k], truncation[k], status[k] = count, one.found.truncation, one.status
     kept = np.array(ranks, dtype=int) - 1
     if orders is None:
-        sizes = (np.nan_to_num(np.abs(part)).max(axis=(0, 2), initial=0.0) for part in (angle, torque))
-        kept = np.flatnonzero(np.any([size > KEPT * size.max(initial=0.0) for size in sizes], axis=0))
+        sizes = (
+            np.nan_to_num(np.abs(part)).max(axis=(0, 2), initial=0.0) for part in (angle, torque)
+        )
+        kept = np.flatnonzero(
+            np.any([size > KEPT * size.max(initial=0.0) for size in sizes], axis=0)
+        )
         orders = tuple(at.order * int(rank + 1) for rank in kept)
     return PeriodicResponse(
-        speed, orders, angle[:, kept], torque[:, kept], mean, drive, harmonics, truncation, status, why, tuple(orbits)
+        speed,
+        orders,
+        angle[:, kept],
+        torque[:, kept],
+        mean,
+        drive,
+        harmonics,
+        truncation,
+        status,
+        why,
+        tuple(orbits),
     )
 
 
@@ -247,10 +303,15 @@ def _course(at: Scene, there: Orbit) -> tuple[FloatArray, FloatArray]:
     whole, system, now, found = at.layout, at.system, there.now, there.found
     loading, times = now.stations, points_in_time(found.count)
     turned = mean_angle(loading, times)
-    moving = state(whole, now.loading, motion_of(found.harmonic, loading.w0, times), found.load, turned)
+    moving = state(
+        whole, now.loading, motion_of(found.harmonic, loading.w0, times), found.load, turned
+    )
     ratio = system.speed_ratio[:, None]
     inertia = np.where(system.held, 0.0, system.inertia)[:, None] * ratio**2
-    need = inertia * moving.acceleration[whole.body] + loading.damping[:, None] * moving.slip[whole.body]
+    need = (
+        inertia * moving.acceleration[whole.body]
+        + loading.damping[:, None] * moving.slip[whole.body]
+    )
     need -= torques(loading, turned, found.load)
     torque = np.zeros((len(system.spans), times))
     torque[whole.spring] = spring_torques(whole, moving.turning.deviation, moving.slip)
@@ -277,8 +338,14 @@ def _rigid_torques(system: System, torque: FloatArray, need: FloatArray, first: 
         if span < 0 or system.flexibility[span] != 0:
             continue
         driving, driven = int(system.driving[span]), int(system.driven[span])
-        here = station[node] if station[node] >= 0 else (driven if condensed.sign[span] > 0 else driving)
-        near_root = station[parent] if station[parent] >= 0 else (driving if here == driven else driven)
+        here = (
+            station[node]
+            if station[node] >= 0
+            else (driven if condensed.sign[span] > 0 else driving)
+        )
+        near_root = (
+            station[parent] if station[parent] >= 0 else (driving if here == driven else driven)
+        )
         passed = need[here] * (first[here] / first[near_root])
         torque[span] = need[here] if here == driven else -passed
         need[near_root] = need[near_root] + passed

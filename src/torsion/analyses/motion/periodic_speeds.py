@@ -36,7 +36,10 @@ AT_PEAKS = 0.25  # of the speeds: at the peaks of the first order
 RESOLVED = 0.02  # of a peak: how far its neighbours may lie below it
 WORTH = 0.02  # of the largest amplitude of its span: lower peaks are not followed
 CLOSEST = 1e-5  # relative distance of two speeds
-MOST_SOUGHT, EACH = 3, 40  # speeds at which other motions are sought: at most, and one for so many speeds
+MOST_SOUGHT, EACH = (
+    3,
+    40,
+)  # speeds at which other motions are sought: at most, and one for so many speeds
 EDGE = 1e-3  # the same beside a speed without a periodic motion
 
 
@@ -96,7 +99,9 @@ def worth_another_look(found: PeriodicResponse, most: int) -> list[int]:
     """Rows of the highest peaks, else of the largest torque; and the one whose motion is least stable."""
     size = np.abs(found.torque)
     largest = np.nan_to_num(size).max(axis=(1, 2), initial=0.0)
-    rows = (list(dict.fromkeys(row for row, _, _ in _peaks(size))) or [int(largest.argmax())])[:most]
+    rows = (list(dict.fromkeys(row for row, _, _ in _peaks(size))) or [int(largest.argmax())])[
+        :most
+    ]
     if found.growth is not None and found.is_unstable.any():
         rows.append(int(np.nanargmax(found.growth)))
     return list(dict.fromkeys(rows))
@@ -130,12 +135,18 @@ def start(study: Study, first_order: Response, number: int) -> FloatArray:
     requested = first_order.speed[first_order.requested]
     few = max(2, int(EVERYWHERE * number))
     spread = (
-        requested if len(requested) <= few else requested[np.linspace(0, len(requested) - 1, few).round().astype(int)]
+        requested
+        if len(requested) <= few
+        else requested[np.linspace(0, len(requested) - 1, few).round().astype(int)]
     )
     size = np.where((first_order.status == 0)[:, :, None], np.abs(first_order.torque), np.nan)
-    highest = first_order.speed[list(dict.fromkeys(row for row, _, _ in _peaks(size)))[: int(AT_PEAKS * number)]]
+    highest = first_order.speed[
+        list(dict.fromkeys(row for row, _, _ in _peaks(size)))[: int(AT_PEAKS * number)]
+    ]
     rated = study.operation.rated
-    inside = [] if rated is None or not requested[0] <= rated.speed <= requested[-1] else [rated.speed]
+    inside = (
+        [] if rated is None or not requested[0] <= rated.speed <= requested[-1] else [rated.speed]
+    )
     return np.unique(np.concatenate([spread, highest, inside]))
 
 
@@ -161,7 +172,13 @@ def _peaks(size: FloatArray) -> list[tuple[int, int, int]]:
     """
     filled = np.where(np.isnan(size), -np.inf, size)
     highest = np.max(filled, axis=(0, 1), initial=0.0)
-    inner = (filled[1:-1] >= filled[:-2]) & (filled[1:-1] >= filled[2:]) & (filled[1:-1] > WORTH * highest)
+    inner = (
+        (filled[1:-1] >= filled[:-2])
+        & (filled[1:-1] >= filled[2:])
+        & (filled[1:-1] > WORTH * highest)
+    )
     row, line, span = np.nonzero(inner)
     order = np.argsort(-filled[row + 1, line, span] / highest[span], kind="stable")
-    return list(zip((row + 1)[order].tolist(), line[order].tolist(), span[order].tolist(), strict=True))
+    return list(
+        zip((row + 1)[order].tolist(), line[order].tolist(), span[order].tolist(), strict=True)
+    )

@@ -14,8 +14,12 @@ from torsion.findings import Work
 from torsion.study import Range, SpeedRange, Study, mesh_faults
 
 PERIODIC = "exact periodic response"
-SMALL = "no joint is bent by more than 10 degrees, and the first order estimates its error below 1 %"
-LARGE_ANGLE = np.radians(10.0)  # joints beyond it are treated exactly unless the file says otherwise
+SMALL = (
+    "no joint is bent by more than 10 degrees, and the first order estimates its error below 1 %"
+)
+LARGE_ANGLE = np.radians(
+    10.0
+)  # joints beyond it are treated exactly unless the file says otherwise
 LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
 SPEEDS = "`speeds: {from: 300 rpm, to: 1800 rpm}`, here or in `operation`"
 METHODS = {
@@ -39,18 +43,24 @@ Value = Annotated[float, BeforeValidator(_read_value, json_schema_input_type=flo
 class MapSettings(Range):
     """Settings of `map` in `stability`."""
 
-    over: Over = required("angle (of all cross joints), damping or torque (factors on the values of the file)")
+    over: Over = required(
+        "angle (of all cross joints), damping or torque (factors on the values of the file)"
+    )
     first: Value = required("lowest value: an angle with its unit, or a factor", alias="from")
     last: Value = required("highest value", alias="to")
     steps: Annotated[int, Field(ge=2, le=2000)] = given("number of values", 101)
-    modes: Annotated[int, Field(ge=1, le=60)] | None = given("number of elastic modes (default: the modes that matter)")
+    modes: Annotated[int, Field(ge=1, le=60)] | None = given(
+        "number of elastic modes (default: the modes that matter)"
+    )
 
 
 class StabilitySettings(Declared):
     """Settings of `stability`."""
 
     speeds: SpeedRange | None = given("speeds (default: from `operation`)")
-    method: Method = given("`monodromy` in steps of time, or `hill`: the eigenvalues of Hill's matrix", "monodromy")
+    method: Method = given(
+        "`monodromy` in steps of time, or `hill`: the eigenvalues of Hill's matrix", "monodromy"
+    )
     modes: Annotated[int, Field(ge=1, le=1000)] | None = given(
         "reduce to so many elastic modes (default: all of a short train, else those up to three times the highest "
         "order of a joint)"
@@ -61,7 +71,9 @@ class StabilitySettings(Declared):
 def motion_faults(study: Study, path: Path) -> list[Fault]:
     """Why a train has no exact motion: its model of shafts, or its closed loops; at the place that requests it."""
     if study.model != "lumped" and study.train.has_shafts:
-        message = f"the exact motion of joints is built for the model lumped, and this is {study.model}"
+        message = (
+            f"the exact motion of joints is built for the model lumped, and this is {study.model}"
+        )
         return [Fault(path, message, "model: lumped")]
     if study.train.has_loops:
         message = "the exact motion of joints does not support closed loops, and `links` closes one"
@@ -101,7 +113,9 @@ def _map_faults(study: Study, over: Over, path: Path) -> list[Fault]:
         lossy = any(one.viscous > 0 or one.loss_factor > 0 for one in train.springs)
         varies = lossy or bool(train.dampers) or any(bar.loss_factor > 0 for bar in train.bars)
         message = "the damping, and nothing in the train damps"
-        hint = "give the train its damping, for example `viscous` of a coupling or `damping` of a disc"
+        hint = (
+            "give the train its damping, for example `viscous` of a coupling or `damping` of a disc"
+        )
     else:
         joints = [part.joint for part in train.parts if part.joint is not None]
         varies = any(joint.kind == "cross" and joint.angle > 0 for joint in joints)
@@ -116,23 +130,37 @@ def run_periodic(work: Work) -> None:
     method = work.study.setting("analyses", "response", "method")
     if system.tables:
         log.without(
-            PERIODIC, "a coupling follows a table, which has no transient response; the results are of the first order"
+            PERIODIC,
+            "a coupling follows a table, which has no transient response; the results are of the first order",
         )
         return
     joints, requested = exciting_joints(system), method == "harmonic-balance"
     if not joints:
         if requested:
-            log.without(PERIODIC, "no joint of the train excites: the response over speed is exact as it is")
+            log.without(
+                PERIODIC, "no joint of the train excites: the response over speed is exact as it is"
+            )
         return
     if first_order is None or method == "first-order":
         if requested or first_order is not None:
-            log.without(PERIODIC, "`method: first-order`" if first_order is not None else "no response over speed")
+            log.without(
+                PERIODIC,
+                "`method: first-order`" if first_order is not None else "no response over speed",
+            )
         return
     is_large = any(joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints)
-    if not requested and not is_large and np.nanmax(first_order.joint_error, initial=0.0) <= LARGE_ERROR:
+    if (
+        not requested
+        and not is_large
+        and np.nanmax(first_order.joint_error, initial=0.0) <= LARGE_ERROR
+    ):
         log.without(PERIODIC, SMALL)
         return
-    why = "requested" if requested else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
+    why = (
+        "requested"
+        if requested
+        else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
+    )
     _periodic(work, first_order, why, patient=requested)
 
 
@@ -152,16 +180,28 @@ def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> 
         found = periodic_over_speed(study, system, first_order, progress=work.progress)
         step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
         harmonics = int(found.harmonics.max(initial=0))
-        kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion found"
+        kept = (
+            f"up to {harmonics} harmonics of the common period"
+            if harmonics
+            else "no periodic motion found"
+        )
         step.size = f"{found.speed.size} speeds, {kept}"
     nothing = found.status == Found.NONE
     if nothing.any():
         reasons = "; ".join(dict.fromkeys(one for one in found.why if one))
-        log.without(f"{PERIODIC} at {int(nothing.sum())} of {nothing.size} speeds", f"none was found: {reasons}")
+        log.without(
+            f"{PERIODIC} at {int(nothing.sum())} of {nothing.size} speeds",
+            f"none was found: {reasons}",
+        )
     if (found.status == Found.COARSE).any():
-        log.without(f"{PERIODIC}, in part", "at some speeds the omitted harmonics exceed 1e-10 of the largest")
+        log.without(
+            f"{PERIODIC}, in part",
+            "at some speeds the omitted harmonics exceed 1e-10 of the largest",
+        )
     if any(line.order is None for line in first_order.lines):
-        log.without(f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints")
+        log.without(
+            f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints"
+        )
     groups = work.system.groups
     work.put(periodic=found if groups is None else found.condensed(groups))
 
@@ -180,20 +220,38 @@ def run_stability(work: Work) -> None:
     settings = work.settings("stability", StabilitySettings)
     speeds = settings.speeds or study.operation.speeds
     if not exciting_joints(system) or speeds is None:
-        log.without("stability", "no joint excites, so that nothing varies with the angle" if speeds else "no speeds")
+        log.without(
+            "stability",
+            "no joint excites, so that nothing varies with the angle" if speeds else "no speeds",
+        )
         return
     with log.step("stability", "requested") as step:
         found = stability(
-            study, system, speeds.values(), method=settings.method, modes=settings.modes, progress=work.progress
+            study,
+            system,
+            speeds.values(),
+            method=settings.method,
+            modes=settings.modes,
+            progress=work.progress,
         )
         step.method = METHODS[settings.method]
         added = int((~found.requested).sum())
-        kept = "all modes" if found.kept is None else f"{found.kept} of {found.modes.size} elastic modes"
+        kept = (
+            "all modes"
+            if found.kept is None
+            else f"{found.kept} of {found.modes.size} elastic modes"
+        )
         step.size = f"{int(found.requested.sum())} speeds requested, {added} more around zones and boundaries; {kept}"
     if found.unsolved.size:
         number = found.unsolved.size
-        log.without(f"stability at {number} speed{'' if number == 1 else 's'}", "no periodic motion was found there")
-    log.without("vibratory torques, in the stability", "only joints and mean torque excite the periodic motion there")
+        log.without(
+            f"stability at {number} speed{'' if number == 1 else 's'}",
+            "no periodic motion was found there",
+        )
+    log.without(
+        "vibratory torques, in the stability",
+        "only joints and mean torque excite the periodic motion there",
+    )
     work.put(stability=found)
 
 
@@ -207,9 +265,14 @@ def run_map(work: Work) -> None:
 
     with work.log.step("stability map", "requested") as step:
         found = stability_map(
-            work.study, work.system.whole, speeds.values(), settings.over, settings.values(), modes=settings.modes,
+            work.study,
+            work.system.whole,
+            speeds.values(),
+            settings.over,
+            settings.values(),
+            modes=settings.modes,
             progress=work.progress,
-        )  # fmt: skip
+        )
         step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes, all values of a speed together"
         points = f"{found.speed.size} x {found.value.size} points"
         step.size = f"{points}, {found.checked} of them checked on the whole train"

@@ -44,7 +44,9 @@ class StabilityMap:
     of_modes: int = result("", (), "of so many")
     error: float = result("1/s", (), "largest difference to the whole train at the points checked")
     checked: int = result("", (), "points checked")
-    elsewhere: int = result("", (), "points checked at which the whole train settled in another motion")
+    elsewhere: int = result(
+        "", (), "points checked at which the whole train settled in another motion"
+    )
 
 
 def varied(at: Scene, over: Over, value: float | FloatArray) -> Scene:
@@ -59,15 +61,23 @@ def varied(at: Scene, over: Over, value: float | FloatArray) -> Scene:
     if over == "damping":
         dampers = replace(whole.dampers, size=scaled(whole.dampers.size, value))
         hysteretic = scaled(whole.hysteretic, value)
-        more = replace(whole, viscous=scaled(whole.viscous, value), hysteretic=hysteretic, dampers=dampers)
+        more = replace(
+            whole, viscous=scaled(whole.viscous, value), hysteretic=hysteretic, dampers=dampers
+        )
         return replace(at, layout=more, damping=value)  # type: ignore[arg-type]
     return replace(at, mean=value)  # type: ignore[arg-type]
 
 
 def stability_map(
-    study: Study, system: System, speeds: FloatArray, over: Over, values: FloatArray, *, modes: int | None = None,
+    study: Study,
+    system: System,
+    speeds: FloatArray,
+    over: Over,
+    values: FloatArray,
+    *,
+    modes: int | None = None,
     progress: Progress = silent,
-) -> StabilityMap:  # fmt: skip
+) -> StabilityMap:
     """Growth rates at ascending reference speeds (speeds,) rad/s and values (values,): angles in rad, or factors."""
     at = replace(scene(study, system, vibratory=False), laws="negative")
     if not at.layout.steps:
@@ -128,7 +138,11 @@ class _Whole:
         value = growth.ravel()[known]
         third = CHECKED // 3
         spread = known[np.linspace(0, len(known) - 1, third + 2).astype(int)[1:-1]]
-        chosen = {*known[np.argsort(value)][-third:], *known[np.argsort(np.abs(value))][:third], *spread}
+        chosen = {
+            *known[np.argsort(value)][-third:],
+            *known[np.argsort(np.abs(value))][:third],
+            *spread,
+        }
         worst, same, other = 0.0, 0, 0
         for point in sorted(int(one) for one in chosen):
             k, column = divmod(point, growth.shape[1])

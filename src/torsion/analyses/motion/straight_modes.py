@@ -20,7 +20,9 @@ class Basis:
     A reduced basis holds more: static shapes about the joints, and coordinates without inertia as they are.
     """
 
-    frequency: FloatArray  # (shapes,) rad/s; 0 of a rigid motion, NaN of a coordinate without inertia
+    frequency: (
+        FloatArray  # (shapes,) rad/s; 0 of a rigid motion, NaN of a coordinate without inertia
+    )
     shape: FloatArray  # (coordinates, shapes), generalised inertia 1
     inertia: FloatArray  # (coordinates,) kg m2
     loss: FloatArray  # (shapes, shapes) 1/s: viscous damping that loses in and between modes what loss factors lose
@@ -56,7 +58,11 @@ def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
     at = [step.outer for step in whole.steps]
     near = np.isin(whole.driving, at) | np.isin(whole.driven, at)
     touched = np.concatenate(
-        [whole.coordinate[at], whole.coordinate[whole.driving[near]], whole.coordinate[whole.driven[near]]]
+        [
+            whole.coordinate[at],
+            whole.coordinate[whole.driving[near]],
+            whole.coordinate[whole.driven[near]],
+        ]
     )
     touched = np.unique(touched[touched < whole.free])
     beyond = shapes.shape[:, count:]
@@ -68,7 +74,11 @@ def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
     choice[:count, :count] = np.eye(count)
     choice[count:, count:] = left @ turned
     frequency = np.concatenate([shapes.frequency[:count], np.sqrt(square)])
-    return _with_light(Basis(frequency, shapes.shape @ choice, shapes.inertia, choice.T @ shapes.loss @ choice, count))
+    return _with_light(
+        Basis(
+            frequency, shapes.shape @ choice, shapes.inertia, choice.T @ shapes.loss @ choice, count
+        )
+    )
 
 
 def _with_light(some: Basis) -> Basis:
@@ -77,9 +87,12 @@ def _with_light(some: Basis) -> Basis:
     alone = np.zeros((len(some.inertia), len(light)))
     alone[light, np.arange(len(light))] = 1.0
     return Basis(
-        np.append(some.frequency, np.full(len(light), np.nan)), np.column_stack([some.shape, alone]), some.inertia,
-        np.pad(some.loss, (0, len(light))), some.modes,
-    )  # fmt: skip
+        np.append(some.frequency, np.full(len(light), np.nan)),
+        np.column_stack([some.shape, alone]),
+        some.inertia,
+        np.pad(some.loss, (0, len(light))),
+        some.modes,
+    )
 
 
 def basis(whole: Layout) -> Basis:
@@ -132,7 +145,9 @@ def viscous(whole: Layout, shapes: Basis) -> Layout:
     share = vector[:, acts] * np.sqrt(value[acts])
     onto = (whole.stiffness[:, None] * twist / shapes.frequency[elastic] ** 2) @ share
     length = np.linalg.norm(onto, axis=0)
-    return replace(whole, hysteretic=np.zeros_like(whole.hysteretic), dampers=Dampers(onto / length, length**2))
+    return replace(
+        whole, hysteretic=np.zeros_like(whole.hysteretic), dampers=Dampers(onto / length, length**2)
+    )
 
 
 def at_bodies(whole: Layout) -> FloatArray:

@@ -19,15 +19,23 @@ from torsion.results import derived, reported, result
 TAKES_PART = 0.02  # of the largest modal energy
 ALONE = 0.1  # of the largest: a second mode with less makes no zone of two modes where one alone explains it
 DETUNED = 0.35  # of w0: no combination explains a growth farther away
-MIXED_COSTS = 0.05  # of w0: where two modes take part, a zone of both is believed before one of either alone
-RANK_COSTS = 0.02  # of w0, per rank: a near miss of a low rank is believed before a hit of a high one
+MIXED_COSTS = (
+    0.05  # of w0: where two modes take part, a zone of both is believed before one of either alone
+)
+RANK_COSTS = (
+    0.02  # of w0, per rank: a near miss of a low rank is believed before a hit of a high one
+)
 WITHIN = 1e-10  # relative: boundaries are sought this closely
-BISECTIONS = 10  # before a boundary of a train without damping is sought by the gap of its multipliers
+BISECTIONS = (
+    10  # before a boundary of a train without damping is sought by the gap of its multipliers
+)
 PARTS = 8  # of a range: in each of them the growth is evaluated before the greatest is sought
 PEAK = 1e-4  # of the interval in which the greatest growth is sought; at a smooth peak its growth is then far closer
 
 Kind = Literal["principal", "sum", "difference", "unexplained"]
-Combination = tuple[Kind, tuple[int, ...], float]  # modes, and what is to be a multiple of w0 (rad/s)
+Combination = tuple[
+    Kind, tuple[int, ...], float
+]  # modes, and what is to be a multiple of w0 (rad/s)
 
 
 @reported
@@ -35,7 +43,9 @@ class Zone:
     """A parametric resonance."""
 
     kind: Kind = result("", (), "principal, sum, difference or unexplained")
-    modes: tuple[int, ...] = result("", (), "elastic modes that take part, counted from 1")  # 0: free turning
+    modes: tuple[int, ...] = result(
+        "", (), "elastic modes that take part, counted from 1"
+    )  # 0: free turning
     rank: int = result("", (), "k of k times the common frequency = combination of the modes")
 
     @derived("", (), "its type in words")
@@ -48,7 +58,9 @@ class Zone:
             return f"principal of mode {self.modes[0]} (2 w{self.modes[0]}{share})"
         i, j = self.modes
         pair = f"w{i} + w{j}" if self.kind == "sum" else f"w{j} - w{i}"
-        return f"{self.kind} of modes {i} and {j} " + (f"({pair})" if self.rank == 1 else f"(({pair})/{self.rank})")
+        return f"{self.kind} of modes {i} and {j} " + (
+            f"({pair})" if self.rank == 1 else f"(({pair})/{self.rank})"
+        )
 
 
 def modal_energy(found: Multipliers, shapes: Basis, reduced: Basis | None = None) -> FloatArray:
@@ -87,7 +99,11 @@ def zone(energy: FloatArray, shapes: Basis, w0: float) -> Zone:
 
     choices = list(near(alone)) if len(strong) < 2 else []
     choices = choices or [*near(alone, MIXED_COSTS), *near(pairs)]
-    return min(choices, key=lambda one: one[0])[1] if choices else Zone("unexplained", numbers(taking[:1]), 0)
+    return (
+        min(choices, key=lambda one: one[0])[1]
+        if choices
+        else Zone("unexplained", numbers(taking[:1]), 0)
+    )
 
 
 def candidates(
@@ -100,7 +116,9 @@ def candidates(
     w = shapes.frequency[shapes.rigid :]
     i, j = np.triu_indices(len(w))
     found = np.concatenate([w[i] + w[j], np.abs(w[i] - w[j])[i != j], w])
-    speed = np.concatenate([found / (float(order) * rank) for order in orders for rank in range(1, most_rank + 1)])
+    speed = np.concatenate(
+        [found / (float(order) * rank) for order in orders for rank in range(1, most_rank + 1)]
+    )
     return np.unique(speed[(speed > first) & (speed < last)])
 
 
@@ -116,9 +134,12 @@ class UnstableRange(Zone):
     growth: float = result("1/s", (), "largest growth found within")
     at: float = result("rad/s", (), "where")
     unknown: tuple[float | None, float | None] = result(
-        "rad/s", (), "[below, above] from the end to there nothing is known; null elsewhere",
-        key="unknown_to_rad_per_s", default=(None, None),
-    )  # fmt: skip
+        "rad/s",
+        (),
+        "[below, above] from the end to there nothing is known; null elsewhere",
+        key="unknown_to_rad_per_s",
+        default=(None, None),
+    )
 
     @property
     def grows_at_end(self) -> tuple[bool, bool]:
@@ -153,7 +174,11 @@ def unstable_ranges(search: Search, report: Progress) -> tuple[UnstableRange, ..
     while True:
         known = sorted(search.known)
         met = [(one.first * (1.0 - 10.0 * WITHIN), one.last * (1.0 + 10.0 * WITHIN)) for one in out]
-        apart = (one for one in known if search.is_unstable(one) and not any(low <= one <= high for low, high in met))
+        apart = (
+            one
+            for one in known
+            if search.is_unstable(one) and not any(low <= one <= high for low, high in met)
+        )
         seed = next(apart, None)
         if seed is None:
             return tuple(sorted(out, key=lambda one: one.first))
@@ -166,25 +191,44 @@ def _around(search: Search, seed: float) -> UnstableRange:
     while True:
         low, high = _end(search, seed, -1), _end(search, seed, 1)
         worst = _fastest(search, low.speed, high.speed)
-        if all(search.is_unstable(one) for one in list(search.known) if low.inner < one < high.inner):
+        if all(
+            search.is_unstable(one) for one in list(search.known) if low.inner < one < high.inner
+        ):
             break
     found = _multipliers(search, worst)
-    named = zone(modal_energy(found, search.shapes, search.reduced), search.shapes, 2.0 * np.pi / found.period)
+    named = zone(
+        modal_energy(found, search.shapes, search.reduced),
+        search.shapes,
+        2.0 * np.pi / found.period,
+    )
     return UnstableRange(
-        named.kind, named.modes, named.rank, low.speed, high.speed, (low.is_open, high.is_open), found.growth, worst,
+        named.kind,
+        named.modes,
+        named.rank,
+        low.speed,
+        high.speed,
+        (low.is_open, high.is_open),
+        found.growth,
+        worst,
         (low.unknown, high.unknown),
-    )  # fmt: skip
+    )
 
 
 def _end(search: Search, seed: float, side: int) -> End:
     """Where a range ends above (side 1) or below (-1) an unstable speed of it (rad/s)."""
-    away = sorted((one for one in search.known if side * (one - seed) >= 0), key=lambda one: side * one)
+    away = sorted(
+        (one for one in search.known if side * (one - seed) >= 0), key=lambda one: side * one
+    )
     number = next((k for k, one in enumerate(away) if not search.is_unstable(one)), len(away))
     inner, beyond = away[number - 1], away[number:]
     if not beyond:
         return End(inner, inner, is_open=True)
     if search(beyond[0]) is None:
-        return End(inner, inner, unknown=next((one for one in beyond if search(one) is not None), beyond[-1]))
+        return End(
+            inner,
+            inner,
+            unknown=next((one for one in beyond if search(one) is not None), beyond[-1]),
+        )
     try:
         return End(inner, _boundary(search, inner, beyond[0]))
     except NoMotion:
@@ -242,7 +286,11 @@ def _fastest(search: Search, lower: float, upper: float) -> float:
         return float(np.nan_to_num(search.growth(speed)))
 
     def inside() -> list[float]:
-        return sorted(one for one, found in search.known.items() if found is not None and lower <= one <= upper)
+        return sorted(
+            one
+            for one, found in search.known.items()
+            if found is not None and lower <= one <= upper
+        )
 
     for low, high in pairwise([lower, *inside(), upper]):
         parts = int(np.ceil(PARTS * (high - low) / (upper - lower))) if upper > lower else 1
@@ -253,7 +301,9 @@ def _fastest(search: Search, lower: float, upper: float) -> float:
     low, high = speeds[max(best - 1, 0)], speeds[min(best + 1, len(speeds) - 1)]
     if high > low:
         minimize_scalar(
-            lambda speed: -growth(float(speed)), bounds=(low, high), method="bounded",
+            lambda speed: -growth(float(speed)),
+            bounds=(low, high),
+            method="bounded",
             options={"xatol": PEAK * (high - low)},
-        )  # fmt: skip
+        )
     return max(inside(), key=growth)

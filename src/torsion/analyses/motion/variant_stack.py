@@ -22,8 +22,20 @@ from torsion.analyses.motion.mechanism_loads import Scene, operating, rigid_devi
 from torsion.analyses.motion.straight_modes import Basis
 from torsion.arrays import FloatArray
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of
-from torsion.kernels.periodic.hill import from_real_parts, harmonics_of, real_blocks, real_parts, toeplitz
-from torsion.kernels.periodic.monodromy import at_times, radau, rigid_motion, steps_for, through_steps
+from torsion.kernels.periodic.hill import (
+    from_real_parts,
+    harmonics_of,
+    real_blocks,
+    real_parts,
+    toeplitz,
+)
+from torsion.kernels.periodic.monodromy import (
+    at_times,
+    radau,
+    rigid_motion,
+    steps_for,
+    through_steps,
+)
 
 SMALL = 1e-5  # relative step of Newton's method after which the next would be rounding
 FOUND = 1e-3  # relative step at the end that is still a solution
@@ -93,11 +105,18 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
     variants, count, modes = len(stack.values), stack.count, len(stack.reduced.frequency)
     plain = operating(stack.at, speed)
     there = stack.vary(np.repeat(stack.values, stack.times))
-    damping, torque = scaled(plain.loading.damping, there.damping), scaled(plain.loading.torque, there.mean)
+    damping, torque = (
+        scaled(plain.loading.damping, there.damping),
+        scaled(plain.loading.torque, there.mean),
+    )
     loading = replace(plain.loading, damping=damping, torque=torque)
     turned = np.tile(mean_angle(loading, stack.times), variants)
     rigid = rigid_deviation(there.layout, loading.steady, plain.twist[:, None] * there.mean, turned)
-    base = motion_of(harmonics_of(rigid.reshape(-1, variants, stack.times), stack.times // 2), loading.w0, stack.times)
+    base = motion_of(
+        harmonics_of(rigid.reshape(-1, variants, stack.times), stack.times // 2),
+        loading.w0,
+        stack.times,
+    )
     if before is None:
         mean = np.broadcast_to(there.mean, len(turned))[:: stack.times, None]
         harmonic, load, around = np.zeros((variants, modes, 2 * count + 1)), plain.load * mean, None
@@ -107,7 +126,9 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
 
     def moving() -> tuple[Motion, State]:
         motion = _motion(stack, base, harmonic, loading.w0)
-        return motion, state(there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned)
+        return motion, state(
+            there.layout, loading, motion, np.repeat(load, stack.times, axis=0).T, turned
+        )
 
     for _ in range(MOST_STEPS):
         motion, now = moving()
@@ -128,13 +149,23 @@ def solve_stack(stack: Stack, speed: float, before: Solution | None) -> Solution
         size = np.where(is_near, reached, np.inf)
     found = size < FOUND
     if not found.all():
-        harmonic, load = np.where(found[:, None, None], harmonic, 0.0), np.where(found[:, None], load, plain.load)
+        harmonic, load = (
+            np.where(found[:, None, None], harmonic, 0.0),
+            np.where(found[:, None], load, plain.load),
+        )
         motion, now = moving()
     around = _periodic(stack, there.layout, loading, now)
-    first = [one.reshape(-1, variants, stack.times)[:, :, 0] for one in (speed + motion.speed, motion.acceleration)]
+    first = [
+        one.reshape(-1, variants, stack.times)[:, :, 0]
+        for one in (speed + motion.speed, motion.acceleration)
+    ]
     start = [stack.reduced.share(one).T for one in first]
-    amplitude = np.where(found, half_range(motion.deviation.reshape(-1, variants, stack.times)), np.nan)
-    return Solution(loading, harmonic, load, found, around, np.concatenate(start, axis=1), amplitude)
+    amplitude = np.where(
+        found, half_range(motion.deviation.reshape(-1, variants, stack.times)), np.nan
+    )
+    return Solution(
+        loading, harmonic, load, found, around, np.concatenate(start, axis=1), amplitude
+    )
 
 
 def half_range(deviation: FloatArray) -> FloatArray:
@@ -144,9 +175,13 @@ def half_range(deviation: FloatArray) -> FloatArray:
 
 def _motion(stack: Stack, base: Motion, harmonic: FloatArray, w0: float) -> Motion:
     """Rigid motion (coordinates, variants, times) and modes together, (coordinates, variants * times)."""
-    modal = motion_of(from_real_parts(harmonic).swapaxes(0, 1), w0, stack.times)  # (modes, variants, times)
+    modal = motion_of(
+        from_real_parts(harmonic).swapaxes(0, 1), w0, stack.times
+    )  # (modes, variants, times)
     shape, parts = stack.reduced.shape, zip(vars(base).values(), vars(modal).values(), strict=True)
-    return Motion(*(rigid.reshape(len(rigid), -1) + shape @ one.reshape(len(one), -1) for rigid, one in parts))
+    return Motion(
+        *(rigid.reshape(len(rigid), -1) + shape @ one.reshape(len(one), -1) for rigid, one in parts)
+    )
 
 
 def _on_modes(stack: Stack, layout: Layout, onto: FloatArray) -> FloatArray:
@@ -161,13 +196,22 @@ def _periodic(stack: Stack, layout: Layout, loading: Loading, now: State) -> Per
     shape, variants = stack.reduced.shape, len(stack.values)
     modes = shape.shape[1]
     whole = entries(layout, loading, now)
-    outer = (shape[whole.row][:, :, None] * shape[whole.column][:, None, :]).reshape(len(whole.row), -1).T
+    outer = (
+        (shape[whole.row][:, :, None] * shape[whole.column][:, None, :])
+        .reshape(len(whole.row), -1)
+        .T
+    )
     free = layout.free  # the first entries are the coordinates' own, and they alone have mass
     form = (modes, modes, variants, stack.times)
     mass = (outer[:, :free] @ whole.mass[:free]).reshape(form)
-    damping, stiffness = (outer @ whole.damping).reshape(form), (outer @ whole.stiffness).reshape(form)
+    damping, stiffness = (
+        (outer @ whole.damping).reshape(form),
+        (outer @ whole.stiffness).reshape(form),
+    )
     if layout.dampers.size.size:
-        damp, stiff = (part.transpose(1, 2, 0).reshape(form) for part in damper_matrices(layout, now, shape))
+        damp, stiff = (
+            part.transpose(1, 2, 0).reshape(form) for part in damper_matrices(layout, now, shape)
+        )
         damping, stiffness = damping + damp, stiffness + stiff
     force = np.empty((variants, modes * (2 * stack.count + 1), len(loading.drive)))
     for k, drive in enumerate(loading.drive):
@@ -195,7 +239,9 @@ def _factored(stack: Stack, loading: Loading, around: Periodic) -> Factors:
         whole[:total, :total] /= scale
         whole[:total, total:] = around.force[k]
         for load in range(loads):
-            whole[total + load, np.arange(modes) * number] = stack.reduced.shape[loading.steady[load]]
+            whole[total + load, np.arange(modes) * number] = stack.reduced.shape[
+                loading.steady[load]
+            ]
         factors.append((scale, *dgetrf(whole, overwrite_a=True)[:2]))
     return factors
 
@@ -223,7 +269,9 @@ def growths(stack: Stack, solution: Solution) -> FloatArray:
     form = (len(stack.values), steps, STAGES, modes, modes)
     around = (solution.around.mass, solution.around.damping, solution.around.stiffness)
     mass, damping, stiffness = (
-        np.ascontiguousarray(np.moveaxis(at_times(part.transpose(3, 2, 0, 1), share), 0, 1)).reshape(form)
+        np.ascontiguousarray(
+            np.moveaxis(at_times(part.transpose(3, 2, 0, 1), share), 0, 1)
+        ).reshape(form)
         for part in around
     )
     scale = np.concatenate([np.ones(modes), np.full(modes, loading.w0)])
@@ -241,7 +289,9 @@ def growths(stack: Stack, solution: Solution) -> FloatArray:
         seen = np.array([np.broadcast_to(part, full.shape) for part in visited])
         for k in np.flatnonzero(solution.is_found).tolist():
             order = np.argsort(-value[k], kind="stable")
-            rigid = rigid_motion(full[k], seen[:, k], multipliers[k, order], inertia[k], turning, loading.w0)
+            rigid = rigid_motion(
+                full[k], seen[:, k], multipliers[k, order], inertia[k], turning, loading.w0
+            )
             if rigid is not None:
                 value[k, order[rigid]] = 0.0
     with np.errstate(divide="ignore"):

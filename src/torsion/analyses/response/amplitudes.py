@@ -36,7 +36,9 @@ class Balanced:
     spans: tuple[int, ...]  # of the couplings
     number: IntArray  # of solutions
     settled: BoolArray  # (points,) all couplings are in balance
-    amplitude: FloatArray  # rad, of the twist in the largest harmonic component: the largest solution
+    amplitude: (
+        FloatArray  # rad, of the twist in the largest harmonic component: the largest solution
+    )
     smallest: FloatArray  # rad, the smallest solution
     first: FloatArray  # rad, up to which the coupling stays linear about its mean twist
     share: FloatArray  # of its own spring and damper
@@ -47,7 +49,9 @@ class Balanced:
         """What every coupling is."""
         from torsion.kernels.describing_functions import Secant
 
-        return {span: Secant(self.share[:, k], self.extra[:, k]) for k, span in enumerate(self.spans)}
+        return {
+            span: Secant(self.share[:, k], self.extra[:, k]) for k, span in enumerate(self.spans)
+        }
 
 
 @dataclass(frozen=True)
@@ -84,37 +88,59 @@ class Response(Displayed, Keyed):
     """Complex amplitudes (half ranges, time factor exp(+i omega t), phase at reference angle zero)."""
 
     speed: FloatArray = result(
-        "rad/s", ("speed",), "reference speeds, more of them around resonances and where rules judge"
+        "rad/s",
+        ("speed",),
+        "reference speeds, more of them around resonances and where rules judge",
     )
-    requested: np.ndarray = result("", ("speed",), "the speed is one of those requested", key="is_asked")
-    lines: tuple[Line, ...] = result("", ("line",), "harmonic components of the excitation", record="")
+    requested: np.ndarray = result(
+        "", ("speed",), "the speed is one of those requested", key="is_asked"
+    )
+    lines: tuple[Line, ...] = result(
+        "", ("line",), "harmonic components of the excitation", record=""
+    )
     frequency: FloatArray = result("Hz", ("speed", "line"), "of the component")
     angle: ComplexArray = result(
-        "rad", ("speed", "line", "station"), "complex amplitude at own speed; null if the status is not ok",
-        printed=("speed", "named station"), known_by="status",
-    )  # fmt: skip
+        "rad",
+        ("speed", "line", "station"),
+        "complex amplitude at own speed; null if the status is not ok",
+        printed=("speed", "named station"),
+        known_by="status",
+    )
     torque: ComplexArray = result(
-        "N*m", ("speed", "line", "span"), "complex amplitude, elastic and damping share together",
-        printed=("speed", "end span"), known_by="status",
-    )  # fmt: skip
+        "N*m",
+        ("speed", "line", "span"),
+        "complex amplitude, elastic and damping share together",
+        printed=("speed", "end span"),
+        known_by="status",
+    )
     mean: FloatArray = result(
         "N*m", ("speed", "span"), "mean torque", key="mean_torque_Nm", printed=("speed", "end span")
     )
     residual: FloatArray = result("1", ("speed", "line"), "relative equilibrium residual")
     status: np.ndarray  # (speeds, lines) uint8: kernels.tree_response.Status
     joint_error: FloatArray = result(
-        "1", ("speed", "line"), "estimated relative error of the first-order joint model; 0 without joints"
+        "1",
+        ("speed", "line"),
+        "estimated relative error of the first-order joint model; 0 without joints",
     )
-    system: System = field(repr=False)  # whose stations and spans these are; `response` may have refined it
+    system: System = field(
+        repr=False
+    )  # whose stations and spans these are; `response` may have refined it
     remark: str = result("", (), "what the refinement of speeds omitted", default="")
     left_out: tuple[Line, ...] = ()  # what excites by an order that was not requested
     by_magnitude: bool = result(
-        "", (), "amplitudes of engines whose phase is any are added by their magnitudes, and so all orders",
+        "",
+        (),
+        "amplitudes of engines whose phase is any are added by their magnitudes, and so all orders",
         default=False,
-    )  # fmt: skip
+    )
     balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
-    following: Following | None = field(default=None, repr=False)  # None without a table over vibratory torque
-    others: "tuple[Response, ...]" = field(default=(), repr=False)  # of the other solutions of such couplings, by rank
+    following: Following | None = field(
+        default=None, repr=False
+    )  # None without a table over vibratory torque
+    others: "tuple[Response, ...]" = field(
+        default=(), repr=False
+    )  # of the other solutions of such couplings, by rank
 
     def __getitem__(self, key: str | tuple[str, OrderLike]) -> SpanTorque:
         """The torque in a component, of every order or of one; raises KeyError with the nearest name.
@@ -127,8 +153,14 @@ class Response(Displayed, Keyed):
         lines = [k for k, value in enumerate(orders) if order is None or value == Fraction(order)]
         if not lines:
             orders_listed = listed(str(value) for value in orders if value is not None) or "none"
-            raise KeyError(f"no order {order} excites; orders: {orders_listed}" if self.lines else "nothing excites")
-        torque = np.where((self.status == Status.OK)[:, lines, None], self.torque[:, lines][:, :, spans], np.nan)
+            raise KeyError(
+                f"no order {order} excites; orders: {orders_listed}"
+                if self.lines
+                else "nothing excites"
+            )
+        torque = np.where(
+            (self.status == Status.OK)[:, lines, None], self.torque[:, lines][:, :, spans], np.nan
+        )
         largest = int(np.nan_to_num(np.abs(torque)).max(axis=(0, 1), initial=0.0).argmax())
         return SpanTorque(name, tuple(orders[k] for k in lines), self.speed, torque[:, :, largest])
 
@@ -147,7 +179,9 @@ class Response(Displayed, Keyed):
         """(speeds, lines)."""
         return words(self.status, Status)
 
-    @derived("", (), "orders that excite and are not in `orders`, exact; empty if a rule judges all")
+    @derived(
+        "", (), "orders that excite and are not in `orders`, exact; empty if a rule judges all"
+    )
     def orders_left_out(self) -> tuple[Fraction | None, ...]:
         """Ascending."""
         return tuple(line.order for line in self.left_out)
@@ -170,13 +204,20 @@ class Synthesis:
         "largest magnitude of mean and vibration, raised to the exact motion as `half_range_Nm`",
         printed=("element", "speed"),
     )
-    rms: FloatArray = result("N*m", ("speed", "span"), "root mean square", printed=("element", "speed"))
+    rms: FloatArray = result(
+        "N*m", ("speed", "span"), "root mean square", printed=("element", "speed")
+    )
     bound: FloatArray = result(
-        "N*m", ("speed", "span"), "sum of magnitudes, or a larger total amplitude", printed=("element", "speed")
+        "N*m",
+        ("speed", "span"),
+        "sum of magnitudes, or a larger total amplitude",
+        printed=("element", "speed"),
     )
     turns: Fraction  # common cycle in revolutions of the reference station; 0 where lines have none
 
-    @derived("", (), "revolutions of the reference after which all orders repeat, exact; null if none")
+    @derived(
+        "", (), "revolutions of the reference after which all orders repeat, exact; null if none"
+    )
     def common_cycle_turns(self) -> Fraction | None:
         """As text, "21/8"."""
         return self.turns or None
@@ -187,23 +228,35 @@ class FrequencyResponse:
     """Complex amplitudes under the torques that act at every frequency, at one operating point."""
 
     frequency: FloatArray = result("Hz", ("frequency",), "ascending, refined around resonances")
-    requested: np.ndarray = result("", ("frequency",), "the frequency is one of those requested", key="is_asked")
+    requested: np.ndarray = result(
+        "", ("frequency",), "the frequency is one of those requested", key="is_asked"
+    )
     sources: tuple[str, ...] = result("", (), "what excites")
-    speed: float = result("rad/s", (), "reference speed at which damping was taken; 0 if the file has none")
+    speed: float = result(
+        "rad/s", (), "reference speed at which damping was taken; 0 if the file has none"
+    )
     angle: ComplexArray = result(
-        "rad", ("frequency", "station"), "complex amplitude at own speed; null if the status is not ok",
-        printed=("frequency", "named station"), known_by="status",
-    )  # fmt: skip
+        "rad",
+        ("frequency", "station"),
+        "complex amplitude at own speed; null if the status is not ok",
+        printed=("frequency", "named station"),
+        known_by="status",
+    )
     torque: ComplexArray = result(
-        "N*m", ("frequency", "span"), "complex amplitude, elastic and damping share together",
-        printed=("frequency", "end span"), known_by="status",
-    )  # fmt: skip
+        "N*m",
+        ("frequency", "span"),
+        "complex amplitude, elastic and damping share together",
+        printed=("frequency", "end span"),
+        known_by="status",
+    )
     residual: FloatArray = result("1", ("frequency",), "relative equilibrium residual")
     status: np.ndarray  # (frequencies,) uint8: kernels.tree_response.Status
     system: System = field(repr=False)  # as of `Response`
     remark: str = result("", (), "what the refinement of frequencies omitted", default="")
     balanced: Balanced | None = field(default=None, repr=False)  # None without nonlinear couplings
-    following: Following | None = field(default=None, repr=False)  # None without a table over vibratory torque
+    following: Following | None = field(
+        default=None, repr=False
+    )  # None without a table over vibratory torque
 
     @property
     def points(self) -> FloatArray:
@@ -222,7 +275,9 @@ def blocks(points: int, width: int, values: int = BLOCK_VALUES) -> Iterator[slic
     return (slice(start, start + length) for start in range(0, max(points, 1), length))
 
 
-def refuse_too_large(system: System, lines: int, limit: float, path: Path, axis: str, points: int) -> None:
+def refuse_too_large(
+    system: System, lines: int, limit: float, path: Path, axis: str, points: int
+) -> None:
     """Raise InputError where a response of so many points needs more memory than `limit` (bytes).
 
     `path` is where the file gives the points, `axis` what they are.
@@ -234,7 +289,11 @@ def refuse_too_large(system: System, lines: int, limit: float, path: Path, axis:
     count = f"up to {points} {axis} (those around resonances included) x {lines} orders x {stations} stations"
     message = f"the response has {count}, which needs about {_in_gigabytes(needed)}; {_in_gigabytes(limit)} are allowed"
     most = max(system.segments, key=lambda name: system.segments[name], default="")
-    finer = f", fewer segments of `{most}` ({system.segments[most]})" if most and system.segments[most] > 1 else ""
+    finer = (
+        f", fewer segments of `{most}` ({system.segments[most]})"
+        if most and system.segments[most] > 1
+        else ""
+    )
     hint = f"a narrower range or fewer steps, fewer orders{finer}, or --memory {_in_gigabytes(1.1 * needed, 2)}"
     raise InputError([Fault(path, message, hint.replace(" GB", "GB"))])
 
@@ -244,10 +303,16 @@ def _in_gigabytes(number: float, digits: int = 3) -> str:
 
 
 Result = TypeVar("Result", bound=Response | Synthesis | FrequencyResponse | Balanced | Following)
-SEVERAL_BY_BALANCE = "backlash, friction or stages have several solutions from {}; the results use the largest"
+SEVERAL_BY_BALANCE = (
+    "backlash, friction or stages have several solutions from {}; the results use the largest"
+)
 NONE_BY_BALANCE = "harmonic balance failed at {} points: use a transient analysis"
-SEVERAL_BY_TABLE = "a stiffness over vibratory torque has several solutions from {}; the results use the largest"
-NONE_BY_TABLE = "a stiffness over vibratory torque does not converge at {} points, which have no solution"
+SEVERAL_BY_TABLE = (
+    "a stiffness over vibratory torque has several solutions from {}; the results use the largest"
+)
+NONE_BY_TABLE = (
+    "a stiffness over vibratory torque does not converge at {} points, which have no solution"
+)
 Block = TypeVar("Block", Balanced, Following)
 
 
@@ -264,11 +329,20 @@ def merged(first: Result, second: Result, along: FloatArray, others: FloatArray)
             both[key][~mine] = getattr(second, key)[place[~mine] - len(along)]
         elif isinstance(value, Balanced | Following):
             both[key] = merged(value, getattr(second, key), along, others)
-    if isinstance(first, Response) and isinstance(second, Response) and (first.others or second.others):
-        pairs = zip_longest(first.others, second.others)  # of fewer solutions the last stands for all
+    if (
+        isinstance(first, Response)
+        and isinstance(second, Response)
+        and (first.others or second.others)
+    ):
+        pairs = zip_longest(
+            first.others, second.others
+        )  # of fewer solutions the last stands for all
         lone = [(one.others or (one,))[-1] for one in (replace(first), second)]
         both["others"] = tuple(
-            merged(replace(a or lone[0], others=()), replace(b or lone[1], others=()), along, others) for a, b in pairs
+            merged(
+                replace(a or lone[0], others=()), replace(b or lone[1], others=()), along, others
+            )
+            for a, b in pairs
         )
     return replace(first, **both)
 
@@ -277,8 +351,9 @@ def with_balance(found: Response | FrequencyResponse, factor: float, unit: str) 
     """The remark on a response, with where harmonic balance has several solutions or none; points times `factor`."""
     words = [found.remark]
     for block, many, none in (
-        (found.balanced, SEVERAL_BY_BALANCE, NONE_BY_BALANCE), (found.following, SEVERAL_BY_TABLE, NONE_BY_TABLE)
-    ):  # fmt: skip
+        (found.balanced, SEVERAL_BY_BALANCE, NONE_BY_BALANCE),
+        (found.following, SEVERAL_BY_TABLE, NONE_BY_TABLE),
+    ):
         if block is None:
             continue
         several = found.points[(block.number > 1).any(axis=1)] * factor
@@ -294,6 +369,8 @@ def joined(parts: Sequence[Block]) -> Block | None:
     if not parts:
         return None
     rows: dict[str, Any] = {
-        key: np.concatenate([getattr(one, key) for one in parts]) for key in vars(parts[0]) if key != "spans"
+        key: np.concatenate([getattr(one, key) for one in parts])
+        for key in vars(parts[0])
+        if key != "spans"
     }
     return replace(parts[0], **rows)

@@ -55,19 +55,29 @@ class Trials:
 def piecewise(record: NonlinearRecord) -> PiecewiseCoupling:
     """What a coupling with play, friction or stages is to harmonic balance."""
     sliders = [Slider(torque, stiffness) for torque, stiffness in record.friction]
-    sliders += [Slider(torque, stiffness, begin) for begin, _, (torque, stiffness) in record.stages if torque]
+    sliders += [
+        Slider(torque, stiffness, begin)
+        for begin, _, (torque, stiffness) in record.stages
+        if torque
+    ]
     stages = tuple((begin, stiffness) for begin, stiffness, _ in record.stages)
     return PiecewiseCoupling(record.stiffness, record.play, stages, tuple(sliders))
 
 
 def balanced_spans(system: System) -> dict[int, PiecewiseCoupling]:
     """The spans with play, friction or stages; a clutch is taken as stuck."""
-    records = {number: part.nonlinear for number, part in enumerate(system.train.parts) if part.nonlinear is not None}
+    records = {
+        number: part.nonlinear
+        for number, part in enumerate(system.train.parts)
+        if part.nonlinear is not None
+    }
     spans = ((span, records.get(part)) for span, part in enumerate(system.span_part.tolist()))
     return {span: piecewise(one) for span, one in spans if one is not None and one.capacity is None}
 
 
-def balanced(system: System, w: Sequence[FloatArray], mean: FloatArray, solved: Solved) -> Balanced | None:
+def balanced(
+    system: System, w: Sequence[FloatArray], mean: FloatArray, solved: Solved
+) -> Balanced | None:
     """What every coupling with play, friction or stages is at the amplitudes found; None without any.
 
     w: circular frequencies (columns,) rad/s of every harmonic component. mean: torques (spans, columns) N m. solved:
@@ -78,7 +88,9 @@ def balanced(system: System, w: Sequence[FloatArray], mean: FloatArray, solved: 
     if not (couplings and columns):
         return None
     rows = _Rows(system, w, np.abs(mean), solved, couplings)
-    fixed = [span for span in couplings if system.train.modal_damping or system.condensed.span[span] < 0]
+    fixed = [
+        span for span in couplings if system.train.modal_damping or system.condensed.span[span] < 0
+    ]
     free = [span for span in couplings if span not in fixed]
     found = {span: rows.at_rest(span) for span in free}
     settled = np.zeros(columns, dtype=bool)
@@ -86,7 +98,9 @@ def balanced(system: System, w: Sequence[FloatArray], mean: FloatArray, solved: 
         before = {span: found[span].largest for span in free}
         for span in free:
             found[span] = rows.solutions(span, found, np.flatnonzero(~settled), number)
-        same = [np.abs(found[span].largest - before[span]) <= SETTLED * before[span] for span in free]
+        same = [
+            np.abs(found[span].largest - before[span]) <= SETTLED * before[span] for span in free
+        ]
         if len(free) < 2 or number % WHOLE == 0:
             settled = settled | np.all(same, axis=0) if len(free) > 1 else ~settled
         if settled.all():
@@ -114,23 +128,35 @@ class _Rows:
         """The amplitudes of a coupling that has to stay as it is in the linear train, beside others."""
         coupling, name = self.couplings[span], self.system.spans[span].name
         place = self.system.train.parts[self.system.spans[span].part].path
-        loops = "closes a loop" if self.system.condensed.span[span] < 0 else "is in a train that is damped by mode"
+        loops = (
+            "closes a loop"
+            if self.system.condensed.span[span] < 0
+            else "is in a train that is damped by mode"
+        )
         hint = "give the damping of the components" if self.system.train.modal_damping else REMEDY
         if coupling.stuck:
-            raise SolveError(f"'{name}' {loops}, and its friction in the response is not built", hint, place)
+            raise SolveError(
+                f"'{name}' {loops}, and its friction in the response is not built", hint, place
+            )
         others = {other: self.secant(other, one.largest) for other, one in found.items()}
         amplitude = np.abs(self._twists(span, self.solved(others), self._own(span))).max(axis=0)
         opens = (self.mean[span] == 0.0) & (coupling.half > 0.0)
         if (opens | (amplitude >= coupling.first(self.mean[span]))).any():
             raise SolveError(
-                f"'{name}' {loops}, and its backlash or stages in the response are not supported yet", hint, place
+                f"'{name}' {loops}, and its backlash or stages in the response are not supported yet",
+                hint,
+                place,
             )
         return Amplitudes(amplitude, amplitude, amplitude, np.ones(len(amplitude), dtype=np.int64))
 
-    def solutions(self, span: int, found: Mapping[int, Amplitudes], at: IntArray, number: int) -> Amplitudes:
+    def solutions(
+        self, span: int, found: Mapping[int, Amplitudes], at: IntArray, number: int
+    ) -> Amplitudes:
         """With those of a coupling in columns `at`, while the others stand; in a round of that number."""
         coupling, former = self.couplings[span], found[span]
-        trials = self._trials(span, {other: self.secant(other, found[other].largest) for other in found})
+        trials = self._trials(
+            span, {other: self.secant(other, found[other].largest) for other in found}
+        )
         mean = self.mean[span]
 
         def ratio(amplitude: FloatArray, columns: IntArray) -> FloatArray:
@@ -170,10 +196,15 @@ class _Rows:
             return np.array(rows).T
 
         return Balanced(
-            tuple(found), number, settled & (number > 0).all(axis=1), columns([one.largest for one in found.values()]),
-            columns([one.smallest for one in found.values()]), columns(first), columns([one.share for one in each]),
+            tuple(found),
+            number,
+            settled & (number > 0).all(axis=1),
+            columns([one.largest for one in found.values()]),
+            columns([one.smallest for one in found.values()]),
+            columns(first),
+            columns([one.share for one in each]),
             np.array([one.extra for one in each]).T,
-        )  # fmt: skip
+        )
 
     def _trials(self, span: int, others: Mapping[int, Secant]) -> Trials:
         coupling, own = self.couplings[span], self._own(span)
@@ -183,18 +214,24 @@ class _Rows:
             one = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
             twists.append(self._twists(span, self.solved({**others, span: one}), own + extra))
         moves = (twists[0] != 0.0) & (twists[1] != 0.0)
-        first, second = (np.asarray(1.0 / np.where(moves, one, 1.0), dtype=np.complex128) for one in twists)
+        first, second = (
+            np.asarray(1.0 / np.where(moves, one, 1.0), dtype=np.complex128) for one in twists
+        )
         return Trials(own, first, (second - first) / step, moves, coupling.stuck)
 
     def _own(self, span: int) -> ComplexArray:
         """(components, columns) N m/rad of the spring and damper of a span."""
         system = self.system
-        given = (values[[span]] for values in (system.flexibility, system.viscous, system.loss_factor))
+        given = (
+            values[[span]] for values in (system.flexibility, system.viscous, system.loss_factor)
+        )
         flexibility, viscous, loss = given
         rows = [complex_compliance(flexibility, viscous, loss, w).reshape(-1) for w in self.w]
         return np.array([np.broadcast_to(1.0 / one, len(self.w[0])) for one in rows], dtype=complex)
 
-    def _twists(self, span: int, answers: Sequence[Answer], stiffness: ComplexArray) -> ComplexArray:
+    def _twists(
+        self, span: int, answers: Sequence[Answer], stiffness: ComplexArray
+    ) -> ComplexArray:
         """(components, columns) rad."""
         return np.asarray(np.array([one.torque[:, span] for one in answers]) / stiffness)
 
@@ -206,7 +243,7 @@ def _among(ratio: Ratio, chosen: IntArray, amplitude: FloatArray, columns: IntAr
 
 def _range(
     coupling: PiecewiseCoupling, trials: Trials, mean: FloatArray, at: IntArray, ratio: Ratio
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+) -> tuple[FloatArray, FloatArray]:
     """Amplitudes (columns,) rad below and above all solutions."""
     columns = np.arange(len(at))
     bottom = 0.5 * np.maximum(coupling.first(mean[at]), 1e-6 * coupling.scale)
@@ -220,4 +257,6 @@ def _range(
     limit = np.abs(trials.inverse[:, at] + trials.slope[:, at] * (coupling.lasting - trials.linear))
     with np.errstate(divide="ignore", invalid="ignore"):
         most = np.where(trials.moves[:, at], (1.0 + slope * differs) / limit, 0.0).max(axis=0)
-    return bottom, np.minimum(np.maximum(1.1 * most, 100.0 * np.maximum(coupling.scale, bottom)), LARGEST)
+    return bottom, np.minimum(
+        np.maximum(1.1 * most, 100.0 * np.maximum(coupling.scale, bottom)), LARGEST
+    )

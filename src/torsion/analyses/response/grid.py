@@ -10,7 +10,12 @@ import numpy as np
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, blocks, merged
 from torsion.analyses.speed_tables import SAME_SPEED
-from torsion.analyses.undamped_modes import Modes, condensed_modes, modes_as_discretised, undamped_tree
+from torsion.analyses.undamped_modes import (
+    Modes,
+    condensed_modes,
+    modes_as_discretised,
+    undamped_tree,
+)
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.kernels.sturm import count_below
@@ -25,18 +30,29 @@ FEWEST_POINTS = 5
 MOST_ADDED = 4000  # points added around resonances
 MOST_VALUES = 4_000_000  # complex values at these points; beyond, every resonance has FEWEST_POINTS
 BROAD = 0.3  # damping ratio from which a resonance needs no points of its own
-SHIFT = 0.5  # of damping ratio * frequency, by which a damped mode stands apart from an undamped one
+SHIFT = (
+    0.5  # of damping ratio * frequency, by which a damped mode stands apart from an undamped one
+)
 UNDAMPED = 1e-9  # damping ratio below which a resonance is approached in decades
 DECADES = np.concatenate([-np.logspace(-2, -6, 9), [0.0], np.logspace(-6, -2, 9)])
-GAIN = 2e-4  # relative: a peak that stands higher above its highest point is computed at its own place
+GAIN = (
+    2e-4  # relative: a peak that stands higher above its highest point is computed at its own place
+)
 SMALL = 1e-3  # of the largest torque of a span: lower peaks are not searched for
-ROUNDS_FOR_PEAKS = 2  # of looking for peaks between the points: the first finds them, the second sharpens them
+ROUNDS_FOR_PEAKS = (
+    2  # of looking for peaks between the points: the first finds them, the second sharpens them
+)
 MOST_PEAKS = 500  # added in one round
 FEWEST_PEAKS = 100  # the same of a train so large that more of them exceed an eighth of MOST_VALUES
-ROUNDS_FOR_JUMPS, MOST_JUMPS = 3, 12  # of narrowing the places at which the largest of several solutions ends
+ROUNDS_FOR_JUMPS, MOST_JUMPS = (
+    3,
+    12,
+)  # of narrowing the places at which the largest of several solutions ends
 JUMP_POINTS = 7  # in each of them
 NARROW = 1e-5  # of a point: such a place is narrow enough
-SAME_PLACE = 0.02  # of the distance between the neighbouring points: peaks that near are computed once
+SAME_PLACE = (
+    0.02  # of the distance between the neighbouring points: peaks that near are computed once
+)
 
 
 @dataclass(frozen=True)
@@ -48,7 +64,9 @@ class Resonances:
     damping_ratio: FloatArray  # (modes,) of the spans, or all where the damped modes are known
 
 
-def resonances(system: System, highest: float, known: Modes | None, damped: DampedModes | None) -> Resonances:
+def resonances(
+    system: System, highest: float, known: Modes | None, damped: DampedModes | None
+) -> Resonances:
     """All modes up to a highest frequency (rad/s); `known` modes of this very system are used as far as they go.
 
     Damping ratios are those of first order: power lost / (4 pi energy) of the undamped shape. The `damped` modes that
@@ -87,7 +105,9 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
     return modes_as_discretised(system, max(below, 1))
 
 
-def _modes_by_table(system: System, tables: "Mapping[int, StiffnessTable]", highest: float) -> Modes:
+def _modes_by_table(
+    system: System, tables: "Mapping[int, StiffnessTable]", highest: float
+) -> Modes:
     """The same of a train with tables over frequency; they only place points, so that the ends of tables hold.
 
     Where a table is too steep for one frequency a mode, at the stiffness of the highest.
@@ -99,7 +119,9 @@ def _modes_by_table(system: System, tables: "Mapping[int, StiffnessTable]", high
     found = _modes_up_to(still, highest, None)
     if any(table.steepest >= STEEPEST for table in tables.values()) or not found.frequency.size:
         return found
-    held = replace(system, tables={**system.tables, **{s: replace(t, holds=True) for s, t in tables.items()}})
+    held = replace(
+        system, tables={**system.tables, **{s: replace(t, holds=True) for s, t in tables.items()}}
+    )
     return modes_as_discretised(held, found.frequency.size)
 
 
@@ -126,9 +148,13 @@ def _without(own: FloatArray, spans: Mapping[int, object]) -> FloatArray:
 
 
 def places(
-    known: Resonances, system: System, orders: FloatArray, first: float, last: float,
+    known: Resonances,
+    system: System,
+    orders: FloatArray,
+    first: float,
+    last: float,
     ground: Callable[[FloatArray], FloatArray],
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+) -> tuple[FloatArray, FloatArray]:
     """(places,) points between two at which an order meets a mode, and (places,) the damping ratio there.
 
     A point times one of `orders` is a circular frequency (rad/s). ground: (points,) to (stations, points) N m s/rad of
@@ -144,7 +170,9 @@ def places(
     return at, zeta
 
 
-def refined(requested: FloatArray, at: FloatArray, ratio: FloatArray, values: int = 1) -> tuple[FloatArray, str]:
+def refined(
+    requested: FloatArray, at: FloatArray, ratio: FloatArray, values: int = 1
+) -> tuple[FloatArray, str]:
     """The points requested and those around each resonance, ascending; and what had to be left out, in words.
 
     at, ratio: (places,) of the resonances and their damping ratios; values: complex ones of the response at a point, of
@@ -156,7 +184,9 @@ def refined(requested: FloatArray, at: FloatArray, ratio: FloatArray, values: in
     at, zeta = at[narrow], ratio[narrow]
     points, remark = POINTS, ""
     if len(at) * points * values > MOST_VALUES:
-        points = int(np.clip((MOST_VALUES // (len(at) * values) - 1) // 2 * 2 + 1, FEWEST_POINTS, POINTS))
+        points = int(
+            np.clip((MOST_VALUES // (len(at) * values) - 1) // 2 * 2 + 1, FEWEST_POINTS, POINTS)
+        )
         remark = f"each of {len(at)} resonances has {points} points in place of {POINTS}, as the train is large"
     if len(at) * points > MOST_ADDED:
         points = max(FEWEST_POINTS, (MOST_ADDED // len(at) - 1) // 2 * 2 + 1)
@@ -175,9 +205,12 @@ def refined(requested: FloatArray, at: FloatArray, ratio: FloatArray, values: in
 
 
 def with_peaks(
-    solve: Callable[[FloatArray], Answered], requested: FloatArray, points: FloatArray, remark: str,
+    solve: Callable[[FloatArray], Answered],
+    requested: FloatArray,
+    points: FloatArray,
+    remark: str,
     refuse_too_many: Callable[[int], None],
-) -> Answered:  # fmt: skip
+) -> Answered:
     """The response at the points and wherever a peak shows between two of them; `remark` says what was left out.
 
     solve: the response at points, ascending. refuse_too_many: raises InputError where so many points are too many.
@@ -185,9 +218,13 @@ def with_peaks(
     refuse_too_many(len(points) + min(len(points), ROUNDS_FOR_PEAKS * MOST_PEAKS))
     found = solve(points)
     for _ in range(ROUNDS_FOR_PEAKS):
-        others: tuple[Answered, ...] = getattr(found, "others", ())  # a peak may be of another solution
+        others: tuple[Answered, ...] = getattr(
+            found, "others", ()
+        )  # a peak may be of another solution
         sound = np.concatenate([one.status == Status.OK for one in (found, *others)], axis=-1)
-        torque = np.concatenate([one.torque for one in (found, *others)], axis=-2 if found.torque.ndim == 3 else -1)
+        torque = np.concatenate(
+            [one.torque for one in (found, *others)], axis=-2 if found.torque.ndim == 3 else -1
+        )
         if sound.ndim == 1:
             sound, torque = sound[:, None], torque[:, None]
         missed, left_out = missed_peaks(found.points, torque, sound)
@@ -218,11 +255,15 @@ def _about_jumps(found: Response | FrequencyResponse) -> FloatArray:
 def apart(known: FloatArray, more: FloatArray) -> FloatArray:
     """Those of `more` that none of the `known` points, ascending, stands for: they differ by more than rounding."""
     place = np.clip(np.searchsorted(known, more), 1, max(len(known) - 1, 1))
-    near = np.minimum(np.abs(more - known[place - 1]), np.abs(more - known[np.minimum(place, len(known) - 1)]))
+    near = np.minimum(
+        np.abs(more - known[place - 1]), np.abs(more - known[np.minimum(place, len(known) - 1)])
+    )
     return np.asarray(more[near > SAME_SPEED * np.abs(more)])
 
 
-def missed_peaks(x: FloatArray, torque: ComplexArray | FloatArray, sound: np.ndarray) -> tuple[FloatArray, str]:
+def missed_peaks(
+    x: FloatArray, torque: ComplexArray | FloatArray, sound: np.ndarray
+) -> tuple[FloatArray, str]:
     """Places of peaks that stand higher than the highest computed point beside them; and what was left out, in words.
 
     x: (points,) ascending. torque: (points, lines, spans). sound: (points, lines) bool, where the answer is ok.
@@ -246,7 +287,9 @@ def missed_peaks(x: FloatArray, torque: ComplexArray | FloatArray, sound: np.nda
     inner = (bend > 0) & (move > left) & (move < right) & ~(gain <= GAIN) & (move != 0)
     step = SAME_PLACE * (right - left)[inner]
     rounded = x[point[inner] + 1] + np.round(move[inner] / step) * step
-    highest_first = np.argsort(-np.where(np.isfinite(gain[inner]), gain[inner], np.inf), kind="stable")
+    highest_first = np.argsort(
+        -np.where(np.isfinite(gain[inner]), gain[inner], np.inf), kind="stable"
+    )
     found, first = np.unique(rounded[highest_first], return_index=True)
     most = min(MOST_PEAKS, max(FEWEST_PEAKS, MOST_VALUES // (8 * torque[0].size)))
     if len(found) <= most:

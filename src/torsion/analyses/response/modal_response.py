@@ -21,7 +21,10 @@ PATH = ("damping",)
 
 
 def modal_sums(
-    system: System, w: FloatArray, sources: Sources, still: Callable[[FloatArray], tuple[ComplexArray, ComplexArray]]
+    system: System,
+    w: FloatArray,
+    sources: Sources,
+    still: Callable[[FloatArray], tuple[ComplexArray, ComplexArray]],
 ) -> tuple[ComplexArray, ComplexArray, FloatArray]:
     """Angles (stations, frequencies), torques (spans, frequencies), how errors of data grow (frequencies,).
 
@@ -32,11 +35,18 @@ def modal_sums(
     modes, rigid = _basis(system)
     if sources.twist is not None or sources.loop_twist is not None:
         raise SolveError(
-            "damping by mode does not support joints or meshes that excite", "give the components their damping", PATH
+            "damping by mode does not support joints or meshes that excite",
+            "give the components their damping",
+            PATH,
         )
     own = np.concatenate([np.zeros(rigid.shape[1]), 2.0 * math.pi * modes.frequency])[:, None]
-    ratio = np.concatenate([np.zeros(rigid.shape[1]), system.modal_ratios(len(modes.frequency))])[:, None]
-    shape, torque = np.concatenate([rigid, modes.shape], axis=1), np.pad(modes.torque, ((0, 0), (rigid.shape[1], 0)))
+    ratio = np.concatenate([np.zeros(rigid.shape[1]), system.modal_ratios(len(modes.frequency))])[
+        :, None
+    ]
+    shape, torque = (
+        np.concatenate([rigid, modes.shape], axis=1),
+        np.pad(modes.torque, ((0, 0), (rigid.shape[1], 0))),
+    )
     on_tree = np.zeros((system.condensed.tree.size, len(own)))
     on_tree[system.condensed.node] = shape / system.speed_ratio[:, None]
     force = on_tree.T @ sources.force
@@ -59,8 +69,15 @@ def _basis(system: System) -> tuple[Modes, FloatArray]:
     """All modes and the rigid motions of a system; found once."""
     known: tuple[Modes, FloatArray] | None = vars(system).get("modal_basis")
     if known is None:
-        if system.bars is not None or system.groups is not None or system.condensed.tree.size > MOST_STATIONS:
+        if (
+            system.bars is not None
+            or system.groups is not None
+            or system.condensed.tree.size > MOST_STATIONS
+        ):
             message = f"damping by mode is for lumped trains of at most {MOST_STATIONS} stations"
             raise SolveError(message, "model: lumped, with fewer `segments`", PATH)
-        vars(system)["modal_basis"] = known = modes_as_discretised(system, None), rigid_shapes(system)
+        vars(system)["modal_basis"] = known = (
+            modes_as_discretised(system, None),
+            rigid_shapes(system),
+        )
     return known

@@ -8,7 +8,12 @@ import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.response import grid
-from torsion.analyses.response.amplitudes import Components, FrequencyResponse, refuse_too_large, with_balance
+from torsion.analyses.response.amplitudes import (
+    Components,
+    FrequencyResponse,
+    refuse_too_large,
+    with_balance,
+)
 from torsion.analyses.response.balanced_couplings import balanced
 from torsion.analyses.response.harmonic_components import Sources, sources, sweeping
 from torsion.analyses.response.solver import answer, ground_damping, tabled_stiffness
@@ -53,21 +58,37 @@ def frequency_response(
 
     def solved(hertz: FloatArray) -> FrequencyResponse:
         columns = (1, len(hertz))
-        force, w, tiled = Sources(np.tile(drive.force, columns), None), 2.0 * math.pi * hertz, np.tile(ground, columns)
-        carried = np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
+        force, w, tiled = (
+            Sources(np.tile(drive.force, columns), None),
+            2.0 * math.pi * hertz,
+            np.tile(ground, columns),
+        )
+        carried = (
+            np.zeros((len(system.spans), len(w))) if mean is None else np.tile(mean.torque, columns)
+        )
         following = None
         if study.train.has_tables_over("vibratory torque"):
             from torsion.analyses.response.vibratory_couplings import settled
 
             following = settled(
-                system, Components([None], [w], [[force]], tiled, carried, np.broadcast_to(at, w.shape)), 0
+                system,
+                Components([None], [w], [[force]], tiled, carried, np.broadcast_to(at, w.shape)),
+                0,
             )
-        stiffness = tabled_stiffness(system, w, carried, at, None if following is None else following.by_span)
+        stiffness = tabled_stiffness(
+            system, w, carried, at, None if following is None else following.by_span
+        )
         solve = partial(answer, system, w, force, tiled, stiffness=stiffness)
         balance = balanced(system, [w], carried, lambda added: [solve(added)])
         found = solve({} if balance is None else balance.added)
-        status = found.status if balance is None else np.where(balance.settled, found.status, Status.SINGULAR)
-        status = status if following is None else np.where(following.settled, status, Status.SINGULAR)
+        status = (
+            found.status
+            if balance is None
+            else np.where(balance.settled, found.status, Status.SINGULAR)
+        )
+        status = (
+            status if following is None else np.where(following.settled, status, Status.SINGULAR)
+        )
         flags = np.zeros(len(hertz), dtype=bool)
         names = excitation.line.sources
         return FrequencyResponse(
@@ -86,7 +107,9 @@ def frequency_response(
 
     known = grid.resonances(system, 2.0 * math.pi * float(requested[-1]), modes, damped)
     where = known, system, np.array([2.0 * math.pi]), requested[0], requested[-1]
-    points, remark = grid.refined(requested, *grid.places(*where, lambda hertz: np.tile(ground, (1, len(hertz)))))
+    points, remark = grid.refined(
+        requested, *grid.places(*where, lambda hertz: np.tile(ground, (1, len(hertz))))
+    )
     refuse = partial(refuse_too_large, system, 1, study.memory, PATH, "frequencies")
     found = grid.with_peaks(solved, requested, points, remark, refuse)
     return replace(found, remark=with_balance(found, 1.0, "Hz"))
@@ -106,7 +129,9 @@ def _requested_frequencies(study: Study, frequencies: FloatArray | None) -> Floa
 def run(work: Work) -> None:
     """The response over the frequencies that the file names."""
     with work.log.step("response over frequency", "requested") as step:
-        found = frequency_response(work.study, work.system, modes=work.get(Modes), damped=work.get(DampedModes))
+        found = frequency_response(
+            work.study, work.system, modes=work.get(Modes), damped=work.get(DampedModes)
+        )
         step.method = "two-sided elimination"
         step.size = f"{found.frequency.size} frequencies"
     work.put(frequency_response=found)

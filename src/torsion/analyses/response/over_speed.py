@@ -57,7 +57,10 @@ def _read_orders(value: Any) -> Any:
     if value == "all":
         return value
     if isinstance(value, str) or not isinstance(value, list | tuple) or not value:
-        raise refuse("orders are `all` or a list", "for example [1, 5/2, 4], per turn of the reference station")
+        raise refuse(
+            "orders are `all` or a list",
+            "for example [1, 5/2, 4], per turn of the reference station",
+        )
     return tuple(fields.read_exact(order) for order in value)
 
 
@@ -65,9 +68,12 @@ class ResponseSettings(Declared):
     """Settings of `response`."""
 
     orders: Annotated[Any, BeforeValidator(_read_orders)] = given(
-        "`all`, or a list of orders of the reference station; rules about vibration judge all of them together", "all"
+        "`all`, or a list of orders of the reference station; rules about vibration judge all of them together",
+        "all",
     )
-    frequencies: FrequencyRange | None = given("also the response to the torques that act at every frequency")
+    frequencies: FrequencyRange | None = given(
+        "also the response to the torques that act at every frequency"
+    )
     method: Literal["first-order", "harmonic-balance"] | None = given(
         "how joints are treated. Default: first order; in addition `harmonic-balance`, if a joint angle exceeds 10 "
         "degrees or the first order estimates its error as more than 1 %"
@@ -98,7 +104,9 @@ def response(
     requested = _requested_speeds(study, speeds)
     orders = requested_orders(study)
     found = excitations(system, None if all_orders else orders)
-    highest = max((float(one.line.circular_frequency(requested[-1:])[0]) for one in found), default=0.0)
+    highest = max(
+        (float(one.line.circular_frequency(requested[-1:])[0]) for one in found), default=0.0
+    )
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
     further = np.empty(0) if also is None else also[(also > requested[0]) & (also < requested[-1])]
     points = np.union1d(requested, grid.apart(requested, further))
@@ -113,7 +121,9 @@ def response(
         resonant = grid.places(known, system, by_order, points[0], points[-1], ground)
         values = len(found) * (len(system.stations) + len(system.spans))
         points, remark = grid.refined(points, *resonant, values)
-    refuse = partial(refuse_too_large, system, len(found), study.memory, ("operation", "speeds"), "speeds")
+    refuse = partial(
+        refuse_too_large, system, len(found), study.memory, ("operation", "speeds"), "speeds"
+    )
     solved = partial(_solved, study, system, found, progress or silent)
     result = grid.with_peaks(solved, requested, points, remark, refuse)
     kept = {one.line.order for one in found}
@@ -124,10 +134,14 @@ def response(
 
 def response_at(study: Study, system: System, found: Response, speeds: FloatArray) -> Response:
     """The response at `speeds` (speeds,) rad/s alone, ascending, of the lines that are found."""
-    return response_of_orders(study, system, [line.order for line in found.lines if line.order is not None], speeds)
+    return response_of_orders(
+        study, system, [line.order for line in found.lines if line.order is not None], speeds
+    )
 
 
-def response_of_orders(study: Study, system: System, orders: Sequence[Fraction], speeds: FloatArray) -> Response:
+def response_of_orders(
+    study: Study, system: System, orders: Sequence[Fraction], speeds: FloatArray
+) -> Response:
     """The response of some orders of the reference at `speeds` (speeds,) rad/s alone, ascending."""
     return _solved(study, system, excitations(system, orders), silent, speeds)
 
@@ -160,16 +174,31 @@ def _requested_speeds(study: Study, speeds: FloatArray | None) -> FloatArray:
     if speeds is not None:
         found = np.unique(np.asarray(speeds, dtype=np.float64))
         if not (found.size and (found > 0.0).all() and np.isfinite(found).all()):
-            raise InputError([Fault(("speeds",), "these are not speeds of a response", "one or more, above 0 rad/s")])
+            raise InputError(
+                [
+                    Fault(
+                        ("speeds",),
+                        "these are not speeds of a response",
+                        "one or more, above 0 rad/s",
+                    )
+                ]
+            )
         return found
     if study.operation.speeds is None:
         hint = "for example `speeds: {from: 300 rpm, to: 1800 rpm}`"
-        raise InputError([Fault(("operation", "speeds"), "a response over speed needs the speeds", hint)])
+        raise InputError(
+            [Fault(("operation", "speeds"), "a response over speed needs the speeds", hint)]
+        )
     return study.operation.speeds.values()
 
 
 def _solved(
-    study: Study, system: System, found: tuple[Excitation, ...], progress: Progress, speed: FloatArray, rank: int = 0
+    study: Study,
+    system: System,
+    found: tuple[Excitation, ...],
+    progress: Progress,
+    speed: FloatArray,
+    rank: int = 0,
 ) -> Response:
     """Every harmonic component at every speed (rad/s), ascending.
 
@@ -177,7 +206,10 @@ def _solved(
     with that of rank 0.
     """
     shape = (len(speed), len(found))
-    angle, torque = (np.empty((*shape, len(each)), dtype=np.complex128) for each in (system.stations, system.spans))
+    angle, torque = (
+        np.empty((*shape, len(each)), dtype=np.complex128)
+        for each in (system.stations, system.spans)
+    )
     mean, status = np.zeros((len(speed), len(system.spans))), np.empty(shape, dtype=np.uint8)
     frequency, residual, joint_error = (np.empty(shape) for _ in range(3))
     balance, follow = list[Balanced](), list[Following]()
@@ -194,7 +226,9 @@ def _solved(
             from torsion.analyses.response.balanced_couplings import balanced
 
             def solve(tried: "Mapping[int, Secant]") -> list[Answer]:
-                return list(answers(system, each_w, forces, ground, tried, mean=mean[part].T, speed=here))  # noqa: B023
+                return list(
+                    answers(system, each_w, forces, ground, tried, mean=mean[part].T, speed=here)  # noqa: B023
+                )
 
             if one_block := balanced(system, each_w, mean[part].T, solve):
                 balance.append(one_block)
@@ -202,13 +236,20 @@ def _solved(
         if study.train.has_tables_over("vibratory torque"):
             from torsion.analyses.response.vibratory_couplings import settled
 
-            components = Components([one.line.order for one in found], each_w, apart, ground, mean[part].T, here)
+            components = Components(
+                [one.line.order for one in found], each_w, apart, ground, mean[part].T, here
+            )
             follow.append(settled(system, components, rank))
         every = answers(
-            system, [w for w, each in zip(each_w, apart, strict=True) for _ in each],
-            [one for each in apart for one in each], ground, added, mean=mean[part].T, speed=here,
+            system,
+            [w for w, each in zip(each_w, apart, strict=True) for _ in each],
+            [one for each in apart for one in each],
+            ground,
+            added,
+            mean=mean[part].T,
+            speed=here,
             vibratory=follow[-1].by_span if follow else None,
-        )  # fmt: skip
+        )
         for k, one in enumerate(found):
             progress("response", (part.start + k * len(here) / len(found)) / max(len(speed), 1))
             answered = by_magnitude(list(islice(every, len(apart[k]))))
@@ -224,12 +265,27 @@ def _solved(
         status[~following.settled] = Status.SINGULAR
     each, requested = tuple(one.line for one in found), np.zeros(len(speed), dtype=bool)
     several = 0 if following is None or rank else int(following.number.max(initial=0))
-    others = tuple(_solved(study, system, found, progress, speed, more) for more in range(1, several))
+    others = tuple(
+        _solved(study, system, found, progress, speed, more) for more in range(1, several)
+    )
     return Response(
-        speed, requested, each, frequency, angle, torque, mean, residual, status, joint_error, system, balanced=whole,
-        by_magnitude=len(frozenset().union(*(one.by_chance for one in found if one.line.order))) > 1,
-        following=following, others=others,
-    )  # fmt: skip
+        speed,
+        requested,
+        each,
+        frequency,
+        angle,
+        torque,
+        mean,
+        residual,
+        status,
+        joint_error,
+        system,
+        balanced=whole,
+        by_magnitude=len(frozenset().union(*(one.by_chance for one in found if one.line.order)))
+        > 1,
+        following=following,
+        others=others,
+    )
 
 
 def joint_errors(system: System, excitation: Excitation, angle: ComplexArray) -> FloatArray:
@@ -258,7 +314,11 @@ def run(work: Work) -> None:
     with work.log.step("synthesis", f"rules and readers judge {lines} together") as step:
         total = synthesis(found)
         step.method = "sum over the common cycle, true to phase"
-        step.size = f"cycle of {total.turns} turns" if total.turns else "no common cycle: bound by magnitudes"
+        step.size = (
+            f"cycle of {total.turns} turns"
+            if total.turns
+            else "no common cycle: bound by magnitudes"
+        )
     if "response" in work.ruled:
         found, total = _judged(work, found, total)
     work.put(response=found, synthesis=total)
@@ -283,14 +343,21 @@ def _met_over_speed(work: Work) -> list[float]:
 def _found(work: Work) -> Response:
     """The response at the speeds requested, around resonances and, for rules, at the bounds of their limits."""
     study, log, ruled = work.study, work.log, "response" in work.ruled
-    with log.step("response over speed", "requested" if "response" in study.analyses else "something excites") as step:
+    with log.step(
+        "response over speed", "requested" if "response" in study.analyses else "something excites"
+    ) as step:
         also = work.rules.judged_speeds(study) if ruled else np.empty(0)
         if study.train.follows_speed:
             also = np.union1d(also, _met_over_speed(work))
         found = response(
-            study, work.system, modes=work.get(Modes), damped=work.get(DampedModes), also=also, all_orders=ruled,
+            study,
+            work.system,
+            modes=work.get(Modes),
+            damped=work.get(DampedModes),
+            also=also,
+            all_orders=ruled,
             progress=work.progress,
-        )  # fmt: skip
+        )
         step.method = "two-sided elimination, every order apart"
         step.size = f"{len(found.lines)} lines at {found.speed.size} speeds ({int(found.requested.sum())} requested)"
         if ruled and requested_orders(study) is not None:
@@ -298,14 +365,19 @@ def _found(work: Work) -> Response:
         if found.remark:
             step.size += f"; {found.remark}"
     for line in found.left_out:
-        log.without(f"order {line.order} of the response ({', '.join(line.sources)})", "`orders` does not name it")
+        log.without(
+            f"order {line.order} of the response ({', '.join(line.sources)})",
+            "`orders` does not name it",
+        )
     return found
 
 
 def _judged(work: Work, found: Response, total: Synthesis) -> tuple[Response, Synthesis]:
     """With the speeds between at which a rule finds more than at the ones beside them."""
     before = found.speed.size
-    with work.log.step("speeds between", "no worst value of a rule lies between two speeds") as step:
+    with work.log.step(
+        "speeds between", "no worst value of a rule lies between two speeds"
+    ) as step:
         for _ in range(MOST_ROUNDS):
             more = work.rules.speeds_between(work.having(response=found, synthesis=total))
             for one in found.others:

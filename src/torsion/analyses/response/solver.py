@@ -35,9 +35,14 @@ class Answer:
 
 
 def answer(
-    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: "Mapping[int, Secant]" = NOTHING,
-    *, stiffness: Mapping[int, ComplexArray] | None = None,
-) -> Answer:  # fmt: skip
+    system: System,
+    w: FloatArray,
+    sources: Sources,
+    damping: FloatArray,
+    added: "Mapping[int, Secant]" = NOTHING,
+    *,
+    stiffness: Mapping[int, ComplexArray] | None = None,
+) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
     damping: (stations, frequencies) N m s/rad to ground at own speed, of a train without damping by mode. added,
@@ -60,10 +65,16 @@ def answer(
 
 
 def answers(
-    system: System, w: Sequence[FloatArray], sources: Sequence[Sources], damping: FloatArray,
-    added: "Mapping[int, Secant]" = NOTHING, *, mean: FloatArray | None = None, speed: FloatArray | None = None,
+    system: System,
+    w: Sequence[FloatArray],
+    sources: Sequence[Sources],
+    damping: FloatArray,
+    added: "Mapping[int, Secant]" = NOTHING,
+    *,
+    mean: FloatArray | None = None,
+    speed: FloatArray | None = None,
     vibratory: Mapping[int, FloatArray] | None = None,
-) -> Iterator[Answer]:  # fmt: skip
+) -> Iterator[Answer]:
     """As `answer` of several harmonics, `w` and `sources` of each at the same speeds.
 
     mean: (spans, speeds) N m; speed: (speeds,) rad/s of the reference; vibratory: (speeds,) N m of spans by table.
@@ -75,9 +86,14 @@ def answers(
         return
     for part in blocks(len(w), damping.shape[1], TOGETHER):
         some = sources[part]
-        whole = answer(system, np.concatenate(w[part]), Sources.side_by_side(some), np.tile(damping, len(some)))
+        whole = answer(
+            system, np.concatenate(w[part]), Sources.side_by_side(some), np.tile(damping, len(some))
+        )
         yield from (
-            Answer(*each) for each in zip(*(np.split(one, len(some)) for one in vars(whole).values()), strict=True)
+            Answer(*each)
+            for each in zip(
+                *(np.split(one, len(some)) for one in vars(whole).values()), strict=True
+            )
         )
 
 
@@ -92,9 +108,11 @@ def by_magnitude(answers: Sequence[Answer]) -> Answer:
         return np.asarray(size * np.exp(1j * np.angle(values[0])))
 
     return Answer(
-        added([one.angle for one in answers]), added([one.torque for one in answers]),
-        np.max([one.residual for one in answers], axis=0), np.max([one.status for one in answers], axis=0),
-    )  # fmt: skip
+        added([one.angle for one in answers]),
+        added([one.torque for one in answers]),
+        np.max([one.residual for one in answers], axis=0),
+        np.max([one.status for one in answers], axis=0),
+    )
 
 
 def undamped(system: System) -> System:
@@ -104,9 +122,14 @@ def undamped(system: System) -> System:
 
 
 def swept(
-    system: System, w: FloatArray, sources: Sources, damping: FloatArray, added: "Mapping[int, Secant]" = NOTHING,
-    *, stiffness: Mapping[int, ComplexArray] | None = None,
-) -> Answer:  # fmt: skip
+    system: System,
+    w: FloatArray,
+    sources: Sources,
+    damping: FloatArray,
+    added: "Mapping[int, Secant]" = NOTHING,
+    *,
+    stiffness: Mapping[int, ComplexArray] | None = None,
+) -> Answer:
     """The response at circular frequencies `w` (frequencies,) rad/s, with the sources' amplitudes at each of them.
 
     The train is damped by its components.
@@ -119,7 +142,9 @@ def swept(
     condensed = system.condensed
     tree = condensed.tree.cut(np.isinf(condensed.tree.flexibility) & (condensed.viscous == 0))
     # chords of loops with a stiffness or a damping
-    chords = condensed.extra[np.isfinite(system.flexibility[condensed.extra]) | (system.viscous[condensed.extra] > 0)]
+    chords = condensed.extra[
+        np.isfinite(system.flexibility[condensed.extra]) | (system.viscous[condensed.extra] > 0)
+    ]
     ground = np.zeros((tree.size, len(w)))
     ground[condensed.node] = damping * (system.speed_ratio**2)[:, None]
     compliance = complex_compliance(tree.flexibility, condensed.viscous, condensed.loss_factor, w)
@@ -131,15 +156,24 @@ def swept(
     changed = {span: one for span, one in added.items() if not one.is_linear}
     if changed:
         compliance = _with_added(system, compliance, changed, len(w))
-    acting: dict[str, Any] = {"twist": sources.twist, "ground_damping": ground, "compliance": compliance}
+    acting: dict[str, Any] = {
+        "twist": sources.twist,
+        "ground_damping": ground,
+        "compliance": compliance,
+    }
     if system.condensed_shafts is not None:
-        tree, loss = replace(tree, shafts=system.condensed_shafts), condensed.loss_factor[system.condensed_shafts.node]
+        tree, loss = (
+            replace(tree, shafts=system.condensed_shafts),
+            condensed.loss_factor[system.condensed_shafts.node],
+        )
         found = tree_response(tree, w, sources.force, shaft_loss=loss, **acting)
         torque = bar_torques(system, found.torque, found.torque_outer)
     elif chords.size:
         from torsion.kernels.loops import looped_response
 
-        found = looped_response(tree, _chords(system, chords, w, sources), w, sources.force, **acting)
+        found = looped_response(
+            tree, _chords(system, chords, w, sources), w, sources.force, **acting
+        )
         torque = span_torques(system, found.torque, chords, found.chord_torque)
     else:
         found = tree_response(tree, w, sources.force, **acting)
@@ -171,7 +205,9 @@ def _with_added(
     whole = _spread(compliance, frequencies)
     for span, one in added.items():
         node = _node(system, span)
-        whole[node] = whole[node] / (one.share + whole[node] * one.extra * system.span_ratio[span] ** 2)
+        whole[node] = whole[node] / (
+            one.share + whole[node] * one.extra * system.span_ratio[span] ** 2
+        )
     return whole
 
 
@@ -199,7 +235,9 @@ def ground_damping(system: System, speed: FloatArray, steady: Steady | None) -> 
     if following and steady is None:
         name = system.stations[following[0].station].name
         message = f"the damping of '{name}' follows from the mean torque, which is not known"
-        raise InputError([Fault(("operation", "rated", "power"), message, "give the rated speed and power")])
+        raise InputError(
+            [Fault(("operation", "rated", "power"), message, "give the rated speed and power")]
+        )
     applied = np.zeros((len(system.stations), len(speed))) if steady is None else steady.applied
     return system.ground_damping(speed, applied, None if steady is None else steady.load_slope)
 

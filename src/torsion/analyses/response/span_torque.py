@@ -19,7 +19,9 @@ class SpanTorque:
     """Complex torque amplitudes in a component; NaN where the response has no reliable value."""
 
     name: str
-    orders: tuple[Fraction | None, ...]  # per revolution of the reference; None of a fixed frequency
+    orders: tuple[
+        Fraction | None, ...
+    ]  # per revolution of the reference; None of a fixed frequency
     speed: FloatArray  # (speeds,) rad/s of the reference
     torque: ComplexArray  # (speeds, orders) N m
 
@@ -52,9 +54,13 @@ class SpanTorque:
         return resolve_name(TO_DATAFRAME)(self)
 
     def __repr__(self) -> str:
-        orders = ", ".join("fixed frequency" if order is None else str(order) for order in self.orders)
+        orders = ", ".join(
+            "fixed frequency" if order is None else str(order) for order in self.orders
+        )
         peak = f"{self.max():.4g}" if np.isfinite(self.max()) else "no reliable value"
-        return one_line(f"Torque of {self.name} [N m]: {peak} at {self.at_max_rpm:.5g} rpm; order {orders}")
+        return one_line(
+            f"Torque of {self.name} [N m]: {peak} at {self.at_max_rpm:.5g} rpm; order {orders}"
+        )
 
 
 def spans_by_name(system: System) -> dict[str, list[int]]:

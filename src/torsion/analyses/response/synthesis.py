@@ -15,12 +15,19 @@ MOST_SAMPLES = 5_000  # of a cycle; a longer one is given by its bound
 BLOCK_VALUES = 131_072  # samples computed at once (0.5 MB stays in a processor's cache)
 SINGLE = float(np.finfo(np.float32).eps)  # samples are in single precision, extremes in double
 MOST_CELLS = 8_000  # cells refined at once; a cell is half a step to either side of a sample
-DEGREE = 12  # of the Taylor polynomial in a cell, which errs by (pi/8)^13/13! = 8.5e-16 of the bound
+DEGREE = (
+    12  # of the Taylor polynomial in a cell, which errs by (pi/8)^13/13! = 8.5e-16 of the bound
+)
 BEND_VARIES = 0.25  # most share of itself by which the second derivative varies in a cell where Newton's method is used
 NEWTON_STEPS = 4  # from a third of a cell's half width off at most, each error at most a third of the last one's square
 POWERS = np.arange(1.0, DEGREE + 1)[:, None]
 HALVES = [  # (powers, powers) each: the coefficients of the left and of the right half of a cell, as a cell of its own
-    np.array([[math.comb(m, k) * at ** (m - k) / 2**k for m in range(DEGREE + 1)] for k in range(DEGREE + 1)])
+    np.array(
+        [
+            [math.comb(m, k) * at ** (m - k) / 2**k for m in range(DEGREE + 1)]
+            for k in range(DEGREE + 1)
+        ]
+    )
     for at in (-0.5, 0.5)
 ]
 
@@ -33,7 +40,9 @@ def synthesis(response: Response) -> Synthesis:
     each other; `turns` is 0 then.
     Where the status of a line is not ok, the sum has no value: it is infinite.
     """
-    turns, harmonics = common_cycle([line.order for line in response.lines if line.order is not None])
+    turns, harmonics = common_cycle(
+        [line.order for line in response.lines if line.order is not None]
+    )
     turns = Fraction(0) if response.by_magnitude else turns
     ordered = np.array([line.order is not None for line in response.lines], dtype=bool)
     values = np.empty((4, *response.mean.shape))
@@ -47,11 +56,15 @@ def synthesis(response: Response) -> Synthesis:
             lowest = -highest
         else:
             phasors = np.moveaxis(torque[:, ordered], 1, 2).reshape(bound.size, len(harmonics))
-            highest, lowest = (extreme.reshape(bound.shape) for extreme in extremes(phasors, harmonics))
+            highest, lowest = (
+                extreme.reshape(bound.shape) for extreme in extremes(phasors, harmonics)
+            )
         peak = np.maximum(np.abs(mean + highest + fixed), np.abs(mean + lowest - fixed))
         rms = np.sqrt((size**2).sum(axis=1) / 2.0)
         answered = np.isfinite(bound) & (response.status[part] == Status.OK).all(axis=1)[:, None]
-        values[:, part] = np.where(answered, [(highest - lowest) / 2.0 + fixed, peak, rms, bound], np.inf)
+        values[:, part] = np.where(
+            answered, [(highest - lowest) / 2.0 + fixed, peak, rms, bound], np.inf
+        )
     return Synthesis(values[0], values[1], values[2], values[3], turns)
 
 
@@ -60,7 +73,9 @@ def half_range(response: Response, phasors: ComplexArray) -> FloatArray:
 
     Infinite where the status of a line is not ok.
     """
-    found = half_range_of([line.order for line in response.lines], phasors, by_magnitude=response.by_magnitude)
+    found = half_range_of(
+        [line.order for line in response.lines], phasors, by_magnitude=response.by_magnitude
+    )
     return np.where(np.isfinite(found) & (response.status == Status.OK).all(axis=1), found, np.inf)
 
 
@@ -107,25 +122,38 @@ def extremes(phasors: ComplexArray, harmonics: np.ndarray) -> tuple[FloatArray, 
         return found[0], found[1]
     number = int(harmonics.max()) * SAMPLES
     turned = np.exp(2j * math.pi / number * (np.outer(np.arange(number), harmonics) % number))
-    wave = turned.conj().view(np.float64).T.astype(np.float32)  # Re(a b*) is the product of both as real pairs
+    wave = (
+        turned.conj().view(np.float64).T.astype(np.float32)
+    )  # Re(a b*) is the product of both as real pairs
     phase = math.pi / number * harmonics  # in half a step
     rounding = 3.0 * SINGLE * (len(harmonics) + 2)  # of the bound, at most: of two samples
-    expanded, upright = _expansion(phase), len(phasors)  # rows: then come the same waves upside down
-    both, best = np.empty((upright + upright, len(harmonics)), dtype=np.complex128), np.zeros(upright + upright)
+    expanded, upright = (
+        _expansion(phase),
+        len(phasors),
+    )  # rows: then come the same waves upside down
+    both, best = (
+        np.empty((upright + upright, len(harmonics)), dtype=np.complex128),
+        np.zeros(upright + upright),
+    )
     both[:upright] = phasors
     np.negative(both[:upright], out=both[upright:])
     near: list[IntArray] = []
     rows, cells = max(BLOCK_VALUES // number, 1), 0
     with np.errstate(all="ignore"):
         size = np.abs(both[:upright])
-        bound = size.sum(axis=1, keepdims=True)  # without a value where that is 0: no extreme is to be found
+        bound = size.sum(
+            axis=1, keepdims=True
+        )  # without a value where that is 0: no extreme is to be found
         loss = ((size @ (phase**2 / 2.0))[:, None] / bound + rounding).astype(np.float32)
         for start in range(0, upright, rows):
             part = slice(start, min(start + rows, upright))
             value = (both[part].view(np.float64) / bound[part]).astype(np.float32) @ wave
             high = value >= value.max(axis=1, keepdims=True) - loss[part]
             low = value <= value.min(axis=1, keepdims=True) + loss[part]
-            near += [np.flatnonzero(high) + start * number, np.flatnonzero(low) + (upright + start) * number]
+            near += [
+                np.flatnonzero(high) + start * number,
+                np.flatnonzero(low) + (upright + start) * number,
+            ]
             cells += len(near[-2]) + len(near[-1])
             if part.stop < upright and cells < MOST_CELLS:
                 continue
@@ -161,7 +189,10 @@ def _raise(best: FloatArray, row: IntArray, polynomial: FloatArray) -> None:
             x = np.where(bends, np.clip(x - step, -1.0, 1.0), x)
         np.fmax.at(best, row, _value(polynomial, x))
         unclear = ~bends & (polynomial[0] + np.abs(polynomial[1:]).sum(axis=0) > best[row])
-        polynomial, row = np.hstack([half @ polynomial[:, unclear] for half in HALVES]), np.tile(row[unclear], 2)
+        polynomial, row = (
+            np.hstack([half @ polynomial[:, unclear] for half in HALVES]),
+            np.tile(row[unclear], 2),
+        )
 
 
 def _value(polynomial: FloatArray, x: FloatArray) -> FloatArray:

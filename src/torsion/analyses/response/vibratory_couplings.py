@@ -40,7 +40,9 @@ class _Torque:
         """(rows, components) N m, of rows each at a point and of stiffness (components, rows)."""
         inverse = self.inverse[:, point]
         with np.errstate(divide="ignore", invalid="ignore"):
-            torque = stiffness / (inverse + self.slope[:, point] * (stiffness - self.first[:, point]))
+            torque = stiffness / (
+                inverse + self.slope[:, point] * (stiffness - self.first[:, point])
+            )
         return np.where(inverse != 0, torque, 0.0).T
 
 
@@ -48,27 +50,40 @@ class _Train:
     """The components one by one, each with sources that have a phase to each other."""
 
     def __init__(self, system: System, known: Components) -> None:
-        self.system, self.mean, self.ground, self.speed = system, known.mean, known.ground, known.speed
+        self.system, self.mean, self.ground, self.speed = (
+            system,
+            known.mean,
+            known.ground,
+            known.speed,
+        )
         self.tables = system.tables_over("vibratory torque")
         each = [
             (order, w, one)
-            for order, w, apart in zip(known.orders, known.w, known.apart, strict=True) for one in apart
-        ]  # fmt: skip
+            for order, w, apart in zip(known.orders, known.w, known.apart, strict=True)
+            for one in apart
+        ]
         self.orders = [order for order, _, _ in each]
         self.by_magnitude = len(each) > len(known.w)
         self.w, self.sources = [w for _, w, _ in each], [one for _, _, one in each]
         self.points = self.ground.shape[1]
 
-    def torques(self, span: int, stiffness: Mapping[int, ComplexArray], k: int, at: IntArray) -> ComplexArray:
+    def torques(
+        self, span: int, stiffness: Mapping[int, ComplexArray], k: int, at: IntArray
+    ) -> ComplexArray:
         """(points,) N m of a span in one component, at points `at`; stiffness: as of `answer`."""
         one, w = self.sources[k], self.w[k][at]
-        return answer(self.system, w, one.at(at), self.ground[:, at], stiffness=stiffness).torque[:, span]
+        return answer(self.system, w, one.at(at), self.ground[:, at], stiffness=stiffness).torque[
+            :, span
+        ]
 
-    def stiffness(self, k: int, torque: Mapping[int, FloatArray], at: IntArray) -> dict[int, ComplexArray]:
+    def stiffness(
+        self, k: int, torque: Mapping[int, FloatArray], at: IntArray
+    ) -> dict[int, ComplexArray]:
         """Of every span with a table in one component, at points `at`; torque: (points,) N m, within the tables."""
         covered = {
-            span: np.clip(torque[span][at], table.at[0], table.at[-1]) for span, table in self.tables.items()
-        }  # fmt: skip
+            span: np.clip(torque[span][at], table.at[0], table.at[-1])
+            for span, table in self.tables.items()
+        }
         speed = None if self.speed is None else self.speed[at]
         return complex_stiffness(self.system, self.w[k][at], self.mean[:, at], speed, covered)
 
@@ -87,7 +102,9 @@ class _Train:
             rows.append([first, np.where(still, 0.0, inverse), np.where(still, 0.0, slope)])
         return _Torque(*np.moveaxis(np.array(rows), 1, 0))
 
-    def solved(self, span: int, torque: Mapping[int, FloatArray], at: IntArray) -> tuple[FloatArray, IntArray]:
+    def solved(
+        self, span: int, torque: Mapping[int, FloatArray], at: IntArray
+    ) -> tuple[FloatArray, IntArray]:
         """All solutions (points, most) N m of a span at points `at`, the largest first, and how many there are.
 
         Beyond those of a point its smallest stands. A torque beyond the table is found at the stiffness of its end.
@@ -97,7 +114,9 @@ class _Train:
 
         def phasors(size: FloatArray, point: IntArray) -> ComplexArray:
             own = np.clip(size, table.at[0], table.at[-1])
-            return trial.at(np.array([table.complex_stiffness(own, one[point]) for one in w]), point)
+            return trial.at(
+                np.array([table.complex_stiffness(own, one[point]) for one in w]), point
+            )
 
         def half_range(found: ComplexArray) -> FloatArray:
             return half_range_of(self.orders, found, by_magnitude=self.by_magnitude)
@@ -126,7 +145,9 @@ class _Train:
         order = np.lexsort((-size, point))
         point, size = point[order], size[order]
         number = np.bincount(point, minlength=len(at))
-        place = np.minimum(np.arange(max(number.max(initial=1), 1)), np.maximum(number, 1)[:, None] - 1)
+        place = np.minimum(
+            np.arange(max(number.max(initial=1), 1)), np.maximum(number, 1)[:, None] - 1
+        )
         first = np.searchsorted(point, every)
         padded = np.append(size, np.nan)
         return padded[np.where(number[:, None] > 0, first[:, None] + place, -1)], number
@@ -135,7 +156,10 @@ class _Train:
         """(points, couplings) |half range/torque - 1| by the answer of the whole train."""
         every, made = np.arange(self.points), []
         for span, size in torque.items():
-            phasors = [self.torques(span, self.stiffness(k, torque, every), k, every) for k in range(len(self.w))]
+            phasors = [
+                self.torques(span, self.stiffness(k, torque, every), k, every)
+                for k in range(len(self.w))
+            ]
             half = half_range_of(self.orders, np.array(phasors).T, by_magnitude=self.by_magnitude)
             made.append(np.abs(half - size) / np.maximum(size, np.finfo(float).tiny))
         return np.array(made).T
@@ -149,7 +173,10 @@ def settled(system: System, known: Components, rank: int) -> Following:
     train = _Train(system, known)
     torque = {span: np.full(train.points, table.at[0]) for span, table in train.tables.items()}
     number = {span: np.ones(train.points, dtype=np.int64) for span in torque}
-    open_, rounds = np.arange(train.points if train.w else 0), np.zeros(train.points, dtype=np.int64)
+    open_, rounds = (
+        np.arange(train.points if train.w else 0),
+        np.zeros(train.points, dtype=np.int64),
+    )
     for count in range(ROUNDS):
         changed = np.zeros(len(open_), dtype=bool)
         for span, size in torque.items():
@@ -167,6 +194,8 @@ def settled(system: System, known: Components, rank: int) -> Following:
     is_settled: BoolArray = np.asarray((residual <= SETTLED).all(axis=1))
     is_settled[open_] = False
     for span, table in train.tables.items():
-        torque[span] = np.where(is_settled, torque[span], np.clip(np.nan_to_num(torque[span]), *table.ends))
+        torque[span] = np.where(
+            is_settled, torque[span], np.clip(np.nan_to_num(torque[span]), *table.ends)
+        )
     found, count_of = np.array(list(torque.values())).T, np.array(list(number.values())).T
     return Following(tuple(torque), found, count_of, residual, rounds, is_settled)

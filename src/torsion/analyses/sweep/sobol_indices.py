@@ -17,9 +17,14 @@ LEAST_SPREAD = 1e-9  # relative: below it an answer does not vary
 def sobol_indices(points: Points, answers: Answers) -> tuple[SobolIndex, ...]:
     """Of every frequency and share of a limit that all variants have; nothing of one that does not vary."""
     columns = len(points.shape)
-    names = [", ".join(one.name for one in points.figures if one.column == column) for column in range(columns)]
+    names = [
+        ", ".join(one.name for one in points.figures if one.column == column)
+        for column in range(columns)
+    ]
     quantities = {f"mode {mode}": one for mode, one in enumerate(answers.frequency, start=1)}
-    quantities |= {f"{key[1]}: {key[2]}, {key[3]}": used for key, (used, _) in answers.checks.items()}
+    quantities |= {
+        f"{key[1]}: {key[2]}, {key[3]}": used for key, (used, _) in answers.checks.items()
+    }
     found = []
     for words, values in quantities.items():
         if not np.isfinite(values).all() or np.ptp(values) <= LEAST_SPREAD * np.abs(values).max():
@@ -51,7 +56,9 @@ def _indices(values: FloatArray) -> FloatArray:
     """(2, figures) from values (2 + figures, ...)."""
     first, second, *mixed = (one.ravel() - values[:2].mean() for one in values)
     variance = np.concatenate([first, second]).var()
-    return np.array([
-        [np.mean(second * (one - first)) / variance for one in mixed],
-        [np.mean((first - one) ** 2) / (2.0 * variance) for one in mixed],
-    ])  # fmt: skip
+    return np.array(
+        [
+            [np.mean(second * (one - first)) / variance for one in mixed],
+            [np.mean((first - one) ** 2) / (2.0 * variance) for one in mixed],
+        ]
+    )

@@ -34,7 +34,9 @@ class Points:
     @property
     def shape(self) -> tuple[int, ...]:
         """Of a grid, how many values each of its axes has."""
-        return tuple(places for _, places in sorted({one.column: one.places for one in self.figures}.items()))
+        return tuple(
+            places for _, places in sorted({one.column: one.places for one in self.figures}.items())
+        )
 
     @property
     def words(self) -> str:
@@ -61,6 +63,8 @@ class Points:
         else:
             unit = units(self.samples, 2 * columns, self.method, self.seed)
             first, second = unit[:, :columns], unit[:, columns:]
-            mixed = [np.where(np.arange(columns) == column, second, first) for column in range(columns)]
+            mixed = [
+                np.where(np.arange(columns) == column, second, first) for column in range(columns)
+            ]
             unit = np.concatenate([first, second, *mixed])[part]
         return drawn(self.figures, unit)

@@ -15,7 +15,9 @@ class VariedFigure:
     name: str = result("", (), "component and key")
     law: str = result("", (), "how it varies about the value of the file")
     together: int = result("", (), "figures with the same number vary as one")
-    unit: str | None = None  # of values in place of the file's, of lists the row; None of a law about the file's
+    unit: str | None = (
+        None  # of values in place of the file's, of lists the row; None of a law about the file's
+    )
 
 
 @reported
@@ -28,15 +30,21 @@ class SweptCheck:
     what: str = result("", (), "what was compared")
     failing: int = result("", (), "variants that exceed the limit, are not judged, or failed")
     probability: float = result("1", (), "share of the variants that fail")
-    lower: float | None = result("1", (), "lower end of its 95 % interval; null for a grid, which is not a sample")
+    lower: float | None = result(
+        "1", (), "lower end of its 95 % interval; null for a grid, which is not a sample"
+    )
     upper: float | None = result("1", (), "upper end")
     median: float | None = result("1", (), "median utilisation; null if unknown")
     best: float | None = result("1", (), "minimum utilisation")
     worst: float | None = result("1", (), "maximum utilisation")
     decides: str = result(
-        "", (), "parameter that correlates most with the utilisation (by rank); empty without a correlation"
+        "",
+        (),
+        "parameter that correlates most with the utilisation (by rank); empty without a correlation",
     )
-    correlation: float | None = result("1", (), "rank correlation with that parameter, -1 to 1; null if unknown")
+    correlation: float | None = result(
+        "1", (), "rank correlation with that parameter, -1 to 1; null if unknown"
+    )
     utilisation: FloatArray  # (variants,), NaN where unknown
     fails: BoolArray  # (variants,)
 
@@ -47,9 +55,13 @@ class GridAxis:
 
     figures: tuple[str, ...] = result("", (), "their names")
     words: tuple[str, ...] = result("", ("value",), "the values as the file would state them")
-    number: FloatArray = result("", ("value",), "of the first parameter, in `unit`; null without such numbers")
+    number: FloatArray = result(
+        "", ("value",), "of the first parameter, in `unit`; null without such numbers"
+    )
     unit: str = result("", (), "of the numbers")
-    in_file: float | None = result("", (), "value of the file in that unit; null without a value in it")
+    in_file: float | None = result(
+        "", (), "value of the file in that unit; null without a value in it"
+    )
 
     @property
     def is_numeric(self) -> bool:
@@ -70,7 +82,9 @@ class Turn:
     kept: float = result("", (), "value that meets the limit, in the unit of the parameter")
     failing: float = result("", (), "the neighbouring value that exceeds the limit")
     between: float | None = result(
-        "", (), "where the limit is reached, the share of it being taken as linear between both; null if unknown"
+        "",
+        (),
+        "where the limit is reached, the share of it being taken as linear between both; null if unknown",
     )
 
 
@@ -79,10 +93,18 @@ class Grid:
     """All combinations of the values of some figures; of variants the last figure changes first."""
 
     axes: tuple[GridAxis, ...] = result("", (), "the figures")
-    frequency: FloatArray = result("Hz", ("mode", "variant"), "natural frequencies; null if unknown")
-    utilisation: FloatArray = result("1", ("check", "variant"), "utilisation, of the checks of the sweep")
-    greatest: FloatArray = result("1", ("variant",), "maximum utilisation of all checks; null if unknown")
-    decisive: IntArray = result("", ("variant",), "the check with the maximum, from 0; -1 if unknown")
+    frequency: FloatArray = result(
+        "Hz", ("mode", "variant"), "natural frequencies; null if unknown"
+    )
+    utilisation: FloatArray = result(
+        "1", ("check", "variant"), "utilisation, of the checks of the sweep"
+    )
+    greatest: FloatArray = result(
+        "1", ("variant",), "maximum utilisation of all checks; null if unknown"
+    )
+    decisive: IntArray = result(
+        "", ("variant",), "the check with the maximum, from 0; -1 if unknown"
+    )
     fails: BoolArray = result("", ("variant",), "a check fails, or the variant failed")
     turns: tuple[Turn, ...] = result("", (), "of a curve, where checks begin or cease to fail")
     why: tuple[tuple[int, str], ...] = ()  # variant without an answer, and its fault
@@ -95,7 +117,8 @@ class Grid:
     def words(self, variant: int) -> tuple[str, ...]:
         """The values of a variant, an axis each."""
         return tuple(
-            axis.words[int(place)] for axis, place in zip(self.axes, np.unravel_index(variant, self.shape), strict=True)
+            axis.words[int(place)]
+            for axis, place in zip(self.axes, np.unravel_index(variant, self.shape), strict=True)
         )
 
 
@@ -129,13 +152,20 @@ class Sweep:
     least: FloatArray = result("Hz", ("mode",), "least frequency of any variant")
     greatest: FloatArray = result("Hz", ("mode",), "greatest frequency of any variant")
     checks: tuple[SweptCheck, ...] = result("", (), "every check, the likeliest to fail first")
-    any_fails: SweptCheck | None = result("", (), "at least one check fails; null if nothing is judged")
+    any_fails: SweptCheck | None = result(
+        "", (), "at least one check fails; null if nothing is judged"
+    )
     indices: tuple[SobolIndex, ...] = result("", (), "Sobol's indices, if requested")
-    grid: Grid | None = result("", (), "of a grid what every variant answers; null of samples and of large grids")
+    grid: Grid | None = result(
+        "", (), "of a grid what every variant answers; null of samples and of large grids"
+    )
     factor: FloatArray  # (variants, figures) over the figure of the file; of ranges the value, of lists the row
     frequency: FloatArray  # (modes, variants) Hz, NaN where unknown
     fail_at_most: float | None = result(
-        "1", (), "share of the variants that may fail a check; null without `permitted`", default=None
+        "1",
+        (),
+        "share of the variants that may fail a check; null without `permitted`",
+        default=None,
     )
 
     @property
@@ -146,7 +176,9 @@ class Sweep:
     @property
     def fails(self) -> bool:
         """More variants fail than the file permits."""
-        return self.fail_at_most is not None and self.share_failing > self.fail_at_most * (1.0 + ROUNDING)
+        return self.fail_at_most is not None and self.share_failing > self.fail_at_most * (
+            1.0 + ROUNDING
+        )
 
     @property
     def is_partial(self) -> bool:

@@ -17,7 +17,11 @@ from torsion.arrays import FloatArray
 from torsion.findings import Work
 from torsion.study import Variation
 
-JUDGED_AT_ONCE, ALONE_AT_ONCE, TOGETHER_AT_ONCE = 16, 1024, 65536  # variants of a chunk: about a second
+JUDGED_AT_ONCE, ALONE_AT_ONCE, TOGETHER_AT_ONCE = (
+    16,
+    1024,
+    65536,
+)  # variants of a chunk: about a second
 VERDICTS_AT_ONCE = 4096  # variants judged side by side
 MOST = 4096  # chunks of variants that are judged by themselves
 
@@ -33,7 +37,9 @@ def run(work: Work) -> None:
     with work.log.step("sweep", "the file names it") as step:
         nominal = np.empty(0) if modes is None else modes.frequency
         each = chunks_of(work, variation)
-        if settings.judges(work.study) and each[0].size < VERDICTS_AT_ONCE:  # else it takes no time to speak of
+        if (
+            settings.judges(work.study) and each[0].size < VERDICTS_AT_ONCE
+        ):  # else it takes no time to speak of
             seconds = each[-1].end * sum(line.seconds for line in work.log.lines)
             work.progress(f"sweep, every variant solved separately: {duration(seconds)}", 0.0)
         parts = (work.answered or in_turn)(work, variation, each)
@@ -47,11 +53,16 @@ def chunks_of(work: Work, variation: Variation) -> tuple[Chunk, ...]:
 
     Variants that are solved one by one do not, and where nobody keeps them they stay one chunk.
     """
-    judged, count = work.settings("sweep", SweepSettings).judges(work.study), _points(work, variation).count
+    judged, count = (
+        work.settings("sweep", SweepSettings).judges(work.study),
+        _points(work, variation).count,
+    )
     few = _points(work, variation).values(slice(0, 2))
     if judged:
         by_itself = max(JUDGED_AT_ONCE, count // MOST)
-        return chunks(count, VERDICTS_AT_ONCE if can_be_together(work, variation, few) else by_itself)
+        return chunks(
+            count, VERDICTS_AT_ONCE if can_be_together(work, variation, few) else by_itself
+        )
     if work.answered is None and count <= TOGETHER_AT_ONCE:
         return chunks(count, count)
     _, alone = together(work, variation, few, _modes(work))

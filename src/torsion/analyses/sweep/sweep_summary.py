@@ -20,18 +20,28 @@ MOST_FAULTS = 10
 
 
 def summed(
-    variation: Variation, settings: SweepSettings, points: Points, factor: FloatArray, nominal: FloatArray,
+    variation: Variation,
+    settings: SweepSettings,
+    points: Points,
+    factor: FloatArray,
+    nominal: FloatArray,
     answers: Answers,
-) -> Sweep:  # fmt: skip
+) -> Sweep:
     """Statistics of what all variants (variants, figures) gave; nominal: frequencies of the file (modes,) Hz."""
     indices = () if points.sets == 1 else sobol_indices(points, answers)
     factor, frequency = factor[: points.samples], answers.frequency[:, : points.samples]
-    lines = {key: (used[: points.samples], fails[: points.samples]) for key, (used, fails) in answers.checks.items()}
+    lines = {
+        key: (used[: points.samples], fails[: points.samples])
+        for key, (used, fails) in answers.checks.items()
+    }
     faults = {place: why for place, why in answers.faults.items() if place < points.samples}
     names = [one.name for one in variation.figures]
     unsolved = np.zeros(len(factor), dtype=np.bool_)
     unsolved[list(faults)] = True
-    checks = [_check(key, used, fails | unsolved, factor, names, points.method) for key, (used, fails) in lines.items()]
+    checks = [
+        _check(key, used, fails | unsolved, factor, names, points.method)
+        for key, (used, fails) in lines.items()
+    ]
     checks.sort(key=lambda one: (-one.probability, -(one.worst or 0.0)))
     whole = None
     if lines:
@@ -42,12 +52,27 @@ def summed(
     known = known if known.size else np.full((len(nominal), 1), np.nan)
     low, high = quantiles(known, (0.025, 0.975)).T.reshape(2, -1)
     return Sweep(
-        tuple(map(_figure, variation.figures)), len(factor),
-        points.method, settings.seed, len(faults), tuple(dict.fromkeys(faults.values()))[:MOST_FAULTS], nominal,
-        known.mean(axis=1), known.std(axis=1), low, high, known.min(axis=1), known.max(axis=1),
-        tuple(checks), whole, indices, grid_of(variation, points, checks, frequency, faults), factor, frequency,
+        tuple(map(_figure, variation.figures)),
+        len(factor),
+        points.method,
+        settings.seed,
+        len(faults),
+        tuple(dict.fromkeys(faults.values()))[:MOST_FAULTS],
+        nominal,
+        known.mean(axis=1),
+        known.std(axis=1),
+        low,
+        high,
+        known.min(axis=1),
+        known.max(axis=1),
+        tuple(checks),
+        whole,
+        indices,
+        grid_of(variation, points, checks, frequency, faults),
+        factor,
+        frequency,
         settings.fail_at_most,
-    )  # fmt: skip
+    )
 
 
 def _figure(one: Any) -> VariedFigure:
@@ -56,17 +81,33 @@ def _figure(one: Any) -> VariedFigure:
 
 
 def _check(
-    key: Key, used: FloatArray, fails: BoolArray, factor: FloatArray, names: Sequence[str], method: str
-) -> SweptCheck:  # fmt: skip
+    key: Key,
+    used: FloatArray,
+    fails: BoolArray,
+    factor: FloatArray,
+    names: Sequence[str],
+    method: str,
+) -> SweptCheck:
     share, low, high = probability(fails, method)
     known = used[np.isfinite(used)]
     decides, correlation = _decides(used, factor)
-    middle, best, worst = (float(of(known)) if known.size else None for of in (np.median, np.min, np.max))
+    middle, best, worst = (
+        float(of(known)) if known.size else None for of in (np.median, np.min, np.max)
+    )
     return SweptCheck(
-        *key, int(fails.sum()), share, None if method == "grid" else low,
-        None if method == "grid" else high, middle, best, worst, names[decides] if correlation is not None else "",
-        correlation, used, fails,
-    )  # fmt: skip
+        *key,
+        int(fails.sum()),
+        share,
+        None if method == "grid" else low,
+        None if method == "grid" else high,
+        middle,
+        best,
+        worst,
+        names[decides] if correlation is not None else "",
+        correlation,
+        used,
+        fails,
+    )
 
 
 def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
@@ -78,7 +119,9 @@ def _decides(used: FloatArray, factor: FloatArray) -> tuple[int, float | None]:
     share = _ranks(values)
     ranks = np.column_stack([_ranks(own) for own in factor[known].T])
     size = np.sqrt((ranks**2).sum(axis=0) * (share @ share))
-    found = np.divide(share @ ranks, size, out=np.zeros(len(size)), where=size > 0.0)  # 0: it takes one value alone
+    found = np.divide(
+        share @ ranks, size, out=np.zeros(len(size)), where=size > 0.0
+    )  # 0: it takes one value alone
     best = int(np.argmax(np.abs(found)))
     return best, float(found[best])
 

@@ -12,11 +12,15 @@ from torsion.primitives import Torque
 from torsion.study import Study
 from torsion.train import Train
 
-MOST_AMOUNTS = 4  # orders of one component that are named with their amplitudes; of more their number is
+MOST_AMOUNTS = (
+    4  # orders of one component that are named with their amplitudes; of more their number is
+)
 STEPS_PER_PERIOD = 8.0  # of the highest order, at most about, at a tolerance of 1e-6
 SECONDS_PER_STEP = 3e-4  # of one station at which orders act
 
-LEFT_OUT = "(left out by `torques`)"  # end of the words of a periodic torque that the file leaves out
+LEFT_OUT = (
+    "(left out by `torques`)"  # end of the words of a periodic torque that the file leaves out
+)
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,9 @@ class ActingTorques:
         return f"Acting: {'; '.join(self.acting) or 'no torque'}.{without}"
 
 
-def without_excluded_torques(study: Study, system: System, settings: TransientSettings) -> tuple[Study, System]:
+def without_excluded_torques(
+    study: Study, system: System, settings: TransientSettings
+) -> tuple[Study, System]:
     """The study and the system with the periodic torques alone that act in the motion."""
     if settings.torques is None:
         return study, system
@@ -42,7 +48,9 @@ def without_excluded_torques(study: Study, system: System, settings: TransientSe
 
 
 def _train_of_acting(train: Train, names: Sequence[str]) -> Train:
-    return replace(train, torques=tuple(torque for name in names for torque in train.periodic_torques[name]))
+    return replace(
+        train, torques=tuple(torque for name in names for torque in train.periodic_torques[name])
+    )
 
 
 def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
@@ -52,21 +60,31 @@ def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
         if settings.torques is None or name in settings.torques:
             acting += _in_words(name, torques, has_amounts=True)
         else:
-            not_acting += (f"{words} {LEFT_OUT}" for words in _in_words(name, torques, has_amounts=False))
+            not_acting += (
+                f"{words} {LEFT_OUT}" for words in _in_words(name, torques, has_amounts=False)
+            )
 
     reason = _reason_without_mean(study, settings)
     if reason:
         not_acting.append(f"mean torques ({reason})")
     else:
         replaced = dict.fromkeys(
-            event.at for event in settings.events if event.body.drives or isinstance(event.body, Stop)
+            event.at
+            for event in settings.events
+            if event.body.drives or isinstance(event.body, Stop)
         )
-        but = f", but for those at {', '.join(replaced)} that events end or replace" if replaced else ""
+        but = (
+            f", but for those at {', '.join(replaced)} that events end or replace"
+            if replaced
+            else ""
+        )
         acting.append(
             f"mean torques (they stay at their initial values{but}; the law of a load acts by an event `load`)"
         )
 
-    swept = dict.fromkeys(one.name for one in study.train.torques if one.order is None and one.frequency is None)
+    swept = dict.fromkeys(
+        one.name for one in study.train.torques if one.order is None and one.frequency is None
+    )
     not_acting += (f"excitation at {name} (of the response over frequency only)" for name in swept)
     for event in settings.events:
         torque = getattr(event.body, "torque", None)
@@ -95,7 +113,9 @@ def expected_steps(study: Study, system: System, settings: TransientSettings) ->
 def _reason_without_mean(study: Study, settings: TransientSettings) -> str:
     """Why no mean torque acts; empty where it does."""
     if isinstance(settings.initial, dict):
-        return "the initial speed is given" if "speed" in settings.initial else "a twist is released"
+        return (
+            "the initial speed is given" if "speed" in settings.initial else "a twist is released"
+        )
     if settings.initial == "rest" or not study.operation.speed:
         return "the motion begins at rest"
     return "" if study.has_mean_torque else "no power is stated"
@@ -113,10 +133,16 @@ def _in_words(name: str, torques: Sequence[Torque], *, has_amounts: bool) -> Ite
         for torque in alike:
             what = f"order {torque.order}" if by_angle else f"{torque.frequency:g} Hz"
             law = ", by its angle" if by_angle else ""
-            yield f"{what} at {name} ({_amount(torque)}{law})" if has_amounts else f"{what} at {name}"
+            yield (
+                f"{what} at {name} ({_amount(torque)}{law})" if has_amounts else f"{what} at {name}"
+            )
 
 
 def _amount(torque: Torque) -> str:
     if torque.table:
         return "a table over its speed"
-    return f"{100.0 * torque.of_mean:g} % of its mean torque" if torque.of_mean else f"{torque.torque:g} N m"
+    return (
+        f"{100.0 * torque.of_mean:g} % of its mean torque"
+        if torque.of_mean
+        else f"{torque.torque:g} N m"
+    )

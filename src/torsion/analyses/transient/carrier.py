@@ -14,7 +14,9 @@ class Carrier:
     offset: FloatArray  # (stations,) rad, own shafts
     speed: FloatArray  # (stations,) rad/s at time 0
     ratio: FloatArray  # (stations,)
-    rates: tuple[tuple[float, float, float], ...] = ()  # begin and end (s) and rate (rad/s2) of the reference
+    rates: tuple[
+        tuple[float, float, float], ...
+    ] = ()  # begin and end (s) and rate (rad/s2) of the reference
 
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Angles, speeds and accelerations (stations, times)."""
@@ -26,5 +28,8 @@ class Carrier:
             rate += gain * ((time >= begin) & (time < end))
         turned = self.offset[:, None] + np.multiply.outer(self.speed, time)
         outer = np.multiply.outer
-        return (turned + outer(self.ratio, angle), self.speed[:, None] + outer(self.ratio, speed),
-                outer(self.ratio, rate))  # fmt: skip
+        return (
+            turned + outer(self.ratio, angle),
+            self.speed[:, None] + outer(self.ratio, speed),
+            outer(self.ratio, rate),
+        )

@@ -17,7 +17,9 @@ from torsion.arrays import FloatArray
 from torsion.findings import Progress
 from torsion.kernels.transient.event_driven_motion import NEWS
 
-MULTIPLE = 8.0  # of the highest frequency of excitation, and of the modes of which the couplings have most
+MULTIPLE = (
+    8.0  # of the highest frequency of excitation, and of the modes of which the couplings have most
+)
 CHEAP = 2e5  # rad of the fastest mode in the first windows, up to which modes are kept anyway
 MOST_WORK = 2.5e5  # blocks of a small train in all comparisons: about 25 s
 ALONE = 3.0  # one motion has this share of what is left: 1/ALONE
@@ -36,12 +38,16 @@ class Band:
     balanced: Balanced
     progress: Progress
     modes: int = 0  # 0: not known yet
-    change: float | None = None  # largest of an amplitude or a peak on doubling the band; None: not known yet
+    change: float | None = (
+        None  # largest of an amplitude or a peak on doubling the band; None: not known yet
+    )
     is_whole: bool = False
     left: float = field(default_factory=lambda: MOST_WORK)
     own: float = math.inf  # of the motion under way
     cost: float = 1.0  # of a block
-    share: tuple[float, int] = field(default=(0.0, 1))  # of the comparisons that are done, and their number
+    share: tuple[float, int] = field(
+        default=(0.0, 1)
+    )  # of the comparisons that are done, and their number
 
     def begin(self, done: float, number: int) -> None:
         """The next comparison."""
@@ -53,7 +59,11 @@ class Band:
             modes = modes_as_discretised(self.found.system, None)
             w = 2.0 * math.pi * np.sort(modes.frequency)
             mainly = modes.elastic[list(self.balanced.spans)].argmax(axis=1)
-            highest = 2.0 * math.pi * max(float(modes.frequency[mainly].max()), float(self.found.frequency.max()))
+            highest = (
+                2.0
+                * math.pi
+                * max(float(modes.frequency[mainly].max()), float(self.found.frequency.max()))
+            )
             self.modes = max(int(np.searchsorted(w, max(MULTIPLE * highest, CHEAP / duration))), 1)
         return self.modes
 

@@ -17,7 +17,13 @@ from torsion.analyses.transient.acting_torques import acting_torques, without_ex
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.following_torques import carrier_of, torques_follow
 from torsion.analyses.transient.known_loads import known_loads
-from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
+from torsion.analyses.transient.modal_train import (
+    kept_modes,
+    modal_train,
+    shapes,
+    slowed_torques,
+    start,
+)
 from torsion.analyses.transient.state_before import points_of_events, state_before
 from torsion.analyses.transient.torque_curves import Curves
 from torsion.analyses.transient.transient_settings import SOLVED, TransientSettings
@@ -42,7 +48,9 @@ class ComparedMethod:
     method: str = result("", (), "as the file names it")
     step: float | None = result("s", (), "its step; null if `tolerance` controls the steps")
     error: float | None = result(
-        "1", (), "largest error of a torque, relative to the largest torque of its span; null if the method failed"
+        "1",
+        (),
+        "largest error of a torque, relative to the largest torque of its span; null if the method failed",
     )
     seconds: float = result("s", (), "run time of the march", key="run_time_s")
 
@@ -56,18 +64,43 @@ def linear_curves(study: Study, system: System, settings: TransientSettings, pla
     events = settings.events
     if study.train.has_nonlinear_couplings or torques_follow(study, system, events):
         message = "methods are compared on linear motions, without backlash, friction, starts, loads, joints or sweeps"
-        orders = [words for words in acting_torques(study, settings).acting if words.endswith("by its angle)")]
+        orders = [
+            words
+            for words in acting_torques(study, settings).acting
+            if words.endswith("by its angle)")
+        ]
         if orders:
-            message = f"methods are compared on linear motions, not together with {', '.join(orders)}"
-        raise InputError([Fault((*place, "method"), message, "method: exact" + "; or `torques: none`" * bool(orders))])
-    before, modes = state_before(study, system, settings, place), kept_modes(system, settings.modes, place)[0]
-    points, shape = points_of_events(study, system, events, before, place, turns=False), shapes(system, modes)
+            message = (
+                f"methods are compared on linear motions, not together with {', '.join(orders)}"
+            )
+        raise InputError(
+            [
+                Fault(
+                    (*place, "method"),
+                    message,
+                    "method: exact" + "; or `torques: none`" * bool(orders),
+                )
+            ]
+        )
+    before, modes = (
+        state_before(study, system, settings, place),
+        kept_modes(system, settings.modes, place)[0],
+    )
+    points, shape = (
+        points_of_events(study, system, events, before, place, turns=False),
+        shapes(system, modes),
+    )
     train = modal_train(study, system, modes, shape, before)
     vibrates = bool(before.frequency.size)
     loads, acting = known_loads(study, system, events, points, None, before, vibrates=vibrates)
     exact = motion(train, shape.T @ acting, loads, *start(system, modes, before, shape))
-    direct = direct_torques(system, modes, acting, is_band=system.bars is not None or settings.modes != "all")
-    slowed, carrier = slowed_torques(study, system, modes, shape, before), carrier_of(study, system, events, before)
+    direct = direct_torques(
+        system, modes, acting, is_band=system.bars is not None or settings.modes != "all"
+    )
+    slowed, carrier = (
+        slowed_torques(study, system, modes, shape, before),
+        carrier_of(study, system, events, before),
+    )
     return Curves(system, modes, before, shape, exact, slowed, direct, carrier)
 
 
@@ -91,7 +124,9 @@ def marched(exact: Motion, method: str, step: float, duration: float) -> March:
         raise SolveError(message, "a longer `step`, or a shorter `duration`")
     time, inertia = np.arange(steps + 1, dtype=np.float64) * step, np.eye(n)
     after = (exact.force @ exact.loads_at(np.nextafter(time[1:], 0.0))).T
-    march = marching(METHODS[method], inertia, exact.train.damping, np.diag(exact.train.w_of_all**2), step)
+    march = marching(
+        METHODS[method], inertia, exact.train.damping, np.diag(exact.train.w_of_all**2), step
+    )
     place, speed = exact.at(time[:1])
     gained = exact.acceleration(time[:1], place, speed)
     begin = started(METHODS[method], place[:, 0], speed[:, 0], gained[:, 0], step)
@@ -119,7 +154,9 @@ def solved(exact: Motion, method: str, tolerance: float, duration: float) -> Mar
     found = np.empty((2 * n, len(every)))
     found[:, 0] = state
     size = np.concatenate([np.abs(one).max(axis=1) for one in exact.at(every)])
-    floor = tolerance * np.maximum(size, NOTHING * float(size.max(initial=0.0)) + np.finfo(float).tiny)
+    floor = tolerance * np.maximum(
+        size, NOTHING * float(size.max(initial=0.0)) + np.finfo(float).tiny
+    )
     more = {"jac": matrix} if method == "radau" else {}
     for begin, end in pairwise(edges):
         last = np.nextafter(end, 0.0)
@@ -131,9 +168,15 @@ def solved(exact: Motion, method: str, tolerance: float, duration: float) -> Mar
         here = (every > begin) & (every <= end)
         wanted = np.unique([*every[here].tolist(), end])
         run = solve(
-            rate, (begin, end), state, method=SOLVED[method], t_eval=wanted, rtol=max(tolerance, 1e-13), atol=floor,
+            rate,
+            (begin, end),
+            state,
+            method=SOLVED[method],
+            t_eval=wanted,
+            rtol=max(tolerance, 1e-13),
+            atol=floor,
             **more,
-        )  # fmt: skip
+        )
         if not run.success:
             raise SolveError(f"{SOLVED[method]} finds no motion: {run.message}", "method: exact")
         found[:, here], state = run.y[:, np.isin(wanted, every[here])], run.y[:, -1]
@@ -145,22 +188,34 @@ def errors_of(curves: Curves, march: March) -> FloatArray:
     exact = curves.torque(march.time)[0]
     peak = np.abs(exact).max(axis=1)
     with np.errstate(all="ignore"):
-        difference = np.abs(curves.carried(march.time, march.place, march.speed) - exact).max(axis=1)
-        found = np.where(peak > NOTHING * peak.max(initial=0.0), difference / np.where(peak > 0.0, peak, 1.0), 0.0)
+        difference = np.abs(curves.carried(march.time, march.place, march.speed) - exact).max(
+            axis=1
+        )
+        found = np.where(
+            peak > NOTHING * peak.max(initial=0.0),
+            difference / np.where(peak > 0.0, peak, 1.0),
+            0.0,
+        )
     return np.asarray(np.where(found < HOPELESS, found, np.inf))
 
 
-def compared(study: Study, system: System, settings: TransientSettings, place: Path) -> ComparedMethod:
+def compared(
+    study: Study, system: System, settings: TransientSettings, place: Path
+) -> ComparedMethod:
     """The method that the settings name, which is not the exact one, beside it."""
     curves = linear_curves(study, system, settings, place)
     begin = time.perf_counter()
     march = method_of(curves, settings.method, settings.step, settings.tolerance)(settings.duration)
     seconds = time.perf_counter() - begin
     error = float(errors_of(curves, march).max(initial=0.0))
-    return ComparedMethod(settings.method, settings.step, error if math.isfinite(error) else None, seconds)
+    return ComparedMethod(
+        settings.method, settings.step, error if math.isfinite(error) else None, seconds
+    )
 
 
-def method_of(curves: Curves, method: str, step: float | None, tolerance: float) -> Callable[[float], March]:
+def method_of(
+    curves: Curves, method: str, step: float | None, tolerance: float
+) -> Callable[[float], March]:
     """What marches for a duration."""
     if method in SOLVED:
         return lambda duration: solved(curves.motion, method, tolerance, duration)

@@ -11,7 +11,11 @@ from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import Steady, steady_if_known
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.kernels.transient.cylinder_torques import OrdersByAngle, quadratics, without_equal_parts
+from torsion.kernels.transient.cylinder_torques import (
+    OrdersByAngle,
+    quadratics,
+    without_equal_parts,
+)
 from torsion.primitives import Torque
 from torsion.study import Study
 
@@ -29,9 +33,15 @@ def cylinder_law(
     ratio = abs(float(system.speed_ratio[torques[0].station]))
     edges = _edges(study, torques, ratio)
     speed = np.stack([edges[:-1], (edges[:-1] + edges[1:]) / 2.0, edges[1:]], axis=1).ravel()
-    known = steady_if_known(study, system, speed / ratio) if staying is None else _repeated(staying, len(speed))
+    known = (
+        steady_if_known(study, system, speed / ratio)
+        if staying is None
+        else _repeated(staying, len(speed))
+    )
     values = np.stack([amplitude(system, one, speed / ratio, known) for one in torques], axis=-1)
-    edges, polynomial = without_equal_parts(edges, quadratics(edges, values.reshape(-1, 3, len(torques))))
+    edges, polynomial = without_equal_parts(
+        edges, quadratics(edges, values.reshape(-1, 3, len(torques)))
+    )
     order = np.array([float(one.order or 0) for one in torques])
     return OrdersByAngle(interface, order, edges[1:-1], polynomial, float(edges[-1]))
 
@@ -47,7 +57,9 @@ def _edges(study: Study, torques: Sequence[Torque], ratio: float) -> FloatArray:
     highest = (operation.speed or math.pi) * ratio
     ends = {0.5 * highest, highest}
     several = False
-    for law in {id(one.cylinder.gas): one.cylinder.gas for one in torques if one.cylinder is not None}.values():
+    for law in {
+        id(one.cylinder.gas): one.cylinder.gas for one in torques if one.cylinder is not None
+    }.values():
         if law is not None and law.over == "speed":
             ends = set(law.at.tolist())
         several |= law is not None and law.over == "load" and len(law.at) > 2
@@ -66,8 +78,15 @@ def with_corners_of_loads(study: Study, ends: set[float], ratio: float) -> set[f
         return ends
     balance = power_balance(study.train, study.operation)
     if tables := [load.law.table for load in balance.loads if load.law.table]:
-        first, last = max(table[0][0] for table in tables) * ratio, min(table[-1][0] for table in tables) * ratio
-        ends = {end for end in ends | {corner * ratio for corner in balance.corners} if first <= end <= last}
+        first, last = (
+            max(table[0][0] for table in tables) * ratio,
+            min(table[-1][0] for table in tables) * ratio,
+        )
+        ends = {
+            end
+            for end in ends | {corner * ratio for corner in balance.corners}
+            if first <= end <= last
+        }
     if not balance.is_polynomial:
         lowest = min(ends) if tables else LOWEST * max(ends)
         ends |= set(np.geomspace(lowest, max(ends), PARTS + 1).tolist()[:-1])

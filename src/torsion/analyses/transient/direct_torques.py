@@ -17,7 +17,9 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 
 
-def direct_torques(system: System, modes: Modes, acting: FloatArray, *, is_band: bool = False) -> FloatArray:
+def direct_torques(
+    system: System, modes: Modes, acting: FloatArray, *, is_band: bool = False
+) -> FloatArray:
     """(spans, loads) N m at once under torques `acting` (stations, loads) N m at own speeds.
 
     is_band: higher modes are left out, and stand at once for what they carry, as far as they do so slowly.
@@ -33,7 +35,9 @@ def direct_torques(system: System, modes: Modes, acting: FloatArray, *, is_band:
     force = np.zeros((condensed.tree.size, len(loads)), dtype=complex)
     np.add.at(force, condensed.node, ratio * acting[:, loads])
     none = np.zeros((len(system.stations), len(loads)))
-    whole = swept(undamped(system), np.full(len(loads), at), Sources(force, None), none).torque.real.T
+    whole = swept(
+        undamped(system), np.full(len(loads), at), Sources(force, None), none
+    ).torque.real.T
     moved = (modes.shape.T @ acting[:, loads]) / (w**2 - at**2)[:, None]
     found[np.ix_(rows, loads)] = whole[rows] - modes.torque[rows] @ moved
     return found

@@ -25,16 +25,24 @@ def residual(moved: Motion, time: FloatArray) -> float:
     length = float(time[-1]) / max(CHECKED, fastest * float(time[-1]))
     later = np.append(moved.cuts, math.inf)[np.searchsorted(moved.cuts, starts, side="right")]
     ends = np.minimum(np.minimum(starts + length, np.append(starts[1:], float(time[-1]))), later)
-    every = starts[:, None] + (ends - starts)[:, None] * np.concatenate([[0.0], (nodes + 1.0) / 2.0, [1.0]])
+    every = starts[:, None] + (ends - starts)[:, None] * np.concatenate(
+        [[0.0], (nodes + 1.0) / 2.0, [1.0]]
+    )
     every[:, -1] = ends
     at = every.ravel()
     place, speed = moved.at(at)
     loads = moved.loads_at(at)
     energy = 0.5 * (speed**2 + (w[:, None] * place) ** 2).sum(axis=0).reshape(CHECKED, -1)
-    power = ((moved.force @ loads - damping @ speed) * speed).sum(axis=0).reshape(CHECKED, -1)[:, 1:-1]
-    worst = float(np.abs(energy[:, -1] - energy[:, 0] - (ends - starts) / 2.0 * (power @ weights)).max())
+    power = (
+        ((moved.force @ loads - damping @ speed) * speed).sum(axis=0).reshape(CHECKED, -1)[:, 1:-1]
+    )
+    worst = float(
+        np.abs(energy[:, -1] - energy[:, 0] - (ends - starts) / 2.0 * (power @ weights)).max()
+    )
     largest, greatest = float(energy.max()), np.abs(loads).max(axis=1)
-    lasts = 1.0 / np.maximum(w, 1.0 / length)  # s, in which a mode takes up a torque: a window, or its own time
+    lasts = 1.0 / np.maximum(
+        w, 1.0 / length
+    )  # s, in which a mode takes up a torque: a window, or its own time
     given = 0.5 * (np.abs(moved.force) * greatest * lasts[:, None]) ** 2
     largest = max(largest, float(given.max(initial=0.0)))
     return worst / largest if largest else 0.0

@@ -49,23 +49,30 @@ class CouplingWork:
 class Switching:
     """The events of a motion between the regimes of nonlinear couplings."""
 
-    events: tuple[CouplingEvent, ...] = result("", (), "every change of a regime, in the order of time")
+    events: tuple[CouplingEvent, ...] = result(
+        "", (), "every change of a regime, in the order of time"
+    )
     couplings: tuple[CouplingWork, ...] = result("", (), "what every nonlinear coupling did")
     work: float = result("J", (), "work of all torques on the motion")
     damped: float = result("J", (), "energy that the damping of the linear train took")
     sensitive_after: float | None = result(
-        "s", (), "time from which halved steps change a torque by more than 1e-6 of its peak: read statistics "
-                 "there, not single values; null if this never happens"
-    )  # fmt: skip
+        "s",
+        (),
+        "time from which halved steps change a torque by more than 1e-6 of its peak: read statistics "
+        "there, not single values; null if this never happens",
+    )
     band_change: float = result(
         "1",
         (),
         "change of the torques, relative to their peak, with twice the band of modes; 0: all modes are included",
     )
     scatter: FloatArray | None = result(
-        "N*m", ("span",), "difference of the maximum torque with halved steps, if the motion is sensitive. Maximum "
-                          "and minimum torques are over both step sizes, and verdicts add the difference", default=None
-    )  # fmt: skip
+        "N*m",
+        ("span",),
+        "difference of the maximum torque with halved steps, if the motion is sensitive. Maximum "
+        "and minimum torques are over both step sizes, and verdicts add the difference",
+        default=None,
+    )
 
 
 @dataclass(frozen=True)
@@ -118,11 +125,14 @@ class EventDrivenCurves:
         """Every regime while it lasts, with its fastest vibration."""
         motion, inner = self.motion, self.built.train.layout[3].start
         w = [
-            float(np.abs(np.linalg.eigvals(one.matrix[:inner, :inner]).imag).max(initial=0.0)) for one in motion.regimes
+            float(np.abs(np.linalg.eigvals(one.matrix[:inner, :inner]).imag).max(initial=0.0))
+            for one in motion.regimes
         ]
         first = np.flatnonzero(np.diff(motion.regime, prepend=-1))
         ends = [*motion.begin[first[1:]].tolist(), motion.end]
-        lasting = zip(motion.begin[first].tolist(), ends, motion.regime[first].tolist(), strict=True)
+        lasting = zip(
+            motion.begin[first].tolist(), ends, motion.regime[first].tolist(), strict=True
+        )
         return tuple(Wave(begin, end, w[number]) for begin, end, number in lasting)
 
     @property
@@ -151,7 +161,10 @@ class EventDrivenCurves:
     def acceleration(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """(rigid motions + modes, times)."""
         (z, regime), here = self.motion.at(time), self.built.train.layout[2]
-        return np.stack([self.motion.regimes[r].matrix[here] @ z[:, k] for k, r in enumerate(regime.tolist())], axis=1)
+        return np.stack(
+            [self.motion.regimes[r].matrix[here] @ z[:, k] for k, r in enumerate(regime.tolist())],
+            axis=1,
+        )
 
     def turning(self, time: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """Speeds (stations, times) of the stations."""
@@ -162,7 +175,9 @@ class EventDrivenCurves:
                 cut.patched(self.built.system, angle + self.shape @ place, turning)
         return turning
 
-    def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
+    def torque(
+        self, time: FloatArray
+    ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
         """Torques (spans, times), their rates, and places and speeds of the modes (each, times)."""
         z, regime = self.motion.at(time)
         torque, rate = np.empty((2, len(self.slowed), len(time)))
@@ -181,14 +196,20 @@ class EventDrivenCurves:
             here = np.flatnonzero(regime == number)
             rows = self.rows[number][span[order[here]]]
             torque[order[here]] = np.einsum("ks,sk->k", rows, z[:, here])
-            rate[order[here]] = np.einsum("ks,sk->k", rows, self.motion.regimes[number].matrix @ z[:, here])
+            rate[order[here]] = np.einsum(
+                "ks,sk->k", rows, self.motion.regimes[number].matrix @ z[:, here]
+            )
         return torque, rate
 
 
 def event_driven_curves(
-    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None = None,
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    place: Path,
+    damping_ratio: float | None = None,
     progress: Progress = silent,
-) -> tuple[EventDrivenCurves, EnergyBalance, Switching, EventDrivenCurves]:  # fmt: skip
+) -> tuple[EventDrivenCurves, EnergyBalance, Switching, EventDrivenCurves]:
     """The motion of a train with nonlinear couplings, its balance of energy and its events; last with halved steps."""
     built = build(study, system, settings, place, damping_ratio=damping_ratio)
     curves = EventDrivenCurves(built, *built.run(settings.duration, 1.0, progress))
@@ -200,24 +221,42 @@ def event_driven_curves(
     change = 0.0
     if built.is_band:
         half = build(study, system, settings, place, damping_ratio=damping_ratio, halved=True)
-        change = float(_changes(curves, EventDrivenCurves(half, *half.run(settings.duration)), time).max())
-    words = Counter((built.standing[event.element].coupling, event.word) for event in curves.motion.events)
+        change = float(
+            _changes(curves, EventDrivenCurves(half, *half.run(settings.duration)), time).max()
+        )
+    words = Counter(
+        (built.standing[event.element].coupling, event.word) for event in curves.motion.events
+    )
     heat = np.zeros(len(built.couplings))
     np.add.at(heat, [one.coupling for one in built.standing], balance.heat)
     works = tuple(
         CouplingWork(
-            one.part.name, words[number, "contact"], words[number, "separation"], words[number, "slip"], float(joule)
+            one.part.name,
+            words[number, "contact"],
+            words[number, "separation"],
+            words[number, "slip"],
+            float(joule),
         )
         for number, (one, joule) in enumerate(zip(built.couplings, heat, strict=True))
     )
     names = [built.couplings[one.coupling].part.name for one in built.standing]
-    events = tuple(CouplingEvent(event.time, names[event.element], event.word) for event in curves.motion.events)
+    events = tuple(
+        CouplingEvent(event.time, names[event.element], event.word)
+        for event in curves.motion.events
+    )
     sensitive = float(time[late[0]]) if late.size else None
-    return curves, balance, Switching(events, works, balance.work, balance.damped, sensitive, change), fine
+    return (
+        curves,
+        balance,
+        Switching(events, works, balance.work, balance.damped, sensitive, change),
+        fine,
+    )
 
 
 def _changes(curves: EventDrivenCurves, other: EventDrivenCurves, time: FloatArray) -> FloatArray:
     """(times,) largest difference of a torque, of the peak of its span."""
     first, second = (one.torque(time)[0] for one in (curves, other))
     peak = np.maximum(np.abs(first).max(axis=1), 1e-9 * np.abs(first).max())
-    return np.asarray((np.abs(first - second) / np.where(peak > 0.0, peak, 1.0)[:, None]).max(axis=0))
+    return np.asarray(
+        (np.abs(first - second) / np.where(peak > 0.0, peak, 1.0)[:, None]).max(axis=0)
+    )

@@ -103,7 +103,9 @@ class Built:
         untwisted = self.place if self.before.mean is not None else np.zeros_like(self.place)
         with self._placed():
             found, how = self.following.march(march, regimes, z, self.shape, untwisted, progress)
-        refuse_beyond_tables(self.following.follows, self.following.settings.events, how, self.where)
+        refuse_beyond_tables(
+            self.following.follows, self.following.settings.events, how, self.where
+        )
         return found, how
 
     def until(
@@ -114,12 +116,19 @@ class Built:
         with self._placed():
             yield from march.until(ends, z, regimes)
 
-    def _begun(self, duration: float, fineness: float, progress: Progress) -> tuple[March, FloatArray, tuple[int, ...]]:
-        march, regimes = March(self.train, duration, fineness), tuple(one.regime for one in self.standing)
+    def _begun(
+        self, duration: float, fineness: float, progress: Progress
+    ) -> tuple[March, FloatArray, tuple[int, ...]]:
+        march, regimes = (
+            March(self.train, duration, fineness),
+            tuple(one.regime for one in self.standing),
+        )
         march.progress = partial(progress, "from event to event")
         return (
             march,
-            self.train.at_first(np.array([one.twist for one in self.standing]), self.place, self.speed),
+            self.train.at_first(
+                np.array([one.twist for one in self.standing]), self.place, self.speed
+            ),
             regimes,
         )
 
@@ -130,10 +139,16 @@ class Built:
             yield
         except Chatter as chatter:
             name = self.couplings[self.standing[chatter.element].coupling].part.name
-            message = f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
-            raise SolveError(message, "give its contact damping, or its friction a stiffness", self.where) from None
+            message = (
+                f"from {chatter.time:.6g} s on, '{name}' changes between its regimes without end"
+            )
+            raise SolveError(
+                message, "give its contact damping, or its friction a stiffness", self.where
+            ) from None
         except TooManyEvents as end:
-            raise SolveError(end.message, f"a `duration` below {end.time:.4g} s", (*self.where, "duration")) from None
+            raise SolveError(
+                end.message, f"a `duration` below {end.time:.4g} s", (*self.where, "duration")
+            ) from None
         except SolveError as error:
             raise SolveError(error.message, error.hint, self.where) from None
 
@@ -145,7 +160,9 @@ class Acting:
     pieces: tuple[tuple[Piece, ...], ...]
     where: ComplexArray  # (stations, signals)
     direct: FloatArray  # (spans, signals) that joints carry of them
-    capacities: Mapping[int, tuple[int, bool]] = field(default_factory=dict)  # of a coupling: its signal; zero at first
+    capacities: Mapping[int, tuple[int, bool]] = field(
+        default_factory=dict
+    )  # of a coupling: its signal; zero at first
 
     def with_capacities(self, settings: TransientSettings, found: tuple[Coupling, ...]) -> "Acting":
         """With those that events change, behind the others."""
@@ -156,13 +173,21 @@ class Acting:
                 signals[number] = len(pieces), not any(piece.begin == 0.0 for piece in capacity)
                 pieces.append(capacity)
         behind = (0, 0), (0, len(signals))
-        return Acting(tuple(pieces), np.pad(self.where, behind), np.pad(self.direct, behind), signals)
+        return Acting(
+            tuple(pieces), np.pad(self.where, behind), np.pad(self.direct, behind), signals
+        )
 
 
 def build(
-    study: Study, system: System, settings: TransientSettings, place: Path, *, damping_ratio: float | None = None,
-    halved: bool = False, speed: float | None = None,
-) -> Built:  # fmt: skip
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    place: Path,
+    *,
+    damping_ratio: float | None = None,
+    halved: bool = False,
+    speed: float | None = None,
+) -> Built:
     """The train in modes of its linear parts.
 
     halved: with half the band of modes that would be kept. speed: of a steady state (rad/s of the reference station),
@@ -180,19 +205,25 @@ def build(
     cuts = joint_cuts(system, before.mean)
     if cuts and before.speeds:
         message = "parts at different speeds together with uneven joints are not supported yet"
-        raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`", (*place, "initial"))
+        raise SolveError(
+            message, "begin with `initial: rest` or `{speed: ...}`", (*place, "initial")
+        )
     replaced = replaced_dampers(study, system, settings, place)
     bare = opened(without_dampers(parts_of(system, cuts), replaced), found)
     modes = _modes(bare, before, place)
     shape = shapes(bare, modes)
     train = modal_train(study, bare, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
-        train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
+        train = ModalTrain(
+            train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous)
+        )
     turning = _speeds(study, bare, before, shape)
     points = points_of_events(study, system, events, before, place, turns=has_laws)
     follows: FollowingSignals | None = None
     if has_laws:
-        follows = FollowingSignals(following(study, system, events, points, before, cuts, shape), system, settings)
+        follows = FollowingSignals(
+            following(study, system, events, points, before, cuts, shape), system, settings
+        )
     is_settled = speed is not None
     acting = _signals(study, system, settings, before, points, follows, is_settled=is_settled)
     acting = acting.with_capacities(settings, found)
@@ -201,7 +232,9 @@ def build(
     carried, all_standing = torque.copy(), list[Standing]()
     for number, one in enumerate(found):
         signal = acting.capacities.get(number)
-        linear, elements = standing(number, one, ends[number], float(torque[one.span]), turning, signal)
+        linear, elements = standing(
+            number, one, ends[number], float(torque[one.span]), turning, signal
+        )
         carried[one.span] = linear
         all_standing += elements
     place_of, _ = start(bare, modes, replace(before, twist=carried), shape)
@@ -219,7 +252,9 @@ def _modes(bare: System, before: State, place: Path) -> Modes:
         return kept_modes(bare, "all", place)[0]
     if before.torque.any() or before.twist.any():
         message = "backlash and friction together with finite elements start without torque"
-        raise SolveError(message, "begin with `initial: rest` or `{speed: ...}`, or take `model: lumped`", place)
+        raise SolveError(
+            message, "begin with `initial: rest` or `{speed: ...}`, or take `model: lumped`", place
+        )
     found = modes_as_discretised(bare, MOST_OF_ELEMENTS + 1)
     if len(found.frequency) > MOST_OF_ELEMENTS:
         message = f"backlash and friction need all modes, and the finite elements have more than {MOST_OF_ELEMENTS}"
@@ -244,9 +279,13 @@ class _Parts:
 
 
 def _in_modes(
-    parts: _Parts, found: tuple[Coupling, ...], all_standing: tuple[Standing, ...], acting: Acting, kept: int,
+    parts: _Parts,
+    found: tuple[Coupling, ...],
+    all_standing: tuple[Standing, ...],
+    acting: Acting,
+    kept: int,
     duration: float,
-) -> Built:  # fmt: skip
+) -> Built:
     """With as many modes kept, and the compliance of the others in series with the elements."""
     bare, modes, rigid, w = parts.bare, parts.modes, parts.train.rigid, parts.train.w
     own, others, is_band = slice(0, rigid + kept), slice(rigid + kept, None), kept < len(w)
@@ -260,38 +299,67 @@ def _in_modes(
     higher = modes.torque[:, kept:]
     of_elements = _direct(bare, modes, _pushed(bare, spans).astype(complex)).real - higher @ soft.T
     of_elements[spans, np.arange(len(spans))] += 1.0
-    elements = tuple(replace(one.element, ends=row[own]) for one, row in zip(all_standing, ends, strict=True))
+    elements = tuple(
+        replace(one.element, ends=row[own]) for one, row in zip(all_standing, ends, strict=True)
+    )
     compliance, rest = (soft @ ends[:, others].T, soft @ force[others]) if is_band else (None, None)
     following_too = 0 if follows is None else follows.number
     signals = Signals(acting.pieces, following_too, quickest(w[:kept], elements, duration))
-    train = PiecewiseTrain(w[:kept], parts.train.damping[own, own], elements, signals, force[own], compliance, rest)
+    train = PiecewiseTrain(
+        w[:kept], parts.train.damping[own, own], elements, signals, force[own], compliance, rest
+    )
     return Built(
-        bare, lowest(modes, kept), parts.before, parts.shape[:, own], parts.slowed[:, own],
-        _direct(bare, modes, where) + carried + higher @ answer, of_elements, found, all_standing, train,
-        parts.carrier, follows, is_band, parts.place[rigid : rigid + kept], parts.speed[own],
-    )  # fmt: skip
+        bare,
+        lowest(modes, kept),
+        parts.before,
+        parts.shape[:, own],
+        parts.slowed[:, own],
+        _direct(bare, modes, where) + carried + higher @ answer,
+        of_elements,
+        found,
+        all_standing,
+        train,
+        parts.carrier,
+        follows,
+        is_band,
+        parts.place[rigid : rigid + kept],
+        parts.speed[own],
+    )
 
 
 def _kept(w: FloatArray, settings: TransientSettings, *, halved: bool) -> int:
     """How many modes are kept: as requested, and as the duration allows."""
-    kept, half = np.searchsorted(w, np.array([1.0, 0.5]) * LARGEST_ANGLE / settings.duration).tolist()
+    kept, half = np.searchsorted(
+        w, np.array([1.0, 0.5]) * LARGEST_ANGLE / settings.duration
+    ).tolist()
     if settings.modes != "all":
         kept, half = min(kept, settings.modes), min(half, settings.modes // 2)
     return max(min(half, kept - 1), 0) if halved else int(kept)
 
 
 def _signals(
-    study: Study, system: System, settings: TransientSettings, before: State, points: list[Point],
-    follows: FollowingSignals | None, *, is_settled: bool,
-) -> Acting:  # fmt: skip
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    before: State,
+    points: list[Point],
+    follows: FollowingSignals | None,
+    *,
+    is_settled: bool,
+) -> Acting:
     """The torques of events, mean torques and periodic ones, without those that follow the motion.
 
     is_settled: the train vibrates steadily at one speed, and orders have the frequencies of that.
     """
     laws = None if follows is None else follows.follows
-    loads, acting = known_loads(study, system, settings.events, points, laws, before, vibrates=is_settled)
+    loads, acting = known_loads(
+        study, system, settings.events, points, laws, before, vibrates=is_settled
+    )
     number = len(loads) - (0 if follows is None else len(follows.signal))
-    pieces, columns = [tuple(one) for one in loads[:number]], list(acting.T[:number].astype(complex))
+    pieces, columns = (
+        [tuple(one) for one in loads[:number]],
+        list(acting.T[:number].astype(complex)),
+    )
     direct = np.zeros(len(system.spans))
     if before.mean is not None:
         pieces.append((Piece(0.0, math.inf, 1.0),))
@@ -304,7 +372,16 @@ def _signals(
             column = np.zeros(len(acting), dtype=complex)
             for torque in excitation.torques:
                 column[torque.station] += amplitude(system, torque, at, before.mean)[0]
-            pieces.append((Piece(0.0, math.inf, 1.0, rate=1j * float(excitation.line.circular_frequency(at)[0])),))
+            pieces.append(
+                (
+                    Piece(
+                        0.0,
+                        math.inf,
+                        1.0,
+                        rate=1j * float(excitation.line.circular_frequency(at)[0]),
+                    ),
+                )
+            )
             columns.append(column)
     carried = np.zeros((len(system.spans), len(pieces)))
     carried[:, behind - 1 : behind] = direct[:, None]
@@ -326,14 +403,22 @@ def _speeds(study: Study, bare: System, before: State, shape: FloatArray) -> Flo
 
 def _pushed(bare: System, spans: IntArray) -> FloatArray:
     """(stations, elements) N m at own speeds that an element in each span applies to its ends, for 1 N m in it."""
-    found, at, ratio = np.zeros((len(bare.stations), len(spans))), np.arange(len(spans)), bare.speed_ratio
+    found, at, ratio = (
+        np.zeros((len(bare.stations), len(spans))),
+        np.arange(len(spans)),
+        bare.speed_ratio,
+    )
     np.add.at(found, (bare.driving[spans], at), -1.0)
-    np.add.at(found, (bare.driven[spans], at), ratio[bare.driving[spans]] / ratio[bare.driven[spans]])
+    np.add.at(
+        found, (bare.driven[spans], at), ratio[bare.driving[spans]] / ratio[bare.driven[spans]]
+    )
     return found
 
 
 def _direct(bare: System, modes: Modes, acting: ComplexArray) -> ComplexArray:
     """(spans, signals)."""
     is_band = bare.bars is not None  # inside its elements the torque is not that of the modes alone
-    real, imaginary = (direct_torques(bare, modes, part, is_band=is_band) for part in (acting.real, acting.imag))
+    real, imaginary = (
+        direct_torques(bare, modes, part, is_band=is_band) for part in (acting.real, acting.imag)
+    )
     return np.asarray(real + 1j * imaginary)

@@ -70,16 +70,28 @@ def settings_in_words(settings: Declared) -> str:
         if name not in settings.model_fields_set:
             continue
         value = getattr(settings, name)
-        within = [*field.metadata, *(item for one in get_args(field.annotation) for item in get_args(one))]
+        within = [
+            *field.metadata,
+            *(item for one in get_args(field.annotation) for item in get_args(one)),
+        ]
         unit = next((item.unit for item in within if isinstance(item, Quantity)), "1")
         text = str(value)
         if isinstance(value, Declared):
             text = f"({settings_in_words(value)})"
         elif isinstance(value, tuple):
-            text = f"{len(value)} pairs" if isinstance(value[0], tuple) else ", ".join(f"{one:.6g}" for one in value)
+            text = (
+                f"{len(value)} pairs"
+                if isinstance(value[0], tuple)
+                else ", ".join(f"{one:.6g}" for one in value)
+            )
         elif isinstance(value, float):
-            shown = {"rad/s": (f"{value * 30.0 / math.pi:.6g}", "rpm"), "rad": (f"{math.degrees(value):.6g}", "deg")}
-            number, unit = shown.get(unit, (f"{value:.6g}", "" if unit == "1" else unit.replace("*", " ")))
+            shown = {
+                "rad/s": (f"{value * 30.0 / math.pi:.6g}", "rpm"),
+                "rad": (f"{math.degrees(value):.6g}", "deg"),
+            }
+            number, unit = shown.get(
+                unit, (f"{value:.6g}", "" if unit == "1" else unit.replace("*", " "))
+            )
             text = f"{number} {unit}".rstrip()
         said.append(f"{name.replace('_', ' ')} {text}")
     return ", ".join(said)

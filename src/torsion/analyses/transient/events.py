@@ -31,7 +31,9 @@ def _read_rows(value: Any) -> tuple[tuple[float, float], ...]:
     rows = []
     for row in value:
         if not isinstance(row, list | tuple) or len(row) != 2:
-            raise refuse("a row of a table over time is [time, torque]", "for example [0.5 s, 120 N*m]")
+            raise refuse(
+                "a row of a table over time is [time, torque]", "for example [0.5 s, 120 N*m]"
+            )
         rows.append((time.read(row[0]), torque.read(row[1])))
     if len(rows) < 2 or any(a[0] >= b[0] for a, b in pairwise(rows)):
         raise refuse("a table over time needs two rows or more with rising times")
@@ -47,7 +49,9 @@ Rows = Annotated[
 class Lasting(Kind):
     """What lasts a while, or to the end of the motion."""
 
-    length: Length | None = given("how long it lasts, of `stop` without the ramp (default: to the end)")
+    length: Length | None = given(
+        "how long it lasts, of `stop` without the ramp (default: to the end)"
+    )
     until: Length | None = given("the same as `length`: it counts from the begin of the event")
 
     @model_validator(mode="after")
@@ -77,10 +81,15 @@ class Step(Lasting):
 class Table(Kind):
     """A torque by a table over time, linear between its rows and nothing outside."""
 
-    key, meaning = "table", "{rows: [[s, N*m], ...]} or {file: torque.csv}: a torque by a table over time"
+    key, meaning = (
+        "table",
+        "{rows: [[s, N*m], ...]} or {file: torque.csv}: a torque by a table over time",
+    )
 
     rows: Rows | None = given("[[time, torque], ...], times from the begin of the event")
-    file: str | None = given("a file of two columns, time and torque, with their units in its first line")
+    file: str | None = given(
+        "a file of two columns, time and torque, with their units in its first line"
+    )
 
     def refuse_clashes(self) -> None:
         if (self.rows is None) == (self.file is None):
@@ -127,7 +136,10 @@ class Pulse(Kind):
 class Sine(Lasting):
     """A torque that oscillates: torque * exp(-t / decay) * sin(2 pi frequency t + phase)."""
 
-    key, meaning = "sine", "{torque, frequency or order, decay, phase, length}: an oscillating torque"
+    key, meaning = (
+        "sine",
+        "{torque, frequency or order, decay, phase, length}: an oscillating torque",
+    )
 
     torque: SignedTorque = required("amplitude (half range)")
     frequency: fields.Frequency | None = given("its frequency")
@@ -145,13 +157,22 @@ class Sine(Lasting):
         return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        w = 2.0 * math.pi * self.frequency if self.frequency is not None else float(self.order or 0) * at.speed
+        w = (
+            2.0 * math.pi * self.frequency
+            if self.frequency is not None
+            else float(self.order or 0) * at.speed
+        )
         rate = complex(0.0 if self.decay is None else -1.0 / self.decay, w)
-        yield Piece(begin, begin + self.lasts, -1j * self.torque * cmath.exp(1j * self.phase), rate=rate)
+        yield Piece(
+            begin, begin + self.lasts, -1j * self.torque * cmath.exp(1j * self.phase), rate=rate
+        )
 
     def lacks(self, at: Point) -> Lack:
         if self.order is not None and not (at.speed or at.turns):
-            return "an order has no frequency in a train that stands still", "give `frequency`, or an `initial` speed"
+            return (
+                "an order has no frequency in a train that stands still",
+                "give `frequency`, or an `initial` speed",
+            )
         return None
 
     @property
@@ -160,8 +181,14 @@ class Sine(Lasting):
 
     def laws(self, begin: float, at: Point) -> Iterator[Law]:
         if self.order is not None:
-            rate, phase = 0.0 if self.decay is None else -1.0 / self.decay, self.phase - math.pi / 2.0
-            size, window = torque_laws.constant(self.torque), torque_laws.Window(begin, begin + self.lasts)
+            rate, phase = (
+                0.0 if self.decay is None else -1.0 / self.decay,
+                self.phase - math.pi / 2.0,
+            )
+            size, window = (
+                torque_laws.constant(self.torque),
+                torque_laws.Window(begin, begin + self.lasts),
+            )
             yield torque_laws.Wave(0, size, float(self.order), phase, rate, window, from_begin=True)
 
 
@@ -196,24 +223,39 @@ class Stop(Lasting):
 class Clutch(Kind):
     """A clutch closes or opens: its capacity over time from here on."""
 
-    key, meaning = "clutch", "{torque, close or open}: a coupling with `capacity` closes or opens; `at` is its name"
+    key, meaning = (
+        "clutch",
+        "{torque, close or open}: a coupling with `capacity` closes or opens; `at` is its name",
+    )
 
-    torque: Rows | None = given("[[time, torque], ...]: its capacity, which stays as it is after the last row")
-    close: Time | None = given("time in which its capacity rises from zero to the capacity of the coupling")
+    torque: Rows | None = given(
+        "[[time, torque], ...]: its capacity, which stays as it is after the last row"
+    )
+    close: Time | None = given(
+        "time in which its capacity rises from zero to the capacity of the coupling"
+    )
     open: Time | None = given("time in which it falls from the capacity of the coupling to zero")
 
     def refuse_clashes(self) -> None:
         if [self.torque, self.close, self.open].count(None) != 2:
-            raise refuse("a clutch has one of `torque`, `close` and `open`", "for example `close: 0.5 s`")
+            raise refuse(
+                "a clutch has one of `torque`, `close` and `open`", "for example `close: 0.5 s`"
+            )
         if self.torque is not None and any(torque < 0.0 for _, torque in self.torque):
-            raise refuse("the capacity of a clutch is not negative", "torques of 0 N*m and more", "torque")
+            raise refuse(
+                "the capacity of a clutch is not negative", "torques of 0 N*m and more", "torque"
+            )
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
         """No torque by itself."""
         yield from ()
 
     def lacks(self, at: Point) -> Lack:
-        return None if at.is_clutch else (f"'{at.name}' is no clutch", "name a coupling with `capacity`")
+        return (
+            None
+            if at.is_clutch
+            else (f"'{at.name}' is no clutch", "name a coupling with `capacity`")
+        )
 
     def rows(self, begin: float, capacity: float) -> tuple[tuple[float, float], ...]:
         """((s, N m), ...) its capacity, linear between rows and constant after the last."""
@@ -243,8 +285,18 @@ def ramps(rows: Sequence[tuple[float, float]]) -> Iterator[Piece]:
 
 
 KINDS: tuple[type[Kind], ...] = (
-    Step, Table, Pulse, Sine, ShortCircuit, Ice, Stop, Clutch, Start, Load, SpeedProgram,
-)  # fmt: skip
+    Step,
+    Table,
+    Pulse,
+    Sine,
+    ShortCircuit,
+    Ice,
+    Stop,
+    Clutch,
+    Start,
+    Load,
+    SpeedProgram,
+)
 UNBUILT = {
     "misfire": "`misfire` of the engine acts over the whole motion; `stop: {share: 17 %}` takes a share of a mean "
     "torque away"
@@ -269,13 +321,18 @@ class _Event(Declared):
         kinds = [kind.key for kind in KINDS if getattr(self, _field(kind)) is not None]
         if len(kinds) != 1:
             words = ", ".join(kind.key for kind in KINDS)
-            raise refuse(f"an event is of one kind, and {' and '.join(kinds) or 'none'} is given", f"one of {words}")
+            raise refuse(
+                f"an event is of one kind, and {' and '.join(kinds) or 'none'} is given",
+                f"one of {words}",
+            )
 
     @model_validator(mode="after")
     def _lasts_from_its_begin(self) -> Self:
         until = getattr(self.body, "until", None)
         if until is not None and until < self.time:
-            message = f"`until` counts from the begin of the event, and {until:g} s is before its `time`"
+            message = (
+                f"`until` counts from the begin of the event, and {until:g} s is before its `time`"
+            )
             raise refuse(message, f"`length: {until:g} s` for so long", _field(type(self.body)))
         return self
 

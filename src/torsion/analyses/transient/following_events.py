@@ -29,33 +29,50 @@ def _read_rows(value: Any) -> Any:
         raise refuse("a table over speed is a list", "[[0 rpm, 900 N*m], [1500 rpm, 0 N*m]]")
     rows = read_table(value)
     if rows[0][0] != 0.0:
-        raise refuse("a table over speed for a transient response begins at 0 rpm", "add its row [0 rpm, ...]")
+        raise refuse(
+            "a table over speed for a transient response begins at 0 rpm",
+            "add its row [0 rpm, ...]",
+        )
     return rows
 
 
 def _read_law(value: Any) -> Any:
     if isinstance(value, str):
         if value not in ("propeller", "constant"):
-            raise refuse(f"unknown load law '{value}'", "propeller, constant, or a table [[speed, torque], ...]")
+            raise refuse(
+                f"unknown load law '{value}'",
+                "propeller, constant, or a table [[speed, torque], ...]",
+            )
         return value
     rows = _read_rows(value)
     if any(torque < 0.0 for _, torque in rows):
-        raise refuse("a load brakes: its torques are 0 N*m or more", "what drives is a `start`, or a `step`")
+        raise refuse(
+            "a load brakes: its torques are 0 N*m or more", "what drives is a `start`, or a `step`"
+        )
     return rows
 
 
 def _read_program(value: Any) -> tuple[tuple[float, float], ...]:
     time, speed = Quantity("s", at_least=0), Quantity("rad/s", at_least=0)
-    if not isinstance(value, list | tuple) or not all(isinstance(row, list | tuple) and len(row) == 2 for row in value):
-        raise refuse("a program of speed is a list of [time, speed]", "[[0 s, 0 rpm], [2 s, 1500 rpm]]")
+    if not isinstance(value, list | tuple) or not all(
+        isinstance(row, list | tuple) and len(row) == 2 for row in value
+    ):
+        raise refuse(
+            "a program of speed is a list of [time, speed]", "[[0 s, 0 rpm], [2 s, 1500 rpm]]"
+        )
     rows = tuple((time.read(row[0]), speed.read(row[1])) for row in value)
     if len(rows) < 2 or any(a[0] >= b[0] for a, b in pairwise(rows)):
         raise refuse("a program of speed needs two rows or more with rising times")
     return rows
 
 
-Program = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_read_program, json_schema_input_type=SpeedTable)]
-Rows = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_read_rows, json_schema_input_type=SpeedTable)]
+Program = Annotated[
+    tuple[tuple[float, float], ...],
+    BeforeValidator(_read_program, json_schema_input_type=SpeedTable),
+]
+Rows = Annotated[
+    tuple[tuple[float, float], ...], BeforeValidator(_read_rows, json_schema_input_type=SpeedTable)
+]
 
 
 def _read_phase(value: Any) -> Any:
@@ -79,8 +96,12 @@ class Start(Kind):
     key, drives = "start", True
     meaning = "{torque or pull_out, slip, synchronous; pulsation, slip_pulsation, line, off}: a motor is switched on"
 
-    torque: Rows | None = given("[[speed, torque], ...] from 0 rpm on; its last piece is extrapolated")
-    pull_out: fields.Torque | None = given("breakdown torque of an induction motor, in place of a table (Kloss)")
+    torque: Rows | None = given(
+        "[[speed, torque], ...] from 0 rpm on; its last piece is extrapolated"
+    )
+    pull_out: fields.Torque | None = given(
+        "breakdown torque of an induction motor, in place of a table (Kloss)"
+    )
     slip: PullOut | None = given("slip at which it pulls out")
     synchronous: fields.Speed | None = given("synchronous speed")
     pulsation: Pulsation | None = given("{torque, decay} at line frequency")
@@ -89,8 +110,9 @@ class Start(Kind):
     )
     phase: Phase = given(
         "initial phase of the cosine of `slip_pulsation`; worst: several phases are computed, and the maximum "
-        "torques are judged", "worst"
-    )  # fmt: skip
+        "torques are judged",
+        "worst",
+    )
     line: fields.Frequency = given("line frequency", 50.0)
     off: Length | None = given("time after which it is switched off (default: never)")
 
@@ -98,14 +120,26 @@ class Start(Kind):
     def _curve(self) -> Self:
         kloss = (self.pull_out, self.slip, self.synchronous)
         if self.torque is None and None in kloss:
-            raise refuse("a start needs its torque over speed", "`torque: [[speed, torque], ...]`, or `pull_out`, "
-                         "`slip` and `synchronous`")  # fmt: skip
+            raise refuse(
+                "a start needs its torque over speed",
+                "`torque: [[speed, torque], ...]`, or `pull_out`, `slip` and `synchronous`",
+            )
         if self.torque is not None and (self.pull_out is not None or self.slip is not None):
-            raise refuse("`torque` and `pull_out` with `slip` exclude each other", "keep one of them", "torque")
+            raise refuse(
+                "`torque` and `pull_out` with `slip` exclude each other",
+                "keep one of them",
+                "torque",
+            )
         if self.slip_pulsation is not None and self.synchronous is None:
-            raise refuse("`slip_pulsation` needs `synchronous`, the synchronous speed", key="slip_pulsation")
+            raise refuse(
+                "`slip_pulsation` needs `synchronous`, the synchronous speed", key="slip_pulsation"
+            )
         if self.slip_pulsation is None and "phase" in self.model_fields_set:
-            raise refuse("`phase` is that of `slip_pulsation`", "`pulsation: {phase: ...}` has its own", "phase")
+            raise refuse(
+                "`phase` is that of `slip_pulsation`",
+                "`pulsation: {phase: ...}` has its own",
+                "phase",
+            )
         return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
@@ -120,11 +154,16 @@ class Start(Kind):
             yield torque_laws.BySpeed(0, torque_laws.table(self.torque), window)
         else:
             note("Kloss1916")
-            yield torque_laws.InductionMotor(0, self.pull_out or 0.0, self.slip or 1.0, self.synchronous or 1.0, window)
+            yield torque_laws.InductionMotor(
+                0, self.pull_out or 0.0, self.slip or 1.0, self.synchronous or 1.0, window
+            )
         if self.slip_pulsation is not None:
             twice = 4.0 * math.pi * self.line
             turned = -twice / (self.synchronous or 1.0)
-            size, phase = torque_laws.table(self.slip_pulsation), 0.0 if self.phase == WORST else self.phase
+            size, phase = (
+                torque_laws.table(self.slip_pulsation),
+                0.0 if self.phase == WORST else self.phase,
+            )
             yield torque_laws.Wave(0, size, turned, phase, 1j * twice, window, from_begin=True)
 
     @property
@@ -143,16 +182,25 @@ class Load(Kind):
     meaning = "{law, torque, speed, off}: what brakes the point, by its speed; its slope is the damping there"
 
     law: Annotated[
-        Any, BeforeValidator(_read_law, json_schema_input_type=Literal["propeller", "constant"] | SpeedTable)
-    ] = required("propeller (T ~ n**2), constant (holds at rest), or [[speed, torque], ...] from 0 rpm on")
+        Any,
+        BeforeValidator(
+            _read_law, json_schema_input_type=Literal["propeller", "constant"] | SpeedTable
+        ),
+    ] = required(
+        "propeller (T ~ n**2), constant (holds at rest), or [[speed, torque], ...] from 0 rpm on"
+    )
     torque: fields.Torque | None = given("torque of the law at `speed` (default: the rated torque)")
-    speed: fields.Speed | None = given("speed of the point at that torque (default: its rated speed)")
+    speed: fields.Speed | None = given(
+        "speed of the point at that torque (default: its rated speed)"
+    )
     off: Length | None = given("time after which it ends (default: never)")
 
     @model_validator(mode="after")
     def _no_more_than_its_law(self) -> Self:
         if not isinstance(self.law, str) and (self.torque is not None or self.speed is not None):
-            raise refuse("a table contains torque and speed", "leave `torque` and `speed` out", "law")
+            raise refuse(
+                "a table contains torque and speed", "leave `torque` and `speed` out", "law"
+            )
         return self
 
     def is_beyond(self, law: Law, regime: int, late: float) -> bool:
@@ -164,7 +212,11 @@ class Load(Kind):
     @property
     def damps(self) -> bool:
         """Its torque changes with the speed."""
-        return self.law == "propeller" if isinstance(self.law, str) else len({torque for _, torque in self.law}) > 1
+        return (
+            self.law == "propeller"
+            if isinstance(self.law, str)
+            else len({torque for _, torque in self.law}) > 1
+        )
 
     def acts_throughout(self, begin: float, duration: float) -> bool:
         """It acts over the whole motion."""
@@ -181,14 +233,21 @@ class Load(Kind):
         if still:
             yield DryFriction((0,), (still,), rows[-1][0], (window,))
         if self.law != "constant":
-            line = torque_laws.marked([(turning, still - value) for turning, value in rows], SAME_SPEED)
-            yield torque_laws.BySpeed(0, torque_laws.table(torque_laws.mirrored(line, sign=-1.0)), window)
+            line = torque_laws.marked(
+                [(turning, still - value) for turning, value in rows], SAME_SPEED
+            )
+            yield torque_laws.BySpeed(
+                0, torque_laws.table(torque_laws.mirrored(line, sign=-1.0)), window
+            )
 
     def lacks(self, at: Point) -> Lack:
         size = isinstance(self.law, str) and self.torque is None and not at.rated
         if not size and (self.law != "propeller" or self.speed or at.rated_speed):
             return None
-        return "the load has no size", "give `torque` and `speed` of the load, or `operation: {rated: {speed, power}}`"
+        return (
+            "the load has no size",
+            "give `torque` and `speed` of the load, or `operation: {rated: {speed, power}}`",
+        )
 
 
 class SpeedProgram(Kind):
@@ -196,14 +255,22 @@ class SpeedProgram(Kind):
 
     key, meaning = "speed", "{program: [[s, rpm], ...]}: the speed of a fixed point is prescribed"
 
-    program: Program = required("[[time, speed], ...] from the begin of the event, straight between; then the last")
+    program: Program = required(
+        "[[time, speed], ...] from the begin of the event, straight between; then the last"
+    )
 
     def rates(self, begin: float) -> list[tuple[float, float, float]]:
         """Begin and end (s) and rate (rad/s2) of every line of it."""
-        return [(begin + a[0], begin + b[0], (b[1] - a[1]) / (b[0] - a[0])) for a, b in pairwise(self.program)]
+        return [
+            (begin + a[0], begin + b[0], (b[1] - a[1]) / (b[0] - a[0]))
+            for a, b in pairwise(self.program)
+        ]
 
     def lacks(self, at: Point) -> Lack:
         if math.isclose(self.program[0][1], at.speed, rel_tol=SAME_SPEED, abs_tol=SAME_SPEED):
             return None
         begins, runs = (f"{one * 30.0 / math.pi:.6g} rpm" for one in (self.program[0][1], at.speed))
-        return f"the program begins at {begins}, and '{at.name}' runs at {runs}", "begin with that, or give `initial`"
+        return (
+            f"the program begins at {begins}, and '{at.name}' runs at {runs}",
+            "begin with that, or give `initial`",
+        )

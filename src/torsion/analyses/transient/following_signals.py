@@ -75,7 +75,13 @@ class FollowingSignals:
         return angle, speed, rate
 
     def march(
-        self, march: March, state: State, z: FloatArray, shape: FloatArray, untwisted: FloatArray, progress: Progress
+        self,
+        march: March,
+        state: State,
+        z: FloatArray,
+        shape: FloatArray,
+        untwisted: FloatArray,
+        progress: Progress,
     ) -> tuple[EventDrivenMotion, Marched]:
         """The motion of a train of shapes (stations, rigid motions + modes), from a state at time 0.
 
@@ -85,13 +91,21 @@ class FollowingSignals:
         at = Interfaces(shape[self.follows.station], self.signal, self._turning, untwisted)
         scheme = self.follows.scheme(self.system, self.settings, march.train.signals.breaks)
         scheme = replace(
-            scheme, duration=march.duration, longest=march.fineness * scheme.longest,
+            scheme,
+            duration=march.duration,
+            longest=march.fineness * scheme.longest,
             tolerance=CUT_SHORT * march.fineness**4 * scheme.tolerance,
-        )  # fmt: skip
+        )
         return event_driven_under_laws(march, state, z, at, self.follows.laws, scheme, shown)
 
 
 def quickest(w: FloatArray, elements: tuple[Element, ...], duration: float) -> float:
     """s, of a radian of the fastest motion of the modes and elements, about."""
-    squares = [one.stiffness * float(one.ends @ one.ends) for one in elements if math.isfinite(one.stiffness)]
-    return 1.0 / max(float(w.max(initial=0.0)), math.sqrt(max(squares, default=0.0)), 1.0 / duration)
+    squares = [
+        one.stiffness * float(one.ends @ one.ends)
+        for one in elements
+        if math.isfinite(one.stiffness)
+    ]
+    return 1.0 / max(
+        float(w.max(initial=0.0)), math.sqrt(max(squares, default=0.0)), 1.0 / duration
+    )

@@ -39,7 +39,9 @@ class JointCut:
         at = (first, first + 1)
         if self.elastic is None:
             return RigidJoint(at, self.joint, inertia, self.mean)
-        return ElasticJoint(at, self.joint, 1.0 / float(system.flexibility[self.elastic]), self.viscous, self.mean)
+        return ElasticJoint(
+            at, self.joint, 1.0 / float(system.flexibility[self.elastic]), self.viscous, self.mean
+        )
 
     def carried(self, system: System) -> Iterator[tuple[int, int, float]]:
         """Span, which interface of the law (0, 1), and the factor with which its torque is the span's."""
@@ -51,19 +53,31 @@ class JointCut:
     def patched(self, system: System, angle: FloatArray, speed: FloatArray) -> None:
         """Fill in the speeds (stations, times) of the stations without inertia, from the others' angles and speeds."""
         inside = list(self.massless)
-        there = system.driven[self.span] if int(system.driving[self.span]) == self.front else system.driving[self.span]
+        there = (
+            system.driven[self.span]
+            if int(system.driving[self.span]) == self.front
+            else system.driving[self.span]
+        )
         scale = system.speed_ratio[inside] / system.speed_ratio[there]
-        speed[inside] = scale[:, None] * (turned(self.joint, angle[self.front])[1] * speed[self.front])
+        speed[inside] = scale[:, None] * (
+            turned(self.joint, angle[self.front])[1] * speed[self.front]
+        )
 
 
 def joint_spans(system: System) -> IntArray:
     """(joints,) spans that turn unevenly."""
-    return np.array([number for number, span in enumerate(system.own_spans) if span.error], dtype=np.int64)
+    return np.array(
+        [number for number, span in enumerate(system.own_spans) if span.error], dtype=np.int64
+    )
 
 
 def parts_of(system: System, cuts: Sequence[JointCut]) -> System:
     """The train without its uneven joints; an elastic span that is taken along stays, and carries nothing."""
-    flexibility, viscous, loss = system.flexibility.copy(), system.viscous.copy(), system.loss_factor.copy()
+    flexibility, viscous, loss = (
+        system.flexibility.copy(),
+        system.viscous.copy(),
+        system.loss_factor.copy(),
+    )
     flexibility[[cut.span for cut in cuts]] = np.inf
     for one in (viscous, loss):
         one[[cut.elastic for cut in cuts if cut.elastic is not None]] = 0.0
@@ -97,8 +111,14 @@ def _place(system: System, span: int) -> Path:
     return system.train.parts[system.spans[span].part].path
 
 
-def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Steady | None) -> JointCut:
-    joint, name, place = exact_map(system, system.spans[span]), system.spans[span].name, _place(system, span)
+def _cut(
+    system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Steady | None
+) -> JointCut:
+    joint, name, place = (
+        exact_map(system, system.spans[span]),
+        system.spans[span].name,
+        _place(system, span),
+    )
     driving, driven = int(system.driving[span]), int(system.driven[span])
     carried = 0.0 if mean is None else float(mean.torque[span, 0])
     if mean is not None:
@@ -108,30 +128,43 @@ def _cut(system: System, span: int, body: IntArray, heavy: np.ndarray, mean: Ste
         return JointCut(span, joint, driving, driven, mean=carried, orders=orders)
     if not heavy[driving] and not heavy[driven]:
         message = f"the joint '{name}' has an inertia on neither side"
-        raise SolveError(message, "give one of its yokes an inertia: `inertia: [driving, driven]`", place)
+        raise SolveError(
+            message, "give one of its yokes an inertia: `inertia: [driving, driven]`", place
+        )
     front, light, sign = (driving, driven, 1.0) if heavy[driving] else (driven, driving, -1.0)
     inside = np.flatnonzero(body == body[light])
     beside = np.flatnonzero(
-        (np.isin(system.driving, inside) | np.isin(system.driven, inside)) & (system.flexibility > 0)
+        (np.isin(system.driving, inside) | np.isin(system.driven, inside))
+        & (system.flexibility > 0)
     )
     beside = beside[beside != span]
-    stations = [one.station for one in system.dampers] + [one.station for one in system.train.torques]
+    stations = [one.station for one in system.dampers] + [
+        one.station for one in system.train.torques
+    ]
     acted = bool(np.isin(stations, inside).any())
     if len(beside) != 1 or acted or not np.isfinite(system.flexibility[beside]).all():
         message = f"the joint '{name}' needs an inertia or exactly one elastic span next to it"
-        raise SolveError(message, "give the yoke there an inertia: `inertia: [driving, driven]`", place)
+        raise SolveError(
+            message, "give the yoke there an inertia: `inertia: [driving, driven]`", place
+        )
     elastic = int(beside[0])
     ends = int(system.driving[elastic]), int(system.driven[elastic])
     behind = ends[1] if ends[0] in inside else ends[0]
     if not heavy[behind] or elastic in joint_spans(system) or system.spans[elastic].ratio != 1:
-        message = f"the elastic span next to the joint '{name}' leads to no inertia of the same speed"
-        raise SolveError(message, "give the yokes of the joint an inertia: `inertia: [driving, driven]`", place)
+        message = (
+            f"the elastic span next to the joint '{name}' leads to no inertia of the same speed"
+        )
+        raise SolveError(
+            message, "give the yokes of the joint an inertia: `inertia: [driving, driven]`", place
+        )
     if sign < 0.0 and joint.series:
         message = f"the driving yoke of the tripod '{name}' has no inertia"
         raise SolveError(message, "give it one: `inertia: [driving, driven]`", place)
     joint = joint if sign > 0.0 else joint.undone()
     viscous = float(system.viscous[elastic]) + _of_losses(system, elastic)
-    return JointCut(span, joint, front, behind, elastic, tuple(inside.tolist()), sign * carried, viscous, orders)
+    return JointCut(
+        span, joint, front, behind, elastic, tuple(inside.tolist()), sign * carried, viscous, orders
+    )
 
 
 def _of_losses(system: System, span: int) -> float:
@@ -145,11 +178,15 @@ def _of_losses(system: System, span: int) -> float:
 
 def _shifted(joint: JointMap, angle: float) -> JointMap:
     """The map of an angle that begins later."""
-    series = tuple((order, amplitude * np.exp(1j * order * angle)) for order, amplitude in joint.series)
+    series = tuple(
+        (order, amplitude * np.exp(1j * order * angle)) for order, amplitude in joint.series
+    )
     return replace(joint, yoke=joint.yoke + angle, series=series)
 
 
-def standing(system: System, cuts: Sequence[JointCut], speed: float) -> tuple[FloatArray, FloatArray]:
+def standing(
+    system: System, cuts: Sequence[JointCut], speed: float
+) -> tuple[FloatArray, FloatArray]:
     """Angles (rad) and speeds (stations,) of the own shafts at time 0: no span twisted, the first station as it is.
 
     speed: rad/s of the reference station.

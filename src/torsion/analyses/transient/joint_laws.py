@@ -23,13 +23,17 @@ def exact_map(system: System, span: Span) -> JointMap:
         return found
     angle = np.arange(SAMPLES) * (2.0 * math.pi / 3.0 / SAMPLES)
     spider = joint.yoke + math.pi / 2.0
-    exact = tripod.exact_motion(angle + spider, joint.angle, joint.radius or 0.0, joint.arm or 1.0).error
+    exact = tripod.exact_motion(
+        angle + spider, joint.angle, joint.radius or 0.0, joint.arm or 1.0
+    ).error
     amplitude = 2.0 * np.fft.rfft(exact)[: SAMPLES // 2] / SAMPLES
     amplitude[0] /= 2.0
     return replace(found, series=tuple((3 * k, complex(one)) for k, one in enumerate(amplitude)))
 
 
-def turned(joint: JointMap, angle: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def turned(
+    joint: JointMap, angle: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Driven angle and its derivatives by the driving angle, both of the own shafts."""
     e0, e1, e2, e3 = error(joint, angle)
     return angle + e0, 1.0 + e1, e2, e3
@@ -67,7 +71,12 @@ class ElasticJoint:
         return Conditions(
             lack,
             by_torque=np.array([[-ones, -f1], [none, -ones]]),
-            by_angle=np.array([[-f2 * (points.torque[1] + self.mean), none], [k * f1 + c * f2 * before, -k * ones]]),
+            by_angle=np.array(
+                [
+                    [-f2 * (points.torque[1] + self.mean), none],
+                    [k * f1 + c * f2 * before, -k * ones],
+                ]
+            ),
             by_speed=np.array([[none, none], [c * f1, -c * ones]]),
         )
 
@@ -98,6 +107,8 @@ class RigidJoint:
             np.stack([self.mean - f1 * carried - points.torque[0], m * off]),
             by_torque=np.array([[-ones, -f1], [none, none]]),
             by_angle=np.array([[-f2 * carried, none], [m * by_angle, -m * RETURN**2 * ones]]),
-            by_speed=np.array([[none, none], [2.0 * m * (f2 * before + RETURN * f1), -2.0 * m * RETURN * ones]]),
+            by_speed=np.array(
+                [[none, none], [2.0 * m * (f2 * before + RETURN * f1), -2.0 * m * RETURN * ones]]
+            ),
             by_acceleration=np.array([[none, none], [m * f1, -m * ones]]),
         )

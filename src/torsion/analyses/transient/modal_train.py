@@ -22,20 +22,24 @@ MOST_MODES = 3000
 BAND = 50  # modes kept of a train of finite elements, where the file names no number
 
 
-def kept_modes(system: System, count: int | Literal["all"], place: Path = PATH) -> tuple[Modes, Modes]:
+def kept_modes(
+    system: System, count: int | Literal["all"], place: Path = PATH
+) -> tuple[Modes, Modes]:
     """The certified elastic modes that are kept, and twice as many; both are the same where all are kept.
 
     A train with finite elements has no last mode: where all are requested, BAND of them are kept. Raises SolveError for
     a train too large for all.
     """
     if system.groups is not None:
-        raise SolveError("a shaft has too many segments for a transient response", "give it fewer `segments`", place)
+        raise SolveError(
+            "a shaft has too many segments for a transient response",
+            "give it fewer `segments`",
+            place,
+        )
     size = system.condensed.tree.size
     if count == "all" and system.bars is None:
         if size > MOST_MODES:
-            message = (
-                f"the transient response needs all modes, and the train has {size} stations, more than {MOST_MODES}"
-            )
+            message = f"the transient response needs all modes, and the train has {size} stations, more than {MOST_MODES}"
             raise SolveError(message, "keep the lowest, for example `modes: 100`", place)
         found = modes_as_discretised(system, None)
         return found, found
@@ -50,7 +54,9 @@ def lowest(found: Modes, number: int) -> Modes:
     columns = {name: getattr(found, name)[:, :number] for name in ("shape", "torque")}
     shafts = found.distributed
     if shafts is not None:
-        shafts = replace(shafts, **{name: values[:, :number] for name, values in vars(shafts).items()})
+        shafts = replace(
+            shafts, **{name: values[:, :number] for name, values in vars(shafts).items()}
+        )
     return replace(found, **rows, **columns, distributed=shafts)
 
 
@@ -60,7 +66,13 @@ def shapes(system: System, found: Modes) -> FloatArray:
 
 
 def modal_train(
-    study: Study, system: System, found: Modes, shape: FloatArray, before: State, *, turns: bool = False
+    study: Study,
+    system: System,
+    found: Modes,
+    shape: FloatArray,
+    before: State,
+    *,
+    turns: bool = False,
 ) -> ModalTrain:
     """The modes with what damps them: loss factors by their shares of the energy, viscous damping as it is.
 
@@ -90,24 +102,36 @@ def twists(system: System, found: Modes, shape: FloatArray, spans: IntArray) -> 
     slips = np.isinf(system.flexibility[spans])
     twist = np.zeros((len(spans), shape.shape[1]))
     whole = 0 if system.held.any() else 1
-    twist[:, rigid:] = np.where(slips, 0.0, system.flexibility[spans])[:, None] * found.torque[spans]
+    twist[:, rigid:] = (
+        np.where(slips, 0.0, system.flexibility[spans])[:, None] * found.torque[spans]
+    )
     ends = system.twist(shape / system.speed_ratio[:, None])[spans]
     ends[:, :whole] = 0.0
     return np.where(slips[:, None], ends, twist)
 
 
-def start(system: System, found: Modes, before: State, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+def start(
+    system: System, found: Modes, before: State, shape: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Places and speeds of rigid motions and modes that deviate from the steady motion at time 0."""
     rigid = shape.shape[1] - found.torque.shape[1]
     place, speed = np.zeros(shape.shape[1]), np.zeros(shape.shape[1])
     if before.twist.any():
         flexibility = np.where(np.isfinite(system.flexibility), system.flexibility, 0.0)
-        place[rigid:] = found.torque.T @ (flexibility * before.twist) / (2.0 * math.pi * found.frequency) ** 2
+        place[rigid:] = (
+            found.torque.T @ (flexibility * before.twist) / (2.0 * math.pi * found.frequency) ** 2
+        )
     return place, speed
 
 
 def slowed_torques(
-    study: Study, system: System, found: Modes, shape: FloatArray, before: State, *, turns: bool = False
+    study: Study,
+    system: System,
+    found: Modes,
+    shape: FloatArray,
+    before: State,
+    *,
+    turns: bool = False,
 ) -> FloatArray:
     """(spans, rigid motions + modes) N m s/rad: viscous torques in their spans, and what others carry of them at once.
 
@@ -115,10 +139,16 @@ def slowed_torques(
 
     Raises SolveError for viscous damping at a point without inertia.
     """
-    slowed, damped = np.zeros((len(system.spans), shape.shape[1])), np.flatnonzero(system.viscous > 0)
+    slowed, damped = (
+        np.zeros((len(system.spans), shape.shape[1])),
+        np.flatnonzero(system.viscous > 0),
+    )
     slowed[damped] = system.viscous[damped, None] * twists(system, found, shape, damped)
     grounded = np.array([one.station for one in system.dampers], dtype=np.int64)
-    without, ends = massless(system), np.concatenate([system.driving[damped], system.driven[damped], grounded])
+    without, ends = (
+        massless(system),
+        np.concatenate([system.driving[damped], system.driven[damped], grounded]),
+    )
     if without[ends].any():
         name = study.train.parts[system.station_part[ends[without[ends]][0]]].name
         message = f"viscous damping acts at '{name}', a point without inertia"
@@ -132,7 +162,11 @@ def slowed_torques(
     if grounded.size:
         stations, moves = np.unique(grounded), deviations(system, shape) if turns else shape
         ground = ground_damping(system, np.array([before.speed]), before.mean)[stations, 0]
-        slowed -= direct_torques(system, found, np.eye(len(without))[:, stations]) @ (ground[:, None] * moves[stations])
+        slowed -= direct_torques(system, found, np.eye(len(without))[:, stations]) @ (
+            ground[:, None] * moves[stations]
+        )
     rigid = shape.shape[1] - found.torque.shape[1]
-    slowed[:, rigid:] += system.loss_factor[:, None] * found.torque / (2.0 * math.pi * found.frequency)
+    slowed[:, rigid:] += (
+        system.loss_factor[:, None] * found.torque / (2.0 * math.pi * found.frequency)
+    )
     return slowed

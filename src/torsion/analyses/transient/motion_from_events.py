@@ -29,14 +29,26 @@ from torsion.analyses.transient.following_torques import (
 from torsion.analyses.transient.joint_cuts import joint_cuts, parts_of
 from torsion.analyses.transient.known_loads import known_loads, vibration_before
 from torsion.analyses.transient.milling_ice import Ice, IceTorque
-from torsion.analyses.transient.modal_train import kept_modes, modal_train, shapes, slowed_torques, start
+from torsion.analyses.transient.modal_train import (
+    kept_modes,
+    modal_train,
+    shapes,
+    slowed_torques,
+    start,
+)
 from torsion.analyses.transient.order_tracking import order_tracking
 from torsion.analyses.transient.orders_requested import orders_requested
 from torsion.analyses.transient.resonances_passed import passages
 from torsion.analyses.transient.state_before import State, point, points_of_events, state_before
 from torsion.analyses.transient.times_looked_at import PER_PERIOD
 from torsion.analyses.transient.torque_curves import Curves, Seen, looked_at_of, missed, sampled
-from torsion.analyses.transient.transient_motion import RESOLVED, TINY, Change, TransientMotion, Transients
+from torsion.analyses.transient.transient_motion import (
+    RESOLVED,
+    TINY,
+    Change,
+    TransientMotion,
+    Transients,
+)
 from torsion.analyses.transient.transient_settings import (
     DEFAULT_MOST,
     DEFAULT_PER_PERIOD,
@@ -60,9 +72,15 @@ Peaks = tuple[FloatArray, FloatArray]  # (spans,) N m, and s
 
 
 def transient(
-    study: Study, system: System, settings: TransientSettings, *, place: Path = PATH,
-    modes: tuple[Modes, Modes] | None = None, damping_ratio: float | None = None, progress: Progress = silent,
-) -> TransientMotion:  # fmt: skip
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    *,
+    place: Path = PATH,
+    modes: tuple[Modes, Modes] | None = None,
+    damping_ratio: float | None = None,
+    progress: Progress = silent,
+) -> TransientMotion:
     """The motion from the events of `settings`, exact at every sample, and its peaks between them.
 
     place: of the settings in the file. modes: those kept, and twice as many, where they are known. damping_ratio: of
@@ -73,9 +91,13 @@ def transient(
     study, system = without_excluded_torques(study, system, settings)
     scan = FaultScan(settings, np.empty(0), place)
     if modes is None and scan.scanned:
-        modes = kept_modes(system, "all" if study.train.has_nonlinear_couplings else settings.modes, place)
+        modes = kept_modes(
+            system, "all" if study.train.has_nonlinear_couplings else settings.modes, place
+        )
     solve = partial(_of_phases, study, system, place, modes, damping_ratio, progress)
-    limits = [part.ratings.max_torque if part.ratings is not None else None for part in study.train.parts]
+    limits = [
+        part.ratings.max_torque if part.ratings is not None else None for part in study.train.parts
+    ]
     limit = np.array([limits[part] or np.nan for part in system.span_part.tolist()], dtype=float)
     scan = scan if modes is None else replace(scan, frequency=modes[0].frequency)
     found = _read(study, system, settings, _worst_fault(scan, solve, limit))
@@ -93,12 +115,17 @@ def _worst_fault(
     shown = _merged(over_phases(variants[0], solve, limit))
     if len(variants) == 1:
         return shown
-    shown, share = replace(shown, worst_fault=faults_in_words(variants[0])), share_of_limits(limit, shown.peak)
+    shown, share = (
+        replace(shown, worst_fault=faults_in_words(variants[0])),
+        share_of_limits(limit, shown.peak),
+    )
     peaks = [(shown.peak * share).max(initial=0.0)]
 
     def compare(settings: TransientSettings) -> None:
         nonlocal shown
-        motion = replace(_merged(over_phases(settings, solve, limit)), worst_fault=faults_in_words(settings))
+        motion = replace(
+            _merged(over_phases(settings, solve, limit)), worst_fault=faults_in_words(settings)
+        )
         peaks.append((motion.peak * share).max(initial=0.0))
         is_worse = peaks[-1] > (shown.peak * share).max(initial=0.0)
         shown = _greatest((motion, shown) if is_worse else (shown, motion))
@@ -141,8 +168,14 @@ def _greatest(motions: Sequence[TransientMotion]) -> TransientMotion:
         residual=max(motion.residual for motion in motions),
         change=None if shown.change is None else max(motion.change or 0.0 for motion in motions),
         left_in_series=max(motion.left_in_series for motion in motions),
-        switching=_least_certain([motion.switching for motion in motions if motion.switching is not None]),
-        turns=tuple(motions[place].turns[span] for span, place in enumerate(most.tolist()) if motions[place].turns),
+        switching=_least_certain(
+            [motion.switching for motion in motions if motion.switching is not None]
+        ),
+        turns=tuple(
+            motions[place].turns[span]
+            for span, place in enumerate(most.tolist())
+            if motions[place].turns
+        ),
     )
 
 
@@ -153,15 +186,22 @@ def _least_certain(every: list[Switching]) -> Switching | None:
     scatters = [one.scatter for one in every if one.scatter is not None]
     sensitive = [one.sensitive_after for one in every if one.sensitive_after is not None]
     return replace(
-        every[0], band_change=max(one.band_change for one in every), sensitive_after=min(sensitive, default=None),
+        every[0],
+        band_change=max(one.band_change for one in every),
+        sensitive_after=min(sensitive, default=None),
         scatter=np.max(scatters, axis=0) if scatters else None,
-    )  # fmt: skip
+    )
 
 
 def _of_phases(
-    study: Study, system: System, place: Path, modes: tuple[Modes, Modes] | None, damping_ratio: float | None,
-    progress: Progress, settings: TransientSettings,
-) -> TransientMotion:  # fmt: skip
+    study: Study,
+    system: System,
+    place: Path,
+    modes: tuple[Modes, Modes] | None,
+    damping_ratio: float | None,
+    progress: Progress,
+    settings: TransientSettings,
+) -> TransientMotion:
     """The motion of settings that leave no phase open."""
     if study.train.has_nonlinear_couplings:
         return _event_driven(study, system, settings, place, damping_ratio, progress)
@@ -183,15 +223,27 @@ def _of_phases(
         found = replace(found, change=float((moved / (more.peak + TINY)).max(initial=0.0)))
     if settings.samples is not None and (found.unresolved > RESOLVED * (found.peak + TINY)).any():
         least = int(PER_PERIOD * settings.duration * found.fastest / (2.0 * math.pi)) + 1
-        message = "torques or modes with fewer than 4 samples in a period may add more than 5 % to a peak"
-        raise InputError([Fault((*place, "samples"), message, f"{least} resolve all; or keep fewer `modes`")])
+        message = (
+            "torques or modes with fewer than 4 samples in a period may add more than 5 % to a peak"
+        )
+        raise InputError(
+            [Fault((*place, "samples"), message, f"{least} resolve all; or keep fewer `modes`")]
+        )
     return found
 
 
 def _solved(
-    study: Study, system: System, settings: TransientSettings, place: Path, before: State,
-    damping_ratio: float | None, progress: Progress, modes: Modes, *, is_band: bool,
-) -> TransientMotion:  # fmt: skip
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    place: Path,
+    before: State,
+    damping_ratio: float | None,
+    progress: Progress,
+    modes: Modes,
+    *,
+    is_band: bool,
+) -> TransientMotion:
     """The motion of some modes."""
     events, cuts = settings.events, joint_cuts(system, before.mean)
     is_driven, has_laws = changes_speed(system, events), torques_follow(study, system, events)
@@ -201,11 +253,17 @@ def _solved(
     shape = shapes(parts, modes)
     train = modal_train(study, parts, modes, shape, before, turns=is_driven)
     if damping_ratio is not None:
-        train = ModalTrain(train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous))
+        train = ModalTrain(
+            train.w, np.full(len(train.w), damping_ratio), np.zeros_like(train.viscous)
+        )
     follows = following(study, system, events, points, before, cuts, shape) if has_laws else None
     vibrates = follows is None and bool(before.frequency.size)
     loads, acting = known_loads(study, parts, events, points, follows, before, vibrates=vibrates)
-    direct, added, noise = direct_torques(parts, modes, acting, is_band=is_band), dict[str, Any](), 0.0
+    direct, added, noise = (
+        direct_torques(parts, modes, acting, is_band=is_band),
+        dict[str, Any](),
+        0.0,
+    )
     begin = start(parts, modes, before, shape)
     if follows is None:
         moved = motion(train, shape.T @ acting, loads, *begin)
@@ -235,23 +293,44 @@ def _solved(
         added["passages"] = passages(system, follows, straight, time, turning)
     lacking = missed(modes, moved, time, finer) + curves.unseen(looked.left)
     peak = np.maximum(np.abs(top[0]), np.abs(bottom[0]))
-    requested = orders_requested(study, system, settings, place, peak=peak, turning=turning, follows=has_laws)
+    requested = orders_requested(
+        study, system, settings, place, peak=peak, turning=turning, follows=has_laws
+    )
     if requested is not None:
         added["orders"] = order_tracking(curves, requested, time, max(shape.shape[1], len(torque)))
     return TransientMotion(
-        time, torque, turning, *top, -bottom[0], bottom[1], before.torque,
-        _reversals(seen, noise / np.abs(system.speed_ratio[system.driving])), lacking, residual(moved, time),
-        before.speed, len(modes.frequency), system, settings.name, turns=seen.turns,
-        fastest=max(curves.fastest, *(one.w for one in curves.waves)), **added,
-    )  # fmt: skip
+        time,
+        torque,
+        turning,
+        *top,
+        -bottom[0],
+        bottom[1],
+        before.torque,
+        _reversals(seen, noise / np.abs(system.speed_ratio[system.driving])),
+        lacking,
+        residual(moved, time),
+        before.speed,
+        len(modes.frequency),
+        system,
+        settings.name,
+        turns=seen.turns,
+        fastest=max(curves.fastest, *(one.w for one in curves.waves)),
+        **added,
+    )
 
 
 def _event_driven(
-    study: Study, system: System, settings: TransientSettings, place: Path, damping_ratio: float | None,
+    study: Study,
+    system: System,
+    settings: TransientSettings,
+    place: Path,
+    damping_ratio: float | None,
     progress: Progress,
-) -> TransientMotion:  # fmt: skip
+) -> TransientMotion:
     """The motion of a train with nonlinear couplings; peaks are looked for between its events too."""
-    curves, balance, switching, fine = event_driven_curves(study, system, settings, place, damping_ratio, progress)
+    curves, balance, switching, fine = event_driven_curves(
+        study, system, settings, place, damping_ratio, progress
+    )
     built, added = curves.built, dict[str, Any]()
     if built.following is not None and curves.marched is not None:
         added = _of_steps(built.following.follows, curves.marched)
@@ -267,12 +346,28 @@ def _event_driven(
         top, bottom = (_larger(one, two) for one, two in zip((top, bottom), other, strict=True))
     lacking = missed(built.modes, curves, time, finer) + curves.unseen(looked.left)
     if any(wave.w >= looked.left for wave in curves.regimes):
-        lacking += np.maximum(np.abs(top[0]), np.abs(bottom[0]))  # nothing bounds what a coupling does
+        lacking += np.maximum(
+            np.abs(top[0]), np.abs(bottom[0])
+        )  # nothing bounds what a coupling does
     return TransientMotion(
-        time, seen.torque, seen.turning, *top, -bottom[0], bottom[1], before.torque, _reversals(seen), lacking,
-        balance.residual, before.speed, len(built.modes.frequency), system, settings.name, switching=switching,
-        turns=seen.turns, **added,
-    )  # fmt: skip
+        time,
+        seen.torque,
+        seen.turning,
+        *top,
+        -bottom[0],
+        bottom[1],
+        before.torque,
+        _reversals(seen),
+        lacking,
+        balance.residual,
+        before.speed,
+        len(built.modes.frequency),
+        system,
+        settings.name,
+        switching=switching,
+        turns=seen.turns,
+        **added,
+    )
 
 
 def _larger(one: Peaks, other: Peaks) -> Peaks:
@@ -283,7 +378,9 @@ def _larger(one: Peaks, other: Peaks) -> Peaks:
 def _reversals(seen: Seen, noise: FloatArray | float = 0.0) -> IntArray:
     """(spans,) changes of sign; a torque of nothing, within a play, has none. noise: N m that do not count."""
     least = np.maximum([1e-9 * float(np.abs(one).max(initial=0.0)) for one in seen.turns], noise)
-    there = [one[np.abs(one) > floor] for one, floor in zip(seen.turns, least.tolist(), strict=True)]
+    there = [
+        one[np.abs(one) > floor] for one, floor in zip(seen.turns, least.tolist(), strict=True)
+    ]
     return np.array([np.count_nonzero(np.diff(np.sign(one))) for one in there], dtype=np.int64)
 
 
@@ -297,9 +394,11 @@ def _of_steps(follows: Following, solved: Marched) -> dict[str, Any]:
     """What the result says of torques that follow the motion."""
     changed = dict.fromkeys((time, follows.words[law]) for time, law, _ in solved.changes)
     return {
-        "steps": solved.number, "following": tuple(dict.fromkeys(follows.words)),
-        "left_in_series": solved.lack, "changes": tuple(Change(*one) for one in changed),
-    }  # fmt: skip
+        "steps": solved.number,
+        "following": tuple(dict.fromkeys(follows.words)),
+        "left_in_series": solved.lack,
+        "changes": tuple(Change(*one) for one in changed),
+    }
 
 
 def _samples(settings: TransientSettings, found: Modes) -> int:
@@ -309,25 +408,36 @@ def _samples(settings: TransientSettings, found: Modes) -> int:
     return int(min(max(DEFAULT_PER_PERIOD * highest * settings.duration, 1000.0), DEFAULT_MOST))
 
 
-def _read(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> TransientMotion:
+def _read(
+    study: Study, system: System, settings: TransientSettings, found: TransientMotion
+) -> TransientMotion:
     """With rated torques, stresses and damage."""
     operation, rated = study.operation, None
     if operation.rated is not None and study.has_mean_torque:
-        rated = steady(study.train, system, operation, np.array([operation.rated.speed])).torque[:, 0]
+        rated = steady(study.train, system, operation, np.array([operation.rated.speed])).torque[
+            :, 0
+        ]
     stress = np.full(len(system.spans), np.nan)
     for bar in study.train.bars:
         here = system.span_part == bar.part
         stress[here] = found.peak[here] / stress_modulus(bar)
     damage = None if settings.fatigue is None else damages(system, settings.fatigue, found.turns)
     return replace(
-        found, rated=rated, stress=stress if study.train.bars else None, damage=damage, turns=(),
-        is_rare=settings.is_rare, ice=tuple(_ice(study, system, settings, found)),
+        found,
+        rated=rated,
+        stress=stress if study.train.bars else None,
+        damage=damage,
+        turns=(),
+        is_rare=settings.is_rare,
+        ice=tuple(_ice(study, system, settings, found)),
         slowed=_slowed(study, system, settings, found),
         undamped=tuple(replaced_dampers(study, system, settings, PATH).values()),
-    )  # fmt: skip
+    )
 
 
-def _slowed(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> float | None:
+def _slowed(
+    study: Study, system: System, settings: TransientSettings, found: TransientMotion
+) -> float | None:
     """Largest change of a propeller's mean speed over a revolution in ice, of that before.
 
     None without ice, where torques follow the speed, and where a program prescribes it.
@@ -348,7 +458,9 @@ def _slowed(study: Study, system: System, settings: TransientSettings, found: Tr
     return max(changes, key=abs, default=None)
 
 
-def _ice(study: Study, system: System, settings: TransientSettings, found: TransientMotion) -> Iterator[IceTorque]:
+def _ice(
+    study: Study, system: System, settings: TransientSettings, found: TransientMotion
+) -> Iterator[IceTorque]:
     """The greatest ice torques of the classes that its events name."""
     for event in settings.events:
         if isinstance(event.body, Ice):
@@ -359,7 +471,11 @@ def _ice(study: Study, system: System, settings: TransientSettings, found: Trans
 
 def run(work: Work) -> None:
     """Every motion over time that the file names; one without an answer takes no other with it."""
-    found, errors, known = list[TransientMotion](), list[InputError | SolveError](), dict[Any, tuple[Modes, Modes]]()
+    found, errors, known = (
+        list[TransientMotion](),
+        list[InputError | SolveError](),
+        dict[Any, tuple[Modes, Modes]](),
+    )
     for settings, place in cases(work.study):
         title = f"motion over time {settings.name}".rstrip()
         try:
@@ -377,10 +493,16 @@ def run(work: Work) -> None:
                     modes=known.get(settings.modes),
                     progress=work.progress,
                 )
-                step.method = "exact, from event to event" if is_nonlinear else "exact propagation of the modes"
+                step.method = (
+                    "exact, from event to event"
+                    if is_nonlinear
+                    else "exact propagation of the modes"
+                )
                 if one.steps:
                     step.method += ", exponential collocation"
-                step.size = f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
+                step.size = (
+                    f"{one.modes} modes, {len(settings.events)} events, {len(one.time)} samples"
+                )
                 if one.speed_before and settings.initial is None:
                     step.size += f", begins steady at {one.speed_before * 30.0 / math.pi:.6g} rpm"
             found.append(replace(one, compared=beside))

@@ -13,7 +13,13 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.components.lowering import NonlinearRecord, Part
 from torsion.errors import Fault, InputError, SolveError
-from torsion.kernels.transient.piecewise_elements import OPEN, Clearance, DelayedFriction, Element, Friction
+from torsion.kernels.transient.piecewise_elements import (
+    OPEN,
+    Clearance,
+    DelayedFriction,
+    Element,
+    Friction,
+)
 from torsion.kernels.transient.torque_history import Piece
 from torsion.train import Train
 
@@ -51,17 +57,19 @@ def opened(system: System, found: tuple[Coupling, ...]) -> System:
 
     Raises SolveError where an end of a nonlinear coupling has no inertia.
     """
-    flexibility, viscous, loss = (one.copy() for one in (system.flexibility, system.viscous, system.loss_factor))
+    flexibility, viscous, loss = (
+        one.copy() for one in (system.flexibility, system.viscous, system.loss_factor)
+    )
     spans = [one.span for one in found if one.record.interrupts]
     flexibility[spans], viscous[spans], loss[spans] = math.inf, 0.0, 0.0
     bare = replace(system, flexibility=flexibility, viscous=viscous, loss_factor=loss)
     without = massless(bare)
     for one in found:
         if without[system.driving[one.span]] or without[system.driven[one.span]]:
-            message = (
-                f"'{one.part.name}' ends at a point without inertia, and its backlash or friction needs an inertia"
+            message = f"'{one.part.name}' ends at a point without inertia, and its backlash or friction needs an inertia"
+            raise SolveError(
+                message, "give the point, or a half of the coupling, an inertia", one.part.path
             )
-            raise SolveError(message, "give the point, or a half of the coupling, an inertia", one.part.path)
     return bare
 
 
@@ -79,15 +87,24 @@ def capacity_pieces(settings: TransientSettings, one: Coupling) -> tuple[Piece, 
         return None
     full = one.record.capacity or 0.0
     pieces = [Piece(0.0, events[0][0], 0.0 if events[0][1].begins_open else full)]
-    for (begin, event), end in zip(events, [*(time for time, _ in events[1:]), math.inf], strict=True):
+    for (begin, event), end in zip(
+        events, [*(time for time, _ in events[1:]), math.inf], strict=True
+    ):
         rows = event.rows(begin, full)
         after = [*ramps(rows), Piece(rows[-1][0], math.inf, rows[-1][1])]
         pieces += [replace(piece, end=min(piece.end, end)) for piece in after]
-    return tuple(piece for piece in pieces if piece.end > piece.begin and (piece.level or piece.slope))
+    return tuple(
+        piece for piece in pieces if piece.end > piece.begin and (piece.level or piece.slope)
+    )
 
 
 def standing(
-    number: int, one: Coupling, ends: FloatArray, torque: float, speed: FloatArray, signal: tuple[int, bool] | None
+    number: int,
+    one: Coupling,
+    ends: FloatArray,
+    torque: float,
+    speed: FloatArray,
+    signal: tuple[int, bool] | None,
 ) -> tuple[float, Iterator[Standing]]:
     """The torque that the linear spring of a coupling carries before the events, and its elements.
 
@@ -103,7 +120,12 @@ def standing(
 
 
 def _clutch(
-    number: int, one: Coupling, ends: FloatArray, torque: float, speed: FloatArray, signal: tuple[int, bool] | None
+    number: int,
+    one: Coupling,
+    ends: FloatArray,
+    torque: float,
+    speed: FloatArray,
+    signal: tuple[int, bool] | None,
 ) -> Standing:
     record, capacity = one.record, one.record.capacity or 0.0
     slipping = float(ends @ speed)
@@ -118,16 +140,22 @@ def _clutch(
     return Standing(element, number, torque / record.stiffness, regime)
 
 
-def _elements(number: int, record: NonlinearRecord, ends: FloatArray, twist: float) -> Iterator[Standing]:
+def _elements(
+    number: int, record: NonlinearRecord, ends: FloatArray, twist: float
+) -> Iterator[Standing]:
     """What stands beside, or in place of, the spring of a coupling that is twisted so; friction carries nothing yet."""
     side = int(np.sign(twist))
     if record.play:
         touches = side if abs(twist) > record.play else 0
-        yield Standing(Clearance(ends, record.stiffness, record.play, record.viscous), number, twist, touches)
+        yield Standing(
+            Clearance(ends, record.stiffness, record.play, record.viscous), number, twist, touches
+        )
     for torque, stiffness in record.friction:
         yield Standing(Friction(ends, stiffness, torque), number, 0.0, 0)
     for begin, stiffness, (torque, friction) in record.stages:
-        yield Standing(Clearance(ends, stiffness, begin), number, twist, side if abs(twist) > begin else 0)
+        yield Standing(
+            Clearance(ends, stiffness, begin), number, twist, side if abs(twist) > begin else 0
+        )
         if torque:
             yield Standing(DelayedFriction(ends, friction, torque, begin), number, 0.0, 0)
 
@@ -136,7 +164,10 @@ def _twist_under(record: NonlinearRecord, torque: float) -> float:
     """rad, of a torque > 0 on the springs alone; 0 under none."""
     if not torque:
         return 0.0
-    begins = [(0.0, record.stiffness), *((begin, stiffness) for begin, stiffness, _ in record.stages)]
+    begins = [
+        (0.0, record.stiffness),
+        *((begin, stiffness) for begin, stiffness, _ in record.stages),
+    ]
     at, carried, total = 0.0, 0.0, 0.0
     for (begin, stiffness), (end, _) in zip(begins, [*begins[1:], (math.inf, 0.0)], strict=True):
         total += stiffness

@@ -22,7 +22,9 @@ from torsion.results import reported, result
 from torsion.study import Study
 
 SETTLED = 1e-4  # of the amplitude: change from one window to the next
-PARTS = 4  # of the range in which a coupling is not linear: the largest amplitude of each is compared
+PARTS = (
+    4  # of the range in which a coupling is not linear: the largest amplitude of each is compared
+)
 CYCLES = 16  # of the component, in a window
 WINDOWS = (8, 16, 32, 64)  # after which the last two are compared
 SMALL = 1e-6  # of the largest torque: less is not compared
@@ -44,20 +46,38 @@ class NonlinearPeak:
         (),
         "settled amplitude of the exact motion that starts from the response; null if it does not settle",
     )
-    difference: float | None = result("1", (), "of the response from the exact motion, of the latter")
-    half_range: float = result("N*m", (), "(max - min)/2 of the exact motion in its last window, all components")
+    difference: float | None = result(
+        "1", (), "of the response from the exact motion, of the latter"
+    )
+    half_range: float = result(
+        "N*m", (), "(max - min)/2 of the exact motion in its last window, all components"
+    )
     greatest: float = result("N*m", (), "largest magnitude of its torque in that window")
     from_rest: float | None = result(
-        "N*m", (), "amplitude of the exact motion that starts without vibration, if the response has several "
-                   "solutions; null otherwise, or if it does not settle"
-    )  # fmt: skip
-    solutions: int = result("", (), "of harmonic balance at that speed; the response has the largest")
-    several_from: float | None = result("rad/s", (), "lowest reference speed of several solutions; null for none")
+        "N*m",
+        (),
+        "amplitude of the exact motion that starts without vibration, if the response has several "
+        "solutions; null otherwise, or if it does not settle",
+    )
+    solutions: int = result(
+        "", (), "of harmonic balance at that speed; the response has the largest"
+    )
+    several_from: float | None = result(
+        "rad/s", (), "lowest reference speed of several solutions; null for none"
+    )
     several_to: float | None = result("rad/s", (), "highest of them")
-    opens_from: float | None = result("rad/s", (), "lowest reference speed at which its backlash opens; null for none")
+    opens_from: float | None = result(
+        "rad/s", (), "lowest reference speed at which its backlash opens; null for none"
+    )
     opens_to: float | None = result("rad/s", (), "highest of them")
-    mode: int = result("", (), "mode of the linear train with the largest share of its energy in the coupling, from 1")
-    natural_frequency: float = result("Hz", (), "of that mode with all such couplings as stiff as at these amplitudes")
+    mode: int = result(
+        "",
+        (),
+        "mode of the linear train with the largest share of its energy in the coupling, from 1",
+    )
+    natural_frequency: float = result(
+        "Hz", (), "of that mode with all such couplings as stiff as at these amplitudes"
+    )
     ended: bool  # the motion was followed as long as it may be; else the work of the comparisons had its end before
     span: int  # of the coupling
     half_ranges: FloatArray  # (spans,) N m, as `half_range`
@@ -68,8 +88,12 @@ class NonlinearPeak:
 class NonlinearPeaks:
     """Every coupling with play, friction or stages."""
 
-    each: tuple[NonlinearPeak, ...] = result("", (), "every coupling with backlash, friction or stages", key="")
-    computed: Synthesis | None = None  # of the response alone, with which the exact motions are compared
+    each: tuple[NonlinearPeak, ...] = result(
+        "", (), "every coupling with backlash, friction or stages", key=""
+    )
+    computed: Synthesis | None = (
+        None  # of the response alone, with which the exact motions are compared
+    )
 
 
 def exact_peaks(work: Work, found: Response, balanced: Balanced) -> tuple[NonlinearPeak, ...]:
@@ -87,9 +111,15 @@ def exact_peaks(work: Work, found: Response, balanced: Balanced) -> tuple[Nonlin
     return peaks
 
 
-def _peaks(study: Study, found: Response, balanced: Balanced, band: Band) -> tuple[NonlinearPeak, ...]:
+def _peaks(
+    study: Study, found: Response, balanced: Balanced, band: Band
+) -> tuple[NonlinearPeak, ...]:
     """Coupling by coupling, but the first speed of each is computed before the second of any."""
-    each = [(span, rank, at) for span in balanced.spans for rank, at in enumerate(_compared(found, balanced, span))]
+    each = [
+        (span, rank, at)
+        for span in balanced.spans
+        for rank, at in enumerate(_compared(found, balanced, span))
+    ]
     there = dict[tuple[int, int, int], NonlinearPeak]()
     for number, one in enumerate(sorted(each, key=lambda one: one[1])):
         band.begin(number / len(each), len(each))
@@ -102,7 +132,9 @@ def _compared(found: Response, balanced: Balanced, span: int) -> list[int]:
     number, size = balanced.spans.index(span), _amplitude(found, span).max(axis=1)
     beyond = np.flatnonzero(balanced.amplitude[:, number] > balanced.first[:, number])
     parts = (part for part in np.array_split(beyond, PARTS) if part.size)
-    return list(dict.fromkeys([int(size.argmax()), *(int(part[size[part].argmax()]) for part in parts)]))
+    return list(
+        dict.fromkeys([int(size.argmax()), *(int(part[size[part].argmax()]) for part in parts)])
+    )
 
 
 def _amplitude(found: Response, span: int) -> FloatArray:
@@ -110,25 +142,53 @@ def _amplitude(found: Response, span: int) -> FloatArray:
     return np.where(found.status == Status.OK, np.abs(found.torque[:, :, span]), 0.0)
 
 
-def _peak(study: Study, found: Response, balanced: Balanced, span: int, at: int, band: Band) -> NonlinearPeak:
+def _peak(
+    study: Study, found: Response, balanced: Balanced, span: int, at: int, band: Band
+) -> NonlinearPeak:
     amplitude, number = _amplitude(found, span), balanced.spans.index(span)
     line, part = int(amplitude[at].argmax()), int(found.system.span_part[span])
     speed, w = float(found.speed[at]), 2.0 * math.pi * float(found.frequency[at, line])
     window, record = _window(found, speed, w), study.train.parts[part].nonlinear
     motion = in_band(study, found, span, at, w, window, band)
-    linear, exact, solutions = float(amplitude[at, line]), motion.amplitude, int(balanced.number[at, number])
-    rest = settled(study, found, span, at, w, window, band, vibrates=False).amplitude if solutions > 1 else None
+    linear, exact, solutions = (
+        float(amplitude[at, line]),
+        motion.amplitude,
+        int(balanced.number[at, number]),
+    )
+    rest = (
+        settled(study, found, span, at, w, window, band, vibrates=False).amplitude
+        if solutions > 1
+        else None
+    )
     several = _ends(found.speed[balanced.number[:, number] > 1])
-    opens = _ends(found.speed[balanced.share[:, number] < 1.0] if record is not None and record.play else np.empty(0))
+    opens = _ends(
+        found.speed[balanced.share[:, number] < 1.0]
+        if record is not None and record.play
+        else np.empty(0)
+    )
     mode, frequency = _natural_frequency(found, balanced, span, at)
     return NonlinearPeak(
-        coupling=study.train.parts[part].name, component=found.lines[line].words, speed=speed, response=linear,
-        exact=exact, difference=linear / exact - 1.0 if exact else None, half_range=float(motion.half_range[span]),
-        greatest=float(motion.greatest[span]), from_rest=rest, solutions=solutions, several_from=several[0],
-        several_to=several[1], opens_from=opens[0], opens_to=opens[1], mode=mode, natural_frequency=frequency,
-        ended=motion.ended, span=span,
-        half_ranges=band.raised(motion.half_range), greatests=band.raised(motion.greatest),
-    )  # fmt: skip
+        coupling=study.train.parts[part].name,
+        component=found.lines[line].words,
+        speed=speed,
+        response=linear,
+        exact=exact,
+        difference=linear / exact - 1.0 if exact else None,
+        half_range=float(motion.half_range[span]),
+        greatest=float(motion.greatest[span]),
+        from_rest=rest,
+        solutions=solutions,
+        several_from=several[0],
+        several_to=several[1],
+        opens_from=opens[0],
+        opens_to=opens[1],
+        mode=mode,
+        natural_frequency=frequency,
+        ended=motion.ended,
+        span=span,
+        half_ranges=band.raised(motion.half_range),
+        greatests=band.raised(motion.greatest),
+    )
 
 
 def _ends(speed: FloatArray) -> tuple[float | None, float | None]:
@@ -136,7 +196,9 @@ def _ends(speed: FloatArray) -> tuple[float | None, float | None]:
     return (float(speed[0]), float(speed[-1])) if speed.size else (None, None)
 
 
-def _natural_frequency(found: Response, balanced: Balanced, span: int, at: int) -> tuple[int, float]:
+def _natural_frequency(
+    found: Response, balanced: Balanced, span: int, at: int
+) -> tuple[int, float]:
     """The mode that a span has most of, from 1, and its frequency (Hz) at the amplitudes of the speed number `at`."""
     system, flexibility = found.system, found.system.flexibility.copy()
     mode = int(modes_as_discretised(system, None).elastic[span].argmax())
@@ -150,7 +212,9 @@ def _window(found: Response, speed: float, w: float) -> float:
     """s in which all orders repeat, CYCLES of the component at least."""
     orders = [one.order for one in found.lines if one.order is not None]
     turns = math.lcm(*(order.denominator for order in orders)) if orders else 1
-    window = 2.0 * math.pi / speed * turns if orders and turns <= LARGEST_COMMON else 2.0 * math.pi / w
+    window = (
+        2.0 * math.pi / speed * turns if orders and turns <= LARGEST_COMMON else 2.0 * math.pi / w
+    )
     return window * max(1, math.ceil(CYCLES * 2.0 * math.pi / (w * window)))
 
 
@@ -166,23 +230,37 @@ class Settled:
 
 def in_band(
     study: Study, found: Response, span: int, at: int, w: float, window: float, band: Band
-) -> Settled:  # fmt: skip
+) -> Settled:
     """The settled motion that begins as the response is; the first that settles also says how wide a band has to be."""
     motion = settled(study, found, span, at, w, window, band, vibrates=True)
     while band.change is None and motion.amplitude:
         coarse, band.modes = motion, 2 * band.modes
         motion = settled(study, found, span, at, w, window, band, vibrates=True)
-        change = abs(coarse.amplitude / motion.amplitude - 1.0) if coarse.amplitude and motion.amplitude else math.inf
+        change = (
+            abs(coarse.amplitude / motion.amplitude - 1.0)
+            if coarse.amplitude and motion.amplitude
+            else math.inf
+        )
         if change <= WIDE or band.is_whole:
             ends = np.array([[one.half_range, one.greatest] for one in (coarse, motion)])
-            of_peaks = float((np.abs(ends[0] - ends[1]) / np.maximum(ends[1], SMALL * ends[1].max())).max())
+            of_peaks = float(
+                (np.abs(ends[0] - ends[1]) / np.maximum(ends[1], SMALL * ends[1].max())).max()
+            )
             band.change = 0.0 if band.is_whole else max(change, of_peaks)
     return motion
 
 
 def settled(
-    study: Study, found: Response, span: int, at: int, w: float, window: float, band: Band, *, vibrates: bool
-) -> Settled:  # fmt: skip
+    study: Study,
+    found: Response,
+    span: int,
+    at: int,
+    w: float,
+    window: float,
+    band: Band,
+    *,
+    vibrates: bool,
+) -> Settled:
     """The component of circular frequency w (rad/s) in a span over a window (s), at the speed number `at`.
 
     The motion begins with the mean torques, and as the response is where it `vibrates`; its windows are compared until
@@ -192,7 +270,9 @@ def settled(
     settings = TransientSettings.model_construct(
         duration=ends[0], initial="steady", events=(), samples=None, modes=band.limit(ends[0])
     )
-    built = build(replace(study, analyses={}), found.system, settings, ("analyses", "response"), speed=speed)
+    built = build(
+        replace(study, analyses={}), found.system, settings, ("analyses", "response"), speed=speed
+    )
     band.known(built)
     if vibrates:
         built = vibrating(built, found, at)
@@ -201,7 +281,10 @@ def settled(
         for end, motion in zip(ends, built.until(ends, progress=band.spend), strict=True):
             curves = EventDrivenCurves(built, motion, None)
             each = [_torques(curves, end - back * window, window) for back in (2, 1)]
-            before, own = (2.0 * abs(complex(np.mean(torque[span] * np.exp(-1j * w * time)))) for time, torque in each)
+            before, own = (
+                2.0 * abs(complex(np.mean(torque[span] * np.exp(-1j * w * time))))
+                for time, torque in each
+            )
             torque, repeats = each[1][1], abs(own - before) <= SETTLED * own
             half_range = (torque.max(axis=1) - torque.min(axis=1)) / 2.0
             last = Settled(own if repeats else None, half_range, np.abs(torque).max(axis=1))
@@ -213,7 +296,9 @@ def settled(
     return last
 
 
-def _torques(curves: EventDrivenCurves, begin: float, window: float) -> tuple[FloatArray, FloatArray]:
+def _torques(
+    curves: EventDrivenCurves, begin: float, window: float
+) -> tuple[FloatArray, FloatArray]:
     """Times (samples,) s of a window and the torques (spans, samples) N m."""
     time: FloatArray = begin + (np.arange(SAMPLES, dtype=np.float64) + 0.5) * (window / SAMPLES)
     return time, curves.torque(time)[0]
@@ -226,8 +311,14 @@ def vibrating(built: Built, found: Response, at: int) -> Built:
         return built
     rate = 2.0j * math.pi * found.frequency[at][:, None]
     shape, inertia = built.shape, np.where(system.held, 0.0, system.lumped_inertia)
-    motion = [shape.T @ (inertia * part.sum(axis=0).real) for part in (found.angle[at], rate * found.angle[at])]
-    place, speed = built.place + motion[0][len(built.speed) - len(built.place) :], built.speed + motion[1]
+    motion = [
+        shape.T @ (inertia * part.sum(axis=0).real)
+        for part in (found.angle[at], rate * found.angle[at])
+    ]
+    place, speed = (
+        built.place + motion[0][len(built.speed) - len(built.place) :],
+        built.speed + motion[1],
+    )
     standing = list(built.standing)
     for number, span in enumerate(balanced.spans):
         coupling = balanced_spans(found.system)[span]
@@ -249,8 +340,13 @@ def vibrating(built: Built, found: Response, at: int) -> Built:
 def coupling_twists(found: Response, balanced: Balanced, number: int, at: int) -> ComplexArray:
     """(components,) rad of a coupling."""
     span, system, w = balanced.spans[number], found.system, 2.0 * math.pi * found.frequency[at]
-    stiffness = (1.0 + 1j * system.loss_factor[span]) / system.flexibility[span] + 1j * w * system.viscous[span]
-    return np.asarray(found.torque[at, :, span] / (balanced.share[at, number] * stiffness + balanced.extra[at, number]))
+    stiffness = (1.0 + 1j * system.loss_factor[span]) / system.flexibility[
+        span
+    ] + 1j * w * system.viscous[span]
+    return np.asarray(
+        found.torque[at, :, span]
+        / (balanced.share[at, number] * stiffness + balanced.extra[at, number])
+    )
 
 
 def _standing(one: Standing, bias: float, twist: float, twisting: float) -> Standing:
@@ -259,7 +355,9 @@ def _standing(one: Standing, bias: float, twist: float, twisting: float) -> Stan
     if isinstance(element, Clearance):
         whole = bias + twist
         side = int(np.sign(whole)) if abs(whole) > element.half else 0
-        torque = side * (element.stiffness * (whole - side * element.half) + element.viscous * twisting)
+        torque = side * (
+            element.stiffness * (whole - side * element.half) + element.viscous * twisting
+        )
         return replace(one, twist=whole, regime=side if torque >= 0.0 else 2 * side)
     half = element.half if isinstance(element, DelayedFriction) else 0.0
     most = half + element.capacity / element.stiffness

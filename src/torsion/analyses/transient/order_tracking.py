@@ -24,7 +24,9 @@ HIGHEST = 12.0  # order of a waterfall, where no higher one is tracked
 ABOVE = 2.0  # orders beyond the highest that is tracked
 PER_ORDER = 8  # samples to a revolution, of the highest order
 ALIASED = 1e-4  # of the largest amplitude: what half of the samples may change
-DOUBTFUL = 0.01  # of the largest amplitude: windows that half of the samples change by more are left out
+DOUBTFUL = (
+    0.01  # of the largest amplitude: windows that half of the samples change by more are left out
+)
 MOST_POINTS = 2**18
 BLOCK = 2**21  # values of one array at once
 
@@ -56,7 +58,9 @@ class TrackedTorque:
 
     element: str = result("", (), "whose torque")
     torque: ComplexArray = result(
-        "N*m", ("window", "order"), "its phasor of every order that is tracked: amplitude, and phase over the angle"
+        "N*m",
+        ("window", "order"),
+        "its phasor of every order that is tracked: amplitude, and phase over the angle",
     )
     waterfall: FloatArray = result(
         "N*m", ("window", "multiple"), "amplitude of the multiples of the resolution, from 0"
@@ -83,8 +87,12 @@ class OrderTracking:
     resolution: float = result("1", (), "step between the orders of a waterfall")
     time: FloatArray = result("s", ("window",), "middle of each window")
     speed: FloatArray = result("rad/s", ("window",), "of the reference, mean of each window")
-    aliased: float = result("1", (), "largest change of an amplitude with half of the samples, of the largest")
-    left_out: int = result("", (), "windows omitted, because the torque changes too fast for their samples")
+    aliased: float = result(
+        "1", (), "largest change of an amplitude with half of the samples, of the largest"
+    )
+    left_out: int = result(
+        "", (), "windows omitted, because the torque changes too fast for their samples"
+    )
     each: tuple[TrackedTorque, ...] = result("", (), "every torque that is tracked")
 
 
@@ -116,23 +124,38 @@ def order_tracking(curves: Turning, tracked: Tracked, time: FloatArray, size: in
     turns = abs(float(angle[here][-1] - angle[here][0])) / (2.0 * np.pi)
     if turns < TURNS:
         none = np.empty(0)
-        return OrderTracking(tracked.name, turns, tracked.orders, 1.0 / TURNS, none, none, 0.0, 0, ())
+        return OrderTracking(
+            tracked.name, turns, tracked.orders, 1.0 / TURNS, none, none, 0.0, 0, ()
+        )
 
     def turned(at: FloatArray) -> tuple[FloatArray, FloatArray]:
         there = _blocks(lambda part: curves.turned(tracked.station, part), at, size)
         return sense * there[0], sense * there[1]
 
     rows, begin = np.array([span for _, span in tracked.spans]), sense * float(angle[here][0])
-    samples, number = 2 ** math.ceil(math.log2(PER_ORDER * tracked.highest)), int(tracked.highest * TURNS)
+    samples, number = (
+        2 ** math.ceil(math.log2(PER_ORDER * tracked.highest)),
+        int(tracked.highest * TURNS),
+    )
     while True:
         count = int(turns * samples)
-        at = times_at(begin + np.arange(count) * (2.0 * np.pi / samples), time[here], sense * angle[here], turned)
+        at = times_at(
+            begin + np.arange(count) * (2.0 * np.pi / samples),
+            time[here],
+            sense * angle[here],
+            turned,
+        )
         (value,) = _blocks(lambda part: (curves.torque(part)[0][rows],), at, size)
         first = windows(count, samples)
-        within, start = first[:, None] + np.arange(TURNS * samples), begin + first * (2.0 * np.pi / samples)
+        within, start = (
+            first[:, None] + np.arange(TURNS * samples),
+            begin + first * (2.0 * np.pi / samples),
+        )
         spectrum, change = list[FloatArray](), np.zeros(len(first))
         for one in value:
-            fine, coarse = (phasors(one[within[:, ::step]], start, TURNS, number) for step in (1, 2))
+            fine, coarse = (
+                phasors(one[within[:, ::step]], start, TURNS, number) for step in (1, 2)
+            )
             spectrum.append(np.abs(fine))
             largest = max(float(spectrum[-1].max()), np.finfo(float).tiny)
             change = np.maximum(change, np.abs(fine - coarse).max(axis=1) / largest)
@@ -141,14 +164,23 @@ def order_tracking(curves: Turning, tracked: Tracked, time: FloatArray, size: in
         samples *= 2
     good: BoolArray = change <= DOUBTFUL
     each = tuple(
-        TrackedTorque(name, phasors_of(one[within[good]], start[good], TURNS, tracked.orders), of_orders[good])
+        TrackedTorque(
+            name, phasors_of(one[within[good]], start[good], TURNS, tracked.orders), of_orders[good]
+        )
         for (name, _), one, of_orders in zip(tracked.spans, value, spectrum, strict=True)
     )
     mean_speed = turned(at)[1][within] @ hann(TURNS * samples) / (TURNS * samples)
     return OrderTracking(
-        tracked.name, turns, tracked.orders, 1.0 / TURNS, at[first + TURNS * samples // 2][good], mean_speed[good],
-        float(change[good].max(initial=0.0)), int(np.count_nonzero(~good)), each if good.any() else (),
-    )  # fmt: skip
+        tracked.name,
+        turns,
+        tracked.orders,
+        1.0 / TURNS,
+        at[first + TURNS * samples // 2][good],
+        mean_speed[good],
+        float(change[good].max(initial=0.0)),
+        int(np.count_nonzero(~good)),
+        each if good.any() else (),
+    )
 
 
 def one_sense(angle: FloatArray, speed: FloatArray) -> tuple[slice, float]:
@@ -171,7 +203,9 @@ def windows(count: int, samples: int) -> IntArray:
     return np.unique(np.linspace(0, last, number).astype(np.int64))
 
 
-def _blocks(read: Callable[[FloatArray], Sequence[FloatArray]], time: FloatArray, size: int) -> list[FloatArray]:
+def _blocks(
+    read: Callable[[FloatArray], Sequence[FloatArray]], time: FloatArray, size: int
+) -> list[FloatArray]:
     """What is read at times, block by block."""
     step = max(2, BLOCK // max(size, 1))
     found = [read(time[first : first + step]) for first in range(0, len(time), step)]

@@ -32,16 +32,28 @@ def orders_requested(
     given = settings.orders
     name = (given.reference if given else None) or study.operation.at or study.train.parts[0].name
     is_point = given is not None and given.reference is not None
-    station = study.train.part(name).stations[0] if is_point else reference_station(study.train, study.operation)
+    station = (
+        study.train.part(name).stations[0]
+        if is_point
+        else reference_station(study.train, study.operation)
+    )
     orders = np.array(given.track if given else (), dtype=float)
     if not orders.size:
         orders = _exciting(study, system, settings) / abs(float(system.speed_ratio[station]))
     sweeps = follows and orders.size > 0 and _sweeps(mean_speed(system, turning))
     if not peak.size or (given is None and not sweeps):
         return None
-    if given is not None and study.has_joints and not (system.lumped_inertia[station] or system.held[station]):
-        message = f"the angle of '{name}', a point without inertia, is not a coordinate of the motion"
-        raise InputError([Fault((*place, "orders", "reference"), message, "name a point with an inertia")])
+    if (
+        given is not None
+        and study.has_joints
+        and not (system.lumped_inertia[station] or system.held[station])
+    ):
+        message = (
+            f"the angle of '{name}', a point without inertia, is not a coordinate of the motion"
+        )
+        raise InputError(
+            [Fault((*place, "orders", "reference"), message, "name a point with an inertia")]
+        )
     named = (given.at if given else ()) or settings.plot
     names = [study.train.parts[number].name for number in system.span_part.tolist()]
     chosen = dict[str, int]()
@@ -52,7 +64,9 @@ def orders_requested(
     if not chosen:
         most = int((peak * system.span_ratio).argmax())
         chosen[names[most]] = most
-    highest = (given.highest if given else None) or max(HIGHEST, float(np.ceil(orders.max(initial=0.0) + ABOVE)))
+    highest = (given.highest if given else None) or max(
+        HIGHEST, float(np.ceil(orders.max(initial=0.0) + ABOVE))
+    )
     return Tracked(name, station, orders, highest, tuple(chosen.items()))
 
 
@@ -62,7 +76,9 @@ def _exciting(study: Study, system: System, settings: TransientSettings) -> Floa
     for event in settings.events:
         if event.body.by_angle:
             part = study.train.part(event.at)
-            own = getattr(event.body, "order", None) or (part.propeller.blades if part.propeller else None)
+            own = getattr(event.body, "order", None) or (
+                part.propeller.blades if part.propeller else None
+            )
             found |= {own * abs(system.speed_ratio[part.stations[0]])} if own else set()
     return np.array(sorted(map(float, found)))
 

@@ -8,12 +8,19 @@ import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
 
-ROUNDS = (0, 2, 8, 64)  # peaks of one curve that are looked at; those that a steady vibration repeats are alike
+ROUNDS = (
+    0,
+    2,
+    8,
+    64,
+)  # peaks of one curve that are looked at; those that a steady vibration repeats are alike
 DOUBT = 10.0  # times what the first of them differ from their cubics: lower ones are left out
 NEGLIGIBLE = 1e-8  # of an interval: a value is flat at its peak, and its error is the square of that of the time
 SECANTS = 12
 HALVINGS = 26
-Curves = Callable[[IntArray, FloatArray], tuple[FloatArray, FloatArray]]  # curve and time of each: value and rate
+Curves = Callable[
+    [IntArray, FloatArray], tuple[FloatArray, FloatArray]
+]  # curve and time of each: value and rate
 
 
 @dataclass
@@ -40,7 +47,9 @@ class Extremes:
         step = np.diff(time)
         rises, falls = rate[:, :-1] > 0.0, rate[:, 1:] < 0.0
         curve, at = np.nonzero(rises & falls)
-        height = _cubic_peak(value[curve, at], value[curve, at + 1], rate[curve, at], rate[curve, at + 1], step[at])
+        height = _cubic_peak(
+            value[curve, at], value[curve, at + 1], rate[curve, at], rate[curve, at + 1], step[at]
+        )
         np.maximum.at(self.best, curve, height)
         self.best = np.maximum(self.best, value.max(axis=1, initial=-np.inf))
         close = height >= self.best[curve] - self.near * np.ptp(value, axis=1)[curve]
@@ -55,7 +64,11 @@ class Extremes:
         """(curves,) greatest values of all peaks inside, and their times; -inf where a curve has none."""
         order = np.lexsort((-self.height, self.curve))
         place = np.arange(len(order)) - np.searchsorted(self.curve[order], self.curve[order])
-        top, when, doubt = np.full(len(self.best), -np.inf), np.zeros(len(self.best)), np.zeros(len(self.best))
+        top, when, doubt = (
+            np.full(len(self.best), -np.inf),
+            np.zeros(len(self.best)),
+            np.zeros(len(self.best)),
+        )
         for first, last in pairwise(ROUNDS):
             chosen = order[(place >= first) & (place < last)]
             own = self.curve[chosen]
@@ -90,7 +103,10 @@ class Extremes:
             rises = rate > 0.0
             low[left], high[left] = np.where(rises, at, a), np.where(rises, b, at)
             again = np.where(rises == before[left], 2.0, 1.0)
-            rising[left], falling[left] = np.where(rises, rate, up / again), np.where(rises, down / again, rate)
+            rising[left], falling[left] = (
+                np.where(rises, rate, up / again),
+                np.where(rises, down / again, rate),
+            )
             before[left] = rises
             done = (np.abs(at - found[left]) < near[left]) | (rate == 0.0)
             found[left] = at
@@ -98,7 +114,9 @@ class Extremes:
         return found
 
 
-def turns_within(time: FloatArray, value: FloatArray, rate: FloatArray) -> tuple[IntArray, FloatArray]:
+def turns_within(
+    time: FloatArray, value: FloatArray, rate: FloatArray
+) -> tuple[IntArray, FloatArray]:
     """Curve and value of all turns of curves (curves, times), in the order of time: also those of the cubics between.
 
     The ends stand among them.

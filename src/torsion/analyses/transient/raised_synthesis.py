@@ -12,7 +12,9 @@ from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearP
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Results, Work
 
-SAMPLED = 1e-3  # share by which the extremes of a sampled motion may be off: no smaller surplus counts
+SAMPLED = (
+    1e-3  # share by which the extremes of a sampled motion may be off: no smaller surplus counts
+)
 
 
 def run(work: Work) -> None:
@@ -20,20 +22,28 @@ def run(work: Work) -> None:
     response, computed = work.get(Response), work.get(Synthesis)
     if response is None or computed is None or response.balanced is None:
         return
-    work.put(nonlinear_peaks=NonlinearPeaks(exact_peaks(work, response, response.balanced), computed))
+    work.put(
+        nonlinear_peaks=NonlinearPeaks(exact_peaks(work, response, response.balanced), computed)
+    )
     work.put(synthesis=raised_synthesis(work))
 
 
 def raised_synthesis(evidence: Results) -> Synthesis:
     """The synthesis, nowhere less than the exact motion; infinite where one is needed and none is known."""
-    peaks, response, total = evidence.get(NonlinearPeaks), evidence.need(Response), computed_synthesis(evidence)
+    peaks, response, total = (
+        evidence.get(NonlinearPeaks),
+        evidence.need(Response),
+        computed_synthesis(evidence),
+    )
     if response.balanced is None:
         return total
     of_half_range, of_peak = surplus(evidence)
     half_range, peak = total.half_range * of_half_range, total.peak * of_peak
     for speed in unknown_speeds(response, response.balanced, peaks):
         half_range[speed], peak[speed] = np.inf, np.inf
-    return replace(total, half_range=half_range, peak=peak, bound=np.maximum(total.bound, half_range))
+    return replace(
+        total, half_range=half_range, peak=peak, bound=np.maximum(total.bound, half_range)
+    )
 
 
 def computed_synthesis(evidence: Results) -> Synthesis:
@@ -76,7 +86,9 @@ def _is_linear(balanced: Balanced) -> BoolArray:
     return np.asarray((balanced.amplitude <= balanced.first).all(axis=1))
 
 
-def unknown_speeds(response: Response, balanced: Balanced, found: NonlinearPeaks | None) -> list[int]:
+def unknown_speeds(
+    response: Response, balanced: Balanced, found: NonlinearPeaks | None
+) -> list[int]:
     """Speeds, by number, at which a coupling leaves its linear range and no exact motion is known."""
     if found is None:
         return []
@@ -89,5 +101,7 @@ def unknown_speeds(response: Response, balanced: Balanced, found: NonlinearPeaks
         if span not in known:
             numbers += np.flatnonzero(beyond).tolist()
         unsettled = [one.speed for one in known.get(span, []) if one.exact is None]
-        numbers += [at for at in map(int, np.flatnonzero(np.isin(response.speed, unsettled))) if beyond[at]]
+        numbers += [
+            at for at in map(int, np.flatnonzero(np.isin(response.speed, unsettled))) if beyond[at]
+        ]
     return numbers

@@ -26,7 +26,9 @@ class Passage:
     speed: float = result("rad/s", (), "reference speed there")
     frequency: float = result("Hz", (), "of the mode")
     seconds: float = result("s", (), "how long within the range of half the power")
-    share: float = result("1", (), "maximum amplitude / steady amplitude at that speed; by a closed form")
+    share: float = result(
+        "1", (), "maximum amplitude / steady amplitude at that speed; by a closed form"
+    )
 
 
 def _excitations(
@@ -38,7 +40,10 @@ def _excitations(
     for law, words in zip(follows.laws, follows.words, strict=True):
         at = float(ratio[law.at[0]])
         if isinstance(law, Wave):
-            yield words, law.window.holds(time) * np.abs(law.order * at * speed + complex(law.rate).imag)
+            yield (
+                words,
+                law.window.holds(time) * np.abs(law.order * at * speed + complex(law.rate).imag),
+            )
         elif law.at[0] in joints:
             for order in joints[law.at[0]].orders:
                 yield f"order {order} of {words}", order * at * speed
@@ -60,13 +65,22 @@ def passages(
     for words, excited in _excitations(system, follows, time, speed):
         rate = np.diff(excited) / np.diff(time)
         for mode, (w, damping) in enumerate(zip(train.w.tolist(), ratio.tolist(), strict=True)):
-            here = np.flatnonzero((np.diff(np.signbit(excited - w)) != 0) & (np.abs(rate) * time[-1] > NEAR * w))
+            here = np.flatnonzero(
+                (np.diff(np.signbit(excited - w)) != 0) & (np.abs(rate) * time[-1] > NEAR * w)
+            )
             for at in here.tolist():
                 share = (w - excited[at]) / (excited[at + 1] - excited[at])
                 when = float(time[at] + share * (time[at + 1] - time[at]))
                 passed = abs(float(rate[at]))
                 found.append(
-                    Passage(mode + 1, words, when, float(np.interp(when, time, speed)), w / (2.0 * math.pi),
-                            2.0 * damping * w / passed, share_of_steady(damping * w / math.sqrt(passed)))
-                )  # fmt: skip
+                    Passage(
+                        mode + 1,
+                        words,
+                        when,
+                        float(np.interp(when, time, speed)),
+                        w / (2.0 * math.pi),
+                        2.0 * damping * w / passed,
+                        share_of_steady(damping * w / math.sqrt(passed)),
+                    )
+                )
     return tuple(sorted(found, key=lambda one: one.time))

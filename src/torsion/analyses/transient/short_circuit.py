@@ -30,13 +30,18 @@ def _read_reclose(value: Any) -> Any:
         raise refuse("a range of times is [shortest, longest]", "for example [0.2 s, 0.6 s]")
     shortest, longest = (time.read(one) for one in value)
     if shortest > longest:
-        raise refuse("a range of times runs from the shorter to the longer", f"[{longest:g} s, {shortest:g} s]")
+        raise refuse(
+            "a range of times runs from the shorter to the longer",
+            f"[{longest:g} s, {shortest:g} s]",
+        )
     return shortest, longest
 
 
 Reclose = Annotated[
     tuple[float, float],
-    BeforeValidator(_read_reclose, json_schema_input_type=float | str | tuple[float | str, float | str]),
+    BeforeValidator(
+        _read_reclose, json_schema_input_type=float | str | tuple[float | str, float | str]
+    ),
 ]
 
 
@@ -54,8 +59,12 @@ class ShortCircuit(Kind):
     key = "short-circuit"
     meaning = "{coefficients, decay, sense, load, phases, line, clear, reclose}: short circuit of an electrical machine"
 
-    phases: Literal[2, 3] | None = given("2 or 3: checks the coefficients, for 3 have no part at twice the frequency")
-    coefficients: Coefficients = required("{line, double, mean}: amplitudes, of the rated torque; the maker's")
+    phases: Literal[2, 3] | None = given(
+        "2 or 3: checks the coefficients, for 3 have no part at twice the frequency"
+    )
+    coefficients: Coefficients = required(
+        "{line, double, mean}: amplitudes, of the rated torque; the maker's"
+    )
     decay: Annotated[tuple[Length, Length], Field()] = required("[T_1, T_2]: times of decay")
     sense: Sense = given(
         "brakes: -T_r (line e^(-t/T_1) sin wt - double e^(-t/T_2) sin 2wt + mean e^(-t/T_2)) is added in the "
@@ -80,21 +89,36 @@ class ShortCircuit(Kind):
     @model_validator(mode="after")
     def _in_order(self) -> Self:
         if self.reclose is not None and (self.clear is None or self.reclose[0] <= self.clear):
-            raise refuse("`reclose` comes after `clear`", "give `clear`, and a later `reclose`", "reclose")
+            raise refuse(
+                "`reclose` comes after `clear`", "give `clear`, and a later `reclose`", "reclose"
+            )
         if self.phases is not None and (self.phases == 2) != (self.coefficients.double != 0.0):
             hint = "`double` is only for a short circuit of 2 phases"
             raise refuse(
-                f"the coefficients do not belong to a short circuit of {self.phases} phases", hint, "coefficients"
+                f"the coefficients do not belong to a short circuit of {self.phases} phases",
+                hint,
+                "coefficients",
             )
         return self
 
     def pieces(self, begin: float, at: Point) -> Iterator[Piece]:
-        frequency, coefficients, (first, second) = 2.0 * math.pi * self.line, self.coefficients, self.decay
+        frequency, coefficients, (first, second) = (
+            2.0 * math.pi * self.line,
+            self.coefficients,
+            self.decay,
+        )
         rated = at.rated if self.sense == "drives" else -at.rated
         for start in [begin] if self.reclose is None else [begin, begin + self.reclose[0]]:
             end = math.inf if self.clear is None else start + self.clear
-            yield Piece(start, end, -1j * rated * coefficients.line, rate=complex(-1.0 / first, frequency))
-            yield Piece(start, end, 1j * rated * coefficients.double, rate=complex(-1.0 / second, 2.0 * frequency))
+            yield Piece(
+                start, end, -1j * rated * coefficients.line, rate=complex(-1.0 / first, frequency)
+            )
+            yield Piece(
+                start,
+                end,
+                1j * rated * coefficients.double,
+                rate=complex(-1.0 / second, 2.0 * frequency),
+            )
             yield Piece(start, end, rated * coefficients.mean, rate=-1.0 / second)
             if self.load == "falls":
                 yield Piece(start, end, -at.mean)
@@ -103,7 +127,10 @@ class ShortCircuit(Kind):
         if not at.rated:
             return "a short circuit needs the rated torque", "give `operation: rated` with a power"
         if self.load == "falls" and not at.mean:
-            return f"no mean torque acts at '{at.name}', that could fall", "`load: stays`, or begin `steady`"
+            return (
+                f"no mean torque acts at '{at.name}', that could fall",
+                "`load: stays`, or begin `steady`",
+            )
         return None
 
     @property
@@ -115,7 +142,11 @@ class ShortCircuit(Kind):
     def variants(self, frequency: FloatArray) -> "tuple[ShortCircuit, ...]":
         """Faults of one sense and one time of reclosing each; frequency: (modes,) Hz, natural ones of the train."""
         senses = ("brakes", "drives") if self.sense == "both" else (self.sense,)
-        times = [None] if self.reclose is None else [(time, time) for time in self._times(frequency)[::FINER]]
+        times = (
+            [None]
+            if self.reclose is None
+            else [(time, time) for time in self._times(frequency)[::FINER]]
+        )
         changes = [{"sense": sense, "reclose": time} for sense in senses for time in times]
         return tuple(self.model_copy(update=change) for change in changes)
 

@@ -14,7 +14,9 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.kernels.transient.torque_history import Piece
 
 PER_PERIOD = 4.0  # times from which a vibration is resolved
-PER_PERIOD_COUNTED = 16.0  # where cycles are counted: a cubic through values and rates is then exact to 1e-4
+PER_PERIOD_COUNTED = (
+    16.0  # where cycles are counted: a cubic through values and rates is then exact to 1e-4
+)
 BETWEEN = 16  # times between two cuts
 MOST_BETWEEN = 200_000  # of them altogether, where cuts are many
 MOST_TIMES = 4_000_000
@@ -52,7 +54,13 @@ def waves_of(loads: Iterable[Sequence[Piece]]) -> tuple[Wave, ...]:
 
 
 def looked_at(
-    time: FloatArray, finer: int, cuts: FloatArray, waves: Iterable[Wave], quickest: float, most: float, per: float
+    time: FloatArray,
+    finer: int,
+    cuts: FloatArray,
+    waves: Iterable[Wave],
+    quickest: float,
+    most: float,
+    per: float,
 ) -> Looked:
     """From samples, and how many times finer the modes are resolved.
 

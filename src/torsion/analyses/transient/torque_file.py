@@ -5,9 +5,13 @@ from pathlib import Path
 from torsion.two_columns import Columns, pairs
 
 TIME_AND_TORQUE = Columns(
-    ("time", "torque"), ("s", "N*m"), "time [s], torque [N*m]", "0.5, 120",
-    "a finite torque at a finite time from 0 on", 0.0,
-)  # fmt: skip
+    ("time", "torque"),
+    ("s", "N*m"),
+    "time [s], torque [N*m]",
+    "0.5, 120",
+    "a finite torque at a finite time from 0 on",
+    0.0,
+)
 
 
 def torque_rows(file: Path) -> tuple[tuple[float, float], ...]:

@@ -36,8 +36,15 @@ def _read_initial(value: Any) -> Any:
             return {"speed": {str(name): speed.read(one) for name, one in each.items()}}
         return {"speed": speed.read(each)}
     if isinstance(value, dict) and set(value) == {"torque"} and isinstance(value["torque"], dict):
-        return {"torque": {str(name): Quantity("N*m").read(torque) for name, torque in value["torque"].items()}}
-    raise refuse("this is no initial state", "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}")
+        return {
+            "torque": {
+                str(name): Quantity("N*m").read(torque) for name, torque in value["torque"].items()
+            }
+        }
+    raise refuse(
+        "this is no initial state",
+        "rest, steady, {speed: 1500 rpm} or {torque: {coupling-1: 100 N*m}}",
+    )
 
 
 def _read_torques(value: Any) -> Any:
@@ -45,13 +52,20 @@ def _read_torques(value: Any) -> Any:
     if value == "none" or value is None:
         return () if value else None
     if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
-        raise refuse("`torques` is `none` or a list of names", "torques: none, or torques: [engine]")
+        raise refuse(
+            "`torques` is `none` or a list of names", "torques: none, or torques: [engine]"
+        )
     if not value:
-        raise refuse("`torques` names nothing", "`torques: none`, or leave it out: then all periodic torques act")
+        raise refuse(
+            "`torques` names nothing",
+            "`torques: none`, or leave it out: then all periodic torques act",
+        )
     return tuple(dict.fromkeys(value))
 
 
-Initial = Annotated[Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])]
+Initial = Annotated[
+    Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])
+]
 
 
 def _read_band(value: Any) -> Any:
@@ -68,15 +82,25 @@ class Fatigue(Declared):
     amplitude: fields.Torque = required("torque amplitude (zero to peak) borne for `cycles` cycles")
     cycles: fields.Number = required("number of cycles at that amplitude")
     slope: fields.Number = required("exponent m of the line amplitude**m * cycles = constant")
-    at: Annotated[tuple[str, ...], OneOrMany] = given("names of the couplings, shafts or gears (default: all)", ())
-    mean: Literal["none", "goodman"] = given("how a mean torque counts: not, or by a greater amplitude", "none")
+    at: Annotated[tuple[str, ...], OneOrMany] = given(
+        "names of the couplings, shafts or gears (default: all)", ()
+    )
+    mean: Literal["none", "goodman"] = given(
+        "how a mean torque counts: not, or by a greater amplitude", "none"
+    )
     ultimate: fields.Torque | None = given("torque at which it breaks, for `goodman`")
 
     def refuse_clashes(self) -> None:
         if (self.mean == "goodman") != (self.ultimate is not None):
-            raise refuse("`mean: goodman` and `ultimate` belong together", "give both, or none", "mean")
+            raise refuse(
+                "`mean: goodman` and `ultimate` belong together", "give both, or none", "mean"
+            )
         if self.amplitude == 0.0 or self.ultimate == 0.0:
-            raise refuse("a torque of 0 bears no cycle", "give the torque of the maker or of a test", "amplitude")
+            raise refuse(
+                "a torque of 0 bears no cycle",
+                "give the torque of the maker or of a test",
+                "amplitude",
+            )
 
 
 class TransientSettings(Declared):
@@ -109,20 +133,38 @@ class TransientSettings(Declared):
         1e-6,
     )
     method: Literal[
-        "exact", "dop853", "radau", "newmark", "wilson", "hht", "generalised-alpha", "bathe", "houbolt",
-        "central-differences", "linear-acceleration", "runge-kutta-4", "precise",
+        "exact",
+        "dop853",
+        "radau",
+        "newmark",
+        "wilson",
+        "hht",
+        "generalised-alpha",
+        "bathe",
+        "houbolt",
+        "central-differences",
+        "linear-acceleration",
+        "runge-kutta-4",
+        "precise",
     ] = given(
         "exact, or a method that is compared with it: its error and run time are reported next to the exact motion "
-        "of a linear train", "exact"
-    )  # fmt: skip
+        "of a linear train",
+        "exact",
+    )
     step: Length | None = given("step of the compared method; not of `exact`, `dop853` and `radau`")
-    modes: Annotated[Any, BeforeValidator(_read_band, json_schema_input_type=int | Literal["all"])] = given(
-        "all, or the number of lowest elastic modes; then the change with twice as many is reported", "all"
+    modes: Annotated[
+        Any, BeforeValidator(_read_band, json_schema_input_type=int | Literal["all"])
+    ] = given(
+        "all, or the number of lowest elastic modes; then the change with twice as many is reported",
+        "all",
     )
     plot: Annotated[tuple[str, ...], OneOrMany] = given(
-        "names of elements whose torque, and points whose speed is drawn (default: the largest torques, both ends)", ()
+        "names of elements whose torque, and points whose speed is drawn (default: the largest torques, both ends)",
+        (),
     )
-    export: Literal["npz", "csv"] | None = given("also write all samples: motion.npz, or motion.csv of each motion")
+    export: Literal["npz", "csv"] | None = given(
+        "also write all samples: motion.npz, or motion.csv of each motion"
+    )
     orders: OrderSettings | None = given(
         "{at, reference, track, highest}: torques by orders of a shaft, if the speed changes by 8 revolutions or "
         "more. Default: if orders excite the train and its speed changes freely or by a program; none with "
@@ -132,7 +174,9 @@ class TransientSettings(Declared):
         "normal, or rare: a short circuit, an emergency, a misoperation, for which couplings have `max_torque_rare` "
         "(default: rare where every event is a short circuit)"
     )
-    fatigue: Fatigue | None = given("{amplitude, cycles, slope, at, mean, ultimate}: rainflow count and Miner's sum")
+    fatigue: Fatigue | None = given(
+        "{amplitude, cycles, slope, at, mean, ultimate}: rainflow count and Miner's sum"
+    )
 
     @property
     def is_rare(self) -> bool:
@@ -145,7 +189,9 @@ class TransientSettings(Declared):
         if steps and self.step is None:
             raise refuse(f"`{self.method}` needs a step", "`step: 0.1 ms`", "method")
         if self.step is not None and not steps:
-            hint = "leave it out" + ("" if self.method == "exact" else "; `tolerance` sets the steps")
+            hint = "leave it out" + (
+                "" if self.method == "exact" else "; `tolerance` sets the steps"
+            )
             raise refuse(f"`{self.method}` has no step of the file's", hint, "step")
 
 
@@ -165,17 +211,35 @@ def transient_faults(study: Study) -> list[Fault]:
     """Motions without a name, events at what is no point or after the end, files, and nothing that moves the train."""
     found, seen, every = list[Fault](), set[str](), cases(study)
     meshes = {torque.mesh[0] for torque in study.train.torques if torque.mesh}
-    if any(settings.torques is None or meshes.intersection(settings.torques) for settings, _ in every):
+    if any(
+        settings.torques is None or meshes.intersection(settings.torques) for settings, _ in every
+    ):
         found += mesh_faults(study, "motion over time")
     if not every:
-        found.append(Fault(PATH, "the list of motions is empty", "`- {name: start, duration: 2 s, events: [...]}`"))
+        found.append(
+            Fault(
+                PATH,
+                "the list of motions is empty",
+                "`- {name: start, duration: 2 s, events: [...]}`",
+            )
+        )
     if every and study.model == "exact" and study.train.has_shafts:
-        message = "the transient response supports lumped or finite-element shafts, not the model exact"
+        message = (
+            "the transient response supports lumped or finite-element shafts, not the model exact"
+        )
         found.append(Fault(("analyses", "model"), message, "model: lumped"))
     for settings, path in every:
         if len(every) > 1 and (not settings.name or settings.name in seen):
-            what = f"two motions are called '{settings.name}'" if settings.name else "a motion in a list needs a name"
-            found.append(Fault((*path, "name") if settings.name else path, what, "`name: start`, each another"))
+            what = (
+                f"two motions are called '{settings.name}'"
+                if settings.name
+                else "a motion in a list needs a name"
+            )
+            found.append(
+                Fault(
+                    (*path, "name") if settings.name else path, what, "`name: start`, each another"
+                )
+            )
         seen.add(settings.name)
         found += _faults(study, settings, path)
     return found
@@ -207,7 +271,9 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
         if (fault := name_fault(event.at, (*place, "at"), known, point=not is_clutch)) is not None:
             yield fault
         elif is_clutch and not study.train.part(event.at).is_clutch:
-            yield Fault((*place, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`")
+            yield Fault(
+                (*place, "at"), f"'{event.at}' is no clutch", "name a coupling with `capacity`"
+            )
         elif isinstance(event.body, ShortCircuit) and known[event.at][0] not in ELECTRICAL:
             hint = f"make '{event.at}' a `generator`; its load then leaves there"
             yield Fault((*place, "at"), "a short circuit acts in an electrical machine", hint)
@@ -223,7 +289,11 @@ def _faults(study: Study, settings: TransientSettings, path: Path) -> Iterator[F
         corners = [event.time + late for late in event.body.corners(here)]
         if any(a >= b for a, b in pairwise(corners)):
             message = f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
-            yield Fault((*place, event.body.key), message, f"at least {4.0 * math.ulp(event.time):.1g} s between them")
+            yield Fault(
+                (*place, event.body.key),
+                message,
+                f"at least {4.0 * math.ulp(event.time):.1g} s between them",
+            )
     yield from _reclosed_late(settings, path)
     yield from _stopped_twice(settings, path)
     yield from _given_twice(settings, path)
@@ -237,19 +307,31 @@ def _is_shaken(study: Study, settings: TransientSettings) -> bool:
         return True
     if settings.initial in (None, "steady"):
         return bool(study.operation.speed) and study.has_joints
-    return study.has_joints and isinstance(settings.initial, dict) and bool(settings.initial.get("speed"))
+    return (
+        study.has_joints
+        and isinstance(settings.initial, dict)
+        and bool(settings.initial.get("speed"))
+    )
 
 
-def _names(settings: TransientSettings, path: Path, known: Mapping[str, tuple[str, bool]]) -> Iterator[Fault]:
+def _names(
+    settings: TransientSettings, path: Path, known: Mapping[str, tuple[str, bool]]
+) -> Iterator[Fault]:
     """Of `plot`, `fatigue` and `orders`; known: of every component its kind, and whether it is a point."""
     named = [("plot", settings.plot)]
-    named += [(key, one.at) for key in ("fatigue", "orders") if (one := getattr(settings, key)) is not None]
+    named += [
+        (key, one.at)
+        for key in ("fatigue", "orders")
+        if (one := getattr(settings, key)) is not None
+    ]
     for key, names in named:
         for word in names:
             where = (*path, key) if key == "plot" else (*path, key, "at")
             if key != "plot" and word in known and known[word][1]:
                 links = ", ".join(name for name, (_, is_point) in known.items() if not is_point)
-                yield Fault(where, f"'{word}' is a {known[word][0]}, and no torque goes through it", links)
+                yield Fault(
+                    where, f"'{word}' is a {known[word][0]}, and no torque goes through it", links
+                )
             elif word not in known:
                 yield Fault(where, f"no component is called '{word}'", ", ".join(known))
 
@@ -270,7 +352,9 @@ def _reclosed_late(settings: TransientSettings, path: Path) -> Iterator[Fault]:
 def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
     """Stops at a point that together take more than its mean torque; judged where a share of one is at its end."""
     stops = [
-        (number, event, event.body) for number, event in enumerate(settings.events) if isinstance(event.body, Stop)
+        (number, event, event.body)
+        for number, event in enumerate(settings.events)
+        if isinstance(event.body, Stop)
     ]
     near = ROUNDING * settings.duration
     for number, event, body in stops:
@@ -279,8 +363,12 @@ def _stopped_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
         ends = [full + near, *([] if math.isinf(body.lasts) else [full + body.lasts - near])]
         share = max(sum(other.taken(at - time) for time, other in there) for at in ends)
         if share > 1.0 + ROUNDING:
-            message = f"the stops at '{event.at}' together end {100.0 * share:.4g} % of its mean torque"
-            yield Fault((*path, "events", number, "stop"), message, "a `share` each, of 100 % together")
+            message = (
+                f"the stops at '{event.at}' together end {100.0 * share:.4g} % of its mean torque"
+            )
+            yield Fault(
+                (*path, "events", number, "stop"), message, "a `share` each, of 100 % together"
+            )
             return
 
 
@@ -297,8 +385,14 @@ def _order_faults(
             yield fault
     highest = given_orders.highest
     if highest is not None and max(given_orders.track, default=0.0) > highest:
-        message = f"order {max(given_orders.track):g} is tracked, and the waterfall ends at {highest:g}"
-        yield Fault((*path, "orders", "highest"), message, f"{max(given_orders.track):g} or more, or leave it out")
+        message = (
+            f"order {max(given_orders.track):g} is tracked, and the waterfall ends at {highest:g}"
+        )
+        yield Fault(
+            (*path, "orders", "highest"),
+            message,
+            f"{max(given_orders.track):g} or more, or leave it out",
+        )
     if study.train.has_nonlinear_couplings:
         message = "orders of a transient response with backlash, friction, stages or a capacity are not supported yet"
         yield Fault((*path, "orders"), message, "leave it out, or make the couplings linear")
@@ -308,14 +402,25 @@ def _given_twice(settings: TransientSettings, path: Path) -> Iterator[Fault]:
     """A second program of speed at a point, and a start there while an earlier one is on; two at one time add."""
     for number, event in enumerate(settings.events):
         body, place = event.body, (*path, "events", number, event.body.key)
-        earlier = [one for one in settings.events[:number] if one.at == event.at and type(one.body) is type(body)]
+        earlier = [
+            one
+            for one in settings.events[:number]
+            if one.at == event.at and type(one.body) is type(body)
+        ]
         if isinstance(body, SpeedProgram) and earlier:
-            yield Fault(place, f"the speed of '{event.at}' is prescribed twice", "one `program` with all its rows")
+            yield Fault(
+                place,
+                f"the speed of '{event.at}' is prescribed twice",
+                "one `program` with all its rows",
+            )
         others = [(one.time, one.body) for one in settings.events if one.at == event.at]
         on = [
-            begin for begin, other in others
+            begin
+            for begin, other in others
             if isinstance(other, Start) and begin < event.time < begin + (other.off or math.inf)
-        ]  # fmt: skip
+        ]
         if isinstance(body, Start) and on:
             message = f"'{event.at}' is switched on at {on[0]:g} s already"
-            yield Fault(place, message, f"end that start by its `off`, at most {event.time - on[0]:g} s")
+            yield Fault(
+                place, message, f"end that start by its `off`, at most {event.time - on[0]:g} s"
+            )

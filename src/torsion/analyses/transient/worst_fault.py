@@ -31,7 +31,11 @@ class FaultScan:
     @property
     def scanned(self) -> dict[int, ShortCircuit]:
         """Those that close again at a time between two."""
-        return {number: one for number, one in self.faults.items() if one.reclose and one.reclose[0] < one.reclose[1]}
+        return {
+            number: one
+            for number, one in self.faults.items()
+            if one.reclose and one.reclose[0] < one.reclose[1]
+        }
 
     def variants(self) -> list[TransientSettings]:
         """Every combination of the senses and times of reclosing of all faults.
@@ -39,15 +43,28 @@ class FaultScan:
         Raises InputError where these and the finer ones may be more than MOST_FAULTS.
         """
         variants = {number: fault.variants(self.frequency) for number, fault in self.faults.items()}
-        count = math.prod(map(len, variants.values())) + WORST_TIMES * 2 * (FINER - 1) * len(self.scanned)
+        count = math.prod(map(len, variants.values())) + WORST_TIMES * 2 * (FINER - 1) * len(
+            self.scanned
+        )
         if count > MOST_FAULTS:
             message = (
                 f"{count} short circuits would be computed, for all senses and times of reclosing: more than "
                 f"{MOST_FAULTS}"
             )
-            raise InputError([Fault((*self.place, "events"), message, "a narrower range `reclose`, or state `sense`")])
+            raise InputError(
+                [
+                    Fault(
+                        (*self.place, "events"),
+                        message,
+                        "a narrower range `reclose`, or state `sense`",
+                    )
+                ]
+            )
         combinations = product(*variants.values())
-        return [_with_faults(self.settings, dict(zip(variants, each, strict=True))) for each in combinations]
+        return [
+            _with_faults(self.settings, dict(zip(variants, each, strict=True)))
+            for each in combinations
+        ]
 
     def finer_variants(self, worst: Sequence[TransientSettings]) -> Iterator[TransientSettings]:
         """Between the times of reclosing of the worst of `variants` and those before and after, each of them once."""
@@ -58,7 +75,9 @@ class FaultScan:
                 assert isinstance(now, ShortCircuit)
                 assert now.reclose is not None
                 for body in fault.variants_beside(now.reclose[0], self.frequency):
-                    finer = _with_faults(settings, {number: body.model_copy(update={"sense": now.sense})})
+                    finer = _with_faults(
+                        settings, {number: body.model_copy(update={"sense": now.sense})}
+                    )
                     if finer not in seen:
                         seen.append(finer)
                         yield finer
@@ -66,8 +85,12 @@ class FaultScan:
 
 def faults_in_words(settings: TransientSettings) -> str:
     """Their senses and times of reclosing, with their points where there are several."""
-    faults = [(event.at, event.body) for event in settings.events if isinstance(event.body, ShortCircuit)]
-    return "; ".join(f"{body.words}{f' at {name}' if len(faults) > 1 else ''}" for name, body in faults)
+    faults = [
+        (event.at, event.body) for event in settings.events if isinstance(event.body, ShortCircuit)
+    ]
+    return "; ".join(
+        f"{body.words}{f' at {name}' if len(faults) > 1 else ''}" for name, body in faults
+    )
 
 
 def _with_faults(settings: TransientSettings, faults: dict[int, ShortCircuit]) -> TransientSettings:

@@ -39,7 +39,11 @@ def over_phases(
     settings: TransientSettings, solve: Callable[[TransientSettings], Found], limit: FloatArray
 ) -> list[tuple[Phases, Found]]:
     """The motions of several phases, the worst first: nearest to or farthest above the limits (spans,) N m, or nan."""
-    left_open = [k for k, one in enumerate(settings.events) if isinstance(one.body, Start) and one.body.has_worst_phase]
+    left_open = [
+        k
+        for k, one in enumerate(settings.events)
+        if isinstance(one.body, Start) and one.body.has_worst_phase
+    ]
     phases, found = dict[int, float](dict.fromkeys(left_open, 0.0)), dict[Phases, Found]()
 
     def run(number: int, phase: float) -> Found:

@@ -35,7 +35,9 @@ def chunks(count: int, length: int) -> tuple[Chunk, ...]:
     [(0, 4), (4, 8), (8, 10)]
     """
     begins = range(0, count, length)
-    return tuple(Chunk(number, begin, min(begin + length, count)) for number, begin in enumerate(begins))
+    return tuple(
+        Chunk(number, begin, min(begin + length, count)) for number, begin in enumerate(begins)
+    )
 
 
 def joined(count: int, modes: int, parts: Iterable[Part]) -> Part:
@@ -94,4 +96,8 @@ def duration(seconds: float) -> str:
     if whole < 60:
         return f"about {whole} s"
     minutes, rest = divmod(whole, 60)
-    return f"about {minutes} min {rest} s" if minutes < 60 else f"about {minutes // 60} h {minutes % 60} min"
+    return (
+        f"about {minutes} min {rest} s"
+        if minutes < 60
+        else f"about {minutes // 60} h {minutes % 60} min"
+    )

@@ -29,14 +29,21 @@ class JudgedInGroups:
     work: Work
     variation: Variation
     modes: int
-    trains: dict[tuple[float, ...], Swept | None] = field(default_factory=dict)  # by group; None: one by one
-    apart: tuple[int, ...] | None = None  # figures that do otherwise than by powers, and make a group by each value
+    trains: dict[tuple[float, ...], Swept | None] = field(
+        default_factory=dict
+    )  # by group; None: one by one
+    apart: tuple[int, ...] | None = (
+        None  # figures that do otherwise than by powers, and make a group by each value
+    )
     why: str = ""  # not side by side
     alone: int = 0  # variants solved by themselves
 
     def answers(self, values: FloatArray) -> Answers:
         """What the variants (variants, figures) answer."""
-        found, alone = Answers.unknown(self.modes, len(values)), np.ones(len(values), dtype=np.bool_)
+        found, alone = (
+            Answers.unknown(self.modes, len(values)),
+            np.ones(len(values), dtype=np.bool_),
+        )
         for group in self._groups(values):
             train = self._train(group)
             if train is None:
@@ -51,11 +58,15 @@ class JudgedInGroups:
             alone[group.places[order[at]]] = False
         places = np.flatnonzero(alone).tolist()
         self.alone += len(places)
-        return solved(self.work, self.variation, values, self.modes, judged=True, known=found, places=places)
+        return solved(
+            self.work, self.variation, values, self.modes, judged=True, known=found, places=places
+        )
 
     def is_fast(self, values: FloatArray) -> bool:
         """Most of variants like these (variants, figures) are judged side by side, as far as their figures say."""
-        together = sum(len(group.places) for group in self._groups(values) if self._train(group) is not None)
+        together = sum(
+            len(group.places) for group in self._groups(values) if self._train(group) is not None
+        )
         return not self.apart and together > MOSTLY * len(values)
 
     def _groups(self, values: FloatArray) -> Iterator[Group]:
@@ -75,7 +86,9 @@ class JudgedInGroups:
             one[:, place] = values[:, place]
             others.remove(place)
             try:
-                group = max(variation.groups(one, others), key=lambda group: len(group.places), default=None)
+                group = max(
+                    variation.groups(one, others), key=lambda group: len(group.places), default=None
+                )
                 train = None if group is None else self._tried(group)
             except (InputError, SolveError):
                 train = None

@@ -24,7 +24,9 @@ POINTS = 2**10  # speeds of a variant, at most in most trains
 COMPARED = 8  # variants that are solved by themselves as well
 
 
-def judged_together(work: Work, variation: Variation, values: FloatArray, modes: int) -> tuple[Answers | None, str]:
+def judged_together(
+    work: Work, variation: Variation, values: FloatArray, modes: int
+) -> tuple[Answers | None, str]:
     """The answers of all variants, and how they were found; None, and why, where they have to be solved one by one."""
     train = _train(work, variation, values)
     if isinstance(train, str):
@@ -38,7 +40,9 @@ def judged_together(work: Work, variation: Variation, values: FloatArray, modes:
     alone = solved(work, variation, values[compared], modes, judged=True)
     if not tried.agrees(alone, compared):
         return None, "a few of the variants do not say the same side by side"
-    difference = tried.largest_difference(alone, compared)  # before those left take the places of what was tried
+    difference = tried.largest_difference(
+        alone, compared
+    )  # before those left take the places of what was tried
     answers.standing |= alone.standing
     places = np.flatnonzero(left).tolist()
     for used, fails in answers.checks.values():
@@ -58,7 +62,11 @@ def can_be_together(work: Work, variation: Variation, values: FloatArray) -> boo
 
 def _train(work: Work, variation: Variation, values: FloatArray) -> Swept | str:
     """The train with how figures enter it; or why the variants (variants, figures) cannot be tried side by side."""
-    return unfit(work) or swept(work, variation, values) or "a figure enters neither as a power nor as a share of a sum"
+    return (
+        unfit(work)
+        or swept(work, variation, values)
+        or "a figure enters neither as a power nor as a share of a sum"
+    )
 
 
 @dataclass(frozen=True)
@@ -72,7 +80,11 @@ class Tried:
     def some(self, count: int) -> list[int]:
         """Places of so many variants that are not left, from the first to the last."""
         sure = np.flatnonzero(~self.left)
-        return sure[sorted({k * (len(sure) - 1) // (count - 1) for k in range(count)})].tolist() if sure.size else []
+        return (
+            sure[sorted({k * (len(sure) - 1) // (count - 1) for k in range(count)})].tolist()
+            if sure.size
+            else []
+        )
 
     def agrees(self, alone: Answers, places: Sequence[int]) -> bool:
         """What the variants at `places` say side by side is what they say `alone`, as far as they are not left."""
@@ -82,7 +94,10 @@ class Tried:
         count = len(self.left)  # what no variant says in one way, those left may say in the other
         none = np.full(count, np.nan), np.zeros(count, dtype=np.bool_)
         for key in alone.checks.keys() | answers.checks.keys():
-            own, error = answers.checks.get(key, none), self.errors.get(key, np.zeros(count))[places]
+            own, error = (
+                answers.checks.get(key, none),
+                self.errors.get(key, np.zeros(count))[places],
+            )
             used, fails = alone.checks.get(key, tuple(one[: len(places)] for one in none))
             mine, theirs = own[0][places][sure], used[sure]
             near = (MARGIN + 2.0 * error[sure]) * np.abs(theirs)
@@ -90,13 +105,19 @@ class Tried:
             if not close.all() or (own[1][places] != fails)[sure].any():
                 return False
         known = np.isfinite(alone.frequency) & sure
-        return np.allclose(answers.frequency[:, places][known], alone.frequency[known], rtol=1e-12, atol=0.0)
+        return np.allclose(
+            answers.frequency[:, places][known], alone.frequency[known], rtol=1e-12, atol=0.0
+        )
 
     def largest_difference(self, alone: Answers, places: Sequence[int]) -> float:
         """Largest relative difference of a share of the variants at `places` from what it is `alone`."""
         shared = self.answers.checks.keys() & alone.checks.keys()
         pairs = ((self.answers.checks[key][0][places], alone.checks[key][0]) for key in shared)
-        known = ((side_by_side, share) for side_by_side, share in pairs if np.isfinite(share).all() and share.all())
+        known = (
+            (side_by_side, share)
+            for side_by_side, share in pairs
+            if np.isfinite(share).all() and share.all()
+        )
         return max((float(np.abs(one / share - 1.0).max()) for one, share in known), default=0.0)
 
 
@@ -112,7 +133,9 @@ def judged_of(train: Swept, values: FloatArray, modes: int, progress: Progress =
             whole = answers.check(key)
             whole[0][part], whole[1][part] = used, fails
             errors.setdefault(key, np.zeros(count))[part] = error
-        left[part] = found.left | train.displaces(factor) | train.is_divided_otherwise(factor, frequency)
+        left[part] = (
+            found.left | train.displaces(factor) | train.is_divided_otherwise(factor, frequency)
+        )
         progress(f"{part.stop} of {count} variants side by side", part.stop / count)
     return Tried(answers, errors, left)
 
@@ -125,7 +148,9 @@ class _Chunk:
     left: BoolArray
 
 
-def _chunks(train: Swept, values: FloatArray, modes: int) -> Iterator[tuple[slice, FloatArray, _Chunk]]:
+def _chunks(
+    train: Swept, values: FloatArray, modes: int
+) -> Iterator[tuple[slice, FloatArray, _Chunk]]:
     """Variants in order with their frequencies (modes, variants) rad/s."""
     columns = min(COLUMNS, VALUES // (len(train.found) * len(train.spans)))
     few = values[:1] if len(values) * POINTS > columns else values

@@ -23,12 +23,23 @@ Width = Annotated[
     float,
     fields.Quantity("1", above=0, below=1, usual="deviation of a law"),
     BeforeValidator(_without_sign),
-    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, +-15 % or 15 %"}]}),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number"},
+                {"type": "string", "description": "a share, +-15 % or 15 %"},
+            ]
+        }
+    ),
 ]
 Share = Annotated[
-    float, fields.Quantity("1", above=0, usual="share of a value"), BeforeValidator(_without_sign),
-    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, 70 %"}]}),
-]  # fmt: skip
+    float,
+    fields.Quantity("1", above=0, usual="share of a value"),
+    BeforeValidator(_without_sign),
+    WithJsonSchema(
+        {"anyOf": [{"type": "number"}, {"type": "string", "description": "a share, 70 %"}]}
+    ),
+]
 
 
 def _amount(value: Any, key: str) -> tuple[Fraction, str]:
@@ -44,24 +55,40 @@ def _amount(value: Any, key: str) -> tuple[Fraction, str]:
 class Choice(Declared):
     """Values of one figure in place of that of the file: a list, a range, or the rows of a catalogue."""
 
-    values: tuple[Any, ...] | None = given("alternatives, each written as the file would: [56 mm, 60 mm, 65 mm]")
+    values: tuple[Any, ...] | None = given(
+        "alternatives, each written as the file would: [56 mm, 60 mm, 65 mm]"
+    )
     first: Amount | None = given("minimum of a range, with its unit", alias="from")
     last: Amount | None = given("maximum, in the same unit", alias="to")
-    steps: Annotated[int, Field(ge=2, le=MOST_STEPS)] | None = given("how many values from one end to the other")
+    steps: Annotated[int, Field(ge=2, le=MOST_STEPS)] | None = given(
+        "how many values from one end to the other"
+    )
     step: Amount | None = given("distance of the values, in the same unit, in place of `steps`")
-    catalogue: str | None = given("CSV file whose rows are alternatives of the component; a column a key, with `name`")
+    catalogue: str | None = given(
+        "CSV file whose rows are alternatives of the component; a column a key, with `name`"
+    )
 
     def refuse_clashes(self) -> None:
         """One way, and a range with both ends in one unit."""
         ways = self._ways()
         if len(ways) != 1:
-            found = f"{' and '.join(ways)} exclude each other" if ways else "nothing says how the figure varies"
-            raise refuse(found, f"one of {', '.join(self._known_ways())}", key=ways[-1] if ways else "")
+            found = (
+                f"{' and '.join(ways)} exclude each other"
+                if ways
+                else "nothing says how the figure varies"
+            )
+            raise refuse(
+                found, f"one of {', '.join(self._known_ways())}", key=ways[-1] if ways else ""
+            )
         if self.values is not None and len(self.values) < 2:
             raise refuse("a list of values needs two at least", "give alternatives", "values")
         for place, value in enumerate(self.values or ()):
             if value in (self.values or ())[:place]:
-                raise refuse(f"the value {shown(value)} is listed twice", "each value once", ("values", place))
+                raise refuse(
+                    f"the value {shown(value)} is listed twice",
+                    "each value once",
+                    ("values", place),
+                )
         if ways[0] != "from":
             extra = next((key for key in ("steps", "step") if getattr(self, key) is not None), None)
             if extra is not None:
@@ -69,12 +96,24 @@ class Choice(Declared):
             return
         if self.first is None or self.last is None:
             missing, other = ("from", "to") if self.first is None else ("to", "from")
-            raise refuse(f"a range without `{missing}`", f"give both `{other}` and `{missing}`", other)
-        first, last = (_amount(value, key) for value, key in ((self.first, "from"), (self.last, "to")))
+            raise refuse(
+                f"a range without `{missing}`", f"give both `{other}` and `{missing}`", other
+            )
+        first, last = (
+            _amount(value, key) for value, key in ((self.first, "from"), (self.last, "to"))
+        )
         if first[1] != last[1]:
-            raise refuse(f"{shown(self.first)} and {shown(self.last)} are in different units", "one unit", "to")
+            raise refuse(
+                f"{shown(self.first)} and {shown(self.last)} are in different units",
+                "one unit",
+                "to",
+            )
         if first[0] >= last[0]:
-            raise refuse(f"`from` {shown(self.first)} is not below `to` {shown(self.last)}", "exchange them", "from")
+            raise refuse(
+                f"`from` {shown(self.first)} is not below `to` {shown(self.last)}",
+                "exchange them",
+                "from",
+            )
         if self.step is not None:
             step = _amount(self.step, "step")
             if self.steps is not None:
@@ -88,8 +127,12 @@ class Choice(Declared):
                 raise refuse(f"`step` {shown(self.step)} does not divide the range", hint, "step")
 
     def _ways(self) -> list[str]:
-        given_range = [key for key, value in (("from", self.first), ("to", self.last)) if value is not None]
-        return [key for key in ("values", "catalogue") if getattr(self, key) is not None] + given_range[:1]
+        given_range = [
+            key for key, value in (("from", self.first), ("to", self.last)) if value is not None
+        ]
+        return [
+            key for key in ("values", "catalogue") if getattr(self, key) is not None
+        ] + given_range[:1]
 
     def _known_ways(self) -> tuple[str, ...]:
         return "values", "from and to", "catalogue"
@@ -139,32 +182,44 @@ class Law(Choice):
 
     uniform: Width | None = given("any value within this of the file's is as likely: +-15 %")
     normal: Width | None = given("standard deviation, the mean being the file's value: 5 %")
-    lognormal: Width | None = given("standard deviation of the logarithm, the median being the file's value")
+    lognormal: Width | None = given(
+        "standard deviation of the logarithm, the median being the file's value"
+    )
     triangular: Annotated[tuple[Share, ...], fields.OneOrMany] | None = given(
         "half width: most likely at the file's value, zero at this distance. Or minimum, mode and maximum relative "
         "to the file's value: [70 %, 80 %, 100 %]"
     )
-    within: Width | None = given("for `normal`: largest distance from the file's value (default: 3 deviations)")
+    within: Width | None = given(
+        "for `normal`: largest distance from the file's value (default: 3 deviations)"
+    )
 
     def refuse_clashes(self) -> None:
         """One way alone, and `within` with a normal law."""
         super().refuse_clashes()
         if self.triangular is not None and len(self.triangular) not in (1, 3):
             raise refuse(
-                f"{len(self.triangular)} shares are no triangle", "one, or three: [70 %, 80 %, 100 %]", "triangular"
+                f"{len(self.triangular)} shares are no triangle",
+                "one, or three: [70 %, 80 %, 100 %]",
+                "triangular",
             )
         low, middle, high = self.corners
         if not low > 0.0:
-            raise refuse("the share of a symmetric triangle is below 100 %", "such as +-15 %", "triangular")
+            raise refuse(
+                "the share of a symmetric triangle is below 100 %", "such as +-15 %", "triangular"
+            )
         if not low <= middle <= high or low == high:
             hint = "minimum, mode and maximum relative to the file's value: [70 %, 80 %, 100 %]"
             raise refuse(f"{low:g}, {middle:g} and {high:g} do not rise", hint, "triangular")
         if self.within is not None and (self.normal is None or self.within <= self.normal):
             raise refuse(
-                "`within` cuts a normal law at more than its deviation", "{normal: 5 %, within: 15 %}", "within"
+                "`within` cuts a normal law at more than its deviation",
+                "{normal: 5 %, within: 15 %}",
+                "within",
             )
         if self.normal is not None and self.within is None and 3.0 * self.normal >= 1.0:
-            raise refuse("three deviations take the figure to 0", "`within: 90 %`, or lognormal", "normal")
+            raise refuse(
+                "three deviations take the figure to 0", "`within: 90 %`, or lognormal", "normal"
+            )
 
     def _ways(self) -> list[str]:
         return [law for law in LAWS if getattr(self, law) is not None] + super()._ways()

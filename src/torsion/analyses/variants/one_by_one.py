@@ -11,7 +11,15 @@ from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
 from torsion.study import Variation
 
-READ = "engine", "coupling temperatures", "nonlinear peaks", "stability", "joints", "lateral", "transient"  # by checks
+READ = (
+    "engine",
+    "coupling temperatures",
+    "nonlinear peaks",
+    "stability",
+    "joints",
+    "lateral",
+    "transient",
+)  # by checks
 TO_BE_VERIFIED = "to be verified"  # standing of a limit, as the rules call it
 Key = tuple[str, str, str, str]  # rule, clause, where, what
 
@@ -21,7 +29,9 @@ class Answers:
     """What variants answer, a column each."""
 
     frequency: FloatArray  # (modes, variants) Hz, NaN where unknown
-    checks: dict[Key, tuple[FloatArray, BoolArray]] = field(default_factory=dict)  # utilisation, fails: (variants,)
+    checks: dict[Key, tuple[FloatArray, BoolArray]] = field(
+        default_factory=dict
+    )  # utilisation, fails: (variants,)
     faults: dict[int, str] = field(default_factory=dict)  # why a variant has no answer
     method: str = ""  # by which they were found
     standing: dict[Key, str] = field(default_factory=dict)  # where the limit of a check is from
@@ -35,7 +45,9 @@ class Answers:
     def check(self, key: Key) -> tuple[FloatArray, BoolArray]:
         """Utilisation and fails (variants,) of a check, to be filled in where it is a new one."""
         count = self.frequency.shape[1]
-        return self.checks.setdefault(key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_)))
+        return self.checks.setdefault(
+            key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_))
+        )
 
     def keep(self, place: int, found: Findings | str) -> None:
         """Put the frequencies and the verdicts of a variant, or why it has none, in its column."""
@@ -51,13 +63,19 @@ class Answers:
                 continue
             key = check.rule, check.clause, check.where, check.what
             used, fails = self.check(key)
-            used[place] = np.fmax(used[place], np.nan if check.utilisation is None else check.utilisation)
-            fails[place] |= check.fails or check.verdict == "not judged"  # what is not judged is not known to be kept
+            used[place] = np.fmax(
+                used[place], np.nan if check.utilisation is None else check.utilisation
+            )
+            fails[place] |= (
+                check.fails or check.verdict == "not judged"
+            )  # what is not judged is not known to be kept
             self.standing[key] = check.standing
             if check.verdict == "not judged":
                 self.partly.add(place)
 
-    def take(self, places: IntArray | slice, own: "Answers", at: IntArray | slice = slice(None)) -> None:
+    def take(
+        self, places: IntArray | slice, own: "Answers", at: IntArray | slice = slice(None)
+    ) -> None:
         """Put frequencies and verdicts of others, those in its columns `at`, into the columns `places`."""
         self.frequency[:, places] = own.frequency[:, at]
         for key, (used, fails) in own.checks.items():
@@ -66,9 +84,15 @@ class Answers:
 
 
 def solved(
-    work: Work, variation: Variation, values: FloatArray, modes: int, *, judged: bool,
-    known: Answers | None = None, places: Sequence[int] | None = None,
-) -> Answers:  # fmt: skip
+    work: Work,
+    variation: Variation,
+    values: FloatArray,
+    modes: int,
+    *,
+    judged: bool,
+    known: Answers | None = None,
+    places: Sequence[int] | None = None,
+) -> Answers:
     """The answers of variants (variants, figures), each read, solved and judged as a file of its own.
 
     known: answers to which those at the `places` alone are added.
@@ -77,7 +101,9 @@ def solved(
     chosen = range(len(values)) if places is None else places
     if work.solve is None or not chosen:
         return answers
-    for place, found in zip(chosen, _each(work, work.solve, variation, values[chosen], judged), strict=True):
+    for place, found in zip(
+        chosen, _each(work, work.solve, variation, values[chosen], judged), strict=True
+    ):
         answers.keep(place, found)
     return answers
 
@@ -86,13 +112,19 @@ def read(work: Work, *, judged: bool) -> tuple[str, ...]:
     """The analyses that a variant has."""
     from torsion.analyses import ANALYSES
 
-    own = [name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)]
+    own = [
+        name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)
+    ]
     return ("modes", *((*work.ruled, *own) if judged else ()))
 
 
 def _each(
-    work: Work, solve: Callable[..., Findings], variation: Variation, values: FloatArray, judged: bool
-) -> Iterator[Findings | str]:  # fmt: skip
+    work: Work,
+    solve: Callable[..., Findings],
+    variation: Variation,
+    values: FloatArray,
+    judged: bool,
+) -> Iterator[Findings | str]:
     """Of every variant its findings, or why it has none."""
     only = read(work, judged=judged)
     for place, row in enumerate(values.tolist()):
@@ -108,4 +140,8 @@ def _each(
 
 def why(error: InputError | SolveError) -> str:
     """Why a variant has no answer."""
-    return "; ".join(fault.message for fault in error.faults) if isinstance(error, InputError) else error.message
+    return (
+        "; ".join(fault.message for fault in error.faults)
+        if isinstance(error, InputError)
+        else error.message
+    )

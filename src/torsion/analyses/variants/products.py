@@ -15,7 +15,17 @@ from torsion.study import Study, Variation
 TRIALS = (1.07, 0.96, 1.03, 0.93)  # factors at which a figure is tried
 TURNED = 1e-9  # rad, from which a trial turns a phasor
 POWER = 1e-11  # relative, within which the numbers are products of powers of the figures
-OF_SUMS = (1.0, -1.0, 4.0, -4.0, 3.0, -3.0, 2.0, -2.0, -0.2)  # powers of a figure in a sum; the last of a size factor
+OF_SUMS = (
+    1.0,
+    -1.0,
+    4.0,
+    -4.0,
+    3.0,
+    -3.0,
+    2.0,
+    -2.0,
+    -0.2,
+)  # powers of a figure in a sum; the last of a size factor
 BESIDE = (0.0, -1.0, 1.0, -2.0, 2.0, -3.0, 3.0, -4.0, 4.0)  # powers beside the sum
 Rows = NDArray[Any]  # (rows, samples) numbers of a train; the samples of a row vary as one
 
@@ -30,12 +40,16 @@ class Products:
     """
 
     power: FloatArray  # (rows, figures)
-    share: FloatArray  # (rows, figures) of the term of the sum that has the figure; 0: it is in none
+    share: (
+        FloatArray  # (rows, figures) of the term of the sum that has the figure; 0: it is in none
+    )
     term: FloatArray  # (rows, figures) power of the figure in the term
     root: FloatArray  # (rows,) 1, or -1: one over the sum
     turn: FloatArray  # (rows, figures) angle for each unit of the figure, rad
     nominal: FloatArray  # (figures,) values of the file
-    component: tuple[int, ...]  # (figures,) those of one component that have one share of a row are in one term of it
+    component: tuple[
+        int, ...
+    ]  # (figures,) those of one component that have one share of a row are in one term of it
 
     def factors(self, values: FloatArray) -> Rows:
         """(rows, variants) of the rows over those of the file, at values (variants, figures), maybe complex."""
@@ -74,7 +88,9 @@ NO_ROWS = np.empty((0, 0))
 UNCHANGED = Products(NO_ROWS, NO_ROWS, NO_ROWS, np.empty(0), NO_ROWS, np.empty(0), ())  # no figure
 
 
-def products(variation: Variation, values: FloatArray, read: Callable[[Study], Rows | None]) -> Products | None:
+def products(
+    variation: Variation, values: FloatArray, read: Callable[[Study], Rows | None]
+) -> Products | None:
     """How the values (variants, figures) enter the rows that are read of a study; None where otherwise than known.
 
     read: None where the study differs in more than its rows. Every figure is read at the ends of its values as well, as
@@ -93,14 +109,20 @@ def products(variation: Variation, values: FloatArray, read: Callable[[Study], R
 
     base, enters = tried(nominal), list[tuple[FloatArray, ...]]()
     for place in range(len(nominal)):
-        each = [tried(np.where(np.arange(len(nominal)) == place, one, 1.0) * nominal) for one in TRIALS]
+        each = [
+            tried(np.where(np.arange(len(nominal)) == place, one, 1.0) * nominal) for one in TRIALS
+        ]
         found = None if base is None else _entry(base, each, float(nominal[place]))
         if found is None:
             return None
         enters.append(found)
     power, share, term, root, turn = (np.stack(own, axis=1) for own in zip(*enters, strict=True))
     turns = turn.any(axis=0)
-    if power[:, turns].any() or share[:, turns].any() or not np.all((values / nominal > 0.0) | turns):
+    if (
+        power[:, turns].any()
+        or share[:, turns].any()
+        or not np.all((values / nominal > 0.0) | turns)
+    ):
         return None
     if ((root < 0.0).any(axis=1) & ((share != 0.0) & (root > 0.0)).any(axis=1)).any():
         return None
@@ -139,22 +161,34 @@ def _entry(base: Rows, tried: list[Rows | None], nominal: float) -> tuple[FloatA
     rows = [one for one in tried if one is not None and one.shape == base.shape]
     if len(rows) < len(TRIALS):
         return None
-    each, largest = np.arange(len(base)), np.where(np.isfinite(base), np.abs(base), -1.0).argmax(axis=1)
+    each, largest = (
+        np.arange(len(base)),
+        np.where(np.isfinite(base), np.abs(base), -1.0).argmax(axis=1),
+    )
     with np.errstate(all="ignore"):
         ratio = np.array([one[each, largest] / base[each, largest] for one in rows])
         ratio[:, (base[each, largest] == 0.0) | ~np.isfinite(base[each, largest])] = 1.0
-        if not all(_alike(base * own[:, None], one).all() for own, one in zip(ratio, rows, strict=True)):
+        if not all(
+            _alike(base * own[:, None], one).all() for own, one in zip(ratio, rows, strict=True)
+        ):
             return None  # nothing is where nothing was, and the samples of a row vary as one
     factor, angle = np.array(TRIALS)[:, None], np.angle(ratio[0])
     turn = np.where(np.abs(angle) > TURNED, angle / ((TRIALS[0] - 1.0) * nominal), 0.0)
     power = np.where(turn == 0.0, np.round(np.log(np.abs(ratio[0])) / np.log(TRIALS[0]), 9), 0.0)
     share, term, root = np.zeros_like(power), np.zeros_like(power), np.ones_like(power)
-    left = np.flatnonzero(~_close(factor**power * np.exp(1j * turn * (factor - 1.0) * nominal), ratio))
+    left = np.flatnonzero(
+        ~_close(factor**power * np.exp(1j * turn * (factor - 1.0) * nominal), ratio)
+    )
     for beside, one, over in product(BESIDE, OF_SUMS, (1.0, -1.0)) if left.size else ():
         plain, own = np.abs(ratio[:, left]) / factor**beside, factor**one - 1.0
         part = (plain[0] ** over - 1.0) / own[0]
         fits = _close((1.0 + part * own) ** over, plain) & (turn[left] == 0.0)
-        power[left[fits]], share[left[fits]], term[left[fits]], root[left[fits]] = beside, part[fits], one, over
+        power[left[fits]], share[left[fits]], term[left[fits]], root[left[fits]] = (
+            beside,
+            part[fits],
+            one,
+            over,
+        )
         left = left[~fits]
     return None if left.size else (power, share, term, root, turn)
 

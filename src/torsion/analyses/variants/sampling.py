@@ -14,7 +14,9 @@ LEVEL = 0.95
 FEW = 10  # failing, or keeping: with fewer the spread of sequences covers 89 % of counts of Poisson (measured)
 
 
-def units(count: int, figures: int, method: str, seed: int, part: slice | None = None) -> FloatArray:
+def units(
+    count: int, figures: int, method: str, seed: int, part: slice | None = None
+) -> FloatArray:
     """(count, figures) evenly distributed within 0 and 1; of sobol the scrambled sequences one after another.
 
     `part`: these of them alone, the same to the last bit; of sobol all or some of one sequence.
@@ -59,7 +61,11 @@ def factors(law: Law, unit: FloatArray) -> FloatArray:
         wide = high - low
         rising = low + np.sqrt(unit * wide * (middle - low))
         return np.asarray(
-            np.where(unit * wide < middle - low, rising, high - np.sqrt((1.0 - unit) * wide * (high - middle)))
+            np.where(
+                unit * wide < middle - low,
+                rising,
+                high - np.sqrt((1.0 - unit) * wide * (high - middle)),
+            )
         )
     if law.normal is not None:
         cut = ndtr(-(3.0 if law.within is None else law.within / law.normal))
@@ -80,7 +86,9 @@ def probability(happens: BoolArray, method: str) -> tuple[float, float, float]:
         from scipy.special import stdtrit
 
         each = happens.reshape(SCRAMBLES, -1).mean(axis=1)
-        half = float(stdtrit(SCRAMBLES - 1, 0.5 + LEVEL / 2.0) * each.std(ddof=1) / np.sqrt(SCRAMBLES))
+        half = float(
+            stdtrit(SCRAMBLES - 1, 0.5 + LEVEL / 2.0) * each.std(ddof=1) / np.sqrt(SCRAMBLES)
+        )
         if half > 0.0:
             low, high = max(share - half, 0.0), min(share + half, 1.0)
     return share, low, high

@@ -18,12 +18,18 @@ from torsion.findings import Work
 from torsion.kernels.tree import Tree
 from torsion.study import Study, Variation
 
-ATTEMPTS = 3  # at the segments that lumped shafts have by themselves, for the last mode of a variant
-BESIDE = 4.0 * SHARE_OF_ERROR  # relative, over segments: how far one segment of a shaft may move the last mode
+ATTEMPTS = (
+    3  # at the segments that lumped shafts have by themselves, for the last mode of a variant
+)
+BESIDE = (
+    4.0 * SHARE_OF_ERROR
+)  # relative, over segments: how far one segment of a shaft may move the last mode
 FEW = 16  # variants with the same segments: fewer are sooner solved by themselves
 
 
-def frequencies(work: Work, variation: Variation, values: FloatArray, count: int, *, least: int = 1) -> Answers:
+def frequencies(
+    work: Work, variation: Variation, values: FloatArray, count: int, *, least: int = 1
+) -> Answers:
     """Of variants (variants, figures) the lowest frequencies alone: side by side where that is possible.
 
     least: variants of a group for which that is tried.
@@ -32,7 +38,11 @@ def frequencies(work: Work, variation: Variation, values: FloatArray, count: int
     if not left.size:
         found.method = "frequencies of all variants side by side, each certified by counts"
     elif left.size < len(values):
-        rest = "1 variant solved by itself" if left.size == 1 else f"{left.size} variants solved by themselves"
+        rest = (
+            "1 variant solved by itself"
+            if left.size == 1
+            else f"{left.size} variants solved by themselves"
+        )
         found.method = f"frequencies side by side, each certified by counts; {rest}"
     else:
         found.method = "every variant solved by itself"
@@ -41,7 +51,7 @@ def frequencies(work: Work, variation: Variation, values: FloatArray, count: int
 
 def together(
     work: Work, variation: Variation, values: FloatArray, count: int, *, least: int = 1
-) -> tuple[Answers, IntArray]:  # fmt: skip
+) -> tuple[Answers, IntArray]:
     """Frequencies of the groups of variants (variants, figures) that are side by side, and the places of all others.
 
     Rows of lists that differ in numbers alone are one group; where these do not enter as they should, every combination
@@ -90,24 +100,37 @@ def side_by_side(
         from torsion.analyses.undamped_modes import modes
 
         system = modes(system, count).system
-        system = replace(system, requested=replace(system.requested, frequency=0.0))  # of variants: as it is divided
+        system = replace(
+            system, requested=replace(system.requested, frequency=0.0)
+        )  # of variants: as it is divided
         answer = _divided_alike(system, (), variation, values, count)
         return None if answer is None else answer[0]
-    found, bars = np.full((count, len(values)), np.nan), tuple(filter(is_refined, system.train.bars))
+    found, bars = (
+        np.full((count, len(values)), np.nan),
+        tuple(filter(is_refined, system.train.bars)),
+    )
     names, more = tuple(bar.name for bar in bars), np.array([excess(bar) for bar in bars])[:, None]
     waiting = {tuple(system.segments[name] for name in names): np.arange(len(values))}
     for attempt in range(ATTEMPTS):
         left: dict[tuple[int, ...], list[IntArray]] = {}
         for numbers, places in waiting.items():
-            own = replace(system, segments={**system.segments, **dict(zip(names, numbers, strict=True))})
-            answer = _divided_alike(as_divided(own, system.train), names, variation, values[places], count)
+            own = replace(
+                system, segments={**system.segments, **dict(zip(names, numbers, strict=True))}
+            )
+            answer = _divided_alike(
+                as_divided(own, system.train), names, variation, values[places], count
+            )
             if answer is None:
                 if not attempt:
                     return None
                 continue
-            near = BESIDE / min(numbers, default=1)  # by itself a variant may have one segment more or less there
+            near = BESIDE / min(
+                numbers, default=1
+            )  # by itself a variant may have one segment more or less there
             low, needed, high = (
-                segments_along(answer[1] * np.maximum(highest, answer[0][-1] * share), more).astype(np.int64)
+                segments_along(answer[1] * np.maximum(highest, answer[0][-1] * share), more).astype(
+                    np.int64
+                )
                 for share in (1.0 - near, 1.0, 1.0 + near)
             )
             is_right = (needed == np.array(numbers, dtype=np.int64)[:, None]).all(axis=0)
@@ -117,7 +140,11 @@ def side_by_side(
                 same = (needed == np.array(other)[:, None]).all(axis=0)
                 left.setdefault(other, []).append(places[same])
         joined = {numbers: np.concatenate(each) for numbers, each in left.items()}
-        waiting = {numbers: each for numbers, each in joined.items() if len(each) >= min(FEW, len(values) // 2)}
+        waiting = {
+            numbers: each
+            for numbers, each in joined.items()
+            if len(each) >= min(FEW, len(values) // 2)
+        }
     return found
 
 
@@ -132,12 +159,18 @@ def _divided_alike(
 
     def read(study: Study) -> Rows | None:
         own = as_divided(system, study.train)
-        if len(own_chord) and len(own.spans) == len(system.spans):  # the stiffest spans of a variant may be others
-            own = replace(own, in_tree=~np.isin(np.arange(len(system.spans)), system.condensed.extra))
+        if len(own_chord) and len(own.spans) == len(
+            system.spans
+        ):  # the stiffest spans of a variant may be others
+            own = replace(
+                own, in_tree=~np.isin(np.arange(len(system.spans)), system.condensed.extra)
+            )
         (ends, chord), tree = _chords(own), _tree(own)
         same = np.array_equal(tree.parent, base.parent) and np.array_equal(ends, at)
         along = [phase(bar, 1.0) for bar in own.train.bars if bar.name in refined]
-        rows = np.concatenate([tree.flexibility, tree.moving_inertia, chord, _figures(tree), along])[:, None]
+        rows = np.concatenate(
+            [tree.flexibility, tree.moving_inertia, chord, _figures(tree), along]
+        )[:, None]
         return rows if same and len(rows) == len(whole) else None
 
     along = np.array([phase(bar, 1.0) for bar in system.train.bars if bar.name in refined])
@@ -159,7 +192,10 @@ def _divided_alike(
             from torsion.kernels.variant_modes import variant_modes
 
             many = variant_modes(base, flexibility, inertia, count)
-    except (SolveError, ValueError):  # a variant that needs shorter pieces of its shafts, or has too few modes in these
+    except (
+        SolveError,
+        ValueError,
+    ):  # a variant that needs shorter pieces of its shafts, or has too few modes in these
         return None
     return many.frequency / (2.0 * np.pi), phases * along[:, None]
 

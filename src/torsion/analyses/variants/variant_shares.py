@@ -28,7 +28,9 @@ from torsion.study import Study, Variation
 from torsion.train import Train
 
 ROUNDING = 1e-9  # relative, of a frequency
-RESOLVED = 3.0 * SHARE_OF_ERROR  # relative: how near trains that resolve a mode have it to each other
+RESOLVED = (
+    3.0 * SHARE_OF_ERROR
+)  # relative: how near trains that resolve a mode have it to each other
 SAMPLES = 17  # speeds at which trials are compared, and where tables bend
 
 
@@ -53,7 +55,9 @@ class Swept:
     work: Work
     system: System
     found: tuple[Excitation, ...]
-    enters: Products  # the rows of the response, behind them the phases along shafts, and the limits
+    enters: (
+        Products  # the rows of the response, behind them the phases along shafts, and the limits
+    )
     spans: FloatArray  # (spans,) 1 of those whose vibration is judged, else 0
     limits: tuple[Limit, ...]  # what each of these last rows is the limit of
     highest: float = 0.0  # Hz, up to which the response is requested
@@ -67,8 +71,12 @@ class Swept:
     def trains(self, factor: Rows) -> tuple[Trains, list[float]]:
         """Of variants with factors (rows, variants), as damped in the middle of the band; and the orders that act."""
         size, middle = self.system.condensed.tree.size, np.sqrt([self.band[0] * self.band[1]])
-        own = np.real(_rows(self.system, self.found, self.work.study, middle)[: 5 * size]) * np.real(factor[: 5 * size])
-        trains = Trains(self.system.condensed.tree, *(own[k * size : (k + 1) * size] for k in range(5)))
+        own = np.real(
+            _rows(self.system, self.found, self.work.study, middle)[: 5 * size]
+        ) * np.real(factor[: 5 * size])
+        trains = Trains(
+            self.system.condensed.tree, *(own[k * size : (k + 1) * size] for k in range(5))
+        )
         return trains, [float(one.line.order) for one in self.found if one.line.order is not None]
 
     def displaces(self, factor: Rows) -> bool:
@@ -79,7 +87,9 @@ class Swept:
     def grid(self, factor: Rows, modes: int) -> tuple[FloatArray, FloatArray]:
         """Speeds (variants, points) rad/s, and natural frequencies (modes, variants) rad/s."""
         (trains, orders), (first, last) = self.trains(factor), self.band
-        frequency, ratio = trains.resonances(max(orders, default=0.0) * last, max(modes, self.modes))
+        frequency, ratio = trains.resonances(
+            max(orders, default=0.0) * last, max(modes, self.modes)
+        )
         centre = [frequency / order for order in orders]
         named = self.work.rules.named_speeds(self.work.study)
         fixed = np.union1d(np.linspace(first, last, EVEN), named[(named > first) & (named < last)])
@@ -99,12 +109,17 @@ class Swept:
         if len(frequency) < self.modes:
             return np.ones(count, dtype=np.bool_)
         top = frequency[self.modes - 1] / (2.0 * np.pi) if self.modes else np.zeros(count)
-        end, each = len(factor) - len(self.limits), np.array([[phase(bar, 1.0), excess(bar)] for bar in bars])
+        end, each = (
+            len(factor) - len(self.limits),
+            np.array([[phase(bar, 1.0), excess(bar)] for bar in bars]),
+        )
         along = np.real(factor[end - len(bars) : end]) * each[:, :1]
         own = np.array([[self.system.segments[bar.name]] for bar in bars])
         other = np.zeros(count, dtype=np.bool_)
         for sign in (-1.0, 1.0):
-            needed = np.maximum(self.highest * (1.0 + sign * ROUNDING), top * (1.0 + sign * RESOLVED))
+            needed = np.maximum(
+                self.highest * (1.0 + sign * ROUNDING), top * (1.0 + sign * RESOLVED)
+            )
             other |= (segments_along(along * needed, each[:, 1:]) != own).any(axis=0)
         return other
 
@@ -123,12 +138,15 @@ class Swept:
             left.remove(k)
             if_kept[k] = clause.if_kept
             curve, within = clause.curve, clause.within
-            if curve.speed is not evidence.need(Response).speed:  # of the mean torque, which all variants share
+            if (
+                curve.speed is not evidence.need(Response).speed
+            ):  # of the mean torque, which all variants share
                 share[k] = np.max(curve.utilisation(), where=within, initial=-np.inf)
                 unclear |= not np.isfinite(share[k, 0, 0])
             else:
                 used, limit = (
-                    np.where(within, own, 0.0).reshape(shape) for own in (curve.utilisation(), curve.limit <= 0.0)
+                    np.where(within, own, 0.0).reshape(shape)
+                    for own in (curve.utilisation(), curve.limit <= 0.0)
                 )
                 none = (limit > 0.0) | ~within.reshape(shape)
                 unlimited[k] = none.all(axis=1) & within.any()
@@ -154,17 +172,29 @@ class Swept:
             w = np.ascontiguousarray(frequency[:, k])
             hc = complex_compliance(tree.flexibility, viscous.real, loss.real, w)
             one = tree_response(
-                tree, w, acting[2 * k], twist=acting[2 * k + 1], ground_damping=ground.real, compliance=hc
+                tree,
+                w,
+                acting[2 * k],
+                twist=acting[2 * k + 1],
+                ground_damping=ground.real,
+                compliance=hc,
             )
             torque[:, k] = (span_torques(system, one.torque) * self.spans[:, None]).T
             residual[:, k], amplification[:, k] = one.residual, one.amplification
         mean = np.zeros((flat.size, len(system.spans))) if known is None else known.torque.T
         response = Response(
-            flat, np.zeros(flat.size, dtype=bool), tuple(one.line for one in self.found), frequency / (2.0 * np.pi),
-            np.zeros((*frequency.shape, 0), dtype=np.complex128), torque, mean, residual,
-            status(amplification.ravel(), residual.ravel()).reshape(frequency.shape), np.zeros(frequency.shape),
+            flat,
+            np.zeros(flat.size, dtype=bool),
+            tuple(one.line for one in self.found),
+            frequency / (2.0 * np.pi),
+            np.zeros((*frequency.shape, 0), dtype=np.complex128),
+            torque,
+            mean,
+            residual,
+            status(amplification.ravel(), residual.ravel()).reshape(frequency.shape),
+            np.zeros(frequency.shape),
             _of_columns(system, rows.reshape(-1, size, flat.size)[:4].real),
-        )  # fmt: skip
+        )
         steady = self.work.get(Steady)
         found: dict[str, Any] = {} if steady is None else {"mean": steady}
         found |= {"system": response.system, "response": response, "synthesis": synthesis(response)}
@@ -182,17 +212,29 @@ def _of_columns(system: System, rows: FloatArray) -> System:
 
 
 def _rows(
-    system: System, found: Sequence[Excitation], study: Study, speed: FloatArray, known: Steady | None = None
+    system: System,
+    found: Sequence[Excitation],
+    study: Study,
+    speed: FloatArray,
+    known: Steady | None = None,
 ) -> ComplexArray:
     """Rows (stations of the tree times (5 + twice the lines), speeds): what the response is made of."""
     condensed, known = system.condensed, known or steady_if_known(study, system, speed)
     ground = np.zeros((condensed.tree.size, len(speed)))
     ground[condensed.node] = ground_damping(system, speed, known) * (system.speed_ratio**2)[:, None]
-    own = condensed.tree.flexibility, condensed.tree.moving_inertia, condensed.viscous, condensed.loss_factor
+    own = (
+        condensed.tree.flexibility,
+        condensed.tree.moving_inertia,
+        condensed.viscous,
+        condensed.loss_factor,
+    )
     rows: list[Rows] = [*(np.repeat(one[:, None], len(speed), axis=1) for one in own), ground]
     for one in found:
         acting = sources(system, one, speed, known)
-        rows += [acting.force, np.zeros_like(acting.force) if acting.twist is None else acting.twist]
+        rows += [
+            acting.force,
+            np.zeros_like(acting.force) if acting.twist is None else acting.twist,
+        ]
     return np.concatenate(rows).astype(np.complex128)
 
 
@@ -225,9 +267,18 @@ def _divided(train: Train) -> list[tuple[str, bool, int]]:
 def _read_alike(part: Part) -> tuple[object, ...]:
     """What rules read of a component, but for what its limits are made of."""
     return (
-        part.name, part.kind, part.stations, part.ratio, part.damping is None, part.nonlinear, part.warming, part.joint,
-        part.pendulum, part.engine, part.compressor,
-    )  # fmt: skip
+        part.name,
+        part.kind,
+        part.stations,
+        part.ratio,
+        part.damping is None,
+        part.nonlinear,
+        part.warming,
+        part.joint,
+        part.pendulum,
+        part.engine,
+        part.compressor,
+    )
 
 
 def _limit(rule: str, clause: Any) -> Limit:
@@ -243,7 +294,10 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
     first, last = work.rules.judged_band(study)
     sample = np.union1d(np.geomspace(first, last, SAMPLES), work.rules.named_speeds(study))
     sample = sample[(sample >= first) & (sample <= last)]
-    mean, same = steady_if_known(study, system, sample), [_read_alike(part) for part in study.train.parts]
+    mean, same = (
+        steady_if_known(study, system, sample),
+        [_read_alike(part) for part in study.train.parts],
+    )
     size = (5 + 2 * len(found)) * system.condensed.tree.size
     highest = highest_excited(study, system, work.ruled)
     whole = Swept(work, system, found, UNCHANGED, np.ones(len(system.spans)), (), highest)
@@ -254,7 +308,8 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
         own = as_divided(system, other.train)
         condensed, base, lines = own.condensed, system.condensed, excitations(own)
         alike = all(
-            np.array_equal(getattr(condensed, key), getattr(base, key)) for key in ("node", "span", "sign", "extra")
+            np.array_equal(getattr(condensed, key), getattr(base, key))
+            for key in ("node", "span", "sign", "extra")
         )
         alike = alike and np.array_equal(condensed.tree.parent, base.tree.parent)
         alike = alike and [one.line for one in lines] == [one.line for one in found]
@@ -262,22 +317,38 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
         alike = alike and (other.operation, other.rules) == (study.operation, study.rules)
         alike = alike and other.analyses.get("response") == study.analyses.get("response")
         along = [
-            phase(bar, 1.0) for bar, one in zip(own.train.bars, system.train.bars, strict=False) if is_refined(one)
+            phase(bar, 1.0)
+            for bar, one in zip(own.train.bars, system.train.bars, strict=False)
+            if is_refined(one)
         ]
-        if not alike or own.segments != system.segments or _divided(other.train) != _divided(study.train):
+        if (
+            not alike
+            or own.segments != system.segments
+            or _divided(other.train) != _divided(study.train)
+        ):
             return None
         there = steady_if_known(other, own, sample)
         if (there is None) != (mean is None):
             return None
-        if there is not None and mean is not None and not np.allclose(there.torque, mean.torque, rtol=1e-12, atol=0.0):
+        if (
+            there is not None
+            and mean is not None
+            and not np.allclose(there.torque, mean.torque, rtol=1e-12, atol=0.0)
+        ):
             return None
-        seen = replace(evidence.having(system=replace(evidence.system, train=own.train)), study=other)
+        seen = replace(
+            evidence.having(system=replace(evidence.system, train=own.train)), study=other
+        )
         limits = _limits(clauses, list(work.rules.pointwise(seen)), sample)
         return (
             None
             if limits is None
             else np.concatenate(
-                [_rows(own, lines, other, sample, there), np.outer(along, np.ones(len(sample))), limits]
+                [
+                    _rows(own, lines, other, sample, there),
+                    np.outer(along, np.ones(len(sample))),
+                    limits,
+                ]
             )
         )
 
@@ -287,7 +358,9 @@ def swept(work: Work, variation: Variation, values: FloatArray) -> Swept | None:
     judged = np.zeros(len(system.spans))
     for _, clause in clauses:
         judged[clause.spans] = 1.0
-    return replace(whole, enters=enters, spans=judged, limits=tuple(_limit(*one) for one in clauses))
+    return replace(
+        whole, enters=enters, spans=judged, limits=tuple(_limit(*one) for one in clauses)
+    )
 
 
 def _limits(clauses: list[Any], others: list[Any], speed: FloatArray) -> FloatArray | None:
@@ -303,6 +376,8 @@ def _limits(clauses: list[Any], others: list[Any], speed: FloatArray) -> FloatAr
             return None
         mine, theirs = one.curve.value, other.curve.value
         with np.errstate(all="ignore"):  # a stress is that of the same torque
-            ratio = np.where(np.isclose(mine, theirs, rtol=1e-12, atol=0.0, equal_nan=True), 1.0, mine / theirs)
+            ratio = np.where(
+                np.isclose(mine, theirs, rtol=1e-12, atol=0.0, equal_nan=True), 1.0, mine / theirs
+            )
         row[:] = np.interp(speed, other.curve.speed, other.curve.limit * ratio)
     return found

@@ -96,7 +96,9 @@ def solved(profile: Profile, fine: float = FINE) -> Solved:
         if bounds.upper - bounds.lower <= fine * max(unit, bounds.lower - profile.plain):
             return Solved(profile, here, tuple(levels), fields)
         if bounds.triangles > MOST:
-            raise SolveError("the finite elements of a junction do not converge; look at its dimensions")
+            raise SolveError(
+                "the finite elements of a junction do not converge; look at its dimensions"
+            )
         here = here.refined(skfem.adaptive_theta(bounds.gap, theta=1.0 - SHARE))
 
 
@@ -116,7 +118,9 @@ def on_mesh(profile: Profile, here: Meridian) -> tuple[Bounds, Fields]:
     flow = _matrix(basis, flows, basis.dx / weight)
     chi = _solution(flow, basis.N, {0.0: inner, 1.0: outer})
     flexibility = float(chi @ (flow @ chi))
-    one, two = (_at(basis, parts, field) for parts, field in ((slopes, psi / stiffness), (flows, chi)))
+    one, two = (
+        _at(basis, parts, field) for parts, field in ((slopes, psi / stiffness), (flows, chi))
+    )
     apart = np.array([weight * one[0] - two[1], weight * one[1] + two[0]])
     gap = np.sum(np.sum(apart**2, axis=0) / weight * basis.dx, axis=1) / (2.0 * math.pi)
     lower, upper = 1.0 / stiffness / (2.0 * math.pi), flexibility / (2.0 * math.pi)
@@ -133,7 +137,9 @@ def dynamic_matrices(profile: Profile, here: Meridian) -> tuple[csc_array, csc_a
     return _matrix(basis, slopes, modulus * weight), _matrix(basis, values[:, None], weight)
 
 
-def _functions(profile: Profile, here: Meridian) -> tuple[Any, FloatArray, FloatArray, FloatArray, FloatArray]:
+def _functions(
+    profile: Profile, here: Meridian
+) -> tuple[Any, FloatArray, FloatArray, FloatArray, FloatArray]:
     """The elements; their functions (unknowns, triangles, places) and slopes (.., z and r, ..); radius and modulus."""
     basis = skfem.Basis(here.curved, skfem.ElementTriP4(), intorder=ORDER)
     z, r = np.asarray(basis.global_coordinates())
@@ -154,7 +160,9 @@ def _matrix(basis: Any, slopes: FloatArray, weight: FloatArray) -> csc_array:
     right = (slopes * weight).transpose(2, 1, 3, 0).reshape(slopes.shape[2], -1, slopes.shape[0])
     own, of = left @ right, basis.element_dofs.T
     row, column = (np.broadcast_to(one, own.shape) for one in (of[:, :, None], of[:, None, :]))
-    return csc_array(coo_array((own.ravel(), (row.ravel(), column.ravel())), shape=(basis.N, basis.N)))
+    return csc_array(
+        coo_array((own.ravel(), (row.ravel(), column.ravel())), shape=(basis.N, basis.N))
+    )
 
 
 def _at(basis: Any, slopes: FloatArray, field: FloatArray) -> FloatArray:
@@ -192,7 +200,9 @@ def _middle(profile: Profile, z: FloatArray) -> FloatArray:
     """A radius (places,) in the material on both sides of every place."""
     places, found = np.array(profile.places), []
     for nudge in (-1e-7, 1e-7):
-        owner = np.clip(np.searchsorted(places, z + nudge * places[-1]) - 1, 0, len(profile.lengths) - 1)
+        owner = np.clip(
+            np.searchsorted(places, z + nudge * places[-1]) - 1, 0, len(profile.lengths) - 1
+        )
         share = (z - places[owner]) / np.diff(places)[owner]
         for key in ("outer", "bore"):
             ends = np.array([getattr(one, key) for one in profile.lengths])[owner]
@@ -207,7 +217,10 @@ def _solution(matrix: Any, number: int, known: dict[float, IntArray]) -> FloatAr
         field[unknowns], free[unknowns] = value, False
     rows = matrix[free]
     factors = splu(
-        csc_array(rows[:, free]), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        csc_array(rows[:, free]),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
     )
     field[free] = factors.solve(-(rows @ field))
     return field

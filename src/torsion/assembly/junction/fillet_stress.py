@@ -15,7 +15,9 @@ from torsion.kernels.round_sections import section_modulus
 
 STEADY = 1e-3  # relative error at which the triangles are fine enough
 ROUNDS = 6
-_ALONG = np.linspace(0.0, 1.0, 17)  # places on a side of the outline at which the stress is looked at
+_ALONG = np.linspace(
+    0.0, 1.0, 17
+)  # places on a side of the outline at which the stress is looked at
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,9 @@ def fillet_stress(profile: Profile, steady: float = STEADY, beyond: float = 0.0)
     if not here.arcs:
         raise ValueError("the line has no fillet")
     before = math.inf
-    for _ in range(ROUNDS):  # the first mesh is as good as the stiffness needs; the stress needs a finer one
+    for _ in range(
+        ROUNDS
+    ):  # the first mesh is as good as the stiffness needs; the stress needs a finer one
         here = here.refined(np.unique(here.mesh.f2t[0, here.fillets]))
         found = _largest(profile, here, on_mesh(profile, here)[1], beyond)
         error = max(found.error, abs(found.factor - before) / found.factor)
@@ -58,16 +62,25 @@ def _largest(profile: Profile, here: Meridian, fields: Fields, beyond: float) ->
     facets = here.fillets[here.mesh.p[0, here.mesh.facets[:, here.fillets]].mean(axis=0) > beyond]
     elements = np.unique(shape.f2t[0, facets])
     zero, one = np.zeros_like(_ALONG), np.ones_like(_ALONG)
-    sides = np.concatenate([[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1)  # in the order of t2f
-    places = skfem.Basis(shape, fields.basis.elem, elements=elements, quadrature=(sides, np.tile(one, 3)))
+    sides = np.concatenate(
+        [[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1
+    )  # in the order of t2f
+    places = skfem.Basis(
+        shape, fields.basis.elem, elements=elements, quadrature=(sides, np.tile(one, 3))
+    )
     shown = np.repeat(np.isin(shape.t2f[:, elements].T, facets), len(_ALONG), axis=1)
     z, r = np.asarray(places.global_coordinates())
-    slopes = (np.hypot(*np.asarray(places.interpolate(field).grad)) for field in (fields.psi, fields.chi))
+    slopes = (
+        np.hypot(*np.asarray(places.interpolate(field).grad)) for field in (fields.psi, fields.chi)
+    )
     by_angle, by_function = (
-        np.where(shown, slope * factor, 0.0) for slope, factor in zip(slopes, (r, r**-2), strict=True)
+        np.where(shown, slope * factor, 0.0)
+        for slope, factor in zip(slopes, (r, r**-2), strict=True)
     )
     end = profile.smaller
     nominal = 2.0 * math.pi / float(section_modulus(end.outer[0], end.bore[0]))
     low, high = sorted(float(stress.max()) / nominal for stress in (by_angle, by_function))
     at = np.unravel_index(int(np.argmax(by_angle + by_function)), r.shape)
-    return FilletStress((low + high) / 2.0, (high - low) / (high + low), (float(z[at]), float(r[at])))
+    return FilletStress(
+        (low + high) / 2.0, (high - low) / (high + low), (float(z[at]), float(r[at]))
+    )

@@ -8,7 +8,9 @@ from torsion.components.shaft_details import Hub
 from torsion.primitives import Bar
 from torsion.train import Train
 
-THIRD = 1.0 / 3.0  # of the seat, of a torque that is handed over evenly: the energy of T (1 - z/L); handbooks' rule
+THIRD = (
+    1.0 / 3.0
+)  # of the seat, of a torque that is handed over evenly: the energy of T (1 - z/L); handbooks' rule
 
 
 def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
@@ -23,9 +25,13 @@ def with_hubs(train: Train) -> tuple[Train, dict[str, float]]:
                 of = f" of {hub.material}" if hub.material else ""
                 source = f"by finite elements{of} without slip, within {1e3 * error:.1g} mm"
             seat = f"its seat of {1e3 * hub.length:g} mm in the hub at its {hub.end} end twists as {1e3 * left:.4g} mm"
-            remark = f"{seat} of it (a model: {source}; handbooks: {1e3 * THIRD * hub.length:.4g} mm)"
+            remark = (
+                f"{seat} of it (a model: {source}; handbooks: {1e3 * THIRD * hub.length:.4g} mm)"
+            )
             before = parts[bar.part].remark
-            parts[bar.part] = replace(parts[bar.part], remark=f"{before}; {remark}" if before else remark)
+            parts[bar.part] = replace(
+                parts[bar.part], remark=f"{before}; {remark}" if before else remark
+            )
             stiff[bar.name] = stiff.get(bar.name, 0.0) + hub.length - left
     return replace(train, parts=tuple(parts)), stiff
 
@@ -35,8 +41,12 @@ def seat_length(train: Train, bar: Bar, hub: Hub) -> tuple[float, float | None]:
     if hub.diameter is None:
         return THIRD * hub.length, None
     unit, own = bar.outer[0], train.shaft(bar).material
-    modulus = train.materials[hub.material or own].shear_modulus / train.materials[own].shear_modulus
-    found, error = bonded(hub.length / unit, hub.diameter / unit, bar.bore[0] / unit, hub.torque, modulus)
+    modulus = (
+        train.materials[hub.material or own].shear_modulus / train.materials[own].shear_modulus
+    )
+    found, error = bonded(
+        hub.length / unit, hub.diameter / unit, bar.bore[0] / unit, hub.torque, modulus
+    )
     return unit * found, unit * error
 
 

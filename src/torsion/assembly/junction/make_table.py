@@ -25,7 +25,9 @@ def computed() -> JunctionTable:
     """The table, with its error at places between its own."""
     found = [of_step(*map(float, place)) for place in product(*table_places())]
     table = JunctionTable(np.array([one.excess_length for one in found]).reshape(SIZES), 0.0)
-    return replace(table, error=float(max(errors_between(table, BETWEEN)) + max(one.error for one in found)))
+    return replace(
+        table, error=float(max(errors_between(table, BETWEEN)) + max(one.error for one in found))
+    )
 
 
 def errors_between(table: JunctionTable, number: int, seed: int = 1) -> list[float]:
@@ -43,7 +45,9 @@ def errors_between(table: JunctionTable, number: int, seed: int = 1) -> list[flo
 def main() -> None:
     """Writes the file of the package."""
     table = computed()
-    rows = [" ".join(f"{value:.6f}" for value in row) for row in table.values.reshape(-1, SIZES[-1])]
+    rows = [
+        " ".join(f"{value:.6f}" for value in row) for row in table.values.reshape(-1, SIZES[-1])
+    ]
     text = "\n".join([f"{table.error:.1e}", *rows]) + "\n"
     Path(junction_table.__file__).with_name(FILE).write_text(text, encoding="utf-8")
     print(f"{len(rows) * SIZES[-1]} values, error {table.error:.1e}")

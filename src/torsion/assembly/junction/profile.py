@@ -26,7 +26,10 @@ class Length:
         """The same, its sizes over a unit."""
         (first, last), (begin, end) = self.outer, self.bore
         return replace(
-            self, length=self.length / unit, outer=(first / unit, last / unit), bore=(begin / unit, end / unit)
+            self,
+            length=self.length / unit,
+            outer=(first / unit, last / unit),
+            bore=(begin / unit, end / unit),
         )
 
     @property
@@ -69,7 +72,9 @@ class Corner:
             half = 0.5 * math.acos(1.0 - up / self.size)
             turned = half * (1.0 + place)
             rise, along = self.size * (1.0 - np.cos(turned)), self.size * half * np.cos(turned)
-        ring = rise * (2.0 * radius + rise) * (radius**2 + (radius + rise) ** 2)  # (radius + rise)^4 - radius^4
+        ring = (
+            rise * (2.0 * radius + rise) * (radius**2 + (radius + rise) ** 2)
+        )  # (radius + rise)^4 - radius^4
         return float(0.5 * math.pi * (weight * ring * along).sum())
 
 
@@ -79,12 +84,16 @@ class Profile:
 
     lengths: tuple[Length, ...]
     corners: tuple[Corner | None, ...]
-    fixed: Literal["end", "rim", "face"] = "end"  # last length a hub: its outer surface, or its face around the shaft
+    fixed: Literal["end", "rim", "face"] = (
+        "end"  # last length a hub: its outer surface, or its face around the shaft
+    )
 
     @property
     def plain(self) -> float:
         """Twist of its lengths each as if it were long; of a hub none."""
-        return sum(one.twist for one in (self.lengths if self.fixed == "end" else self.lengths[:-1]))
+        return sum(
+            one.twist for one in (self.lengths if self.fixed == "end" else self.lengths[:-1])
+        )
 
     @property
     def seat(self) -> float:
@@ -141,7 +150,11 @@ def junction(
     ]
     lengths = (ends[0], *between, ends[1])
     corners: list[Corner | None] = [None] * (len(lengths) - 1)
-    up = [place for place, (before, after) in enumerate(pairwise(lengths)) if after.outer[0] > before.outer[1]]
+    up = [
+        place
+        for place, (before, after) in enumerate(pairwise(lengths))
+        if after.outer[0] > before.outer[1]
+    ]
     if up:
         corners[up[-1]] = corner
     return Profile(lengths, tuple(corners))
@@ -149,5 +162,8 @@ def junction(
 
 def mirrored(profile: Profile) -> Profile:
     """The line from its other end."""
-    turned = (replace(one, outer=one.outer[::-1], bore=one.bore[::-1]) for one in reversed(profile.lengths))
+    turned = (
+        replace(one, outer=one.outer[::-1], bore=one.bore[::-1])
+        for one in reversed(profile.lengths)
+    )
     return Profile(tuple(turned), profile.corners[::-1])

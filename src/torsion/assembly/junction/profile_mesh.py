@@ -55,7 +55,9 @@ class Meridian:
 
     def refined(self, marked: Any) -> "Meridian":
         """Some of its triangles divided, new points of a fillet moved to its circle."""
-        return Meridian(_snapped(self.mesh.refined(marked), self.arcs), self.arcs, self.sharp, self.core)
+        return Meridian(
+            _snapped(self.mesh.refined(marked), self.arcs), self.arcs, self.sharp, self.core
+        )
 
     def graded(self, times: int) -> "Meridian":
         """The triangles at sharp corners divided several times."""
@@ -141,11 +143,16 @@ def meridian(profile: Profile) -> Meridian:
     grains, sharp = _grains(profile, fills)
     lines = _lines(profile, fills, grains)
     radii = [_radii(profile, z, core, fills, grains) for z in lines]
-    points, triangles = _Points(max(max(one.outer) for one in profile.lengths)), list[tuple[int, int, int]]()
+    points, triangles = (
+        _Points(max(max(one.outer) for one in profile.lengths)),
+        list[tuple[int, int, int]](),
+    )
     for (z0, left), (z1, right) in pairwise(zip(lines, radii, strict=True)):
         for (low0, low1), (high0, high1) in _strips(profile, (z0, z1), core, fills):
             one = [points.at(z0, r) for r in left if low0 * (1 - CLOSE) <= r <= high0 * (1 + CLOSE)]
-            two = [points.at(z1, r) for r in right if low1 * (1 - CLOSE) <= r <= high1 * (1 + CLOSE)]
+            two = [
+                points.at(z1, r) for r in right if low1 * (1 - CLOSE) <= r <= high1 * (1 + CLOSE)
+            ]
             triangles += _strip(points, one, two)
     arcs = tuple(arc for fill in fills for arc in _fan(points, triangles, fill))
     mesh = skfem.MeshTri1(np.array(points.found).T.copy(), np.array(triangles).T.copy())
@@ -156,7 +163,11 @@ class _Points:
     """Points by their place."""
 
     def __init__(self, scale: float) -> None:
-        self.scale, self.found, self.places = scale, list[tuple[float, float]](), dict[tuple[int, int], int]()
+        self.scale, self.found, self.places = (
+            scale,
+            list[tuple[float, float]](),
+            dict[tuple[int, int], int](),
+        )
 
     def at(self, z: float, r: float) -> int:
         """The number of the point there."""
@@ -170,7 +181,9 @@ class _Points:
 
 def _fills(profile: Profile, core: float) -> list[_Fill]:
     found = []
-    for place, (corner, (before, after)) in enumerate(zip(profile.corners, profile.steps, strict=True)):
+    for place, (corner, (before, after)) in enumerate(
+        zip(profile.corners, profile.steps, strict=True)
+    ):
         if corner is None or before == after:
             continue
         low, high = sorted((before / 2.0, after / 2.0))
@@ -181,19 +194,32 @@ def _fills(profile: Profile, core: float) -> list[_Fill]:
         inner = max(2.0 * core, *smaller.bore, *larger.bore) / 2.0
         depth = min(along, (low - inner) / 2.0, larger.length / 3.0)
         z = profile.places[place + 1]
-        found.append(_Fill(corner, z, low, z - along if before < after else z + along, low + up, depth))
+        found.append(
+            _Fill(corner, z, low, z - along if before < after else z + along, low + up, depth)
+        )
     return found
 
 
-def _grains(profile: Profile, fills: list[_Fill]) -> tuple[list[tuple[float, float, float]], list[tuple[float, float]]]:
+def _grains(
+    profile: Profile, fills: list[_Fill]
+) -> tuple[list[tuple[float, float, float]], list[tuple[float, float]]]:
     """Every corner (z, r) with the size of the triangles that it wants; and those corners that are sharp."""
     found = [(fill.z, fill.r, fill.size) for fill in fills]
     sharp = [(fill.begin, fill.r) for fill in fills if fill.corner.kind == "chamfer"]
     filled = {(fill.z, fill.r) for fill in fills}
-    wall = min(min(o - b for o, b in zip(one.outer, one.bore, strict=True)) for one in profile.lengths) / 2.0
+    wall = (
+        min(min(o - b for o, b in zip(one.outer, one.bore, strict=True)) for one in profile.lengths)
+        / 2.0
+    )
     for z, (one, two) in zip(profile.places[1:], pairwise(profile.lengths), strict=False):
-        outer, bore = (one.outer[1] / 2.0, two.outer[0] / 2.0), (one.bore[1] / 2.0, two.bore[0] / 2.0)
-        for pair, r in ((outer, min(outer)), (bore, max(bore))):  # where a face meets the outside, or the inside
+        outer, bore = (
+            (one.outer[1] / 2.0, two.outer[0] / 2.0),
+            (one.bore[1] / 2.0, two.bore[0] / 2.0),
+        )
+        for pair, r in (
+            (outer, min(outer)),
+            (bore, max(bore)),
+        ):  # where a face meets the outside, or the inside
             if pair[0] != pair[1] and (z, r) not in filled:
                 found.append((z, r, min(abs(pair[1] - pair[0]), wall) / 2.0))
                 sharp.append((z, r))
@@ -204,16 +230,25 @@ def _grains(profile: Profile, fills: list[_Fill]) -> tuple[list[tuple[float, flo
     return found, sharp
 
 
-def _lines(profile: Profile, fills: list[_Fill], grains: list[tuple[float, float, float]]) -> list[float]:
+def _lines(
+    profile: Profile, fills: list[_Fill], grains: list[tuple[float, float, float]]
+) -> list[float]:
     """Lines across the shaft: where a length or a patch ends, and graded away from every corner."""
     kept = [*profile.places, *(z for fill in fills for z in fill.span)]
-    wanted = [(z + side * step, step) for z, _, size in grains for step in _steps(size) for side in (-1, 1)]
+    wanted = [
+        (z + side * step, step)
+        for z, _, size in grains
+        for step in _steps(size)
+        for side in (-1, 1)
+    ]
     for begin, one in zip(profile.places, profile.lengths, strict=False):
         wall = (max(one.outer) - min(one.bore)) / 2.0
         number = max(int(one.length / wall), 1)
         wanted += [(begin + one.length * k / number, wall) for k in range(1, number)]
     closed = [fill.span for fill in fills]
-    return _thinned(kept, [one for one in wanted if not any(low < one[0] < high for low, high in closed)])
+    return _thinned(
+        kept, [one for one in wanted if not any(low < one[0] < high for low, high in closed)]
+    )
 
 
 def _steps(size: float) -> list[float]:
@@ -221,7 +256,11 @@ def _steps(size: float) -> list[float]:
 
 
 def _radii(
-    profile: Profile, z: float, core: float, fills: list[_Fill], grains: Sequence[tuple[float, float, float]]
+    profile: Profile,
+    z: float,
+    core: float,
+    fills: list[_Fill],
+    grains: Sequence[tuple[float, float, float]],
 ) -> list[float]:
     """Points on a line across the shaft: its walls on both sides, the core, a patch, graded to corners."""
     kept = [r for pair in _walls(profile, z, (z, z)) for r in pair]
@@ -233,16 +272,31 @@ def _radii(
     if profile.fixed == "face" and z == profile.places[-1]:
         kept.append(profile.lengths[0].outer[1] / 2.0)
     near = CLOSE * high
-    here = [fill for fill in fills if min(abs(z - at) for at in (fill.begin, fill.z, fill.behind)) <= near]
-    kept += [r for fill in here for r in ((fill.below,) if abs(z - fill.begin) <= near else (fill.below, fill.top))]
+    here = [
+        fill
+        for fill in fills
+        if min(abs(z - at) for at in (fill.begin, fill.z, fill.behind)) <= near
+    ]
+    kept += [
+        r
+        for fill in here
+        for r in ((fill.below,) if abs(z - fill.begin) <= near else (fill.below, fill.top))
+    ]
     wanted = [
         (r0 + side * step, step)
-        for z0, r0, size in grains for step in _steps(size) if step >= abs(z - z0) / GRADING for side in (-1, 0, 1)
-    ]  # fmt: skip
-    return _thinned(kept, [
-        (r, step) for r, step in wanted
-        if max(low, core) < r < high and not any(fill.below < r < fill.top for fill in here)
-    ])  # fmt: skip
+        for z0, r0, size in grains
+        for step in _steps(size)
+        if step >= abs(z - z0) / GRADING
+        for side in (-1, 0, 1)
+    ]
+    return _thinned(
+        kept,
+        [
+            (r, step)
+            for r, step in wanted
+            if max(low, core) < r < high and not any(fill.below < r < fill.top for fill in here)
+        ],
+    )
 
 
 def _thinned(kept: list[float], wanted: list[tuple[float, float]]) -> list[float]:
@@ -261,7 +315,9 @@ def _thinned(kept: list[float], wanted: list[tuple[float, float]]) -> list[float
 Pair = tuple[float, float]
 
 
-def _strips(profile: Profile, ends: Pair, core: float, fills: list[_Fill]) -> list[tuple[Pair, Pair]]:
+def _strips(
+    profile: Profile, ends: Pair, core: float, fills: list[_Fill]
+) -> list[tuple[Pair, Pair]]:
     """The inner and outer edge of each strip of triangles of a slab, their radii at its two lines."""
     amid = (ends[0] + ends[1]) / 2.0
     (bore0, outer0), (bore1, outer1) = _walls(profile, amid, ends)
@@ -275,7 +331,9 @@ def _strips(profile: Profile, ends: Pair, core: float, fills: list[_Fill]) -> li
         if fill.span[0] < amid < fill.span[1]:
             inner, outer = found.pop()
             found.append((inner, (fill.below, fill.below)))
-            if min(fill.z, fill.behind) < amid < max(fill.z, fill.behind) and fill.top < outer0 * (1.0 - CLOSE):
+            if min(fill.z, fill.behind) < amid < max(fill.z, fill.behind) and fill.top < outer0 * (
+                1.0 - CLOSE
+            ):
                 found.append(((fill.top, fill.top), outer))
     return found
 
@@ -284,12 +342,15 @@ def _walls(profile: Profile, inside: float, at: Pair) -> tuple[Pair, Pair]:
     """Bore and outer radius at two places of the length that a place is inside of; of both lengths at their joint."""
     found = list[Pair]()
     owners = [
-        (begin, one) for begin, one in zip(profile.places, profile.lengths, strict=False)
+        (begin, one)
+        for begin, one in zip(profile.places, profile.lengths, strict=False)
         if begin - CLOSE * one.length <= inside <= begin + one.length * (1.0 + CLOSE)
-    ]  # fmt: skip
+    ]
     for (begin, one), z in zip((owners[0], owners[-1]), at, strict=True):
         share = (z - begin) / one.length
-        bore, outer = ((pair[0] + (pair[1] - pair[0]) * share) / 2.0 for pair in (one.bore, one.outer))
+        bore, outer = (
+            (pair[0] + (pair[1] - pair[0]) * share) / 2.0 for pair in (one.bore, one.outer)
+        )
         found.append((bore, outer))
     return found[0], found[1]
 
@@ -317,8 +378,17 @@ def _fan(points: _Points, triangles: list[tuple[int, int, int]], fill: _Fill) ->
     if is_round:
         turns = np.linspace(0.0, math.acos(1.0 - (fill.top - fill.r) / radius), SLICES + 1)[-2:0:-1]
         toward = math.copysign(radius, fill.z - fill.begin)
-        rim[1:1] = [(center[0] + toward * math.sin(turn), center[1] - radius * math.cos(turn)) for turn in turns]
-    around = [(fill.begin, fill.below), (fill.z, fill.below), (fill.behind, fill.below), (fill.behind, fill.top), *rim]
+        rim[1:1] = [
+            (center[0] + toward * math.sin(turn), center[1] - radius * math.cos(turn))
+            for turn in turns
+        ]
+    around = [
+        (fill.begin, fill.below),
+        (fill.z, fill.below),
+        (fill.behind, fill.below),
+        (fill.behind, fill.top),
+        *rim,
+    ]
     apex = points.at((fill.z + fill.behind) / 2.0, (fill.r + fill.below) / 2.0)
     loop = [points.at(*one) for one in around]
     triangles += [(apex, one, two) for one, two in pairwise([*loop, loop[0]])]

@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import get_args
 
-from torsion.assembly.junction.profile import Corner, CornerKind, Length, Profile, junction, mirrored
+from torsion.assembly.junction.profile import (
+    Corner,
+    CornerKind,
+    Length,
+    Profile,
+    junction,
+    mirrored,
+)
 from torsion.components.shaft_details import STEP, Step, StepForm
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.junction_table import junction_table
@@ -60,14 +67,17 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         said.add(one.part)
         if train.steps is None and record.step is not None:
             continue
-        step = record.step or Step(form=next((one for one in get_args(StepForm) if one == form), "none"))
+        step = record.step or Step(
+            form=next((one for one in get_args(StepForm) if one == form), "none")
+        )
         if step.form == "none":
             continue
         ends = _end(train, one, 1), _end(train, two, 0)
         fault, excess, source = _twist(step, ends, path, taken, by_table=by_table)
         if fault or not source:
             if fault and (
-                record.step is not None or max(ends[0].bore, ends[1].bore) >= min(one.outer[1], two.outer[0])
+                record.step is not None
+                or max(ends[0].bore, ends[1].bore) >= min(one.outer[1], two.outer[0])
             ):
                 faults.append(fault)
             if not _is_smooth(one, two):
@@ -85,22 +95,30 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
             shorter[smaller.bar.name] = saved
         else:
             message = f"the fillets of '{smaller.bar.name}' take more than half of its twist"
-            faults.append(Fault(path, message, "give the stiffness of both as a `coupling` in its place"))
+            faults.append(
+                Fault(path, message, "give the stiffness of both as a `coupling` in its place")
+            )
     if train.steps is not None and train.has_hubs:
         found, shorter = _hubs(found, shorter, faults)
     bars = [
-        replace(bar, shear_modulus=bar.shear_modulus / (1.0 - shorter.get(bar.name, 0.0) / bar.length))
+        replace(
+            bar, shear_modulus=bar.shear_modulus / (1.0 - shorter.get(bar.name, 0.0) / bar.length)
+        )
         for bar in found.bars
     ]
     found = replace(found, bars=tuple(bars), steps=None)
     for number, part in () if train.steps is None else train.of_kind("shaft"):
         if part.shaft is not None and part.shaft.step is not None and number not in said:
             hint = "a step joins two shafts of the train, one right after the other, with nothing at the point between"
-            faults.append(Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint))
+            faults.append(
+                Fault((*part.path, "step"), f"no shaft follows '{part.name}' directly", hint)
+            )
     return found
 
 
-def _hubs(train: Train, shorter: dict[str, float], faults: list[Fault]) -> tuple[Train, dict[str, float]]:
+def _hubs(
+    train: Train, shorter: dict[str, float], faults: list[Fault]
+) -> tuple[Train, dict[str, float]]:
     """The train, and what fillets and hubs together take from the length (m) of each shaft."""
     from torsion.assembly.junction.hubs import with_hubs
 
@@ -109,7 +127,9 @@ def _hubs(train: Train, shorter: dict[str, float], faults: list[Fault]) -> tuple
         found[bar.name] = found.get(bar.name, 0.0) + shorter.get(bar.name, 0.0)
         if found[bar.name] > MOST_WITH_HUBS * bar.length:
             message = f"hubs and fillets take up the complete twist of '{bar.name}'"
-            faults.append(Fault(train.parts[bar.part].path, message, "join it with the adjacent shaft"))
+            faults.append(
+                Fault(train.parts[bar.part].path, message, "join it with the adjacent shaft")
+            )
             del found[bar.name]
     return train, found
 
@@ -123,7 +143,9 @@ def _end(train: Train, bar: Bar, at: int) -> End:
 
 def has_unstated(train: Train) -> bool:
     """Shafts of unlike diameter or bore meet, and neither says anything of their step."""
-    return any(train.shaft(one).step is None and not _is_smooth(one, two) for one, two in _adjoining(train))
+    return any(
+        train.shaft(one).step is None and not _is_smooth(one, two) for one, two in _adjoining(train)
+    )
 
 
 def _is_smooth(one: Bar, two: Bar) -> bool:
@@ -134,20 +156,38 @@ def _adjoining(train: Train) -> Iterator[tuple[Bar, Bar]]:
     """Every two shafts, the second of which begins where the first ends, with nothing else there."""
     touching = Counter(
         getattr(one, end)
-        for kind in (train.inertias, train.springs, train.bars, train.constraints, train.dampers, train.torques)
-        for one in kind for end in ENDS if hasattr(one, end)
-    )  # fmt: skip
+        for kind in (
+            train.inertias,
+            train.springs,
+            train.bars,
+            train.constraints,
+            train.dampers,
+            train.torques,
+        )
+        for one in kind
+        for end in ENDS
+        if hasattr(one, end)
+    )
     ends = {bar.driven: bar for bar in train.bars}
     for bar in train.bars:
         before = ends.get(bar.driving)
-        if before is None or touching[bar.driving] != 2 or train.stations[bar.driving].part != before.part:
+        if (
+            before is None
+            or touching[bar.driving] != 2
+            or train.stations[bar.driving].part != before.part
+        ):
             continue
         if all(train.parts[one.part].shaft is not None for one in (before, bar)):
             yield before, bar
 
 
 def _twist(
-    step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken: dict[str, float], *, by_table: bool
+    step: Step,
+    ends: tuple[End, End],
+    path: tuple[str | int, ...],
+    taken: dict[str, float],
+    *,
+    by_table: bool,
 ) -> tuple[Fault | None, float, str]:
     """What is wrong with a step; else its excess length (m) and where that is from."""
     if fault := _fault(step, ends, path, taken):
@@ -155,38 +195,68 @@ def _twist(
     try:
         return None, *excess_length(step, *ends, by_table=by_table)
     except SolveError as error:
-        return Fault(path, str(error), "other dimensions, or `step: none`, which leaves its twist out"), 0.0, ""
+        return (
+            Fault(
+                path, str(error), "other dimensions, or `step: none`, which leaves its twist out"
+            ),
+            0.0,
+            "",
+        )
 
 
-def _fault(step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken: dict[str, float]) -> Fault | None:
+def _fault(
+    step: Step, ends: tuple[End, End], path: tuple[str | int, ...], taken: dict[str, float]
+) -> Fault | None:
     """taken: m of each shaft under the corners and hubs so far."""
     one, two = ends
     names = f"'{one.bar.name}' and '{two.bar.name}'"
     if any(end.bar.section is not None for end in ends):
-        return Fault(path, f"one of {names} has a `section` by mesh", "a step lies between two round shafts")
+        return Fault(
+            path, f"one of {names} has a `section` by mesh", "a step lies between two round shafts"
+        )
     if max(one.bore, two.bore) >= min(one.outer, two.outer):
-        return Fault(path, f"{names} do not touch", "the bore of one is not smaller than the diameter of the other")
+        return Fault(
+            path,
+            f"{names} do not touch",
+            "the bore of one is not smaller than the diameter of the other",
+        )
     smaller, larger = sorted(ends, key=lambda end: end.outer)
     face = larger.outer
     if step.flange is not None:
         face = step.flange.diameter
         if face <= larger.outer:
-            return Fault((*path, "flange"), f"the flange is not larger than {names}", "`diameter` is its outer one")
+            return Fault(
+                (*path, "flange"),
+                f"the flange is not larger than {names}",
+                "`diameter` is its outer one",
+            )
     elif one.outer == two.outer:
-        return Fault(path, f"{names} have the same diameter", "leave `step` out, or give a `flange`")
+        return Fault(
+            path, f"{names} have the same diameter", "leave `step` out, or give a `flange`"
+        )
     height, reach = (face - smaller.outer) / 2.0, 0.0
     if step.undercut is not None:
         floor, reach = smaller.outer - 2.0 * step.undercut.depth, step.undercut.width
         if floor <= max(one.bore, two.bore):
-            return Fault((*path, "undercut"), "the undercut is deeper than the wall of the shaft", "a smaller `depth`")
+            return Fault(
+                (*path, "undercut"),
+                "the undercut is deeper than the wall of the shaft",
+                "a smaller `depth`",
+            )
         if step.round >= min(reach, height + step.undercut.depth):
-            return Fault((*path, "undercut"), "its fillet does not fit into the undercut", "a smaller `fillet`")
+            return Fault(
+                (*path, "undercut"),
+                "its fillet does not fit into the undercut",
+                "a smaller `fillet`",
+            )
     elif step.size:
         kind: CornerKind = "fillet" if step.round else "chamfer"
         reach = Corner(kind, step.size).legs(height)[0]
     name = smaller.bar.name
     if reach >= smaller.bar.length:
-        return Fault(path, f"the corner reaches beyond '{name}'", "a fillet is shorter than its shaft")
+        return Fault(
+            path, f"the corner reaches beyond '{name}'", "a fillet is shorter than its shaft"
+        )
     taken[name] = taken.get(name, 0.0) + reach
     if reach and taken[name] > smaller.bar.length:
         hint = "the corners at both of its ends, and its hubs, together have room in its length"
@@ -210,7 +280,10 @@ def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> 
         height = (larger.outer - unit) / 2.0
         known = junction_table().excess_length(smaller.bore / unit, height / unit, step.size / unit)
         if known is not None:
-            return unit * known, f"from the table of finite elements, within {junction_table().error:.1g} diameters"
+            return (
+                unit * known,
+                f"from the table of finite elements, within {junction_table().error:.1g} diameters",
+            )
     if by_table:
         return 0.0, ""
     from torsion.assembly.junction.axisymmetric import solved
@@ -218,7 +291,10 @@ def excess_length(step: Step, one: End, two: End, *, by_table: bool = False) -> 
     found = solved(profile_of(step, one, two))
     own = _between(step, smaller)
     area = float(polar_area_moment(smaller.outer, smaller.bore))
-    beside = sum(piece.length * area / float(polar_area_moment(piece.outer[0], piece.bore[0])) for piece in own)
+    beside = sum(
+        piece.length * area / float(polar_area_moment(piece.outer[0], piece.bore[0]))
+        for piece in own
+    )
     inside = step.undercut.width if step.undercut is not None else 0.0
     excess = unit * found.excess_length + beside - inside
     return excess, f"by finite elements, within {found.error:.1g} diameters"
@@ -239,7 +315,9 @@ def profile_of(step: Step, one: End, two: End) -> Profile:
     """The outline of a step, in units of its smaller diameter."""
     smaller, larger = sorted((one, two), key=lambda end: end.outer)
     unit = smaller.outer
-    corner = Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
+    corner = (
+        Corner("chamfer" if step.chamfer else "fillet", step.size / unit) if step.size else None
+    )
     sizes = [(end.outer / unit, end.bore / unit) for end in (smaller, larger)]
     moduli = 1.0, larger.bar.shear_modulus / smaller.bar.shear_modulus
     between = (one.in_units(unit) for one in _between(step, smaller))
@@ -252,23 +330,38 @@ def stressed_profile(train: Train, step: Step, smaller: End, larger: End) -> tup
     Both steps of a short shaft between two larger ones are in it, as they share their field.
     """
     profile, bar = profile_of(step, smaller, larger), smaller.bar
-    other = next((
-        (found or Step(form="sharp"), low, high) for found, one, two, low, high in corners(train)
-        if low.bar.name == bar.name and larger.bar.name not in (one.name, two.name) and high.outer > low.outer
-    ), None)  # fmt: skip
-    if other is None or len({*bar.outer}) > 1 or len({*bar.bore}) > 1 or bar.length >= SHORT * smaller.outer:
+    other = next(
+        (
+            (found or Step(form="sharp"), low, high)
+            for found, one, two, low, high in corners(train)
+            if low.bar.name == bar.name
+            and larger.bar.name not in (one.name, two.name)
+            and high.outer > low.outer
+        ),
+        None,
+    )
+    if (
+        other is None
+        or len({*bar.outer}) > 1
+        or len({*bar.bore}) > 1
+        or bar.length >= SHORT * smaller.outer
+    ):
         return profile, 0.0
     behind = mirrored(profile_of(*other))
     grooves = sum(each.undercut.width for each in (step, other[0]) if each.undercut is not None)
     between = replace(profile.lengths[0], length=(bar.length - grooves) / smaller.outer)
-    whole = Profile((*behind.lengths[:-1], between, *profile.lengths[1:]), (*behind.corners, *profile.corners))
+    whole = Profile(
+        (*behind.lengths[:-1], between, *profile.lengths[1:]), (*behind.corners, *profile.corners)
+    )
     return whole, behind.places[-2] + between.length / 2.0
 
 
 def corners(train: Train) -> Iterator[tuple[Step | None, Bar, Bar, End, End]]:
     """Where shafts meet in a train whose steps are springs: what is stated, both shafts, smaller and larger end."""
     starts = {bar.driving: bar for bar in train.bars}
-    behind = {spring.driving: spring.driven for spring in train.springs if spring.name.endswith(STEP)}
+    behind = {
+        spring.driving: spring.driven for spring in train.springs if spring.name.endswith(STEP)
+    }
     for one in train.bars:
         two = starts.get(behind.get(one.driven, one.driven))
         if two is not None and all(train.parts[bar.part].shaft is not None for bar in (one, two)):
@@ -283,7 +376,11 @@ def unrounded(train: Train) -> Iterator[tuple[Bar, Bar, str]]:
     for step, one, two, smaller, larger in corners(train):
         if step is not None and (step.round or not _is_smooth(one, two)):
             if not step.round:
-                yield one, two, "sharp step" if step.form == "sharp" else "step" if step.form else step.words
+                yield (
+                    one,
+                    two,
+                    "sharp step" if step.form == "sharp" else "step" if step.form else step.words,
+                )
             elif not step.fillet:
                 yield one, two, f"other corner of the {step.words}"
             if step.round and smaller.bore != larger.bore:
@@ -318,7 +415,9 @@ def _with_inertias(train: Train, step: Step, station: int, ends: tuple[End, End]
     if step.size and step.undercut is None:
         kind: CornerKind = "fillet" if step.round else "chamfer"
         face = larger.outer if step.flange is None else step.flange.diameter
-        moment = Corner(kind, step.size).polar_moment(smaller.outer / 2.0, (face - smaller.outer) / 2.0)
+        moment = Corner(kind, step.size).polar_moment(
+            smaller.outer / 2.0, (face - smaller.outer) / 2.0
+        )
         found.append(Inertia(station, density * moment, part, kind))
     if step.flange is not None:
         area = float(polar_area_moment(step.flange.diameter, smaller.bore))
@@ -332,12 +431,24 @@ def _with_spring(train: Train, one: Bar, two: Bar, smaller: End, excess: float) 
     flexibility = excess / smaller.bar.shear_modulus / area
     before, new = train.stations[one.driven], len(train.stations)
     spring = Spring(
-        f"{one.name}{STEP}", one.part, one.driven, new, flexibility, loss_factor=smaller.bar.loss_factor
-    )  # fmt: skip
+        f"{one.name}{STEP}",
+        one.part,
+        one.driven,
+        new,
+        flexibility,
+        loss_factor=smaller.bar.loss_factor,
+    )
     parts = list(train.parts)
     parts[two.part] = replace(parts[two.part], stations=(new, *parts[two.part].stations[1:]))
     return replace(
-        train, springs=(*train.springs, spring), parts=tuple(parts),
-        bars=tuple(replace(bar, driving=new) if bar.name == two.name else bar for bar in train.bars),
-        stations=(*train.stations, Station(f"{two.name} start", two.part, before.ratio, before.sense)),
-    )  # fmt: skip
+        train,
+        springs=(*train.springs, spring),
+        parts=tuple(parts),
+        bars=tuple(
+            replace(bar, driving=new) if bar.name == two.name else bar for bar in train.bars
+        ),
+        stations=(
+            *train.stations,
+            Station(f"{two.name} start", two.part, before.ratio, before.sense),
+        ),
+    )

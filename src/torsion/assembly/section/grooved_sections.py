@@ -52,20 +52,26 @@ class Piece:
     def at(self, share: FloatArray) -> FloatArray:
         """(2, shares) the points there; along an involute by shares of the string, which keeps it smooth."""
         if self.base:
-            first, last = (math.sqrt(math.hypot(*one) ** 2 - self.base**2) for one in (self.start, self.end))
+            first, last = (
+                math.sqrt(math.hypot(*one) ** 2 - self.base**2) for one in (self.start, self.end)
+            )
             string = first + (last - first) * share
             turns = string / self.base - np.arctan(string / self.base)
             angle = math.atan2(*self.start) + turns - involute(first / self.base)
-            return np.asarray(np.hypot(string, self.base) * np.array([np.sin(angle), np.cos(angle)]))
+            return np.asarray(
+                np.hypot(string, self.base) * np.array([np.sin(angle), np.cos(angle)])
+            )
         start, end = np.array(self.start), np.array(self.end)
         if self.center is None:
             return np.asarray(start[:, None] + np.outer(end - start, share))
         center = np.array(self.center)
         turn = [math.atan2(*(one - center)[::-1]) for one in (start, end)]
         swept = math.remainder(turn[1] - turn[0], math.tau) * share
-        return np.asarray(center[:, None] + math.dist(start, center) * np.array([
-            np.cos(turn[0] + swept), np.sin(turn[0] + swept)
-        ]))  # fmt: skip
+        return np.asarray(
+            center[:, None]
+            + math.dist(start, center)
+            * np.array([np.cos(turn[0] + swept), np.sin(turn[0] + swept)])
+        )
 
 
 @dataclass(frozen=True)
@@ -85,30 +91,43 @@ class GrooveStress:
 
     factor: float  # K_t
     error: float  # relative: half the difference of what both fields say, or the last change
-    constant: tuple[float, float]  # bounds of the torsion constant of radius 1, of the outline as meshed
+    constant: tuple[
+        float, float
+    ]  # bounds of the torsion constant of radius 1, of the outline as meshed
     slope: float  # largest stress / (shear modulus * twist per length * radius)
 
 
-def keyway(width: float, depth: float, fillet: float, number: int = 1, bore: float = 0.0) -> Grooved:
+def keyway(
+    width: float, depth: float, fillet: float, number: int = 1, bore: float = 0.0
+) -> Grooved:
     """Grooves with parallel flanks and a flat floor, `depth` below the circumference; all in radii of the shaft."""
     half, floor = width / 2.0, 1.0 - depth
-    points = [(0.0, floor), (half - fillet, floor), (half, floor + fillet), (half, math.sqrt(1.0 - half * half))]
+    points = [
+        (0.0, floor),
+        (half - fillet, floor),
+        (half, floor + fillet),
+        (half, math.sqrt(1.0 - half * half)),
+    ]
     return _grooved(points, fillet, number, bore, is_flat=True)
 
 
 def splines(root: float, tooth: float, fillet: float, number: int, bore: float = 0.0) -> Grooved:
     """Straight-sided splines: radius of the root circle, width of a tooth, fillet between; in radii of the shaft."""
     pitch, half = math.pi / number, tooth / 2.0
-    away = math.asin((half + fillet) / (root + fillet))  # of the fillet's centre from the middle of the tooth
+    away = math.asin(
+        (half + fillet) / (root + fillet)
+    )  # of the fillet's centre from the middle of the tooth
     along = (root + fillet) * math.cos(away)
 
     def turned(radius: float, angle: float) -> tuple[float, float]:
         return radius * math.sin(angle), radius * math.cos(angle)
 
     points = [
-        (0.0, root), turned(root, pitch - away), turned(math.hypot(half, along), pitch - math.atan2(half, along)),
+        (0.0, root),
+        turned(root, pitch - away),
+        turned(math.hypot(half, along), pitch - math.atan2(half, along)),
         turned(1.0, pitch - math.asin(half)),
-    ]  # fmt: skip
+    ]
     return _grooved(points, fillet, number, bore, is_flat=False)
 
 
@@ -122,9 +141,15 @@ def involute(tangent: float) -> float:
 
 
 def involute_splines(
-    module: float, number: int, root: float, fillet: float, *, angle: float = math.pi / 6.0, shift: float = 0.0,
+    module: float,
+    number: int,
+    root: float,
+    fillet: float,
+    *,
+    angle: float = math.pi / 6.0,
+    shift: float = 0.0,
     bore: float = 0.0,
-) -> Grooved:  # fmt: skip
+) -> Grooved:
     """Involute splines with a round fillet; lengths in radii of the shaft, which is that over the teeth.
 
     angle: of pressure (rad) on the reference circle, module * number / 2, where a tooth is module * (pi/2 + 2 shift tan
@@ -144,16 +169,24 @@ def involute_splines(
 
     own, top = ((string / base) for string in (long - fillet, math.sqrt(1.0 - base**2)))
     points = [
-        (0.0, root), turned(root, at_base + fillet / base - involute(long / base)),
-        turned(math.hypot(base, long - fillet), at_base - involute(own)), turned(1.0, at_base - involute(top)),
-    ]  # fmt: skip
+        (0.0, root),
+        turned(root, at_base + fillet / base - involute(long / base)),
+        turned(math.hypot(base, long - fillet), at_base - involute(own)),
+        turned(1.0, at_base - involute(top)),
+    ]
     if points[1][0] < 0.0 or at_base <= involute(top):
         raise ValueError("the fillets do not fit between the teeth, or the teeth are pointed")
     return _grooved(points, fillet, number, bore, is_flat=False, base=base)
 
 
 def _grooved(
-    points: list[tuple[float, float]], fillet: float, number: int, bore: float, *, is_flat: bool, base: float = 0.0
+    points: list[tuple[float, float]],
+    fillet: float,
+    number: int,
+    bore: float,
+    *,
+    is_flat: bool,
+    base: float = 0.0,
 ) -> Grooved:
     """Floor, fillet, flank and circumference, from the groove's axis on; a floor that is not flat is round.
 
@@ -162,7 +195,9 @@ def _grooved(
     """
     (_, root), (x, y), (half, _), _ = points
     least = max(bore, half) if is_flat else bore
-    within = least + (root - least) * 0.5  # between the floor and what is below it, wide enough for the flanks
+    within = (
+        least + (root - least) * 0.5
+    )  # between the floor and what is below it, wide enough for the flanks
     if not is_flat:
         within = max(within, root * (1.0 - BELOW * math.pi / number))
     angles = [math.asin(one[0] / within) if is_flat else math.atan2(*one) for one in points[1:3]]
@@ -173,7 +208,10 @@ def _grooved(
     lengths = [math.dist(*pair) for pair in pairwise(points)]
     reach = min(last, FANNED) - angles[0]
     low, high, top = (
-        min(angles[0] + share * reach, math.atan2(*point) + SLANT * math.acos(within / math.hypot(*point)))
+        min(
+            angles[0] + share * reach,
+            math.atan2(*point) + SLANT * math.acos(within / math.hypot(*point)),
+        )
         for share, point in zip(FAN, points[1:], strict=True)
     )
     low, high = max(low, angles[0]), max(high, angles[1])
@@ -181,19 +219,26 @@ def _grooved(
     arc = last - math.atan2(*points[3])
     pieces = [
         Piece(points[0], points[1], (0.0, low), graded(lengths[0], fine, at_end=True), floor),
-        Piece(points[1], points[2], (low, high), tuple(np.linspace(0.0, 1.0, IN_FILLET + 1)), center),
+        Piece(
+            points[1], points[2], (low, high), tuple(np.linspace(0.0, 1.0, IN_FILLET + 1)), center
+        ),
         Piece(points[2], points[3], (high, top), graded(lengths[2], fine), base=base),
         Piece(
-            points[3], (math.sin(last), math.cos(last)), (top, last),
-            graded(arc, max(fine, lengths[2] / 4.0), most=WIDEST), (0.0, 0.0),
+            points[3],
+            (math.sin(last), math.cos(last)),
+            (top, last),
+            graded(arc, max(fine, lengths[2] / 4.0), most=WIDEST),
+            (0.0, 0.0),
         ),
-    ]  # fmt: skip
+    ]
     kept = tuple(one for one in pieces if math.dist(one.start, one.end) > CLOSE)
     foot, below = points[2], (within * math.sin(high), within * math.cos(high))
     return Grooved(kept, number, within, bore, min(fine / math.dist(foot, below), 0.5))
 
 
-def graded(length: float, first: float, *, at_end: bool = False, most: float = math.inf) -> tuple[float, ...]:
+def graded(
+    length: float, first: float, *, at_end: bool = False, most: float = math.inf
+) -> tuple[float, ...]:
     """Shares of a piece at which its sides end, each twice as long as the one before it.
 
     >>> graded(7.0, 1.0), graded(3.0, 1.0, at_end=True)
@@ -238,7 +283,9 @@ def on_mesh(section: Grooved, divided: int) -> GrooveStress:
     hole = section.bore**2 * math.pi / section.number / 2.0
     loops = 1 + bool(len(inner))
     edge = Boundary(
-        np.zeros((0, 3), dtype=np.int64), np.repeat([0, 1], [len(outer), len(inner)]), np.array([0.0, -hole])[:loops]
+        np.zeros((0, 3), dtype=np.int64),
+        np.repeat([0, 1], [len(outer), len(inner)]),
+        np.array([0.0, -hole])[:loops],
     )
     lower, phi = stress_function(basis, stiffness, edge, facets)
     free = np.setdiff1d(np.arange(basis.N), basis.get_dofs(mirrors).all())
@@ -275,9 +322,13 @@ def sector(section: Grooved, divided: int) -> Triangles:
     toward = _nodes(graded(1.0, section.first), divided)
     down = _nodes(graded(1.0, 0.4), divided)[1:]
     radii = section.within + (section.bore - section.within) * down
-    points = np.concatenate([
-        rim[:, :, None] * (1.0 - toward) + section.within * circle[:, :, None] * toward, circle[:, :, None] * radii
-    ], axis=2)  # fmt: skip
+    points = np.concatenate(
+        [
+            rim[:, :, None] * (1.0 - toward) + section.within * circle[:, :, None] * toward,
+            circle[:, :, None] * radii,
+        ],
+        axis=2,
+    )
     along, across = points.shape[1:]
     places = np.arange(along * across).reshape(along, across)
     if not section.bore:
@@ -299,11 +350,18 @@ def _triangles(number: IntArray, *, is_solid: bool) -> IntArray:
     whole = slice(None, -1) if is_solid else slice(None)
     rows, columns = number.shape
     grid = {
-        (i, k): number[i : rows - 2 + i : 2, k : columns - 2 + k : 2] for i in range(3) for k in range(3)
-    }  # fmt: skip
+        (i, k): number[i : rows - 2 + i : 2, k : columns - 2 + k : 2]
+        for i in range(3)
+        for k in range(3)
+    }
     one = [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (1, 1)]
     two = [(0, 0), (2, 2), (0, 2), (1, 1), (1, 2), (0, 1)]
     found = [np.stack([grid[key][:, whole].ravel() for key in keys], axis=1) for keys in (one, two)]
     if is_solid:
-        found.append(np.stack([grid[key][:, -1] for key in [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (0, 1)]], axis=1))
+        found.append(
+            np.stack(
+                [grid[key][:, -1] for key in [(0, 0), (2, 0), (2, 2), (1, 0), (2, 1), (0, 1)]],
+                axis=1,
+            )
+        )
     return np.concatenate(found)

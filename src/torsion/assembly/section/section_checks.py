@@ -3,7 +3,13 @@
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.section.section_mesh import Boundary, SectionFault, Triangles, boundary, edges_of
+from torsion.assembly.section.section_mesh import (
+    Boundary,
+    SectionFault,
+    Triangles,
+    boundary,
+    edges_of,
+)
 from torsion.kernels.spanning_forest import connected
 
 SAME = 1e-9  # of the extent: points nearer than this are one
@@ -27,7 +33,9 @@ def sound(mesh: Triangles) -> Triangles:
     _refuse_meetings(mesh, edge, SAME * extent)
     _refuse_pinches(mesh, edge)
     if np.count_nonzero(edge.area > 0) != 1:
-        raise SectionFault("the triangles overlap", "one outline around the section, holes within it")
+        raise SectionFault(
+            "the triangles overlap", "one outline around the section, holes within it"
+        )
     return mesh
 
 
@@ -74,7 +82,9 @@ def _counterclockwise(mesh: Triangles) -> Triangles:
 def _triangle(mesh: Triangles, where: BoolArray, what: str, hint: str) -> SectionFault:
     """The fault of the first of some triangles."""
     first = int(np.argmax(where))
-    return SectionFault(f"triangle {first + 1} {what},", hint, mesh.points[mesh.nodes[first, :3]].mean(axis=0))
+    return SectionFault(
+        f"triangle {first + 1} {what},", hint, mesh.points[mesh.nodes[first, :3]].mean(axis=0)
+    )
 
 
 def _twice_areas(mesh: Triangles) -> FloatArray:
@@ -116,7 +126,9 @@ def _refuse_pinches(mesh: Triangles, edge: Boundary) -> None:
     count = np.bincount(edge.sides[:, 0], minlength=len(mesh.points))
     if np.any(count > 1):
         at = mesh.points[np.argmax(count)]
-        raise SectionFault("the parts of the section meet only in a point", "a cross-section is one piece", at)
+        raise SectionFault(
+            "the parts of the section meet only in a point", "a cross-section is one piece", at
+        )
 
 
 def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
@@ -128,24 +140,37 @@ def _refuse_meetings(mesh: Triangles, edge: Boundary, tolerance: float) -> None:
     for begin in range(0, len(start), _BLOCK):
         block = slice(begin, begin + _BLOCK)
         near = np.all((low[block, None] <= high) & (low <= high[block, None]), axis=2)
-        one, other = np.nonzero(near & (np.arange(len(start)) > np.arange(begin, begin + len(near))[:, None]))
+        one, other = np.nonzero(
+            near & (np.arange(len(start)) > np.arange(begin, begin + len(near))[:, None])
+        )
         one = one + begin
-        meets = _meet(np.stack([start[one], end[one]]), np.stack([start[other], end[other]]), mesh.points, tolerance)
+        meets = _meet(
+            np.stack([start[one], end[one]]),
+            np.stack([start[other], end[other]]),
+            mesh.points,
+            tolerance,
+        )
         if np.any(meets):
             hint = "no overlaps, no cracks and no hanging nodes: neighbours share their corners"
-            raise SectionFault("the boundary of the section meets itself", hint, p[one[np.argmax(meets)]])
+            raise SectionFault(
+                "the boundary of the section meets itself", hint, p[one[np.argmax(meets)]]
+            )
 
 
 def _meet(one: IntArray, other: IntArray, points: FloatArray, tolerance: float) -> BoolArray:
     """(pairs,) whether segments of the boundary (2, pairs) touch or cross, but at an end that they share."""
     found = np.zeros(one.shape[1], dtype=bool)
     for end, (a, b) in ((one[0], other), (one[1], other), (other[0], one), (other[1], one)):
-        found |= (end != a) & (end != b) & (_distance(points[end], points[a], points[b]) <= tolerance)
+        found |= (
+            (end != a) & (end != b) & (_distance(points[end], points[a], points[b]) <= tolerance)
+        )
     side = [
         np.sign(_cross(points[b] - points[a], points[c] - points[a]))
         for a, b, c in ((*one, other[0]), (*one, other[1]), (*other, one[0]), (*other, one[1]))
     ]
-    shared = (one[0] == other[0]) | (one[0] == other[1]) | (one[1] == other[0]) | (one[1] == other[1])
+    shared = (
+        (one[0] == other[0]) | (one[0] == other[1]) | (one[1] == other[0]) | (one[1] == other[1])
+    )
     return np.asarray(found | (~shared & (side[0] * side[1] < 0) & (side[2] * side[3] < 0)))
 
 

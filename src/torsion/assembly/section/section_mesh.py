@@ -66,10 +66,19 @@ def read_triangles(file: str | Path) -> Triangles:
     _refuse_other_cells(cells)
     kinds = [kind for kind in PLANE if cells.get(kind)]
     if len(kinds) != 1:
-        raise SectionFault("the mesh has no triangles" if not kinds else "straight and quadratic triangles are mixed")
+        raise SectionFault(
+            "the mesh has no triangles"
+            if not kinds
+            else "straight and quadratic triangles are mixed"
+        )
     if cells[kinds[0]] > MOST:
-        raise SectionFault(f"the mesh has {cells[kinds[0]]} triangles", f"at most {MOST}; a section needs far fewer")
-    nodes: IntArray = np.concatenate([block.data for block in mesh.cells if block.type == kinds[0]]).astype(np.int64)
+        raise SectionFault(
+            f"the mesh has {cells[kinds[0]]} triangles",
+            f"at most {MOST}; a section needs far fewer",
+        )
+    nodes: IntArray = np.concatenate(
+        [block.data for block in mesh.cells if block.type == kinds[0]]
+    ).astype(np.int64)
     if nodes.min() < 0 or nodes.max() >= len(mesh.points):
         raise SectionFault("a triangle of the mesh names a point that is not there")
     used, place = np.unique(nodes, return_inverse=True)
@@ -100,9 +109,15 @@ def _read(file: Path) -> Any:
     import meshio
 
     sink = io.StringIO()  # meshio prints what it could not read, and ends the program
-    with contextlib.redirect_stdout(sink), contextlib.redirect_stderr(sink), warnings.catch_warnings():
+    with (
+        contextlib.redirect_stdout(sink),
+        contextlib.redirect_stderr(sink),
+        warnings.catch_warnings(),
+    ):
         warnings.simplefilter("ignore")
-        warnings.filterwarnings("error", message="string or file could not be read")  # numpy, of numbers cut short
+        warnings.filterwarnings(
+            "error", message="string or file could not be read"
+        )  # numpy, of numbers cut short
         try:
             return meshio.read(file)
         except (Exception, SystemExit) as error:
@@ -117,8 +132,12 @@ def _refuse_other_cells(cells: dict[str, int]) -> None:
     for kind, number in cells.items():
         if number and kind not in PLANE and kind not in LOWER:
             if kind.startswith(("tetra", "hexahedron", "wedge", "pyramid", "polyhedron")):
-                raise SectionFault(f"the mesh is a body ({number} cells `{kind}`)", "mesh the cross-section alone")
-            raise SectionFault(f"the mesh has {number} cells `{kind}`", "triangles with 3 or 6 nodes are read")
+                raise SectionFault(
+                    f"the mesh is a body ({number} cells `{kind}`)", "mesh the cross-section alone"
+                )
+            raise SectionFault(
+                f"the mesh has {number} cells `{kind}`", "triangles with 3 or 6 nodes are read"
+            )
 
 
 def _flat(points: FloatArray) -> FloatArray:
@@ -128,13 +147,18 @@ def _flat(points: FloatArray) -> FloatArray:
     if points.shape[1] == 3:
         x_y, z = np.ptp(points[:, :2], axis=0).max(), np.ptp(points[:, 2])
         if z > 1e-9 * x_y:  # of the extent: rounding of figures written with ten digits
-            raise SectionFault("the mesh is not plane: z is not constant", "draw the section in the plane of x and y")
+            raise SectionFault(
+                "the mesh is not plane: z is not constant",
+                "draw the section in the plane of x and y",
+            )
     return np.ascontiguousarray(points[:, :2])
 
 
 def edges_of(sides: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Every edge (edges, 2) once, by its ends in ascending order; the first side of each; the edge of every side."""
-    edges, first, place = np.unique(np.sort(sides[:, :2], axis=1), axis=0, return_index=True, return_inverse=True)
+    edges, first, place = np.unique(
+        np.sort(sides[:, :2], axis=1), axis=0, return_index=True, return_inverse=True
+    )
     return edges, first, place.ravel()
 
 
@@ -170,7 +194,9 @@ def refined(mesh: Triangles) -> Triangles:
     edge = place.reshape(-1, 3)
     turned = nodes[:, :3] > nodes[:, [1, 2, 0]]
     at_first, at_last = (len(points) + edge + len(edges) * side for side in (turned, ~turned))
-    within = len(points) + 2 * len(edges) + np.arange(3)[:, None] * len(nodes) + np.arange(len(nodes))
+    within = (
+        len(points) + 2 * len(edges) + np.arange(3)[:, None] * len(nodes) + np.arange(len(nodes))
+    )
     a, b, c, ab, bc, ca = nodes.T
     new = [
         (a, ab, ca, at_first[:, 0], within[0], at_last[:, 2]),
@@ -178,7 +204,10 @@ def refined(mesh: Triangles) -> Triangles:
         (ca, bc, c, within[2], at_last[:, 1], at_first[:, 2]),
         (ab, bc, ca, within[1], within[2], within[0]),
     ]
-    return Triangles(np.concatenate([points, *quarters, *inner]), np.concatenate([np.stack(one, 1) for one in new]))
+    return Triangles(
+        np.concatenate([points, *quarters, *inner]),
+        np.concatenate([np.stack(one, 1) for one in new]),
+    )
 
 
 def _quarter(near: FloatArray, amid: FloatArray, far: FloatArray) -> FloatArray:

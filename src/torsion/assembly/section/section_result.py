@@ -15,9 +15,16 @@ from torsion.primitives import Section, SectionMesh
 FEW = 2_000  # triangles of a mesh that is solved with degree 4; a finer one needs no more than degree 2
 LEVELS = 3  # the mesh, its refinement, and one more
 QUICK = 3_000  # triangles that one more refinement may make
-CLOSE, STEADY = 1e-9, 1e-6  # relative: gap of the bounds, last change of the stress; no further refinement below both
-SETTLED = 0.05  # relative change of the stress by the last refinement, up to which it counts as known
-OFF_AXIS = 0.1  # centroid from the origin / radius of gyration; a keyway according to DIN 6885 makes 0.05
+CLOSE, STEADY = (
+    1e-9,
+    1e-6,
+)  # relative: gap of the bounds, last change of the stress; no further refinement below both
+SETTLED = (
+    0.05  # relative change of the stress by the last refinement, up to which it counts as known
+)
+OFF_AXIS = (
+    0.1  # centroid from the origin / radius of gyration; a keyway according to DIN 6885 makes 0.05
+)
 
 
 @dataclass(frozen=True)
@@ -46,12 +53,18 @@ class SectionResult:
     @property
     def changes(self) -> tuple[float, ...]:
         """Relative change of the largest stress (at one twist) by each refinement."""
-        return tuple(abs(fine.stress / coarse.stress - 1.0) for coarse, fine in pairwise(self.levels))
+        return tuple(
+            abs(fine.stress / coarse.stress - 1.0) for coarse, fine in pairwise(self.levels)
+        )
 
     @property
     def stress_modulus(self) -> float:
         """Torque / largest shear stress, m3; NaN where the stress grows with every refinement, at a sharp corner."""
-        return self.torsion_constant / self.levels[-1].stress if self.changes[-1] <= SETTLED else float("nan")
+        return (
+            self.torsion_constant / self.levels[-1].stress
+            if self.changes[-1] <= SETTLED
+            else float("nan")
+        )
 
     @property
     def eccentricity(self) -> float:
@@ -118,7 +131,9 @@ def _solved(mesh: SectionMesh, stamp: tuple[int, int]) -> SectionResult:
     here = _checked(mesh, stamp)
     known, degree = moments(here), 4 if len(here.nodes) <= FEW else 2
     levels = [solve_level(here, degree)]
-    while len(levels) < 2 or (len(levels) < LEVELS and 4 * len(here.nodes) <= QUICK and not _fine(levels)):
+    while len(levels) < 2 or (
+        len(levels) < LEVELS and 4 * len(here.nodes) <= QUICK and not _fine(levels)
+    ):
         here = refined(here)
         levels.append(solve_level(here, degree))
     return SectionResult(mesh.file, known, tuple(levels), degree)
@@ -127,4 +142,7 @@ def _solved(mesh: SectionMesh, stamp: tuple[int, int]) -> SectionResult:
 def _fine(levels: list[Level]) -> bool:
     """A further refinement would change nothing that counts."""
     before, last = levels[-2:]
-    return last.upper - last.lower <= CLOSE * last.upper and abs(last.stress / before.stress - 1.0) <= STEADY
+    return (
+        last.upper - last.lower <= CLOSE * last.upper
+        and abs(last.stress / before.stress - 1.0) <= STEADY
+    )

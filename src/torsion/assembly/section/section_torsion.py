@@ -21,7 +21,9 @@ from torsion.assembly.section.section_mesh import Boundary, Triangles, boundary
 from torsion.sources import source
 
 ORDER = 8  # of the quadrature: exact for degree 4 on straight triangles, and for r^2 on curved ones
-_ALONG = np.linspace(0.0, 1.0, 17)  # places on a side of the boundary at which the stress is looked at
+_ALONG = np.linspace(
+    0.0, 1.0, 17
+)  # places on a side of the boundary at which the stress is looked at
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,11 @@ def plane_forms(basis: Any) -> tuple[Any, FloatArray, float]:
     (x, y), dx = basis.default_parameters()["x"], basis.dx
     gradients = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1])
     around = skfem.LinearForm(lambda v, w: w.x[1] * v.grad[0] - w.x[0] * v.grad[1])
-    return gradients.assemble(basis), np.asarray(around.assemble(basis)), float(np.sum((x * x + y * y) * dx))
+    return (
+        gradients.assemble(basis),
+        np.asarray(around.assemble(basis)),
+        float(np.sum((x * x + y * y) * dx)),
+    )
 
 
 def shape_of(mesh: Triangles) -> Any:
@@ -87,12 +93,16 @@ def _facets(mesh: Triangles, shape: Any, edge: Boundary) -> IntArray:
     """(sides,) scikit-fem's number of every side of the boundary."""
     corners = np.unique(mesh.nodes[:, :3])
     ends = np.sort(np.searchsorted(corners, edge.sides[:, :2]), axis=1)
-    known, wanted = (np.asarray(pair, dtype=np.int64) @ [len(corners), 1] for pair in (shape.facets.T, ends))
+    known, wanted = (
+        np.asarray(pair, dtype=np.int64) @ [len(corners), 1] for pair in (shape.facets.T, ends)
+    )
     order = np.argsort(known)
     return np.asarray(order[np.searchsorted(known[order], wanted)])
 
 
-def stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArray) -> tuple[float, FloatArray]:
+def stress_function(
+    basis: Any, stiffness: Any, edge: Boundary, facets: IntArray
+) -> tuple[float, FloatArray]:
     """Torsion constant, and phi (unknowns,): 0 on the outline, one unknown for each hole, all others free."""
     number, holes = stiffness.shape[0], len(edge.area) - 1
     column = np.arange(holes, holes + number)
@@ -110,11 +120,15 @@ def stress_function(basis: Any, stiffness: Any, edge: Boundary, facets: IntArray
 def solution(matrix: Any, force: FloatArray) -> FloatArray:
     """The answer of a symmetric positive definite system."""
     symmetric = {"SymmetricMode": True}
-    factors = splu(csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+    factors = splu(
+        csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric
+    )
     return np.asarray(factors.solve(force))
 
 
-def largest_slope(basis: Any, field: FloatArray, turning: float = 0.0) -> tuple[float, tuple[float, float]]:
+def largest_slope(
+    basis: Any, field: FloatArray, turning: float = 0.0
+) -> tuple[float, tuple[float, float]]:
     """Largest |grad phi| and where; |grad phi| is subharmonic, so it is nowhere larger than on the boundary.
 
     turning: that times (-y, x) is added, 1 where the field is the warping.
@@ -123,7 +137,9 @@ def largest_slope(basis: Any, field: FloatArray, turning: float = 0.0) -> tuple[
     facets = shape.boundary_facets()
     elements = np.unique(shape.f2t[0, facets])
     zero, one = np.zeros_like(_ALONG), np.ones_like(_ALONG)
-    sides = np.concatenate([[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1)  # in the order of t2f
+    sides = np.concatenate(
+        [[_ALONG, zero], [1.0 - _ALONG, _ALONG], [zero, _ALONG]], axis=1
+    )  # in the order of t2f
     places = skfem.Basis(shape, basis.elem, elements=elements, quadrature=(sides, np.tile(one, 3)))
     shown = np.repeat(np.isin(shape.t2f[:, elements].T, facets), len(_ALONG), axis=1)
     x, y = places.default_parameters()["x"]

@@ -29,7 +29,9 @@ def resolved(train: Train) -> Train:
         section, bar = found.section, bars[name]
         across = (32.0 / math.pi * section.polar_moment) ** 0.25
         modulus = bar.shear_modulus * (section.torsion_constant / section.polar_moment)
-        bars[name] = replace(bar, section=section, outer=(across, across), bore=(0.0, 0.0), shear_modulus=modulus)
+        bars[name] = replace(
+            bar, section=section, outer=(across, across), bore=(0.0, 0.0), shear_modulus=modulus
+        )
     return replace(train, bars=tuple(bars.values()))
 
 
@@ -48,7 +50,9 @@ def mesh_faults(train: Train) -> list[Fault]:
         try:
             section_mesh(section)
         except SectionFault as fault:
-            found.append(Fault((*train.parts[bar.part].path, "section", "mesh"), fault.message, fault.hint))
+            found.append(
+                Fault((*train.parts[bar.part].path, "section", "mesh"), fault.message, fault.hint)
+            )
     return found
 
 

@@ -47,9 +47,11 @@ EndPressures = Annotated[Any, BeforeValidator(_pressures, json_schema_input_type
 class CompressorThrow(Declared):
     """A throw with the cylinder on it."""
 
-    angle: fields.Angle = required("crank angle of the dead centre of the head end (smallest volume of the head "
-                                   "end); it includes the direction of the cylinder: 0 deg for both throws of an "
-                                   "opposed pair")  # fmt: skip
+    angle: fields.Angle = required(
+        "crank angle of the dead centre of the head end (smallest volume of the head "
+        "end); it includes the direction of the cylinder: 0 deg for both throws of an "
+        "opposed pair"
+    )
     bore: Length = required("diameter of the cylinder")
     piston_rod: Annotated[float, Quantity("m", at_least=0, usual="piston rod")] = given(
         "diameter of the piston rod, which takes area from the crank end", 0.0
@@ -58,8 +60,10 @@ class CompressorThrow(Declared):
         "diameter of a tail rod, which takes area from the head end", 0.0
     )
     reciprocating: Mass = given("piston, rods, crosshead and the connecting rod's share", 0.0)
-    head_end: EndPressures | None = given("its pressures, or a constant one of an end that is unloaded; without it the "
-                                        "end is open to the surroundings")  # fmt: skip
+    head_end: EndPressures | None = given(
+        "its pressures, or a constant one of an end that is unloaded; without it the "
+        "end is open to the surroundings"
+    )
     crank_end: EndPressures | None = given("the same of the end on the side of the crank")
 
     def refuse_clashes(self) -> None:
@@ -78,19 +82,26 @@ class Compressor(Component, keyword="compressor", sort="line"):
     )
     absolute: bool | None = given("true: pressures are absolute; false: gauge pressures")
     surroundings: Crankcase = given("absolute pressure outside of the cylinders", 101325.0)
-    tdc: fields.Angle | None = given("angle in files over the crank angle at which the head end is at its dead centre")
-    mechanical_efficiency: Annotated[float, Quantity("1", above=0, at_most=1, usual="efficiency")] = given(
-        "torque of the gas / that at the shaft", 1.0
+    tdc: fields.Angle | None = given(
+        "angle in files over the crank angle at which the head end is at its dead centre"
     )
+    mechanical_efficiency: Annotated[
+        float, Quantity("1", above=0, at_most=1, usual="efficiency")
+    ] = given("torque of the gas / that at the shaft", 1.0)
     reverse: bool = given("true: the train meets its last throw first", False)
     inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
         "of every throw with the mean of its moving masses; one value for all", ()
     )
     crank_inertia: Annotated[tuple[fields.Inertia, ...], OneOrMany] = given(
-        "of every throw without masses, in place of `inertia`; the mean of `reciprocating` is added", ()
+        "of every throw without masses, in place of `inertia`; the mean of `reciprocating` is added",
+        (),
     )
-    stiffness: Annotated[tuple[fields.Stiffness, ...], OneOrMany] = given("between throws; one value for all", ())
-    damping: Annotated[tuple[fields.Damping, ...], OneOrMany] = given("to ground, by throw; one value for all", ())
+    stiffness: Annotated[tuple[fields.Stiffness, ...], OneOrMany] = given(
+        "between throws; one value for all", ()
+    )
+    damping: Annotated[tuple[fields.Damping, ...], OneOrMany] = given(
+        "to ground, by throw; one value for all", ()
+    )
     loss_factor: fields.LossFactor = given("of the crank spans", 0.0)
     orders: Annotated[int, Field(ge=1, le=48)] = given("highest order of the crankshaft", 12)
 
@@ -105,35 +116,60 @@ class Compressor(Component, keyword="compressor", sort="line"):
             message = "the rod is not longer than half the stroke"
             raise refuse(message, "the piston could not pass its dead centres", "rod_length")
         if bool(self.inertia) == bool(self.crank_inertia):
-            raise refuse("give `inertia`, or `crank_inertia`", "crank_inertia: 2.5 kg*m**2",
-                         "crank_inertia" if self.inertia else "")  # fmt: skip
+            raise refuse(
+                "give `inertia`, or `crank_inertia`",
+                "crank_inertia: 2.5 kg*m**2",
+                "crank_inertia" if self.inertia else "",
+            )
         number = len(self.throws)
-        for key, most in (("inertia", number), ("crank_inertia", number), ("damping", number),
-                          ("stiffness", number - 1)):  # fmt: skip
+        for key, most in (
+            ("inertia", number),
+            ("crank_inertia", number),
+            ("damping", number),
+            ("stiffness", number - 1),
+        ):
             values = getattr(self, key)
             if len(values) not in (0, 1, most):
                 what = "throws" if most == number else "spans between them"
                 hint = "one value, or each"
-                raise refuse(f"`{key}` has {len(values)} values, and there are {most} {what}", hint, key)
+                raise refuse(
+                    f"`{key}` has {len(values)} values, and there are {most} {what}", hint, key
+                )
         if number > 1 and not self.stiffness:
-            raise refuse("`stiffness` of the crank spans is missing", "between throws; one value for all")
-        ends = [end for one in self.throws for end in (one.head_end, one.crank_end) if end is not None]
+            raise refuse(
+                "`stiffness` of the crank spans is missing", "between throws; one value for all"
+            )
+        ends = [
+            end for one in self.throws for end in (one.head_end, one.crank_end) if end is not None
+        ]
         if ends and self.absolute is None:
-            raise refuse("`absolute` is missing", "absolute: true, or false of pressures above the surroundings")
+            raise refuse(
+                "`absolute` is missing",
+                "absolute: true, or false of pressures above the surroundings",
+            )
         if not ends and not any(one.reciprocating for one in self.throws):
-            raise refuse("nothing excites: pressures and masses are missing", "give `head_end` and `crank_end`")
+            raise refuse(
+                "nothing excites: pressures and masses are missing",
+                "give `head_end` and `crank_end`",
+            )
 
     def lower(self, build: Lowering) -> None:
         owner, slider = build.part, CrankSlider.of_stroke(self.stroke, self.rod_length)
         names = tuple(f"throw {place}" for place in range(1, len(self.throws) + 1))
-        crankshaft = Crankshaft(names, self.stiffness, self.damping, self.loss_factor, reverse=self.reverse)
-        stations, _ = crankshaft.lower(build, lambda here, throw: self._masses(build, here, throw, slider))
+        crankshaft = Crankshaft(
+            names, self.stiffness, self.damping, self.loss_factor, reverse=self.reverse
+        )
+        stations, _ = crankshaft.lower(
+            build, lambda here, throw: self._masses(build, here, throw, slider)
+        )
         path, first = build.parts[owner].path, len(build.faults)
         throws = []
         for place, station in enumerate(stations):
             ends = tuple(self._ends(build, owner, place, slider))
             throws.append(self._throw(place, station, ends, slider))
-        record = CompressorRecord(owner, tuple(throws), self.mechanical_efficiency, tuple(self._words(slider)))
+        record = CompressorRecord(
+            owner, tuple(throws), self.mechanical_efficiency, tuple(self._words(slider))
+        )
         build.parts[owner] = replace(build.parts[owner], compressor=record)
         if len(build.faults) == first:
             self._refuse_driving(build, record)
@@ -148,16 +184,18 @@ class Compressor(Component, keyword="compressor", sort="line"):
         mean = slider.inertia_harmonics(0, self.throws[throw].reciprocating)[0].real
         build.inertia(here, float(mean), "moving masses, mean")
 
-    def _ends(self, build: Lowering, owner: int, place: int, slider: CrankSlider) -> Iterator[EndRecord]:
+    def _ends(
+        self, build: Lowering, owner: int, place: int, slider: CrankSlider
+    ) -> Iterator[EndRecord]:
         """The working sides of a piston; a fault is noted where the file's figures give none."""
         one = self.throws[place]
         pressures = Pressures(
             FilePath(build.folder), bool(self.absolute), self.surroundings, self.tdc, self.orders
-        )  # fmt: skip
+        )
         sides: tuple[tuple[End, str, Any, float], ...] = (
-            ("head end", "head_end", one.head_end, one.tail_rod), ("crank end", "crank_end", one.crank_end,
-                                                                   one.piston_rod),
-        )  # fmt: skip
+            ("head end", "head_end", one.head_end, one.tail_rod),
+            ("crank end", "crank_end", one.crank_end, one.piston_rod),
+        )
         for end, key, pressure, rod in sides:
             if pressure is None:
                 continue
@@ -171,13 +209,24 @@ class Compressor(Component, keyword="compressor", sort="line"):
     def _fault(build: Lowering, owner: int, where: tuple[int, str], fault: GasFault) -> Fault:
         return Fault((*build.parts[owner].path, "throws", *where), fault.message, fault.hint)
 
-    def _throw(self, place: int, station: int, ends: tuple[EndRecord, ...], slider: CrankSlider) -> ThrowRecord:
+    def _throw(
+        self, place: int, station: int, ends: tuple[EndRecord, ...], slider: CrankSlider
+    ) -> ThrowRecord:
         one = self.throws[place]
-        gas = np.sum([end.torque for end in ends], axis=0) if ends else np.zeros(self.orders + 1, dtype=np.complex128)
+        gas = (
+            np.sum([end.torque for end in ends], axis=0)
+            if ends
+            else np.zeros(self.orders + 1, dtype=np.complex128)
+        )
         return ThrowRecord(
-            place + 1, station, one.angle, ends, np.asarray(gas), slider.inertia_torque(self.orders, one.reciprocating),
+            place + 1,
+            station,
+            one.angle,
+            ends,
+            np.asarray(gas),
+            slider.inertia_torque(self.orders, one.reciprocating),
             slider.inertia_harmonics(VARYING, one.reciprocating),
-        )  # fmt: skip
+        )
 
     def _refuse_driving(self, build: Lowering, record: CompressorRecord) -> None:
         """A throw that gives work: its rows run backwards, or the ends are exchanged."""
@@ -192,7 +241,9 @@ class Compressor(Component, keyword="compressor", sort="line"):
                         "the same end"
                     )
                     fault = GasFault(message, hint)
-                    build.faults.append(self._fault(build, record.part, (one.number - 1, key), fault))
+                    build.faults.append(
+                        self._fault(build, record.part, (one.number - 1, key), fault)
+                    )
 
     def _torques(self, build: Lowering, record: CompressorRecord, path: Path) -> Iterator[Torque]:
         """One primitive for every throw and order that is there."""
@@ -202,9 +253,22 @@ class Compressor(Component, keyword="compressor", sort="line"):
             for order in range(1, self.orders + 1):
                 if one.gas[order] or one.inertia[order]:
                     cylinder = CylinderOrder(
-                        law, order, complex(one.inertia[order]), one.phasor(order), one.station, 1.0, engine=record.part
-                    )  # fmt: skip
-                    yield Torque(name, one.station, Fraction(order), path=path, source=self.source, cylinder=cylinder)
+                        law,
+                        order,
+                        complex(one.inertia[order]),
+                        one.phasor(order),
+                        one.station,
+                        1.0,
+                        engine=record.part,
+                    )
+                    yield Torque(
+                        name,
+                        one.station,
+                        Fraction(order),
+                        path=path,
+                        source=self.source,
+                        cylinder=cylinder,
+                    )
 
     def _words(self, slider: CrankSlider) -> Iterator[tuple[str, str]]:
         """Figures of the data sheet."""

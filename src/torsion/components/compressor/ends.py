@@ -14,11 +14,21 @@ from torsion.kernels.engine.pressure_volume import NoLoop, of_loop
 from torsion.two_columns import Columns, named, pairs
 
 SWEPT = 0.01  # relative: how far the volumes or the travel of a file may be from the swept ones
-_HEAD = "volume [dm3], pressure [bar]; or travel [mm], stroke [%] or angle [deg] in the first column"
+_HEAD = (
+    "volume [dm3], pressure [bar]; or travel [mm], stroke [%] or angle [deg] in the first column"
+)
 VOLUME, TRAVEL, SHARE = (
-    Columns((name, "pressure"), (unit, "Pa"), _HEAD, "12.5, 3.4", f"a finite pressure at a {name}", 0.0, is_loop=True)
+    Columns(
+        (name, "pressure"),
+        (unit, "Pa"),
+        _HEAD,
+        "12.5, 3.4",
+        f"a finite pressure at a {name}",
+        0.0,
+        is_loop=True,
+    )
     for name, unit in (("volume", "m**3"), ("travel", "m"), ("stroke", "1"))
-)  # fmt: skip
+)
 ANGLE = Columns(COLUMNS.names, COLUMNS.units, _HEAD, COLUMNS.row, COLUMNS.meant)
 
 
@@ -49,7 +59,9 @@ def end_of(end: End, given: str | float, cylinder: Cylinder, pressures: Pressure
     return EndRecord(end, words, isinstance(given, str), cylinder, diagram, clearance, torque)
 
 
-def _of_file(end: End, given: str, cylinder: Cylinder, pressures: Pressures) -> tuple[Diagram, float | None]:
+def _of_file(
+    end: End, given: str, cylinder: Cylinder, pressures: Pressures
+) -> tuple[Diagram, float | None]:
     file = pressures.folder / given
     columns = named(file, (ANGLE, VOLUME, TRAVEL, SHARE))
     try:
@@ -58,7 +70,9 @@ def _of_file(end: End, given: str, cylinder: Cylinder, pressures: Pressures) -> 
         raise GasFault(str(error.args[0]), str(error.args[-1])) from None
     pressure = rows[:, 1] + (0.0 if pressures.is_absolute else pressures.around)
     if pressure.min() <= 0:
-        raise GasFault(f"'{file}' has a pressure that is not above 0", "of gauge pressures, `absolute: false`")
+        raise GasFault(
+            f"'{file}' has a pressure that is not above 0", "of gauge pressures, `absolute: false`"
+        )
     if columns is ANGLE:
         return _over_angle(file, rows[:, 0], pressure, pressures), None
     place, clearance = _travel(file, rows[:, 0], columns, cylinder)
@@ -70,12 +84,16 @@ def _of_file(end: End, given: str, cylinder: Cylinder, pressures: Pressures) -> 
         raise GasFault(f"'{file}'{where}: {fault.message}", fault.hint) from None
 
 
-def _travel(file: FilePath, first: FloatArray, columns: Columns, cylinder: Cylinder) -> tuple[FloatArray, float | None]:
+def _travel(
+    file: FilePath, first: FloatArray, columns: Columns, cylinder: Cylinder
+) -> tuple[FloatArray, float | None]:
     """(rows,) m from the dead centre of this end, and the clearance; the ends of the file are the dead centres."""
     low, high, stroke = float(first.min()), float(first.max()), cylinder.crank.stroke
     whole, unit, size = {
-        "volume": (cylinder.swept, "dm3", 1e3), "travel": (stroke, "mm", 1e3), "stroke": (1.0, "%", 100.0),
-    }[columns.names[0]]  # fmt: skip
+        "volume": (cylinder.swept, "dm3", 1e3),
+        "travel": (stroke, "mm", 1e3),
+        "stroke": (1.0, "%", 100.0),
+    }[columns.names[0]]
     if not math.isclose(high - low, whole, rel_tol=SWEPT):
         swept = f"{(high - low) * size:.5g} {unit}, bore, rods and stroke give {whole * size:.5g} {unit}"
         hint = "the file holds one whole revolution, from dead centre to dead centre"
@@ -84,10 +102,15 @@ def _travel(file: FilePath, first: FloatArray, columns: Columns, cylinder: Cylin
     return place, low / (high - low) if columns is VOLUME else None
 
 
-def _over_angle(file: FilePath, angle: FloatArray, pressure: FloatArray, pressures: Pressures) -> Diagram:
+def _over_angle(
+    file: FilePath, angle: FloatArray, pressure: FloatArray, pressures: Pressures
+) -> Diagram:
     """From a file over the crank angle."""
     if pressures.tdc is None:
-        raise GasFault(f"'{file}' is over the angle, and `tdc` is missing", "angle of the dead centre of the head end")
+        raise GasFault(
+            f"'{file}' is over the angle, and `tdc` is missing",
+            "angle of the dead centre of the head end",
+        )
     covered = float(angle[-1] - angle[0])
     if not math.isclose(covered, 2.0 * math.pi, rel_tol=1e-6):
         covers = f"'{file}' covers {math.degrees(covered):g} deg, a revolution has 360"

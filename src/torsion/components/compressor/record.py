@@ -19,7 +19,9 @@ class EndRecord:
     is_file: bool
     cylinder: Cylinder  # with the area of this side
     diagram: Diagram  # absolute pressures over the crank angle from the dead centre of the head end
-    clearance: float | None  # volume / swept volume at its dead centre; None where the file has no volumes
+    clearance: (
+        float | None
+    )  # volume / swept volume at its dead centre; None where the file has no volumes
     torque: ComplexArray  # (orders + 1,) N m of its gas, positive where it drives
 
 
@@ -58,4 +60,6 @@ class CompressorRecord:
     def absorbs(self) -> tuple[tuple[int, float], ...]:
         """Stations of the throws with the mean torque (N m) that each absorbs; equal ones where there is none."""
         each = [(one.station, -float(one.gas[0].real)) for one in self.throws]
-        return tuple(each if any(torque for _, torque in each) else [(station, 1.0) for station, _ in each])
+        return tuple(
+            each if any(torque for _, torque in each) else [(station, 1.0) for station, _ in each]
+        )

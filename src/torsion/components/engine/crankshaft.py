@@ -20,7 +20,7 @@ class Crankshaft:
 
     def lower(
         self, build: Lowering, masses: Callable[[int, int], None]
-    ) -> tuple[tuple[int, ...], tuple[int, ...]]:  # fmt: skip
+    ) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Stations of the throws and parts of the spans, both from its first end; masses(station, throw) adds those."""
         number, owner = len(self.names), build.parts[-1]
         stations, cranks = dict[int, int](), dict[int, int]()
@@ -32,7 +32,11 @@ class Crankshaft:
                 cranks[span] = build.part
                 driving, driven = build.link()
                 flexibility = 1.0 / build.own(of(self.stiffness, span))
-                build.add(Spring(build.name, build.part, driving, driven, flexibility, 0.0, self.loss_factor))
+                build.add(
+                    Spring(
+                        build.name, build.part, driving, driven, flexibility, 0.0, self.loss_factor
+                    )
+                )
                 if self.shaft is not None:
                     build.record(shaft=self.shaft)
                 if self.loss_factor:
@@ -42,7 +46,9 @@ class Crankshaft:
             masses(here, throw)
             if damping := of(self.damping or (0.0,), throw):
                 build.add(Damper(here, constant=build.own(damping)))
-        return tuple(stations[k] for k in range(number)), tuple(cranks[k] for k in range(number - 1))
+        return tuple(stations[k] for k in range(number)), tuple(
+            cranks[k] for k in range(number - 1)
+        )
 
 
 def of(values: tuple[float, ...], place: int) -> float:

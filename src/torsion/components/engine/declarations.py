@@ -24,7 +24,9 @@ Share = Annotated[float, Quantity("1", at_least=0, usual="share of a cylinder")]
 ROW = "[order, amplitude, phase], for example [1.5, 420 N*m, -80 deg], or {order: 1.5, a: 70 N*m, b: 410 N*m}"
 MOST_ORDER = 48  # of the crankshaft
 Found = TypeVar("Found")
-Row = tuple[Fraction, complex, str]  # order; amplitude in N m of one cylinder, or Pa; which of the two
+Row = tuple[
+    Fraction, complex, str
+]  # order; amplitude in N m of one cylinder, or Pa; which of the two
 
 
 Number = Annotated[int, Field(ge=1, le=100)]
@@ -41,18 +43,28 @@ def _misfire(value: Any) -> Any:
         return value
     numbers = value if isinstance(value, list | tuple) else (value,)
     if not all(isinstance(one, int) and not isinstance(one, bool) and one >= 1 for one in numbers):
-        raise refuse(f"{shown(value)} names no cylinders", "a number from 1 on, a list of them, or worst")
+        raise refuse(
+            f"{shown(value)} names no cylinders", "a number from 1 on, a list of them, or worst"
+        )
     return tuple(numbers)
 
 
 Misfire = Annotated[
-    Any, BeforeValidator(_misfire, json_schema_input_type=Number | tuple[Number, ...] | Literal["worst"])
+    Any,
+    BeforeValidator(
+        _misfire, json_schema_input_type=Number | tuple[Number, ...] | Literal["worst"]
+    ),
 ]
 Phase = Annotated[
-    Any, BeforeValidator(lambda value: value if value == "worst" else Quantity("rad").read(value),
-                         json_schema_input_type=fields.Angle | Literal["worst"]),
-]  # fmt: skip
-Throws = tuple[Annotated[tuple[Number, ...], BeforeValidator(_throw, Number | tuple[Number, ...])], ...]
+    Any,
+    BeforeValidator(
+        lambda value: value if value == "worst" else Quantity("rad").read(value),
+        json_schema_input_type=fields.Angle | Literal["worst"],
+    ),
+]
+Throws = tuple[
+    Annotated[tuple[Number, ...], BeforeValidator(_throw, Number | tuple[Number, ...])], ...
+]
 
 
 class Geometry(Declared):
@@ -83,14 +95,20 @@ class Masses(Declared):
     """Moving masses of one cylinder."""
 
     reciprocating: Mass | None = given("piston, pin and the rod's share")
-    piston: Mass | None = given("piston with pin and rings, in place of `reciprocating`, with `rod`")
+    piston: Mass | None = given(
+        "piston with pin and rings, in place of `reciprocating`, with `rod`"
+    )
     rod: RodMasses | None = given("{mass, centre, inertia} of the connecting rod")
 
     def refuse_clashes(self) -> None:
         if (self.reciprocating is None) == (self.piston is None):
-            raise refuse("give `reciprocating`, or `piston` and `rod`", "masses: {reciprocating: 2.5 kg}")
+            raise refuse(
+                "give `reciprocating`, or `piston` and `rod`", "masses: {reciprocating: 2.5 kg}"
+            )
         if (self.piston is None) != (self.rod is None):
-            raise refuse("`piston` and `rod` go together", "`reciprocating` holds both shares in one figure")
+            raise refuse(
+                "`piston` and `rod` go together", "`reciprocating` holds both shares in one figure"
+            )
 
 
 class Journal(Declared):
@@ -112,7 +130,9 @@ class Journal(Declared):
 
 def weakest(*round_: Journal | None) -> Journal | None:
     """The one with the smallest section modulus; None where none is given."""
-    return min((one for one in round_ if one is not None), key=lambda one: one.modulus, default=None)
+    return min(
+        (one for one in round_ if one is not None), key=lambda one: one.modulus, default=None
+    )
 
 
 class Web(Declared):
@@ -139,7 +159,9 @@ def _amount(value: object) -> tuple[float, str]:
 def _order(value: object) -> Fraction:
     order = fields.read_exact(value)
     if order > MOST_ORDER:
-        raise refuse(f"order {order} is above {MOST_ORDER}", "orders count by revolution of the crankshaft")
+        raise refuse(
+            f"order {order} is above {MOST_ORDER}", "orders count by revolution of the crankshaft"
+        )
     return order
 
 
@@ -174,7 +196,9 @@ def _item(whole: Any, step: str | int, read: Callable[[Any], Found]) -> Found:
 def _rows(value: Any) -> tuple[Row, ...]:
     if not isinstance(value, list | tuple) or not value:
         raise refuse(f"{shown(value)} is not a table of harmonics", f"rows {ROW}")
-    if all(isinstance(row, tuple) and len(row) == 3 and isinstance(row[1], complex) for row in value):
+    if all(
+        isinstance(row, tuple) and len(row) == 3 and isinstance(row[1], complex) for row in value
+    ):
         return tuple(value)
     read = tuple(_item(value, place, _row) for place in range(len(value)))
     orders = [order for order, _, _ in read]
@@ -188,7 +212,8 @@ _TABLE = {
     "anyOf": [
         {"type": "string", "description": "name of a CSV file"},
         {
-            "type": "array", "minItems": 1,
+            "type": "array",
+            "minItems": 1,
             "items": {
                 "anyOf": [
                     {"type": "array", "minItems": 3, "maxItems": 3},
@@ -197,7 +222,7 @@ _TABLE = {
             },
         },
     ]
-}  # fmt: skip
+}
 Rows = Annotated[tuple[Any, ...], BeforeValidator(_rows), WithJsonSchema(_TABLE)]
 
 
@@ -222,7 +247,10 @@ class TableAt(Declared):
 
     def refuse_clashes(self) -> None:
         if [self.imep, self.torque, self.speed].count(None) != 2:
-            raise refuse("give a table exactly one of `imep`, `torque` and `speed`", "{imep: 5 bar, rows: [...]}")
+            raise refuse(
+                "give a table exactly one of `imep`, `torque` and `speed`",
+                "{imep: 5 bar, rows: [...]}",
+            )
 
     @property
     def key(self) -> Literal["imep", "torque", "speed"]:
@@ -233,9 +261,13 @@ class TableAt(Declared):
 class DiagramFile(Declared):
     """A measured or computed pressure over the crank angle."""
 
-    file: str = required("text file of two columns, for example `angle [deg], pressure [bar]` in its first line",
-                         min_length=1)  # fmt: skip
-    speed: fields.Speed | None = given("speed at which it was taken; needed by every one of several over speed")
+    file: str = required(
+        "text file of two columns, for example `angle [deg], pressure [bar]` in its first line",
+        min_length=1,
+    )
+    speed: fields.Speed | None = given(
+        "speed at which it was taken; needed by every one of several over speed"
+    )
 
 
 def _diagram(value: Any) -> Any:
@@ -250,77 +282,160 @@ Diagrams = Annotated[
 class Gas(Declared):
     """The gas torque of a cylinder: one of `table`, `tables`, `diagram` and `cycle`."""
 
-    table: Rows | None = given(f"harmonics of one cylinder by order of the crankshaft: rows {ROW}; phases of a cosine "
-                               "that counts from firing top dead centre; torques, or tangential pressures")  # fmt: skip
-    at: Stated | None = given("load of the `table`: {imep} or {torque}; without it the same at every load")
-    motored: Rows | None = given("rows of a cylinder without fuel, of `table` and `tables`; needed for a misfire")
-    tables: tuple[TableAt, ...] = given("list of {imep | torque | speed, rows}, interpolated as complex numbers; or a "
-                                        "CSV file with a column of that", ())  # fmt: skip
-    diagram: Diagrams = given("file of the pressure over the crank angle, {file, speed}, or a list of them", ())
-    tdc: fields.Angle | None = given("angle in the file at which the cylinder is at firing top dead centre")
-    absolute: bool | None = given("true: pressures of the file are absolute; false: gauge pressures")
-    cycle: Literal["wiebe"] | None = given("closed cycle computed from the figures below, heat by a Wiebe function")
-    compression_ratio: Annotated[float, Quantity("1", above=1, usual="compression ratio")] | None = given(
-        "of the `cycle`"
+    table: Rows | None = given(
+        f"harmonics of one cylinder by order of the crankshaft: rows {ROW}; phases of a cosine "
+        "that counts from firing top dead centre; torques, or tangential pressures"
     )
-    charge: Pressures = given("absolute pressure when compression begins, and of the intake; one value, or by load", ())
-    exhaust: Pressures = given("absolute pressure of the exhaust stroke (four strokes); one value, or by load", ())
-    imep: Pressures = given("indicated mean effective pressure of the `cycle`, one or a rising list of loads; with "
-                            "a `diagram`, a value to compare with", ())  # fmt: skip
+    at: Stated | None = given(
+        "load of the `table`: {imep} or {torque}; without it the same at every load"
+    )
+    motored: Rows | None = given(
+        "rows of a cylinder without fuel, of `table` and `tables`; needed for a misfire"
+    )
+    tables: tuple[TableAt, ...] = given(
+        "list of {imep | torque | speed, rows}, interpolated as complex numbers; or a "
+        "CSV file with a column of that",
+        (),
+    )
+    diagram: Diagrams = given(
+        "file of the pressure over the crank angle, {file, speed}, or a list of them", ()
+    )
+    tdc: fields.Angle | None = given(
+        "angle in the file at which the cylinder is at firing top dead centre"
+    )
+    absolute: bool | None = given(
+        "true: pressures of the file are absolute; false: gauge pressures"
+    )
+    cycle: Literal["wiebe"] | None = given(
+        "closed cycle computed from the figures below, heat by a Wiebe function"
+    )
+    compression_ratio: (
+        Annotated[float, Quantity("1", above=1, usual="compression ratio")] | None
+    ) = given("of the `cycle`")
+    charge: Pressures = given(
+        "absolute pressure when compression begins, and of the intake; one value, or by load", ()
+    )
+    exhaust: Pressures = given(
+        "absolute pressure of the exhaust stroke (four strokes); one value, or by load", ()
+    )
+    imep: Pressures = given(
+        "indicated mean effective pressure of the `cycle`, one or a rising list of loads; with "
+        "a `diagram`, a value to compare with",
+        (),
+    )
     p_max: Pressures = given("peak pressure, absolute; one value, or by load", ())
-    gamma: Annotated[float, Quantity("1", above=1, usual="ratio of heats")] = given("ratio of heats", 1.35)
-    shape: Annotated[float, Quantity("1", at_least=0, usual="shape of a heat release")] = given(
-        "m of the Wiebe function: 0.5 to 1.2 of diesel engines, 2 to 3 of spark ignition (to be verified)", 1.0
+    gamma: Annotated[float, Quantity("1", above=1, usual="ratio of heats")] = given(
+        "ratio of heats", 1.35
     )
-    duration: Turned | None = given("of the heat release: 50 to 80 deg of diesel engines (to be verified)")
-    exhaust_opens: Turned | None = given("after top dead centre (two strokes); it closes as long before it")
+    shape: Annotated[float, Quantity("1", at_least=0, usual="shape of a heat release")] = given(
+        "m of the Wiebe function: 0.5 to 1.2 of diesel engines, 2 to 3 of spark ignition (to be verified)",
+        1.0,
+    )
+    duration: Turned | None = given(
+        "of the heat release: 50 to 80 deg of diesel engines (to be verified)"
+    )
+    exhaust_opens: Turned | None = given(
+        "after top dead centre (two strokes); it closes as long before it"
+    )
     scavenge_opens: Turned | None = given("after top dead centre (two strokes)")
     crankcase: Crankcase = given("absolute pressure under the piston", 101325.0)
 
     def refuse_clashes(self) -> None:
-        found = [key for key in ("table", "tables", "diagram", "cycle") if getattr(self, key) not in (None, ())]
+        found = [
+            key
+            for key in ("table", "tables", "diagram", "cycle")
+            if getattr(self, key) not in (None, ())
+        ]
         if len(found) != 1:
-            what = f"{' and '.join(found)} exclude each other" if found else "the gas torque is missing"
-            raise refuse(what, "give one of `table`, `tables`, `diagram` and `cycle`", found[1] if found else "")
+            what = (
+                f"{' and '.join(found)} exclude each other"
+                if found
+                else "the gas torque is missing"
+            )
+            raise refuse(
+                what,
+                "give one of `table`, `tables`, `diagram` and `cycle`",
+                found[1] if found else "",
+            )
         own = OF_EACH[found[0]]
         wrong = [key for key in ALL_KEYS if key not in own and key in self.model_fields_set]
         if wrong:
-            raise refuse(f"`{wrong[0]}` does not go with `{found[0]}`", f"with it go {', '.join(own)}", wrong[0])
+            raise refuse(
+                f"`{wrong[0]}` does not go with `{found[0]}`",
+                f"with it go {', '.join(own)}",
+                wrong[0],
+            )
         lacking = [key for key in NEEDED[found[0]] if getattr(self, key) in (None, ())]
         if lacking:
-            raise refuse(f"`{lacking[0]}` is missing", type(self).model_fields[lacking[0]].description or "")
+            raise refuse(
+                f"`{lacking[0]}` is missing", type(self).model_fields[lacking[0]].description or ""
+            )
         if self.tables and (len(self.tables) < 2 or len({one.key for one in self.tables}) > 1):
-            raise refuse("`tables` are two or more, all by one of `imep`, `torque` and `speed`", "", "tables")
+            raise refuse(
+                "`tables` are two or more, all by one of `imep`, `torque` and `speed`", "", "tables"
+            )
         loads = len(self.imep) if self.cycle else 1
         by_load = [key for key in BY_LOAD if len(getattr(self, key)) > 1]
         if odd := next((key for key in by_load if len(getattr(self, key)) != loads), None):
             many = len(getattr(self, odd))
-            raise refuse(f"`{odd}` has {many} values, and `imep` {loads}", "one value, or one a load", odd)
+            raise refuse(
+                f"`{odd}` has {many} values, and `imep` {loads}", "one value, or one a load", odd
+            )
         if any(before >= after for before, after in pairwise(self.imep)):
             raise refuse("the loads of `imep` do not rise", "lowest first", "imep")
         speeds = [one.speed for one in self.diagram]
         if len(speeds) == 1 and speeds[0] is not None:
-            raise refuse("one diagram stands for every speed", "leave its `speed` out, or give several", "diagram")
+            raise refuse(
+                "one diagram stands for every speed",
+                "leave its `speed` out, or give several",
+                "diagram",
+            )
         if len(speeds) > 1 and self.imep:
             raise refuse(
-                "`imep` is compared with the value of one diagram, and there are several", "leave it out", "imep"
+                "`imep` is compared with the value of one diagram, and there are several",
+                "leave it out",
+                "imep",
             )
         if len(speeds) > 1 and None in speeds and any(one is not None for one in speeds):
-            raise refuse("of several diagrams all have a speed, or none", "over speed, or over load", "diagram")
-        at = [getattr(one, one.key) for one in self.tables] or [one for one in speeds if one is not None]
+            raise refuse(
+                "of several diagrams all have a speed, or none",
+                "over speed, or over load",
+                "diagram",
+            )
+        at = [getattr(one, one.key) for one in self.tables] or [
+            one for one in speeds if one is not None
+        ]
         if any(before >= after for before, after in pairwise(at)):
-            raise refuse("list several tables or diagrams in rising order", "", "tables" if self.tables else "diagram")
+            raise refuse(
+                "list several tables or diagrams in rising order",
+                "",
+                "tables" if self.tables else "diagram",
+            )
 
 
 BY_LOAD = ("charge", "exhaust", "imep", "p_max")
 OF_EACH = {
-    "table": ("at", "motored"), "tables": ("motored",),
+    "table": ("at", "motored"),
+    "tables": ("motored",),
     "diagram": ("tdc", "absolute", "imep", "crankcase"),
-    "cycle": ("compression_ratio", "charge", "exhaust", "imep", "p_max", "gamma", "shape", "duration", "exhaust_opens",
-              "scavenge_opens", "crankcase"),
-}  # fmt: skip
+    "cycle": (
+        "compression_ratio",
+        "charge",
+        "exhaust",
+        "imep",
+        "p_max",
+        "gamma",
+        "shape",
+        "duration",
+        "exhaust_opens",
+        "scavenge_opens",
+        "crankcase",
+    ),
+}
 ALL_KEYS = tuple(dict.fromkeys(key for keys in OF_EACH.values() for key in keys))
 NEEDED: dict[str, tuple[str, ...]] = {
-    "table": (), "tables": (), "diagram": ("tdc", "absolute"),
+    "table": (),
+    "tables": (),
+    "diagram": ("tdc", "absolute"),
     "cycle": ("compression_ratio", "charge", "imep", "p_max", "duration"),
-}  # fmt: skip
+}

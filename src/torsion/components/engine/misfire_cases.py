@@ -28,7 +28,9 @@ def _without(engine: EngineRecord, number: int) -> EngineRecord:
     before = sum(one.share for one in engine.cylinders if one.state == "firing")
     raised = before / sum(one.share for one in fires) if engine.keeps_power else 1.0
     cylinders = tuple(
-        replace(one, state="motored") if one.number == number else replace(one, share=one.share * raised)
+        replace(one, state="motored")
+        if one.number == number
+        else replace(one, share=one.share * raised)
         for one in engine.cylinders
     )
     return replace(engine, cylinders=cylinders)
@@ -37,7 +39,9 @@ def _without(engine: EngineRecord, number: int) -> EngineRecord:
 def _torques(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[Torque]:
     """The torques of a train with the states of the cylinders of one engine."""
     station, load = engine.load_says
-    mine = [one for one in torques if one.cylinder is not None and one.cylinder.engine == engine.part]
+    mine = [
+        one for one in torques if one.cylinder is not None and one.cylinder.engine == engine.part
+    ]
     each = len(mine) // len(engine.cylinders)
     state = {id(one): engine.cylinders[place // each] for place, one in enumerate(mine)}
     for one in torques:
@@ -45,5 +49,7 @@ def _torques(torques: Sequence[Torque], engine: EngineRecord) -> Iterator[Torque
             yield one
         else:
             own = state[id(one)]
-            law = replace(one.cylinder, state=own.state, share=own.share, station=station, load=load)
+            law = replace(
+                one.cylinder, state=own.state, share=own.share, station=station, load=load
+            )
             yield replace(one, cylinder=law)

@@ -46,7 +46,10 @@ class CylinderRecord:
 
     def phasor(self, number: int) -> complex:
         """exp(-i n firing angle) of harmonic `number` of the cycle; what cancels in a whole engine cancels exactly."""
-        return cmath.exp(-2j * math.pi * float(number * self.cycle % 1) - 1j * number / self.revolutions * self.phase)
+        return cmath.exp(
+            -2j * math.pi * float(number * self.cycle % 1)
+            - 1j * number / self.revolutions * self.phase
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +75,9 @@ class EngineRecord:
     tries_all: bool  # every cylinder misfires in turn, and the worst is meant
     words: tuple[tuple[str, str], ...]  # figures of the data sheet: label, value with unit
     remarks: tuple[str, ...]
-    sizes: tuple[tuple[str, float, tuple[str, ...]], ...]  # of a throw: key of `iacs-m53`, m, keys of the engine
+    sizes: tuple[
+        tuple[str, float, tuple[str, ...]], ...
+    ]  # of a throw: key of `iacs-m53`, m, keys of the engine
 
     @property
     def gas_orders(self) -> tuple[Fraction, ...]:
@@ -92,7 +97,9 @@ class EngineRecord:
         """Stations with their shares of the mean torque of the engine when every cylinder fires alike."""
         number = len(self.cylinders)
         return tuple(
-            (one.station, one.share / number) for one in self.cylinders if one.state == "firing" and one.share > 0
+            (one.station, one.share / number)
+            for one in self.cylinders
+            if one.state == "firing" and one.share > 0
         )
 
     @property

@@ -35,7 +35,9 @@ class DampedTree:
     ground: FloatArray  # (stations,) N m s/rad, viscous to ground
     viscous: FloatArray  # (stations,) N m s/rad, viscous in span i
     loss_factor: FloatArray  # (stations,) of span i
-    laws: "Mapping[int, SpringLaw]" = field(default_factory=dict)  # of spans that have one in place of these three
+    laws: "Mapping[int, SpringLaw]" = field(
+        default_factory=dict
+    )  # of spans that have one in place of these three
 
     @cached_property
     def plan(self) -> Layout:
@@ -52,7 +54,9 @@ def number_of_roots(train: DampedTree) -> tuple[int, int]:
     with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
         number = (far * log_derivative(train, far, lossy=0.0)).real
     if not np.isfinite(number).all():
-        raise ValueError("a part of the train has neither inertia nor a support; expected one of them")
+        raise ValueError(
+            "a part of the train has neither inertia nor a support; expected one of them"
+        )
     zeros, degree = np.rint(number).astype(int).tolist()
     return zeros, degree - zeros
 
@@ -66,22 +70,32 @@ def first_order_eigenvalues(train: DampedTree) -> np.ndarray:
     tree, known = train.tree, rigidity(train.tree)
     moving = np.unique(known.body[~known.fixed])
     count = len(moving)
-    body = np.where(known.fixed, count, np.searchsorted(moving, known.body))  # the last one is the ground
+    body = np.where(
+        known.fixed, count, np.searchsorted(moving, known.body)
+    )  # the last one is the ground
     inertia, ground = np.zeros((2, count + 1))
     np.add.at(inertia, body, tree.inertia)
     np.add.at(ground, body, train.ground)
     span = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0))
-    ends, flexibility, viscous = body[np.stack([span, tree.parent[span]])], tree.flexibility[span], train.viscous[span]
+    ends, flexibility, viscous = (
+        body[np.stack([span, tree.parent[span]])],
+        tree.flexibility[span],
+        train.viscous[span],
+    )
     if train.laws:
         ends, flexibility, viscous = _with_states(train, span, (ends, flexibility, viscous), count)
         more = sum(len(law.terms) for law in train.laws.values())
-        inertia, ground = (np.concatenate([one[:-1], np.zeros(more), one[-1:]]) for one in (inertia, ground))
+        inertia, ground = (
+            np.concatenate([one[:-1], np.zeros(more), one[-1:]]) for one in (inertia, ground)
+        )
         count += more
     twist = np.subtract(*np.eye(count + 1)[ends])[:, :count]
     elastic = np.isfinite(flexibility)
     G = twist[elastic] / np.sqrt(flexibility[elastic])[:, None]
     C = np.diag(ground[:-1]) + twist.T @ (viscous[:, None] * twist)
-    return np.linalg.eigvals(_condense(inertia[:-1], C, G, *_slow_groups(inertia, ground, ends[:, viscous > 0])))
+    return np.linalg.eigvals(
+        _condense(inertia[:-1], C, G, *_slow_groups(inertia, ground, ends[:, viscous > 0]))
+    )
 
 
 def _with_states(
@@ -106,7 +120,9 @@ def _with_states(
     return ends, np.append(flexibility, soft), np.append(viscous, damping)
 
 
-def _condense(inertia: FloatArray, C: FloatArray, G: FloatArray, balanced: FloatArray, slowed: IntArray) -> FloatArray:
+def _condense(
+    inertia: FloatArray, C: FloatArray, G: FloatArray, balanced: FloatArray, slowed: IntArray
+) -> FloatArray:
     """The matrix of the first-order form; stations without inertia condensed (`_slow_groups`)."""
     heavy = np.flatnonzero(inertia > 0)
     torques = np.eye(len(G))
@@ -116,7 +132,9 @@ def _condense(inertia: FloatArray, C: FloatArray, G: FloatArray, balanced: Float
     root = 1 / np.sqrt(inertia[heavy])
     speed_speed = C[np.ix_(heavy, heavy)] * np.outer(root, root)
     torque_speed = torques.T @ G[:, heavy] * root
-    matrix = np.block([[-speed_speed, -torque_speed.T], [torque_speed, np.zeros((torques.shape[1],) * 2)]])
+    matrix = np.block(
+        [[-speed_speed, -torque_speed.T], [torque_speed, np.zeros((torques.shape[1],) * 2)]]
+    )
     if len(slowed):
         coupled = C[np.ix_(slowed, heavy)] * root
         turned = G[:, slowed].T @ torques
@@ -126,7 +144,9 @@ def _condense(inertia: FloatArray, C: FloatArray, G: FloatArray, balanced: Float
     return matrix
 
 
-def _slow_groups(inertia: FloatArray, ground: FloatArray, dampers: IntArray) -> tuple[FloatArray, IntArray]:
+def _slow_groups(
+    inertia: FloatArray, ground: FloatArray, dampers: IntArray
+) -> tuple[FloatArray, IntArray]:
     """Stations without inertia by what sets their speed, from the graph alone, in which the last one is the ground.
 
     `dampers` (2, dampers) are the stations that each damper joins.
@@ -166,7 +186,9 @@ def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) ->
                 k, c = law.at_root(root)
                 total += law.poles(root)
             else:
-                k = (1 + 1j * lossy * train.loss_factor[station]) / tree.flexibility[station] + c * root
+                k = (1 + 1j * lossy * train.loss_factor[station]) / tree.flexibility[
+                    station
+                ] + c * root
             if plan.held[station]:
                 stiffness[parent] += k
                 slope[parent] += c
@@ -182,7 +204,12 @@ def log_derivative(train: DampedTree, root: ComplexArray, lossy: float = 1.0) ->
 @source("Ehrlich1967")
 @source("Aberth1973")
 def polish_together(
-    train: DampedTree, start: ComplexArray, zeros: int, *, lossy: float = 1.0, mirrored: bool = False
+    train: DampedTree,
+    start: ComplexArray,
+    zeros: int,
+    *,
+    lossy: float = 1.0,
+    mirrored: bool = False,
 ) -> ComplexArray:
     """Roots (roots,) to about eps, each start led to a root of its own; `zeros` is how often 0 is a root.
 
@@ -203,7 +230,9 @@ def polish_together(
     return root
 
 
-def _steps(train: DampedTree, here: ComplexArray, others: ComplexArray, zeros: int, lossy: float) -> ComplexArray:
+def _steps(
+    train: DampedTree, here: ComplexArray, others: ComplexArray, zeros: int, lossy: float
+) -> ComplexArray:
     """Step of each root (moving,) to where p is 0 but none of `others` (roots,) is."""
     with np.errstate(all="ignore"):
         slope = log_derivative(train, here, lossy)
@@ -232,7 +261,9 @@ def _check_doubles(root: ComplexArray, step: ComplexArray, active: np.ndarray) -
     """What has not settled must be a double root (a coupling damped just critically)."""
     for number in np.flatnonzero(active):
         gap = np.abs(np.delete(root, number) - root[number]).min(initial=np.inf)
-        if not (abs(step[number]) <= DOUBLE * abs(root[number]) and gap <= DOUBLE * abs(root[number])):
+        if not (
+            abs(step[number]) <= DOUBLE * abs(root[number]) and gap <= DOUBLE * abs(root[number])
+        ):
             raise SolveError(
                 f"damped modes: no convergence in {SWEEPS} sweeps near {root[number]:.6g} rad/s; "
                 "try undamped frequencies as start, or check the damping for misplaced powers of ten"

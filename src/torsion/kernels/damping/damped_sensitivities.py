@@ -8,7 +8,12 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.damping.damped_roots import DampedTree
-from torsion.kernels.damping.damped_tree_modes import DampedTreeModes, both_sides, per_station, slope_at
+from torsion.kernels.damping.damped_tree_modes import (
+    DampedTreeModes,
+    both_sides,
+    per_station,
+    slope_at,
+)
 from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
@@ -19,9 +24,7 @@ if TYPE_CHECKING:
 class RootSensitivity:
     """Derivatives of the root of each mode, 1/s; of a repeated root they do not exist."""
 
-    compliance: (
-        ComplexArray  # (stations, modes) by the complex compliance of span i, rad/(N m), at the root; 0 at a root
-    )
+    compliance: ComplexArray  # (stations, modes) by the complex compliance of span i, rad/(N m), at the root; 0 at a root
     inertia: ComplexArray  # (stations, modes) by the inertia, kg m2
     ground_damping: ComplexArray  # (stations, modes) by the damper to ground, N m s/rad
 

@@ -12,7 +12,12 @@ from scipy.linalg import qr, solve_triangular
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.damping.damped_roots import DampedTree, first_order_eigenvalues, number_of_roots, polish_together
+from torsion.kernels.damping.damped_roots import (
+    DampedTree,
+    first_order_eigenvalues,
+    number_of_roots,
+    polish_together,
+)
 from torsion.kernels.layers import share
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum
@@ -28,7 +33,9 @@ LOSS_STAGE = 0.1  # largest loss factor added at once in the continuation from n
 NEWTON_REACH = 1e-9  # relative: Newton may polish a root, not leave it
 NEWTON_STEPS = 3
 LIGHT = 0.1  # |real part|/|root| up to which the real part from the energies is the better one
-UNRESOLVED = 1e-8  # of the largest column: below it, the shapes of a repeated root are not independent
+UNRESOLVED = (
+    1e-8  # of the largest column: below it, the shapes of a repeated root are not independent
+)
 NEWTON_TOLERANCE = 1e-11  # relative step that a simple root must not exceed at the end
 
 
@@ -89,8 +96,13 @@ def per_station(tree: Tree, values: FloatArray | None, *, may_drive: bool = Fals
     may_drive: negative values are taken, as of a load whose torque falls with speed.
     """
     result = np.zeros(tree.size) if values is None else np.asarray(values, dtype=np.float64)
-    if result.shape != (tree.size,) or not (np.isfinite(result) & ((result >= 0) | may_drive)).all():
-        raise ValueError(f"damping of shape {result.shape}; expected ({tree.size},) finite values, none negative")
+    if (
+        result.shape != (tree.size,)
+        or not (np.isfinite(result) & ((result >= 0) | may_drive)).all()
+    ):
+        raise ValueError(
+            f"damping of shape {result.shape}; expected ({tree.size},) finite values, none negative"
+        )
     return result
 
 
@@ -107,12 +119,16 @@ def _all_roots(train: DampedTree, zeros: int, others: int) -> tuple[ComplexArray
     real = np.abs(root.imag) <= OVERDAMPED * np.abs(root)
     upper = (root.imag > 0) & ~real
     if 2 * np.count_nonzero(upper) + np.count_nonzero(real) != len(root):
-        raise SolveError("damped modes: roots without a conjugate; try undamped frequencies as start")
+        raise SolveError(
+            "damped modes: roots without a conjugate; try undamped frequencies as start"
+        )
     lossy = _with_loss(train, root[np.argsort(~upper, kind="stable")], zeros)
     return lossy[: np.count_nonzero(upper)], root[real].real
 
 
-def _roots_from(train: DampedTree, zeros: int, start: FloatArray) -> tuple[ComplexArray, FloatArray]:
+def _roots_from(
+    train: DampedTree, zeros: int, start: FloatArray
+) -> tuple[ComplexArray, FloatArray]:
     if start.ndim != 1 or not (start > 0).all():
         raise ValueError("start must be a list of circular frequencies above 0")
     rising: ComplexArray = (1j * start).astype(np.complex128)
@@ -134,7 +150,9 @@ def _with_shapes(train: DampedTree, root: ComplexArray, real: FloatArray) -> Dam
     root = root[np.argsort(np.abs(root), kind="stable")]
     with np.errstate(all="ignore"):
         at, root, angle, torque = _polished(train, root)
-        first = connected(len(root), *np.nonzero(np.abs(root[:, None] - root) <= REPEATED * np.abs(root)))
+        first = connected(
+            len(root), *np.nonzero(np.abs(root[:, None] - root) <= REPEATED * np.abs(root))
+        )
         for group in (np.flatnonzero(first == one) for one in np.unique(first)):
             if len(group) > 1:
                 several = independent_shapes(train, complex(root[group].mean()), len(group))
@@ -146,7 +164,9 @@ def _with_shapes(train: DampedTree, root: ComplexArray, real: FloatArray) -> Dam
     return DampedTreeModes(root, real, angle / largest, torque / largest)
 
 
-def _polished(train: DampedTree, root: ComplexArray) -> tuple[BothSides, ComplexArray, ComplexArray, ComplexArray]:
+def _polished(
+    train: DampedTree, root: ComplexArray
+) -> tuple[BothSides, ComplexArray, ComplexArray, ComplexArray]:
     """Dynamic stiffness, roots, angles and torques after a few Newton steps, each of which must stay where it is."""
     apart = np.abs(root[:, None] - root)
     np.fill_diagonal(apart, np.inf)
@@ -158,7 +178,11 @@ def _polished(train: DampedTree, root: ComplexArray) -> tuple[BothSides, Complex
         angle, torque = shapes_from(train.plan, at, pushed)
         step = newton_step(train, at, root, pushed, angle, torque)
         size = np.abs(step)
-        root = np.where((size <= NEWTON_REACH * np.abs(root)) & (repeated | (size <= 0.1 * gap)), root + step, root)
+        root = np.where(
+            (size <= NEWTON_REACH * np.abs(root)) & (repeated | (size <= 0.1 * gap)),
+            root + step,
+            root,
+        )
         if (size <= 4 * EPS * np.abs(root)).all():
             break
     unsettled = ~(size <= np.maximum(NEWTON_TOLERANCE * np.abs(root), gap))
@@ -226,7 +250,9 @@ def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexA
         turned = x / guarded_sum(hc * at.branch[i], guard=True)
         angle[i] = np.where(reached[i], angle[i], turned)
         torque[i] = np.where(reached[i], torque[i], at.branch[i] * turned)
-    for i in range(size - 1, -1, -1):  # a rigid span to a fixed station carries what the spans beyond it carry
+    for i in range(
+        size - 1, -1, -1
+    ):  # a rigid span to a fixed station carries what the spans beyond it carry
         if plan.prescribed[i] and plan.parent[i] >= 0 and not plan.held[i]:
             torque[i] = sum((torque[child] for child in plan.children[i]), np.zeros(count))
     return angle, torque
@@ -243,10 +269,17 @@ def most_active(tree: Tree, whole: ComplexArray) -> IntArray:
 
 
 def newton_step(
-    train: DampedTree, at: BothSides, root: ComplexArray, pushed: IntArray, shape: ComplexArray, torque: ComplexArray
+    train: DampedTree,
+    at: BothSides,
+    root: ComplexArray,
+    pushed: IntArray,
+    shape: ComplexArray,
+    torque: ComplexArray,
 ) -> ComplexArray:
     """Correction of each root, -Z/Z', from the shape in which station `pushed` turns by 1."""
-    step: ComplexArray = -at.whole[pushed, np.arange(len(root))] / slope_at(train, at, root, shape, torque)
+    step: ComplexArray = -at.whole[pushed, np.arange(len(root))] / slope_at(
+        train, at, root, shape, torque
+    )
     return step
 
 
@@ -255,14 +288,18 @@ def slope_at(
 ) -> ComplexArray:
     """x' (dT/dl) x at each root (roots,), N m s/rad."""
     wound = at.compliance * torque
-    slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(axis=0)
+    slope = ((train.ground[:, None] + 2 * root * train.tree.inertia[:, None]) * shape * shape).sum(
+        axis=0
+    )
     slope += (train.viscous[:, None] * wound * wound).sum(axis=0)
     for station, law in train.laws.items():
         slope += law.at_root(root)[1] * wound[station] ** 2
     return np.asarray(slope)
 
 
-def independent_shapes(train: DampedTree, root: complex, count: int) -> tuple[ComplexArray, ComplexArray] | None:
+def independent_shapes(
+    train: DampedTree, root: complex, count: int
+) -> tuple[ComplexArray, ComplexArray] | None:
     """Angles and torques (stations, count) of a root that comes `count` times, orthogonal as J weighs them.
 
     The train is pushed at every station in turn; the best independent answers are kept. None if there are too few.
@@ -273,7 +310,9 @@ def independent_shapes(train: DampedTree, root: complex, count: int) -> tuple[Co
     weight = np.sqrt(np.where(tree.held, 0.0, tree.inertia))
     receptance = np.diag(at.whole)
     floor = EPS * np.abs(root * root) * tree.inertia
-    push = weight / np.where(np.abs(receptance) <= floor, np.maximum(floor, np.finfo(float).tiny), receptance)
+    push = weight / np.where(
+        np.abs(receptance) <= floor, np.maximum(floor, np.finfo(float).tiny), receptance
+    )
     sound = np.isfinite(push) & np.isfinite(angle).all(axis=0) & np.isfinite(torque).all(axis=0)
     angle, torque = (np.where(sound, part * push, 0) for part in (angle, torque))
     _, triangle, order = qr(weight[:, None] * angle, mode="economic", pivoting=True)
@@ -281,7 +320,9 @@ def independent_shapes(train: DampedTree, root: complex, count: int) -> tuple[Co
     if abs(triangle[-1, -1]) <= UNRESOLVED * abs(triangle[0, 0]):
         return None
     chosen = order[:count]
-    return tuple(solve_triangular(triangle, part[:, chosen].T, trans="T").T for part in (angle, torque))  # type: ignore[return-value]
+    return tuple(
+        solve_triangular(triangle, part[:, chosen].T, trans="T").T for part in (angle, torque)
+    )  # type: ignore[return-value]
 
 
 def decay(
@@ -293,9 +334,13 @@ def decay(
     """
     wound = np.abs(at.compliance * torque) ** 2
     inertia = (train.tree.inertia[:, None] * np.abs(shape) ** 2).sum(axis=0)
-    lost = (train.ground[:, None] * np.abs(shape) ** 2).sum(axis=0) + (train.viscous[:, None] * wound).sum(axis=0)
+    lost = (train.ground[:, None] * np.abs(shape) ** 2).sum(axis=0) + (
+        train.viscous[:, None] * wound
+    ).sum(axis=0)
     loss = np.where(train.loss_factor > 0, train.loss_factor, 0.0)
-    stiffness = np.divide(loss, train.tree.flexibility, out=np.zeros_like(loss), where=train.tree.flexibility > 0)
+    stiffness = np.divide(
+        loss, train.tree.flexibility, out=np.zeros_like(loss), where=train.tree.flexibility > 0
+    )
     lost = lost + (stiffness[:, None] * wound).sum(axis=0) / root.imag
     for station, law in train.laws.items():
         lost = lost + law.at_root(root)[0].imag * wound[station] / root.imag

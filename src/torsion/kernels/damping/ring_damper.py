@@ -37,7 +37,11 @@ def tuned(ratio: float) -> Optimum:
     """Of a ring on a spring: the exact minimum of the greatest magnification (Nishihara and Asami 2002)."""
     root = math.sqrt(4.0 + 3.0 * ratio)
     above = 16.0 + 23.0 * ratio + 9.0 * ratio**2 + 2.0 * (2.0 + ratio) * root
-    tuning = 2.0 / (1.0 + ratio) * math.sqrt(2.0 * above / (3.0 * (64.0 + 80.0 * ratio + 27.0 * ratio**2)))
+    tuning = (
+        2.0
+        / (1.0 + ratio)
+        * math.sqrt(2.0 * above / (3.0 * (64.0 + 80.0 * ratio + 27.0 * ratio**2)))
+    )
     damping = tuning / 4.0 * math.sqrt((8.0 + 9.0 * ratio - 4.0 * root) / (1.0 + ratio))
     return Optimum(tuning, damping, magnification(ratio, tuning, damping))
 
@@ -53,8 +57,12 @@ def magnification(ratio: float, tuning: float, damping: float, loss_factor: floa
     g = Polynomial([0.0, 1.0])
     x, imaginary = g * g, square * loss_factor + 2.0 * damping * g
     above = (square - x) ** 2 + imaginary**2
-    below = ((1.0 - x) * (square - x) - ratio * square * x) ** 2 + (imaginary * (1.0 - x - ratio * x)) ** 2
+    below = ((1.0 - x) * (square - x) - ratio * square * x) ** 2 + (
+        imaginary * (1.0 - x - ratio * x)
+    ) ** 2
     roots = (above.deriv() * below - above * below.deriv()).roots()
-    real = np.append(roots[(np.abs(roots.imag) < 1e-6 * np.abs(roots)) & (roots.real > 0)].real, 1.0)
+    real = np.append(
+        roots[(np.abs(roots.imag) < 1e-6 * np.abs(roots)) & (roots.real > 0)].real, 1.0
+    )
     with np.errstate(divide="ignore"):  # of a seized ring, whose damping is less than rounding
         return float(np.sqrt(np.max(above(real) / below(real))))

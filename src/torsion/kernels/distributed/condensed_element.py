@@ -56,7 +56,9 @@ class CondensedElements(Law):
         block = max(1, _AT_ONCE // max(self.modes.size, 1))
         for begin in range(0, s.shape[1], block):
             part = s[:, None, begin : begin + block]
-            rows[:, :, begin : begin + block] = self._weights @ (part / (1.0 - part * self.modes[:, :, None]))
+            rows[:, :, begin : begin + block] = self._weights @ (
+                part / (1.0 - part * self.modes[:, :, None])
+            )
         spring = 1.0 / (self.stiffness[:, None] + s * (self.across[:, None] + rows[:, 0]))
         return spring, self.ends[:, :1] + rows[:, 1], self.ends[:, 1:] + rows[:, 2]
 
@@ -73,13 +75,19 @@ class CondensedElements(Law):
         g = m / np.sqrt(k)
         couplings = self.coupling * g[:, None], self.coupling_turn * g
         return CondensedElements(
-            self.stiffness * k[:, 0], self.across * m[:, 0], self.ends * m, self.modes * (m / k), *couplings
+            self.stiffness * k[:, 0],
+            self.across * m[:, 0],
+            self.ends * m,
+            self.modes * (m / k),
+            *couplings,
         )
 
     @classmethod
     def joined(cls, parts: "Sequence[CondensedElements]") -> "CondensedElements":
         """Elements of one degree, one part after another."""
-        return cls(*(np.concatenate([getattr(part, name.name) for part in parts]) for name in fields(cls)))
+        return cls(
+            *(np.concatenate([getattr(part, name.name) for part in parts]) for name in fields(cls))
+        )
 
 
 def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedElements:
@@ -90,10 +98,14 @@ def condensed_elements(stiffness: ArrayLike, inertia: ArrayLike) -> CondensedEle
     """
     k, m = (np.asarray(matrix, dtype=np.float64) for matrix in (stiffness, inertia))
     if k.ndim != 3 or k.shape != m.shape or k.shape[1] != k.shape[2] or k.shape[1] < 2:
-        raise ValueError(f"matrices have shapes {k.shape} and {m.shape}; expected (shafts, unknowns, unknowns) twice")
+        raise ValueError(
+            f"matrices have shapes {k.shape} and {m.shape}; expected (shafts, unknowns, unknowns) twice"
+        )
     number, unknowns, _ = k.shape
     inside = k[:, 2:, 2:]
-    bend = np.zeros((number, unknowns))  # static, under the outer end's angle 1, the inner end fixed
+    bend = np.zeros(
+        (number, unknowns)
+    )  # static, under the outer end's angle 1, the inner end fixed
     bend[:, 1], bend[:, 2:] = 1.0, -np.linalg.solve(inside, k[:, 2:, 1, None])[:, :, 0]
     turn = np.ones((number, unknowns))
     turn[:, 2:] = _rigid(-np.linalg.solve(inside, k[:, 2:, :2].sum(axis=2)[:, :, None])[:, :, 0])
@@ -118,5 +130,7 @@ def _rigid(inside: FloatArray) -> FloatArray:
     """Unknowns inside (shafts, inside) when the element turns by 1, exactly 0 or 1, from what solving has left."""
     exact = np.rint(inside)
     if np.any(np.abs(inside - exact) > _NEARLY) or np.any((exact != 0.0) & (exact != 1.0)):
-        raise ValueError("turning an element as a whole bends it: its stiffness has no rigid motion")
+        raise ValueError(
+            "turning an element as a whole bends it: its stiffness has no rigid motion"
+        )
     return exact

@@ -21,7 +21,9 @@ from torsion.kernels.reduction import Rigidity, rigid_shapes, rigidity
 from torsion.kernels.tree import Tree
 
 _LEAST = 1e-11  # of the largest singular value; one that is less is not right to 1e-4
-_SPREAD_OF_SQUARE = 1e6  # of the squares of singular values, whose vectors the square leaves right to about 1e-9
+_SPREAD_OF_SQUARE = (
+    1e6  # of the squares of singular values, whose vectors the square leaves right to about 1e-9
+)
 _COLUMNS_BEYOND = 8  # columns beyond those wanted among which a gap is looked for
 _GAP = 0.9  # ratio of the squares at a gap
 
@@ -45,7 +47,9 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     shafts = _of(tree)
     (element,) = shafts.laws if len(shafts.laws) == 1 else (None,)
     if not isinstance(element, CondensedElements):
-        raise ValueError("the dense way is for finite elements of one degree; expected one law of elements")
+        raise ValueError(
+            "the dense way is for finite elements of one degree; expected one law of elements"
+        )
     coordinates, local = static_bends(tree, shafts, element), _local_inertia(element)
     mass = _rows_of_inertia(tree, shafts, coordinates, local)
     y = largest_right_vectors(mass, _number(tree, element, count))
@@ -59,7 +63,9 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     twist, torque = np.zeros_like(angle), np.zeros_like(angle)
     bend, root = coordinates.bend @ y, coordinates.root[:, None]
     twist[coordinates.spring], torque[coordinates.spring] = -root * bend, -bend / root
-    parts = np.concatenate((angle[_ends(tree, shafts)], y[coordinates.inside]), axis=1)  # (shafts, 2 + modes, m)
+    parts = np.concatenate(
+        (angle[_ends(tree, shafts)], y[coordinates.inside]), axis=1
+    )  # (shafts, 2 + modes, m)
     carried = local @ parts
     of_shafts, elastic, outer = np.sum(parts * carried, axis=1), torque * twist, torque.copy()
     elastic[shafts.node] += np.sum(parts[:, 2:] ** 2, axis=1)
@@ -70,9 +76,16 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     tree.add_ends(kinetic, 0.5 * of_shafts, 0.5 * of_shafts)
     frequency, rigid = np.sqrt(square), rigid_shapes(tree.static, rigidity(tree.static))
     return TreeModes(
-        frequency, frequency.copy(), frequency.copy(), angle, torque, rigid.shape[1], rigid, certified=False,
+        frequency,
+        frequency.copy(),
+        frequency.copy(),
+        angle,
+        torque,
+        rigid.shape[1],
+        rigid,
+        certified=False,
         shafts=ShaftModes(outer, kinetic, elastic / square, of_shafts),
-    )  # fmt: skip
+    )
 
 
 def estimated_frequencies(tree: Tree, count: int) -> FloatArray:
@@ -83,7 +96,9 @@ def estimated_frequencies(tree: Tree, count: int) -> FloatArray:
     """
     shafts = _of(tree)
     element = _one_mode_elements(shafts)
-    mass = _rows_of_inertia(tree, shafts, static_bends(tree, shafts, element), _local_inertia(element))
+    mass = _rows_of_inertia(
+        tree, shafts, static_bends(tree, shafts, element), _local_inertia(element)
+    )
     values = np.linalg.svd(mass, compute_uv=False)[: _number(tree, element, count)]
     return np.asarray(1.0 / values[values > _LEAST * values.max(initial=0.0)])
 
@@ -112,7 +127,9 @@ def _local_inertia(element: CondensedElements) -> FloatArray:
     return local
 
 
-def _rows_of_inertia(tree: Tree, shafts: Shafts, coordinates: Bends, local: FloatArray) -> FloatArray:
+def _rows_of_inertia(
+    tree: Tree, shafts: Shafts, coordinates: Bends, local: FloatArray
+) -> FloatArray:
     """C (rows, coordinates), with as many rows for an element as it has unknowns, of its inertia `local` = R'R."""
     try:
         root = np.linalg.cholesky(local).transpose(0, 2, 1)
@@ -133,7 +150,9 @@ def _ends(tree: Tree, shafts: Shafts) -> IntArray:
     return np.column_stack([tree.shaft_parent, shafts.node])
 
 
-def _fill_rigid(tree: Tree, angle: FloatArray, torque: FloatArray, outer: FloatArray, square: FloatArray) -> None:
+def _fill_rigid(
+    tree: Tree, angle: FloatArray, torque: FloatArray, outer: FloatArray, square: FloatArray
+) -> None:
     """Torques of rigid spans, by the equilibrium of all that lies beyond them; in place."""
     for i in range(tree.size - 1, -1, -1):
         if tree.parents[i] >= 0 and tree.shaft_of[i] < 0 and tree.flexibility[i] == 0.0:
@@ -154,13 +173,17 @@ def _one_mode_elements(shafts: Shafts) -> CondensedElements:
     coupled, ends = np.hstack([at.inner_slope, at.outer_slope]), np.hstack([at.inner, at.outer])
     turn = coupled.sum(axis=1)
     rise = inner[:, 0] - ends[:, 0] + (outer[:, 0] - ends[:, 1])
-    mode = 1.0 / middle - np.divide(turn, rise, out=np.full(shafts.size, 1.0 / middle), where=rise > 0.0)
+    mode = 1.0 / middle - np.divide(
+        turn, rise, out=np.full(shafts.size, 1.0 / middle), where=rise > 0.0
+    )
     root = np.sqrt(np.maximum(turn, 0.0))
     share = np.divide(1.0, root, out=np.zeros(shafts.size), where=root > 0.0)
     inside = np.clip(mode, 0.0, 1.0 / shafts.limit**2)[:, None]
     across = -at.flexibility_slope[:, 0] / at.flexibility[:, 0] ** 2
     coupling = (coupled * share[:, None])[:, :, None]
-    return CondensedElements(1.0 / at.flexibility[:, 0], across, ends, inside, coupling, root[:, None])
+    return CondensedElements(
+        1.0 / at.flexibility[:, 0], across, ends, inside, coupling, root[:, None]
+    )
 
 
 def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:
@@ -214,7 +237,9 @@ def _balance(tree: Tree, known: Rigidity, shafts: Shafts, element: CondensedElem
     part = known.component[:, None] == known.component[known.free_roots]
     share = part / (inertia @ part)
     turned = share @ part[shafts.node].T
-    balance: FloatArray = -np.repeat(turned, element.modes.shape[1], axis=1) * element.coupling_turn.reshape(-1)
+    balance: FloatArray = -np.repeat(
+        turned, element.modes.shape[1], axis=1
+    ) * element.coupling_turn.reshape(-1)
     return balance
 
 
@@ -233,14 +258,18 @@ def largest_right_vectors(matrix: FloatArray, number: int) -> FloatArray:
         return np.asarray(np.linalg.svd(matrix, full_matrices=False)[2][:number].T)
     image = matrix @ vectors
     products = image[:, kept:].T @ image[:, :kept]
-    found = vectors[:, :kept] + vectors[:, kept:] @ (products / (square[:kept] - square[kept:, None]))
+    found = vectors[:, :kept] + vectors[:, kept:] @ (
+        products / (square[:kept] - square[kept:, None])
+    )
     turn = np.linalg.svd(matrix @ found, full_matrices=False)[2][:number]
     return np.asarray(found @ turn.T)
 
 
 def _before_gap(square: FloatArray, number: int) -> int:
     """How many of the descending eigenvalues lie before the widest gap at `number` or somewhat beyond; 0: none does."""
-    enough = np.flatnonzero(square[:-1] * _SPREAD_OF_SQUARE > square[0])[number - 1 :][:_COLUMNS_BEYOND]
+    enough = np.flatnonzero(square[:-1] * _SPREAD_OF_SQUARE > square[0])[number - 1 :][
+        :_COLUMNS_BEYOND
+    ]
     if not number or not len(enough):
         return 0
     ratio = square[enough + 1] / square[enough]

@@ -21,7 +21,9 @@ from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, altern
 POINTS = 32  # of Gauss along a piece
 TERMS = 20  # of each series; at the limit the first one left out is below 1e-18 of the first
 _ROUNDINGS = 64.0  # of a coefficient; several times what was found in comparison with many digits
-_LARGEST_LEFT_OUT = 1e-15  # last term at the limit, relative to the first; above, the profile is too steep
+_LARGEST_LEFT_OUT = (
+    1e-15  # last term at the limit, relative to the first; above, the profile is too steep
+)
 
 
 @cache
@@ -91,7 +93,11 @@ class ProfileShafts(Law):
         spring = alternating(self.spring, v)
         share = self.inertia[:, None] / spring
         spring *= self.flexibility[:, None]
-        return spring, share * alternating(self.ends[:, 0], v), share * alternating(self.ends[:, 1], v)
+        return (
+            spring,
+            share * alternating(self.ends[:, 0], v),
+            share * alternating(self.ends[:, 1], v),
+        )
 
     def rounding(self, square: FloatArray) -> FloatArray:
         """That of the coefficients times what cancels in the series."""
@@ -110,7 +116,10 @@ def profile_shafts(
     ValueError for a piece in which the series do not converge, as its profile is too steep.
     """
     long = np.atleast_1d(np.asarray(length, dtype=np.float64))
-    f, m = (np.atleast_2d(np.asarray(a, dtype=np.float64)) for a in (flexibility_per_length, inertia_per_length))
+    f, m = (
+        np.atleast_2d(np.asarray(a, dtype=np.float64))
+        for a in (flexibility_per_length, inertia_per_length)
+    )
     _, weight, from_start = _rule(f.shape[1])
     whole, mass = f @ weight, m @ weight
     f, m = f / whole[:, None], m / np.where(mass > 0.0, mass, 1.0)[:, None]
@@ -122,7 +131,9 @@ def profile_shafts(
         last = spring[:, -1] * ((found.limit * found.limit) * found._travel) ** (TERMS - 1)
         worst = int(np.argmax(last))
         if not last[worst] < _LARGEST_LEFT_OUT or not (spring > 0.0).all():
-            raise ValueError(f"shaft {worst} has too steep a profile for its series; divide it more finely")
+            raise ValueError(
+                f"shaft {worst} has too steep a profile for its series; divide it more finely"
+            )
     return found
 
 

@@ -31,7 +31,9 @@ class SegmentChains(Law):
         """rad/s that no frequency of a row with both ends fixed lies below (Dunkerley's bound)."""
         before = np.cumsum(self.flexibility, axis=1)
         whole = before[:, -1:]
-        held = np.divide(before * (whole - before), whole, out=np.zeros_like(before), where=whole > 0.0)
+        held = np.divide(
+            before * (whole - before), whole, out=np.zeros_like(before), where=whole > 0.0
+        )
         slowest = float((self.inertia * held).sum(axis=1).max(initial=0.0))
         return 1.0 / math.sqrt(slowest) if slowest > 0.0 else math.inf
 

@@ -21,7 +21,9 @@ from torsion.arrays import BoolArray, FloatArray, IntArray
 Pi = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
 UNIT_ROUNDOFF = 2.0**-53
 _STEP = 1e-100  # rad2/s2, beside which nothing changes but imaginary parts (Squire and Trapp 1998)
-_FEW = 2**9  # shafts times frequencies, up to which it does not pay to look for equal shafts (measured)
+_FEW = (
+    2**9
+)  # shafts times frequencies, up to which it does not pay to look for equal shafts (measured)
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,9 @@ class Slopes:
 class Law(ABC):
     """The pi of shafts of one sort, as a function of s = w^2; every field has a row for each shaft."""
 
-    both_ends: ClassVar[tuple[str, ...]] = ()  # fields (shafts, 2, ...) of the inner and the outer end
+    both_ends: ClassVar[
+        tuple[str, ...]
+    ] = ()  # fields (shafts, 2, ...) of the inner and the outer end
 
     @property
     def size(self) -> int:
@@ -90,7 +94,9 @@ class Law(ABC):
         exchanged = {}
         for name in self.both_ends:
             values = getattr(self, name)
-            exchanged[name] = np.where(which.reshape(-1, *[1] * (values.ndim - 1)), values[:, ::-1], values)
+            exchanged[name] = np.where(
+                which.reshape(-1, *[1] * (values.ndim - 1)), values[:, ::-1], values
+            )
         return replace(self, **exchanged)
 
     @abstractmethod
@@ -110,7 +116,9 @@ class Law(ABC):
     def _distinct(self) -> tuple[Self, IntArray | slice]:
         """The different shafts, and which one each shaft is."""
         columns = self.columns
-        first, position = distinct(np.concatenate([one.reshape(self.size, -1) for one in columns.values()], axis=1))
+        first, position = distinct(
+            np.concatenate([one.reshape(self.size, -1) for one in columns.values()], axis=1)
+        )
         return replace(self, **{name: column[first] for name, column in columns.items()}), position
 
 
@@ -146,7 +154,9 @@ class Columns(Law):
     def chosen(self, trains: NDArray[Any]) -> "Columns":
         """Those of some trains."""
         place = np.arange(self.rows.size).reshape(-1, self.trains)[:, trains]
-        rows = replace(self.rows, **{name: own[place.ravel()] for name, own in self.rows.columns.items()})
+        rows = replace(
+            self.rows, **{name: own[place.ravel()] for name, own in self.rows.columns.items()}
+        )
         return Columns(rows, place.shape[1])
 
     def at(self, square: NDArray[Any]) -> Pi:
@@ -194,8 +204,13 @@ class Shafts:
     def at(self, square: ArrayLike) -> Pi:
         """As of a `Law`; `square` (m,), or (shafts, m), real or complex, rad2/s2."""
         s = np.asarray(square)
-        found = [law.at(s if s.ndim == 1 else s[part]) for law, part in zip(self.laws, self.parts, strict=True)]
-        flexibility, inner, outer = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+        found = [
+            law.at(s if s.ndim == 1 else s[part])
+            for law, part in zip(self.laws, self.parts, strict=True)
+        ]
+        flexibility, inner, outer = (
+            found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+        )
         return flexibility, inner, outer
 
     def lossy(self, square: FloatArray, loss: FloatArray) -> Pi:
@@ -218,14 +233,18 @@ class Shafts:
 
     def turned(self, which: BoolArray) -> "Shafts":
         """As of a `Law`."""
-        laws = tuple(law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True))
+        laws = tuple(
+            law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True)
+        )
         return replace(self, laws=laws)
 
 
 def distinct(table: FloatArray) -> tuple[IntArray, IntArray | slice]:
     """First row of each sort in `table` (shafts, values), and which sort (shafts,) each row is."""
     number: dict[bytes, int] = {}
-    position = np.array([number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64)
+    position = np.array(
+        [number.setdefault(row.tobytes(), len(number)) for row in table], dtype=np.int64
+    )
     first = np.unique(position, return_index=True)[1]
     return first, position if len(first) < len(table) else slice(None)
 

@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsion.arrays import FloatArray, IntArray
-from torsion.kernels.distributed.span_laws import UNIT_ROUNDOFF, Law, Pi, alternating_slope, distinct
+from torsion.kernels.distributed.span_laws import (
+    UNIT_ROUNDOFF,
+    Law,
+    Pi,
+    alternating_slope,
+    distinct,
+)
 
 _ROUNDINGS = 20.0  # of tan (4 units), what follows from it and the factors
 _SERIES_BELOW = 4.0  # square of the phase; above, differences lose less than a digit
@@ -55,10 +61,15 @@ class UniformShafts(Law):
         return np.full(len(square), _ROUNDINGS * UNIT_ROUNDOFF)
 
 
-def uniform_shafts(length: ArrayLike, rigidity: ArrayLike, inertia_per_length: ArrayLike) -> UniformShafts:
+def uniform_shafts(
+    length: ArrayLike, rigidity: ArrayLike, inertia_per_length: ArrayLike
+) -> UniformShafts:
     """Uniform pieces of `length` m, `rigidity` G I N m2 and `inertia_per_length` rho I kg m, each (shafts,)."""
     long, stiff, heavy = np.broadcast_arrays(
-        *(np.atleast_1d(np.asarray(values, dtype=np.float64)) for values in (length, rigidity, inertia_per_length))
+        *(
+            np.atleast_1d(np.asarray(values, dtype=np.float64))
+            for values in (length, rigidity, inertia_per_length)
+        )
     )
     return UniformShafts(long / stiff, 0.5 * (heavy * long), (long * heavy) * (long / stiff))
 
@@ -75,7 +86,9 @@ def _functions(v: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any
     return ratio / below, ratio, (1.0 - tangent) / below
 
 
-def _derivatives(v: FloatArray, sine: FloatArray, tangent: FloatArray, cosine: FloatArray) -> tuple[FloatArray, ...]:
+def _derivatives(
+    v: FloatArray, sine: FloatArray, tangent: FloatArray, cosine: FloatArray
+) -> tuple[FloatArray, ...]:
     """Derivatives with respect to v = mu^2 of sin(mu)/mu and tan(mu/2)/(mu/2) = 2 ((1 - cos mu)/mu^2)/(sin(mu)/mu)."""
     versed = 0.5 * (tangent * sine)
     small = v < _SERIES_BELOW

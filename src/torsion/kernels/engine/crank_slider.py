@@ -84,13 +84,19 @@ class CrankSlider:
         reciprocating: kg; correction: kg m2, of the rod, I_cg - m u (l - u), usually negative.
         """
         angle = 2.0 * math.pi / SAMPLES * np.arange(SAMPLES)
-        return np.asarray(reciprocating * self.piston(angle)[1] ** 2 + correction * self.rod_angle(angle)[0] ** 2)
+        return np.asarray(
+            reciprocating * self.piston(angle)[1] ** 2 + correction * self.rod_angle(angle)[0] ** 2
+        )
 
-    def inertia_harmonics(self, count: int, reciprocating: float, correction: float = 0.0) -> ComplexArray:
+    def inertia_harmonics(
+        self, count: int, reciprocating: float, correction: float = 0.0
+    ) -> ComplexArray:
         """(count + 1,) kg m2: J(angle) = J_0 + Re sum J_k exp(i k angle), k = 1 .. count."""
         return of_samples(self.inertia_over_angle(reciprocating, correction), count)
 
-    def inertia_torque(self, count: int, reciprocating: float, correction: float = 0.0) -> ComplexArray:
+    def inertia_torque(
+        self, count: int, reciprocating: float, correction: float = 0.0
+    ) -> ComplexArray:
         """(count + 1,) kg m2: harmonics 0 .. count of the torque of moving masses / speed^2, at constant speed.
 
         T = -(1/2) dJ/dangle speed^2: -m x' x'' of the piston with -J_c beta' beta'' of the rod.

@@ -20,7 +20,9 @@ class GasLaw:
     firing: ComplexArray  # (points, harmonics) N m
     motored: ComplexArray | None = None  # (points or 1, harmonics) N m; None where it is not known
     goes_on: bool = False  # in a straight line beyond its ends
-    stated: float | None = None  # N m mean gas torque at which it stands where the load is not known
+    stated: float | None = (
+        None  # N m mean gas torque at which it stands where the load is not known
+    )
 
     def covers(self, values: FloatArray) -> bool:
         """Whether it is known at loads or speeds."""
@@ -29,8 +31,15 @@ class GasLaw:
         slack = SAME * abs(float(self.at[-1]))
         return bool(values.min() >= self.at[0] - slack and values.max() <= self.at[-1] + slack)
 
-    def harmonic(self, number: int, load: FloatArray | None, speed: FloatArray, *, state: State = "firing",
-                 share: float = 1.0) -> ComplexArray:  # fmt: skip
+    def harmonic(
+        self,
+        number: int,
+        load: FloatArray | None,
+        speed: FloatArray,
+        *,
+        state: State = "firing",
+        share: float = 1.0,
+    ) -> ComplexArray:
         """(speeds,) N m of harmonic `number` at mean gas torques (speeds,) N m and speeds (speeds,) rad/s.
 
         share: heat of this cylinder / that of the others; motored and cut out it has none.

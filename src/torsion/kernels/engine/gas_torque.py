@@ -13,7 +13,9 @@ import numpy as np
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.engine.crank_slider import CrankSlider
 
-WIDEST = math.radians(1.0)  # of a panel: with NODES the pressures of cycles and their harmonics are exact to rounding
+WIDEST = math.radians(
+    1.0
+)  # of a panel: with NODES the pressures of cycles and their harmonics are exact to rounding
 NODES = 6
 BLOCK = 4_000_000  # values of one exponential matrix
 
@@ -52,7 +54,9 @@ class Cylinder:
     def volume(self, angle: FloatArray, ratio: float) -> FloatArray:
         """m3 at crank angles, of a compression ratio."""
         top = self.crank.piston(0.0)[0]
-        return np.asarray(self.swept / (ratio - 1.0) + self.area * (top - self.crank.piston(angle)[0]))
+        return np.asarray(
+            self.swept / (ratio - 1.0) + self.area * (top - self.crank.piston(angle)[0])
+        )
 
     def lever(self, angle: FloatArray) -> FloatArray:
         """Torque / pressure at crank angles, m3."""
@@ -80,7 +84,9 @@ class Panels:
         return cls(edges, (edges[:-1, None] + half) + half * nodes, half * weights)
 
 
-def harmonics(torque: Callable[[FloatArray], FloatArray], panels: Panels, revolutions: int, count: int) -> ComplexArray:
+def harmonics(
+    torque: Callable[[FloatArray], FloatArray], panels: Panels, revolutions: int, count: int
+) -> ComplexArray:
     """(count + 1,) harmonics of a torque over a cycle: of four strokes number k is of order k/2, of two of order k."""
     angle, weighted = panels.angle.ravel(), (torque(panels.angle) * panels.weight).ravel()
     found, number = np.zeros(count + 1, dtype=np.complex128), np.arange(count + 1)
@@ -109,7 +115,9 @@ class Diagram:
         turned = (self.angle + period / 2.0) % period - period / 2.0
         back = self.at(-self.angle, period)
         expands = (turned > 0) & (turned < bottom)
-        return Diagram(self.angle, np.where(expands, np.minimum(self.pressure, back), self.pressure))
+        return Diagram(
+            self.angle, np.where(expands, np.minimum(self.pressure, back), self.pressure)
+        )
 
     def at(self, angle: FloatArray, period: float) -> FloatArray:
         """Pa at any crank angles."""

@@ -47,9 +47,17 @@ def of_loop(crank: CrankSlider, travel: FloatArray, pressure: FloatArray, meet: 
         elif abs(pressure[row] - pressure[kept[-1]]) > meet * pressure.max():
             raise NoLoop(row, "two pressures at one volume", "rows follow the motion of the piston")
     if abs(travel[-1] - travel[0]) > near:
-        raise NoLoop(len(travel) - 1, "the loop is not closed", "the last row repeats the first, a revolution later")
+        raise NoLoop(
+            len(travel) - 1,
+            "the loop is not closed",
+            "the last row repeats the first, a revolution later",
+        )
     if abs(pressure[-1] - pressure[0]) > meet * pressure.max():
-        raise NoLoop(len(travel) - 1, "it ends with another pressure than it begins with", "the loop is closed")
+        raise NoLoop(
+            len(travel) - 1,
+            "it ends with another pressure than it begins with",
+            "the loop is closed",
+        )
     rows = np.array(kept[:-1])
     rows = np.roll(rows, -int(np.argmin(travel[rows])))
     turn = int(np.argmax(travel[rows]))
@@ -59,7 +67,9 @@ def of_loop(crank: CrankSlider, travel: FloatArray, pressure: FloatArray, meet: 
     wrong = np.flatnonzero((np.diff(travel[rows]) > 0) != (np.arange(len(rows) - 1) < turn))
     if wrong.size:
         place, turns = int(rows[wrong[0] + 1]), "it rises once and falls once"
-        raise NoLoop(place, "the volume turns back between its ends", f"in the order of motion {turns}")
+        raise NoLoop(
+            place, "the volume turns back between its ends", f"in the order of motion {turns}"
+        )
     angle = angle_of_travel(crank, travel[rows])
     angle[turn + 1 :] = 2.0 * math.pi - angle[turn + 1 :]
     return Diagram(np.append(angle, 2.0 * math.pi), np.append(pressure[rows], pressure[rows[0]]))

@@ -16,7 +16,11 @@ from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.engine.gas_torque import NODES, Cylinder, Panels, harmonics
 
 BURNT = 6.908  # a: 99.9 % of the heat at the end of the duration
-EARLIEST, LATEST, STEP = math.radians(-60.0), math.radians(30.0), math.radians(3.0)  # of the start of heat
+EARLIEST, LATEST, STEP = (
+    math.radians(-60.0),
+    math.radians(30.0),
+    math.radians(3.0),
+)  # of the start of heat
 NODE, WEIGHT = np.polynomial.legendre.leggauss(NODES)
 
 
@@ -40,7 +44,9 @@ class Cycle:
     shape: float  # m
     duration: float  # rad
     exhaust_opens: float = math.pi  # of two strokes; it closes as long before top dead centre
-    scavenge_opens: float = math.pi  # of two strokes; until then the pressure falls in a straight line to the charge
+    scavenge_opens: float = (
+        math.pi
+    )  # of two strokes; until then the pressure falls in a straight line to the charge
     start: float = 0.0  # of heat
     heat: float = 0.0  # J
 
@@ -68,8 +74,18 @@ class Cycle:
     def _rate(self, angle: FloatArray) -> FloatArray:
         """V^(g-1) dx_b/dangle while heat is released."""
         y = np.clip((angle - self.start) / self.duration, 0.0, 1.0)
-        share = BURNT * (self.shape + 1.0) / self.duration * y**self.shape * np.exp(-BURNT * y ** (self.shape + 1.0))
-        return np.asarray(self.cylinder.volume(angle, self.ratio) ** (self.gamma - 1.0) * share / -math.expm1(-BURNT))
+        share = (
+            BURNT
+            * (self.shape + 1.0)
+            / self.duration
+            * y**self.shape
+            * np.exp(-BURNT * y ** (self.shape + 1.0))
+        )
+        return np.asarray(
+            self.cylinder.volume(angle, self.ratio) ** (self.gamma - 1.0)
+            * share
+            / -math.expm1(-BURNT)
+        )
 
     @cached_property
     def _before(self) -> FloatArray:
@@ -99,7 +115,9 @@ class Cycle:
         found = self.closed(inside)
         if self.is_two_stroke:
             end = float(self.closed(np.array(self.opens)))
-            share = np.clip((angle - self.opens) / max(self.scavenge_opens - self.opens, 1e-12), 0.0, 1.0)
+            share = np.clip(
+                (angle - self.opens) / max(self.scavenge_opens - self.opens, 1e-12), 0.0, 1.0
+            )
             return np.where(angle <= self.opens, found, end + (self.charge - end) * share)
         open_ = np.where(angle < 2.0 * math.pi, self.exhaust, self.charge)
         return np.where(angle <= self.opens, found, open_)
@@ -128,7 +146,10 @@ class Cycle:
         at = int(np.argmax(self.closed(angle)))
         ends = angle[max(at - 1, 0)], angle[min(at + 1, len(angle) - 1)]
         found = minimize_scalar(
-            lambda x: -float(self.closed(np.array(x))), bounds=ends, method="bounded", options={"xatol": 1e-9}
+            lambda x: -float(self.closed(np.array(x))),
+            bounds=ends,
+            method="bounded",
+            options={"xatol": 1e-9},
         )
         return -float(found.fun)
 

@@ -21,7 +21,9 @@ _CLOSE = 1e-2  # relative distance of frequencies, beyond which shapes differ by
 _SAME = 1e-6  # inner product of two shapes, from which each is taken to hold a part of the other
 
 
-def long_chain_modes(tree: Tree, count: int, *, progress: Callable[[int, int], None] | None = None) -> TreeModes | None:
+def long_chain_modes(
+    tree: Tree, count: int, *, progress: Callable[[int, int], None] | None = None
+) -> TreeModes | None:
     """The lowest `count` elastic modes of a tree that is a row of stations, in a time that grows with both alike.
 
     None where it is no row, has no elastic mode, two of them are one to rounding, or this scipy lacks the routines:
@@ -36,11 +38,16 @@ def long_chain_modes(tree: Tree, count: int, *, progress: Callable[[int, int], N
         return None
     wanted = min(count, len(known.chain.inertia) - int(known.chain.is_free))
     whole, (frequency, lower, upper) = np.zeros((2, wanted, tree.size)), np.empty((3, wanted))
-    rigid = np.full((tree.size, 0 if tree.holds else 1), 1.0 / np.sqrt(row.tree.moving_inertia.sum()))
+    rigid = np.full(
+        (tree.size, 0 if tree.holds else 1), 1.0 / np.sqrt(row.tree.moving_inertia.sum())
+    )
     modes = TreeModes(frequency, lower, upper, whole[0].T, whole[1].T, rigid.shape[1], rigid)
     for mode, found in enumerate(lowest_modes(known.chain, wanted)):
         frequency[mode] = found.frequency
-        lower[mode], upper[mode] = found.lower * (1.0 - known.rounding), found.upper * (1.0 + known.rounding)
+        lower[mode], upper[mode] = (
+            found.lower * (1.0 - known.rounding),
+            found.upper * (1.0 + known.rounding),
+        )
         angle, torque = known.shape(found.angle, found.torque, found.frequency)
         torque = np.append(0.0, torque)  # of the root, which has no span
         if row.tree is not tree:
@@ -86,7 +93,9 @@ class Reduction:
     chain: Chain  # reversed if only the first station is fixed; if both are, of torques in place of angles
     first_held: bool
     last_held: bool
-    means: tuple[Means, Means] | None  # of the angles at ends and moving bodies, of the torques; None where all move
+    means: (
+        tuple[Means, Means] | None
+    )  # of the angles at ends and moving bodies, of the torques; None where all move
     merged: int  # at most so many inertias or flexibilities in one sum
 
     @property
@@ -94,7 +103,9 @@ class Reduction:
         """Relative error of a frequency that the sums may cause."""
         return (self.merged - 1) * 2.0**-53
 
-    def shape(self, inner: FloatArray, passed: FloatArray, frequency: float) -> tuple[FloatArray, FloatArray]:
+    def shape(
+        self, inner: FloatArray, passed: FloatArray, frequency: float
+    ) -> tuple[FloatArray, FloatArray]:
         """Angles (stations,) and torques (spans,) along the row, of the `inner` angles (n,) and `passed` torques of the
         chain at `frequency`, rad/s, scaled to a generalised inertia of 1."""
         if self.first_held and self.last_held:
@@ -130,20 +141,31 @@ def reduce_row(row: Tree) -> Reduction | None:
     if len(heavy) == 0 or len(heavy) + (held > 0) < 2:
         return None
     near, far, inertia = heavy[0], heavy[-1], mass[heavy]
-    first, last = spring[:near].sum(keepdims=True)[:first_held], spring[far:].sum(keepdims=True)[:last_held]
+    first, last = (
+        spring[:near].sum(keepdims=True)[:first_held],
+        spring[far:].sum(keepdims=True)[:last_held],
+    )
     between = np.concatenate((first, np.add.reduceat(spring[near:far], heavy[:-1] - near), last))
     if held == 2:
         chain = Chain(between, inertia)
     else:
-        chain = Chain(inertia[::-1].copy(), between[::-1].copy()) if first_held else Chain(inertia, between)
+        chain = (
+            Chain(inertia[::-1].copy(), between[::-1].copy())
+            if first_held
+            else Chain(inertia, between)
+        )
     is_plain = held == 0 and len(heavy) == row.size
     before = np.searchsorted(heavy, np.arange(len(mass)), side="right") - 1
     edges = np.concatenate(([0], heavy, [len(spring)]))
     return Reduction(
-        chain, first_held, last_held,
-        None if is_plain else (_station_means(body, before, moves, spring), _span_means(row, body, before, moves)),
+        chain,
+        first_held,
+        last_held,
+        None
+        if is_plain
+        else (_station_means(body, before, moves, spring), _span_means(row, body, before, moves)),
         max(int(np.max(np.diff(np.append(starts, len(body))))), int(np.max(np.diff(edges)))),
-    )  # fmt: skip
+    )
 
 
 def _station_means(body: IntArray, before: IntArray, moves: BoolArray, spring: FloatArray) -> Means:
@@ -160,7 +182,9 @@ def _station_means(body: IntArray, before: IntArray, moves: BoolArray, spring: F
         weight[-1], rest[-1] = 0.0, 1.0
     whole = weight + rest
     one = before + 1
-    return Means(one[body], np.where(moves, one, one + 1)[body], (weight / whole)[body], (rest / whole)[body])
+    return Means(
+        one[body], np.where(moves, one, one + 1)[body], (weight / whole)[body], (rest / whole)[body]
+    )
 
 
 def _span_means(row: Tree, body: IntArray, before: IntArray, moves: BoolArray) -> Means:

@@ -21,7 +21,9 @@ from torsion.kernels.lapack import call, routine
 from torsion.kernels.long_chain.temple import Chain, quotient
 from torsion.sources import source
 
-_BRACKET = 2.0**-6  # relative width of the bracket of a square from which quotients take fewer sweeps than halving
+_BRACKET = (
+    2.0**-6
+)  # relative width of the bracket of a square from which quotients take fewer sweeps than halving
 _SETTLED = 1e-14  # of the width of the bracket: an error of the shift that the shape does not show
 _NOISE = 2.0**-6  # of the worst case of the roundings of one sweep; they are seldom more (measured)
 _STEPS = 8  # of Rayleigh's quotient before halving takes over; 3 or 4 are common
@@ -29,7 +31,9 @@ _FULL = 2.0**-52
 _NUDGES = (0.0, 2.0**-51, -(2.0**-51), 2.0**-50)  # relative; of no effect on the shape
 _APART = 1e-4  # relative distance to a neighbour's bracket below which a farther one is sought
 _PROBE = 2.0**-8  # relative distance at which it is sought
-_WIDE = 3.0  # errors of a count: an enclosure by counts is then as narrow as one by Temple's inequality
+_WIDE = (
+    3.0  # errors of a count: an enclosure by counts is then as narrow as one by Temple's inequality
+)
 _LUMP = 32  # stations that become one in a coarser chain; its low frequencies are those of the chain to (phase/24)^2
 _STATIONS_FOR_GUESS = 64  # of the coarser chain for every mode
 _WIDENING = 16.0  # of the square while no bracket is known
@@ -72,7 +76,10 @@ class Twisted:
     def taken_back(self) -> FloatArray:
         """(n - 1 - twist,) what each row from the twist on has added to it when the next one is eliminated."""
         size, rows = self.factor.size, slice(self.twist, self.factor.size - 1)
-        upper, pivot = self.factor.work[size : 2 * size - 1][rows], self.factor.work[3 * size + 1 :][rows]
+        upper, pivot = (
+            self.factor.work[size : 2 * size - 1][rows],
+            self.factor.work[3 * size + 1 :][rows],
+        )
         with np.errstate(all="ignore"):
             taken: FloatArray = pivot * (upper / self.factor.lower[rows])
         stiff = np.isinf(pivot)  # the next row is at rest
@@ -96,7 +103,9 @@ class Counts:
     """All counts made so far."""
 
     factor: BidiagonalFactor
-    made: list[tuple[float, int]] = field(default_factory=list)  # a square of a frequency, and how many are below it
+    made: list[tuple[float, int]] = field(
+        default_factory=list
+    )  # a square of a frequency, and how many are below it
 
     def at(self, square: float) -> int:
         """Count of squares below `square`."""
@@ -114,8 +123,12 @@ class Counts:
     def halve(self, mode: int, width: float, *, alone: bool = False) -> tuple[float, float]:
         """The bracket of `mode` when it is narrower than `width`, relatively, and, if `alone`, holds no other mode."""
         low, high = self.bracket(mode)
-        while high - low > width * high or (alone and self.at(high) - self.at(low) > 1 and high - low > _FULL * high):
-            middle = math.sqrt(low) * math.sqrt(high) if high > 4.0 * low else low + 0.5 * (high - low)
+        while high - low > width * high or (
+            alone and self.at(high) - self.at(low) > 1 and high - low > _FULL * high
+        ):
+            middle = (
+                math.sqrt(low) * math.sqrt(high) if high > 4.0 * low else low + 0.5 * (high - low)
+            )
             self.at(middle)
             low, high = self.bracket(mode)
         return low, high
@@ -131,7 +144,11 @@ class Counts:
 
     def _farthest(self, count: int, side: float, square: float) -> float:
         """The smallest (side -1) or largest (side 1) square known with this count; `square` where there is none."""
-        return max((at for at, number in self.made if number == count), key=lambda at: side * at, default=square)
+        return max(
+            (at for at, number in self.made if number == count),
+            key=lambda at: side * at,
+            default=square,
+        )
 
 
 def factor_of(chain: Chain) -> BidiagonalFactor:
@@ -146,7 +163,9 @@ def factor_of(chain: Chain) -> BidiagonalFactor:
         product = diagonal * lower
     for entries in (diagonal[: len(flexibility)], square[:spans]):
         if not (entries.min(initial=1.0) > 1.0 / _RANGE and entries.max(initial=1.0) < _RANGE):
-            raise SolveError("a natural frequency lies outside 1e-140..1e140 rad/s; check the units")
+            raise SolveError(
+                "a natural frequency lies outside 1e-140..1e140 rad/s; check the units"
+            )
     return BidiagonalFactor(diagonal, lower, product, square, np.empty(size), np.empty(4 * size))
 
 
@@ -201,7 +220,9 @@ class _Shape:
     torque: FloatArray  # as many as flexibilities
 
 
-def _rayleigh(chain: Chain, factor: BidiagonalFactor, low: float, high: float, square: float) -> _Shape | None:
+def _rayleigh(
+    chain: Chain, factor: BidiagonalFactor, low: float, high: float, square: float
+) -> _Shape | None:
     """The shape of the mode between the squares `low` and `high`; None where the quotients lead elsewhere."""
     settled = max(_SETTLED * (high - low), _NOISE * chain.slack * high)
     for _ in range(_STEPS):
@@ -220,7 +241,9 @@ def _finite_shape(chain: Chain, factor: BidiagonalFactor, square: float) -> _Sha
         twisted = twisted_vector(factor, square * (1.0 + nudge))
         with np.errstate(all="ignore"):
             shape = _shape(chain, twisted)
-            if math.isfinite(float(np.dot(shape.torque, shape.torque)) + float(np.dot(shape.angle, shape.angle))):
+            if math.isfinite(
+                float(np.dot(shape.torque, shape.torque)) + float(np.dot(shape.angle, shape.angle))
+            ):
                 return shape
     raise SolveError(f"no shape was found near {math.sqrt(square):.6g} rad/s; request fewer modes")
 
@@ -237,7 +260,9 @@ def _shape(chain: Chain, twisted: Twisted) -> _Shape:
     return _Shape(float(np.dot(vector, vector)), angle, torque)
 
 
-def _proven(chain: Chain, counts: Counts, mode: int, shape: _Shape) -> tuple[float, float, float] | None:
+def _proven(
+    chain: Chain, counts: Counts, mode: int, shape: _Shape
+) -> tuple[float, float, float] | None:
     """Frequency and its enclosure, rad/s, by Temple's inequality; None where the mode is not known to be alone."""
     found = quotient(chain, shape.angle)
     below, above = counts.neighbours(mode, found.frequency**2)
@@ -263,7 +288,9 @@ def are_available() -> bool:
 def negative_count(factor: BidiagonalFactor, shift: float) -> int:
     """Number of eigenvalues of L D L' below `shift`, for entries that differ by a few units of rounding."""
     size = factor.size
-    found = call("dlaneg", _DLANEG, size, factor.diagonal, factor.square, shift, _SMALLEST_PIVOT, size)
+    found = call(
+        "dlaneg", _DLANEG, size, factor.diagonal, factor.square, shift, _SMALLEST_PIVOT, size
+    )
     assert found is not None
     return int(found[0])
 
@@ -275,8 +302,29 @@ def twisted_vector(factor: BidiagonalFactor, shift: float) -> Twisted:
     """
     size, support = factor.size, (ctypes.c_int * 2)()
     found = call(
-        "dlar1v", _DLAR1V, size, 1, size, shift, factor.diagonal, factor.lower, factor.product, factor.square,
-        _SMALLEST_PIVOT, 0.0, factor.vector, 0, 0, 0.0, 0.0, 0, support, 0.0, 0.0, 0.0, factor.work,
-    )  # fmt: skip
+        "dlar1v",
+        _DLAR1V,
+        size,
+        1,
+        size,
+        shift,
+        factor.diagonal,
+        factor.lower,
+        factor.product,
+        factor.square,
+        _SMALLEST_PIVOT,
+        0.0,
+        factor.vector,
+        0,
+        0,
+        0.0,
+        0.0,
+        0,
+        support,
+        0.0,
+        0.0,
+        0.0,
+        factor.work,
+    )
     assert found is not None
     return Twisted(factor.vector, correction=found[-1], twist=found[-4] - 1, factor=factor)

@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 from torsion.arrays import FloatArray
 
 _UNIT = 2.0**-53
-_UNIT_OF_WIDEST = float(np.finfo(np.longdouble).eps) / 2.0  # where there is nothing wider: that of a double
+_UNIT_OF_WIDEST = (
+    float(np.finfo(np.longdouble).eps) / 2.0
+)  # where there is nothing wider: that of a double
 _ROUNDINGS_OF_SUM = 64  # of numpy's pairwise sums of up to 1e9 terms, with those of each term
 _ROUNDINGS_OF_TERM = 4
 _OUTER_MARGIN = 2.0**-50  # relative; outweighs the roundings of the bounds themselves
@@ -115,7 +117,9 @@ def quotient(chain: Chain, angle: FloatArray) -> Quotient:
     turned, norm = float(np.abs(twist).sum()), float((load * vector).sum())
     energy = float((twist * torque).sum())
     inverse = energy / norm
-    error = (2.0 * turned + lost_torque * softness) * lost_torque / energy + lost_torque**2 / (total * norm)
+    error = (2.0 * turned + lost_torque * softness) * lost_torque / energy + lost_torque**2 / (
+        total * norm
+    )
     error += 2.0 * _ROUNDINGS_OF_SUM * _UNIT
     rest, roundings = _response(chain, twist)
     rest -= inverse * vector

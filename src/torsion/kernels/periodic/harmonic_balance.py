@@ -44,14 +44,18 @@ class Linearised:
     residual: FloatArray  # (coordinates, times) N m
     entries: Couplings
     force: FloatArray  # (unknown loads, coordinates, times): derivative of the residual with respect to each
-    extra: Sequence[tuple[int, int, ComplexArray]] = ()  # (row, column, block): frequency-domain terms
+    extra: Sequence[
+        tuple[int, int, ComplexArray]
+    ] = ()  # (row, column, block): frequency-domain terms
 
 
 @dataclass(frozen=True)
 class Balance:
     """A periodic solution."""
 
-    harmonic: ComplexArray  # (coordinates, 2 count + 1) rad; deviation = sum_k harmonic exp(i k w0 t)
+    harmonic: (
+        ComplexArray  # (coordinates, 2 count + 1) rad; deviation = sum_k harmonic exp(i k w0 t)
+    )
     load: FloatArray  # (unknown loads,)
     steps: int  # of Newton's method
     truncation: float  # estimated size of the harmonics left out / the largest one kept
@@ -92,7 +96,13 @@ def points_in_time(count: int) -> int:
 
 
 def balance(
-    equations: Equations, start: ComplexArray, load: FloatArray, held: IntArray, w0: float, *, steps: int = MOST_NEWTON
+    equations: Equations,
+    start: ComplexArray,
+    load: FloatArray,
+    held: IntArray,
+    w0: float,
+    *,
+    steps: int = MOST_NEWTON,
 ) -> Balance:
     """The periodic solution near `start` (coordinates, 2 count + 1) with frequency w0 (rad/s).
 
@@ -101,7 +111,9 @@ def balance(
     """
     count = start.shape[1] // 2
     if start.size > MOST_UNKNOWNS:
-        raise SolveError(f"a harmonic balance of {start.size} unknowns is too large; the common period is too long")
+        raise SolveError(
+            f"a harmonic balance of {start.size} unknowns is too large; the common period is too long"
+        )
     times = points_in_time(count)
     harmonic, load = np.array(start, dtype=complex), np.array(load, dtype=float)
     here = equations(motion_of(harmonic, w0, times), load, count)
@@ -130,7 +142,9 @@ def balance(
 
 
 def _is_small(move: ComplexArray, harmonic: ComplexArray) -> bool:
-    return bool(np.abs(move).max() <= QUADRATIC * _amplitude(harmonic) + ROUNDING * np.abs(harmonic).max())
+    return bool(
+        np.abs(move).max() <= QUADRATIC * _amplitude(harmonic) + ROUNDING * np.abs(harmonic).max()
+    )
 
 
 def _amplitude(harmonic: ComplexArray) -> float:
@@ -142,11 +156,17 @@ def _norm(at: Linearised, count: int) -> float:
     return float(np.linalg.norm(harmonics_of(at.residual, count)))
 
 
-def _newton(at: Linearised, held: IntArray, w0: float, count: int) -> tuple[ComplexArray, FloatArray]:
+def _newton(
+    at: Linearised, held: IntArray, w0: float, count: int
+) -> tuple[ComplexArray, FloatArray]:
     """One step of Newton's method: the change of the harmonics and of the loads."""
     size, number, loads = len(at.residual), 2 * count + 1, len(held)
     upper = np.arange(count + 1)
-    row, column, blocks = at.entries.row, at.entries.column, hill_blocks(at.entries, w0, count, upper)
+    row, column, blocks = (
+        at.entries.row,
+        at.entries.column,
+        hill_blocks(at.entries, w0, count, upper),
+    )
     if at.extra:
         row = np.append(row, [one[0] for one in at.extra])
         column = np.append(column, [one[1] for one in at.extra])
@@ -169,7 +189,9 @@ def _solve(entries: Entries, force: FloatArray, place: IntArray, right: FloatArr
         found = np.full(total + loads, np.nan)
     found[total:] *= size
     if not np.isfinite(found).all():
-        raise SolveError("the harmonic balance is singular; the train is in resonance without damping")
+        raise SolveError(
+            "the harmonic balance is singular; the train is in resonance without damping"
+        )
     return found
 
 
@@ -206,12 +228,18 @@ def _truncation(at: Linearised, harmonic: ComplexArray, w0: float, count: int) -
     w = w0 * np.arange(count + 1, count + 1 + spectrum.shape[1])
     own = at.entries.row == at.entries.column
     mass, damping, stiffness = (np.zeros(size) for _ in range(3))
-    for total, part in ((mass, at.entries.mass), (damping, at.entries.damping), (stiffness, at.entries.stiffness)):
+    for total, part in (
+        (mass, at.entries.mass),
+        (damping, at.entries.damping),
+        (stiffness, at.entries.stiffness),
+    ):
         np.add.at(total, at.entries.row[own], part[own].mean(axis=1))
     alone = np.abs(stiffness[:, None] - w**2 * mass[:, None] + 1j * w * damping[:, None])
     floor = np.maximum(alone, w**2 * mass[:, None] + 1e-3 * np.abs(stiffness)[:, None])
     noise = np.zeros(size)  # rounding of the forces that each residual is the sum of
-    acts = np.abs(at.entries.stiffness).max(axis=1) * np.abs(harmonic).sum(axis=1)[at.entries.column]
+    acts = (
+        np.abs(at.entries.stiffness).max(axis=1) * np.abs(harmonic).sum(axis=1)[at.entries.column]
+    )
     np.add.at(noise, at.entries.row, ROUNDING * acts)
     missed = (np.maximum(np.abs(spectrum) - noise[:, None], 0.0) / floor).max(initial=0.0)
     amplitude = _amplitude(harmonic)

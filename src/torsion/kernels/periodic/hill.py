@@ -69,10 +69,14 @@ def toeplitz(samples: FloatArray, count: int, rows: IntArray | None = None) -> C
     return np.asarray(harmonics_of(samples, widest)[..., between + widest])
 
 
-def hill_blocks(entries: Couplings, w0: float, count: int, rows: IntArray | None = None) -> ComplexArray:
+def hill_blocks(
+    entries: Couplings, w0: float, count: int, rows: IntArray | None = None
+) -> ComplexArray:
     """(entries, rows, 2 count + 1): K_{r-c} + i w_c C_{r-c} - w_c^2 M_{r-c} of each entry; rows as in `toeplitz`."""
     w = w0 * np.arange(-count, count + 1)
-    blocks = toeplitz(entries.stiffness, count, rows) + 1j * w * toeplitz(entries.damping, count, rows)
+    blocks = toeplitz(entries.stiffness, count, rows) + 1j * w * toeplitz(
+        entries.damping, count, rows
+    )
     heavy = np.flatnonzero(entries.mass.any(axis=1))
     blocks[heavy] -= w**2 * toeplitz(entries.mass[heavy], count, rows)
     return blocks
@@ -83,11 +87,18 @@ def real_blocks(upper: ComplexArray) -> FloatArray:
     count = upper.shape[-1] // 2
     right, left = upper[..., count:], upper[..., count::-1]
     out = np.empty((*upper.shape[:-2], 2 * count + 1, 2 * count + 1))
-    out[..., : count + 1, 0], out[..., count + 1 :, 0] = upper[..., count].real, upper[..., 1:, count].imag
+    out[..., : count + 1, 0], out[..., count + 1 :, 0] = (
+        upper[..., count].real,
+        upper[..., 1:, count].imag,
+    )
     np.add(right[..., 1:].real, left[..., 1:].real, out=out[..., : count + 1, 1 : count + 1])
-    np.add(right[..., 1:, 1:].imag, left[..., 1:, 1:].imag, out=out[..., count + 1 :, 1 : count + 1])
+    np.add(
+        right[..., 1:, 1:].imag, left[..., 1:, 1:].imag, out=out[..., count + 1 :, 1 : count + 1]
+    )
     np.subtract(left[..., 1:].imag, right[..., 1:].imag, out=out[..., : count + 1, count + 1 :])
-    np.subtract(right[..., 1:, 1:].real, left[..., 1:, 1:].real, out=out[..., count + 1 :, count + 1 :])
+    np.subtract(
+        right[..., 1:, 1:].real, left[..., 1:, 1:].real, out=out[..., count + 1 :, count + 1 :]
+    )
     return out
 
 
@@ -112,7 +123,9 @@ def assembled(row: IntArray, column: IntArray, blocks: np.ndarray, size: int) ->
     return np.ascontiguousarray(full.transpose(0, 2, 1, 3)).reshape(size * number, size * number)
 
 
-def scattered(row: IntArray, column: IntArray, blocks: FloatArray) -> tuple[FloatArray, IntArray, IntArray]:
+def scattered(
+    row: IntArray, column: IntArray, blocks: FloatArray
+) -> tuple[FloatArray, IntArray, IntArray]:
     """Return values, rows and columns of the same as a sparse matrix; places that occur twice are to be summed."""
     number = blocks.shape[-1]
     entry, above, along = np.nonzero(blocks)
@@ -185,7 +198,9 @@ def _solving(constant: ComplexArray, size: FloatArray, known: ComplexArray | Non
     return found
 
 
-def _eigen(left: ComplexArray, right: ComplexArray | None, apart: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+def _eigen(
+    left: ComplexArray, right: ComplexArray | None, apart: ComplexArray
+) -> tuple[ComplexArray, ComplexArray]:
     """Values and vectors (columns) of left x = value right x (right None: 1), without the null vectors `apart`."""
     known = apart.shape[1]
     if not known:
@@ -200,9 +215,12 @@ def _eigen(left: ComplexArray, right: ComplexArray | None, apart: ComplexArray) 
         value, rest = _eig(left[known:, known:], weight[known:, known:])
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.linalg.solve(
-            weight[:known, :known], left[:known, known:] @ rest / value - weight[:known, known:] @ rest
+            weight[:known, :known],
+            left[:known, known:] @ rest / value - weight[:known, known:] @ rest,
         )
-    share = np.where(np.isfinite(share) & (np.abs(value) > DOUBLE), share, 0.0)  # a double one has none of its own
+    share = np.where(
+        np.isfinite(share) & (np.abs(value) > DOUBLE), share, 0.0
+    )  # a double one has none of its own
     return value, turned @ np.concatenate([share, rest])
 
 

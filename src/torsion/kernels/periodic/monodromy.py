@@ -13,11 +13,15 @@ from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.sources import source
 
 STAGES = 7  # order 13
-ANGLE_PER_STEP = 1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
+ANGLE_PER_STEP = (
+    1.5  # rad: step times the highest frequency; damping of the method is then below 1e-13 a step
+)
 FEWEST_STEPS = 16
 MOST_STEPS = 4096
 REAL = 1e-9  # of w0: an imaginary part of an exponent that is rounding
-MOSTLY = 0.5  # share of the whole train turning evenly beyond which a motion is one of its mean speed
+MOSTLY = (
+    0.5  # share of the whole train turning evenly beyond which a motion is one of its mean speed
+)
 GONE = 1e-6  # factor over a period: what dies out so fast is no motion of the mean speed
 CANDIDATES = 2  # fastest growing real exponents of which one may be that of the mean speed
 MOST_NUMBERS = 4_000_000  # in memory at a time in the stage equations
@@ -75,9 +79,15 @@ def at_times(samples: FloatArray, share: FloatArray) -> FloatArray:
 
 @source("HairerWanner1996")
 def monodromy(
-    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, period: float, steps: int, stages: int = STAGES,
-    *, visited: list[FloatArray] | None = None,
-) -> FloatArray:  # fmt: skip
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+    period: float,
+    steps: int,
+    stages: int = STAGES,
+    *,
+    visited: list[FloatArray] | None = None,
+) -> FloatArray:
     """(2 size, 2 size): what a period makes of (y, y'); M, C, K (times, size, size) at even times of the period (s).
 
     visited: as of `through_steps`.
@@ -85,9 +95,15 @@ def monodromy(
     rule, size = radau(stages), mass.shape[1]
     share = (np.arange(steps)[:, None] + rule.node).ravel() / steps
     # One Fourier sum for all three, each in its own size, as harmonics count by their share of the largest.
-    largest = [max(float(np.abs(part).max()), np.finfo(float).tiny) for part in (mass, damping, stiffness)]
+    largest = [
+        max(float(np.abs(part).max()), np.finfo(float).tiny) for part in (mass, damping, stiffness)
+    ]
     samples = np.stack(
-        [part / largest_part for part, largest_part in zip((mass, damping, stiffness), largest, strict=True)], axis=1
+        [
+            part / largest_part
+            for part, largest_part in zip((mass, damping, stiffness), largest, strict=True)
+        ],
+        axis=1,
     )
     nodes = at_times(samples, share).reshape(steps, stages, 3, size, size)
     inert, damp, stiff = (nodes[:, :, k] * factor for k, factor in enumerate(largest))
@@ -95,15 +111,23 @@ def monodromy(
 
 
 def through_steps(
-    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, h: float, rule: Collocation,
-    *, visited: list[FloatArray] | None = None,
-) -> FloatArray:  # fmt: skip
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+    h: float,
+    rule: Collocation,
+    *,
+    visited: list[FloatArray] | None = None,
+) -> FloatArray:
     """(..., 2 size, 2 size): what steps h (s) in a row make of (y, y'); M, C, K at the nodes of every step.
 
     Each is (..., steps, stages, size, size). visited: collects the same matrix at the beginning of each of FEWEST_STEPS
     equal parts of the steps, which must be a multiple of them.
     """
-    steps, unknowns = mass.shape[-4], int(np.prod(mass.shape[:-4])) * (mass.shape[-3] * mass.shape[-1]) ** 2
+    steps, unknowns = (
+        mass.shape[-4],
+        int(np.prod(mass.shape[:-4])) * (mass.shape[-3] * mass.shape[-1]) ** 2,
+    )
     whole, chunk = np.eye(2 * mass.shape[-1]), max(1, MOST_NUMBERS // unknowns)
     for first in range(0, steps, chunk):
         some = np.s_[..., first : first + chunk, :, :, :]
@@ -131,7 +155,9 @@ def step_matrices(
     blocks[..., place, :, place, :] += np.moveaxis(mass, -3, 0)
     matrix = blocks.reshape(*lead, stages * size, stages * size)
     from_speed = damping + h * rule.node[:, None, None] * stiffness
-    right = -np.concatenate([stiffness, from_speed], axis=-1).reshape(*lead, stages * size, 2 * size)
+    right = -np.concatenate([stiffness, from_speed], axis=-1).reshape(
+        *lead, stages * size, 2 * size
+    )
     found = np.linalg.solve(matrix, right).reshape(*lead, stages, size, 2 * size)
     out = np.zeros((*lead, 2 * size, 2 * size))
     one = np.eye(size)
@@ -153,9 +179,13 @@ def mostly_rigid(places: IntArray, shares: FloatArray) -> int | None:
 
 
 def rigid_motion(
-    monodromy: FloatArray, visited: FloatArray, multipliers: ComplexArray, mass: FloatArray, turning: FloatArray,
+    monodromy: FloatArray,
+    visited: FloatArray,
+    multipliers: ComplexArray,
+    mass: FloatArray,
+    turning: FloatArray,
     w0: float,
-) -> int | None:  # fmt: skip
+) -> int | None:
     """Return the place of the multiplier (descending) whose motion is mostly an even turning of the whole train.
 
     None where there is none; the arguments are those of `rigid_share`.
@@ -168,7 +198,12 @@ def rigid_motion(
 
 
 def rigid_share(
-    monodromy: FloatArray, visited: FloatArray, multiplier: float, mass: FloatArray, turning: FloatArray, w0: float
+    monodromy: FloatArray,
+    visited: FloatArray,
+    multiplier: float,
+    mass: FloatArray,
+    turning: FloatArray,
+    w0: float,
 ) -> float:
     """Return the share of an even turning of the whole train in the motion of a positive multiplier, 0 to 1.
 

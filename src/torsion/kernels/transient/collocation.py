@@ -22,7 +22,10 @@ from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, v
 EACH = np.arange(POINTS)
 AT_END = SERIES.sum(axis=0)[:, None]  # (nodes, 1): the torque there, of those at the nodes
 NEWTON = 12
-CONVERGED, STALLED = 1e-13, 1e-11  # relative change of the torques; the latter where rounding lets it fall no further
+CONVERGED, STALLED = (
+    1e-13,
+    1e-11,
+)  # relative change of the torques; the latter where rounding lets it fall no further
 SHORTEST = 2.0**-44  # of the whole motion: a step below it is given up
 EASY = 0.004  # of what is allowed: the next step is twice as long
 BEFORE_LAST = 0.1  # weight of the last coefficient but one, for where the last happens to vanish
@@ -47,7 +50,9 @@ class Points:
     def of(self, at: Sequence[int]) -> "Points":
         """Those of a law."""
         own = slice(at[0], at[-1] + 1)
-        return Points(self.time, self.torque[own], self.angle[own], self.speed[own], self.acceleration[own])
+        return Points(
+            self.time, self.torque[own], self.angle[own], self.speed[own], self.acceleration[own]
+        )
 
     def first(self, number: int) -> "Points":
         """The first times."""
@@ -144,7 +149,9 @@ class Marched:
     changes: tuple[tuple[float, int, int], ...]  # (s, law, regime that begins)
     lack: float  # the largest of the last coefficients, of the largest torque
     largest: float  # torque, N m times its weight
-    begun: tuple[tuple[float, int, int], ...]  # regimes at time 0, and at the times at which their laws change
+    begun: tuple[
+        tuple[float, int, int], ...
+    ]  # regimes at time 0, and at the times at which their laws change
 
 
 @dataclass(frozen=True)
@@ -181,9 +188,12 @@ class _Trial:
 
 
 def march(
-    train: Interfaces, laws: Sequence[Law], given: Callable[[FloatArray], Known], scheme: Scheme,
+    train: Interfaces,
+    laws: Sequence[Law],
+    given: Callable[[FloatArray], Known],
+    scheme: Scheme,
     progress: Callable[[float], None] = lambda share: None,
-) -> Collocated:  # fmt: skip
+) -> Collocated:
     """The motion from nothing at time 0, beside the given one: angle, speed, acceleration (interfaces, times) at times.
 
     progress: called with the share of the time that is done.
@@ -195,7 +205,10 @@ def march(
 
 
 def marched(
-    train: LinearTrain, laws: Sequence[Law], scheme: Scheme, progress: Callable[[float], None] = lambda share: None
+    train: LinearTrain,
+    laws: Sequence[Law],
+    scheme: Scheme,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> Marched:
     """A train moved from time 0 on under the torques that laws require at its interfaces; as `march`."""
     state = _March(train, laws, scheme)
@@ -225,10 +238,14 @@ def marched(
         end = next((cut for cut in cuts if abs(time + own - cut) <= SAME_TIME * cut), time + own)
         if own > 0.0:
             most = MOST_STEPS // max(train.number, 1)
-            refuse_too_many_steps([*begins[::WATCHED], time], len(begins), most, WATCHED, scheme.duration)
+            refuse_too_many_steps(
+                [*begins[::WATCHED], time], len(begins), most, WATCHED, scheme.duration
+            )
             begins.append(time)
             reached = train.advance(time, own, end, tried.torque)
-            state.largest = max(state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0)))
+            state.largest = max(
+                state.largest, float(np.abs(tried.torque * scheme.weight[:, None]).max(initial=0.0))
+            )
             state.lack = max(state.lack, tried.last)
             change, own, end = change if reached == end else None, reached - time, reached
             torque = np.repeat(tried.torque[:, -1:], POINTS, axis=1)
@@ -267,7 +284,9 @@ def _kept(state: _March, time: float, length: float, guess: FloatArray) -> tuple
             if tried.last <= state.scheme.tolerance * scale:
                 return tried, length
         if length < SHORTEST * state.scheme.duration:
-            message = f"at {time:.6g} s no step is short enough for the torques that follow the motion"
+            message = (
+                f"at {time:.6g} s no step is short enough for the torques that follow the motion"
+            )
             raise SolveError(message, "look there for a law that jumps, or raise `tolerance`")
         length /= 2.0
 
@@ -292,11 +311,19 @@ def _tried(state: _March, time: float, length: float, guess: FloatArray) -> _Tri
         torque = torque + change
         weight = state.scheme.weight[:, None]
         ratio = float(np.abs(change * weight).max(initial=0.0))
-        ratio /= max(float(np.abs(torque * weight).max(initial=0.0)), state.largest, np.finfo(float).tiny)
+        ratio /= max(
+            float(np.abs(torque * weight).max(initial=0.0)), state.largest, np.finfo(float).tiny
+        )
         if not math.isfinite(ratio):
             return None
-        quadratic = count > 0 and ratio**3 <= CONVERGED * before**2  # then the next change is below it
-        if ratio <= CONVERGED or quadratic or (count > 1 and ratio < STALLED and ratio > 0.1 * before):
+        quadratic = (
+            count > 0 and ratio**3 <= CONVERGED * before**2
+        )  # then the next change is below it
+        if (
+            ratio <= CONVERGED
+            or quadratic
+            or (count > 1 and ratio < STALLED and ratio > 0.1 * before)
+        ):
             break
         before = ratio
     else:
@@ -304,7 +331,9 @@ def _tried(state: _March, time: float, length: float, guess: FloatArray) -> _Tri
     last = np.abs(SERIES[-2:] @ torque.T) * state.scheme.weight
     points = _under(times, free, moved, torque)
     left = max(float(last[1].max(initial=0.0)), BEFORE_LAST * float(last[0].max(initial=0.0)))
-    rounding = ROUNDED * float((np.abs(np.einsum("eec->ec", slopes[2])) * train.parts * weight).max(initial=0.0))
+    rounding = ROUNDED * float(
+        (np.abs(np.einsum("eec->ec", slopes[2])) * train.parts * weight).max(initial=0.0)
+    )
     is_felt = bool(
         (np.abs(points.speed - free[1]) > ROUNDED * train.parts).any()
     )  # not so where all begins from nothing
@@ -318,7 +347,9 @@ def _under(times: FloatArray, free: Known, moved: Known, torque: FloatArray) -> 
         one + (matrix.reshape(-1, size) @ torque.ravel()).reshape(one.shape)
         for one, matrix in zip(free, moved, strict=True)
     )
-    return Points(times, np.concatenate([torque, torque @ AT_END], axis=1), angle, speed, acceleration)
+    return Points(
+        times, np.concatenate([torque, torque @ AT_END], axis=1), angle, speed, acceleration
+    )
 
 
 def _solution(matrix: FloatArray, right: FloatArray, required: FloatArray) -> FloatArray | None:
@@ -327,7 +358,9 @@ def _solution(matrix: FloatArray, right: FloatArray, required: FloatArray) -> Fl
     required: (interfaces, interfaces) what torques change of accelerations that laws require.
     """
     rows = required[required.any(axis=1)]
-    if len(rows) > 1 and np.linalg.matrix_rank(rows / np.abs(rows).max(axis=1)[:, None], 1e-9) < len(rows):
+    if len(rows) > 1 and np.linalg.matrix_rank(
+        rows / np.abs(rows).max(axis=1)[:, None], 1e-9
+    ) < len(rows):
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0])
     try:
         return np.asarray(np.linalg.solve(matrix, right))
@@ -338,7 +371,10 @@ def _solution(matrix: FloatArray, right: FloatArray, required: FloatArray) -> Fl
 def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArray]]:
     """What all torques lack, (interfaces, points), and its derivatives (interfaces, interfaces, points)."""
     number = state.train.number
-    lack, slopes = np.zeros_like(points.torque), [np.zeros((number, number, len(points.time))) for _ in range(4)]
+    lack, slopes = (
+        np.zeros_like(points.torque),
+        [np.zeros((number, number, len(points.time))) for _ in range(4)],
+    )
     for law, regime in zip(state.laws, state.regimes, strict=True):
         found, own = law.conditions(regime, points.of(law.at)), slice(law.at[0], law.at[-1] + 1)
         lack[own] = found.lack
@@ -350,16 +386,22 @@ def _assembled(state: _March, points: Points) -> tuple[FloatArray, list[FloatArr
     return lack, slopes
 
 
-def _left(state: _March, time: float, tried: _Trial, length: float) -> tuple[float, int, int] | None:
+def _left(
+    state: _March, time: float, tried: _Trial, length: float
+) -> tuple[float, int, int] | None:
     """The first change of regime in a step: the share of it, the law, and the regime that follows."""
     found: tuple[float, int, int] | None = None
     at_found: Points | None = None
-    for low, high, number, which, follows in sorted(_crossings(state, tried), key=lambda crossing: crossing[:2]):
+    for low, high, number, which, follows in sorted(
+        _crossings(state, tried), key=lambda crossing: crossing[:2]
+    ):
         law, regime = state.laws[number], state.regimes[number]
         if at_found is not None and law.limits(regime, at_found.of(law.at))[which][0][0] > 0.0:
             continue  # it is left later
 
-        def rest(share: FloatArray, law: Law = law, regime: int = regime, which: int = which) -> FloatArray:
+        def rest(
+            share: FloatArray, law: Law = law, regime: int = regime, which: int = which
+        ) -> FloatArray:
             there = _inside(state, time, length, tried.torque, share)
             return law.limits(regime, there.of(law.at))[which][0]
 
@@ -381,10 +423,18 @@ def _crossings(state: _March, tried: _Trial) -> Iterator[tuple[float, float, int
             below = np.flatnonzero(margin < -AT_LIMIT)
             if below.size:
                 high = int(below[0])
-                yield 0.0 if high == 0 else float(ENDS[high - 1]), float(ENDS[high]), number, which, follows
+                yield (
+                    0.0 if high == 0 else float(ENDS[high - 1]),
+                    float(ENDS[high]),
+                    number,
+                    which,
+                    follows,
+                )
 
 
-def _inside(state: _March, time: float, length: float, torque: FloatArray, share: FloatArray) -> Points:
+def _inside(
+    state: _March, time: float, length: float, torque: FloatArray, share: FloatArray
+) -> Points:
     """At shares of a step."""
     there = state.train.inside(time, length, torque, share)
     return Points(time + share * length, value((SERIES @ torque.T)[:, :, None], share), *there)

@@ -64,7 +64,9 @@ def quadratics(edges: FloatArray, values: ComplexArray) -> ComplexArray:
     return np.asarray(np.linalg.solve(powers.astype(complex), values))
 
 
-def without_equal_parts(edges: FloatArray, polynomial: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+def without_equal_parts(
+    edges: FloatArray, polynomial: ComplexArray
+) -> tuple[FloatArray, ComplexArray]:
     """The edges (parts + 1,) and polynomials (parts, 3, orders) of parts that differ from the part before.
 
     A march ends a step at every edge that a speed crosses: an edge where the law does not change costs steps alone.

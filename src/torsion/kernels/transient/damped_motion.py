@@ -6,7 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.kernels.transient.modal_motion import FirstOrder, RigidMotion, first_order, rigid_motion
+from torsion.kernels.transient.modal_motion import (
+    FirstOrder,
+    RigidMotion,
+    first_order,
+    rigid_motion,
+)
 from torsion.kernels.transient.torque_history import History, Piece, value
 from torsion.kernels.transient.torque_history import history as cut
 
@@ -36,7 +41,9 @@ class ModalTrain:
     @property
     def damping(self) -> FloatArray:
         """(rigid motions + modes, the same) 1/s, all of it."""
-        return self.viscous + np.diag(2.0 * np.concatenate([np.zeros(self.rigid), self.ratio]) * self.w_of_all)
+        return self.viscous + np.diag(
+            2.0 * np.concatenate([np.zeros(self.rigid), self.ratio]) * self.w_of_all
+        )
 
 
 @dataclass(frozen=True)
@@ -48,7 +55,9 @@ class Motion:
     loads: Sequence[Sequence[Piece]]
     rigid: RigidMotion | None  # of the first of them, up to one that damping takes hold of
     coordinates: FirstOrder
-    read: tuple[np.ndarray, np.ndarray] | None  # rows of place and of speed; None: modes by themselves
+    read: (
+        tuple[np.ndarray, np.ndarray] | None
+    )  # rows of place and of speed; None: modes by themselves
 
     @property
     def rigid_motions(self) -> int:
@@ -67,7 +76,9 @@ class Motion:
         """Places and speeds (modes, or all that damping takes hold of, times) of coordinates (coordinates, times)."""
         if self.read is not None:
             parts = np.concatenate([y.real, -y.imag])
-            place, speed = (np.concatenate([row.real, row.imag], axis=1) @ parts for row in self.read)
+            place, speed = (
+                np.concatenate([row.real, row.imag], axis=1) @ parts for row in self.read
+            )
             return place, speed
         root = self.coordinates.root
         place = y.imag / root.imag[:, None]
@@ -79,7 +90,9 @@ class Motion:
         if self.read is not None:
             return self.read
         place: ComplexArray = np.diag(-1j / self.coordinates.root.imag)
-        return place, np.asarray(np.eye(len(place)) + self.coordinates.root.real * place, dtype=complex)
+        return place, np.asarray(
+            np.eye(len(place)) + self.coordinates.root.real * place, dtype=complex
+        )
 
     @property
     def cuts(self) -> FloatArray:
@@ -106,17 +119,27 @@ class Motion:
 
 
 def motion(
-    train: ModalTrain, force: FloatArray, loads: Sequence[Sequence[Piece]], place: FloatArray, speed: FloatArray
+    train: ModalTrain,
+    force: FloatArray,
+    loads: Sequence[Sequence[Piece]],
+    place: FloatArray,
+    speed: FloatArray,
 ) -> Motion:
     """The motion of rigid motions and modes under `force` (both, loads) from a place and speed (both,) at time 0."""
     history = cut(loads)
-    count = int(np.argmax(np.append(train.viscous[: train.rigid].any(axis=1), True)))  # rigid motions nothing damps
+    count = int(
+        np.argmax(np.append(train.viscous[: train.rigid].any(axis=1), True))
+    )  # rigid motions nothing damps
     rigid = rigid_motion(force[:count], history, place[:count], speed[:count]) if count else None
     kept = slice(count, None)
     w, damping = train.w_of_all[kept], train.damping[kept, kept]
     q, v, f = place[kept], speed[kept], force[kept]
     each = np.diag(damping) / 2.0
-    if count == train.rigid and not (damping - np.diag(np.diag(damping))).any() and (each < NEARLY_CRITICAL * w).all():
+    if (
+        count == train.rigid
+        and not (damping - np.diag(np.diag(damping))).any()
+        and (each < NEARLY_CRITICAL * w).all()
+    ):
         root = -each + 1j * np.sqrt(w**2 - each**2)
         found = first_order(root, f.astype(complex), history, v - root.conj() * q)
         return Motion(train, force, loads, rigid, found, None)
@@ -124,7 +147,12 @@ def motion(
 
 
 def _coupled(
-    w: FloatArray, damping: FloatArray, force: FloatArray, history: History, q: FloatArray, v: FloatArray
+    w: FloatArray,
+    damping: FloatArray,
+    force: FloatArray,
+    history: History,
+    q: FloatArray,
+    v: FloatArray,
 ) -> tuple[FirstOrder, tuple[ComplexArray, ComplexArray]]:
     """Coordinates of the shapes x that answer (r**2 + r damping + w**2) x = 0, scaled to x (2 r + damping) x = 1.
 
@@ -132,10 +160,17 @@ def _coupled(
     inverse iteration with the Rayleigh quotient of the second-order form, which keeps the digits of slow ones.
     """
     size, scale = len(w), np.where(w > 0.0, w, 1.0)
-    roots, vectors = np.linalg.eig(np.block([[-damping, -np.diag(w)], [np.diag(scale), np.zeros((size, size))]]))
+    roots, vectors = np.linalg.eig(
+        np.block([[-damping, -np.diag(w)], [np.diag(scale), np.zeros((size, size))]])
+    )
     kept = np.flatnonzero(np.imag(roots) >= 0.0)
     pairs = [
-        _settled(complex(roots[k]), np.asarray(vectors[size:, k] / scale, dtype=vectors.dtype), w, damping)
+        _settled(
+            complex(roots[k]),
+            np.asarray(vectors[size:, k] / scale, dtype=vectors.dtype),
+            w,
+            damping,
+        )
         for k in kept
     ]
     root, shape = np.array([one for one, _ in pairs]), np.array([one for _, one in pairs]).T
@@ -145,7 +180,9 @@ def _coupled(
     return found, (shape * twice, shape * twice * root)
 
 
-def _settled(root: complex, shape: ComplexArray, w: FloatArray, damping: FloatArray) -> tuple[complex, ComplexArray]:
+def _settled(
+    root: complex, shape: ComplexArray, w: FloatArray, damping: FloatArray
+) -> tuple[complex, ComplexArray]:
     """One root with its shape, scaled."""
     for _ in range(ROUNDS if len(w) <= LARGEST_SETTLED else 0):
         matrix = np.diag(w.astype(complex) ** 2) + root * damping

@@ -25,7 +25,9 @@ class DrivenMotion(Motion):
         place, speed = super().at(time)
         turned, turning, y = self.steps.at(time)
         further = self.modal(y)
-        return place + np.concatenate([turned, further[0]]), speed + np.concatenate([turning, further[1]])
+        return place + np.concatenate([turned, further[0]]), speed + np.concatenate(
+            [turning, further[1]]
+        )
 
     def loads_at(self, time: FloatArray) -> FloatArray:
         """(loads, times)."""
@@ -42,4 +44,6 @@ class DrivenMotion(Motion):
 
 def driven(given: Motion, steps: Steps) -> DrivenMotion:
     """The given motion with the steps of what follows it."""
-    return DrivenMotion(**{one.name: getattr(given, one.name) for one in fields(given)}, steps=steps)
+    return DrivenMotion(
+        **{one.name: getattr(given, one.name) for one in fields(given)}, steps=steps
+    )

@@ -13,7 +13,9 @@ from torsion.kernels.transient.torque_laws import Window
 
 BACKWARD, STANDS, FORWARD, FREE = range(4)  # FREE: none of it acts
 STANDING = 1e-9  # of the speed scale: what the accuracy of a step may leave of the speed of a station that stands
-MORE = 1e-9  # of the friction: a torque that exceeds it by less breaks nothing away, as rounding may
+MORE = (
+    1e-9  # of the friction: a torque that exceeds it by less breaks nothing away, as rounding may
+)
 RETURN = 1e3  # 1/s, rate at which that is taken back
 
 
@@ -40,7 +42,9 @@ class DryFriction:
         speed = float(points.speed[0, 0])
         if not self._acting(points.time).any():
             return FREE
-        return STANDS if abs(speed) <= STANDING * self.scale else FORWARD if speed > 0.0 else BACKWARD
+        return (
+            STANDS if abs(speed) <= STANDING * self.scale else FORWARD if speed > 0.0 else BACKWARD
+        )
 
     def conditions(self, regime: int, points: Points) -> Conditions:
         ratio, acting = np.array(self.ratio), self._acting(points.time)
@@ -54,7 +58,11 @@ class DryFriction:
         lack = share * net - points.torque
         by_torque = share[:, None] * ratio[:, None] - np.eye(number)[:, :, None]
         by_speed, by_acceleration = np.zeros((2, number, number, len(points.time)))
-        by_torque[0], by_speed[0, 0], by_acceleration[0, 0] = 0.0, -RETURN * self.inertia, -self.inertia
+        by_torque[0], by_speed[0, 0], by_acceleration[0, 0] = (
+            0.0,
+            -RETURN * self.inertia,
+            -self.inertia,
+        )
         lack[0] = -self.inertia * (points.acceleration[0] + RETURN * points.speed[0])
         return Conditions(lack, by_torque, by_speed=by_speed, by_acceleration=by_acceleration)
 
@@ -66,12 +74,22 @@ class DryFriction:
             return [(share if regime == FORWARD else -share, STANDS)]
         ratio = np.array(self.ratio)
         whole = np.abs(ratio) @ self._acting(points.time)
-        share = (ratio @ points.torque) / np.where(whole > 0.0, whole, np.inf)  # nothing acts at its very end
-        return [((1.0 + share) * (AT_LIMIT / MORE), FORWARD), ((1.0 - share) * (AT_LIMIT / MORE), BACKWARD)]
+        share = (ratio @ points.torque) / np.where(
+            whole > 0.0, whole, np.inf
+        )  # nothing acts at its very end
+        return [
+            ((1.0 + share) * (AT_LIMIT / MORE), FORWARD),
+            ((1.0 - share) * (AT_LIMIT / MORE), BACKWARD),
+        ]
 
     def still(self, regime: int) -> tuple[int, ...]:
         return self.beside if regime == STANDS else ()
 
     def _acting(self, time: FloatArray) -> FloatArray:
         """(interfaces, times) N m."""
-        return np.array([size * window.holds(time) for size, window in zip(self.torque, self.windows, strict=True)])
+        return np.array(
+            [
+                size * window.holds(time)
+                for size, window in zip(self.torque, self.windows, strict=True)
+            ]
+        )

@@ -13,7 +13,9 @@ class Chatter(SolveError):
     """An element switches without end."""
 
     def __init__(self, time: float, element: int) -> None:
-        super().__init__(f"from {time:.6g} s on, a coupling changes between its regimes without end")
+        super().__init__(
+            f"from {time:.6g} s on, a coupling changes between its regimes without end"
+        )
         self.time, self.element = time, element
 
 
@@ -27,7 +29,9 @@ class TooManyEvents(SolveError):
         self.time = end
 
 
-def refuse_too_many(number: int, most: int, times: list[float], watched: int, duration: float) -> None:
+def refuse_too_many(
+    number: int, most: int, times: list[float], watched: int, duration: float
+) -> None:
     """Raises TooManyEvents, as soon as their pace lets no end be reached.
 
     times: s, of the events twice and once as many as are watched before, and now.
@@ -38,10 +42,14 @@ def refuse_too_many(number: int, most: int, times: list[float], watched: int, du
         pace = (second - first) / watched, (time - second) / (watched - 1)  # s an event
         end = time + (most - number) * pace[1] if pace[1] <= GAIN * pace[0] else math.inf
     if number > most or end < duration:
-        raise TooManyEvents((min(number, most), most), times[-1], times[-1] if number > most else end)
+        raise TooManyEvents(
+            (min(number, most), most), times[-1], times[-1] if number > most else end
+        )
 
 
-def refuse_too_many_steps(reached: list[float], number: int, most: int, watched: int, duration: float) -> None:
+def refuse_too_many_steps(
+    reached: list[float], number: int, most: int, watched: int, duration: float
+) -> None:
     """Raises SolveError for steps that do not reach the end, as soon as that is seen.
 
     reached: s, after every so many steps as are watched, and now.

@@ -17,7 +17,9 @@ from torsion.kernels.transient.piecewise_train import PiecewiseTrain
 
 GAUSS = 10  # nodes of a step: squares of its fastest motion turn by 4 rad in it
 COLUMNS = 4096  # states at once
-Piece = tuple[IntArray, FloatArray, FloatArray]  # blocks, states (states, columns) and lengths (s) of steps
+Piece = tuple[
+    IntArray, FloatArray, FloatArray
+]  # blocks, states (states, columns) and lengths (s) of steps
 
 
 @dataclass(frozen=True)
@@ -34,23 +36,32 @@ class EnergyBalance:
 def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     """The energies, and how far their balance is from zero."""
     train = motion.train
-    gained = np.zeros((2 + len(train.elements), len(motion.begin)))  # work, damped, heat of each element
+    gained = np.zeros(
+        (2 + len(train.elements), len(motion.begin))
+    )  # work, damped, heat of each element
     largest = 0.0
     node, weight = np.polynomial.legendre.leggauss(GAUSS)
     node, weight = (node + 1.0) / 2.0, weight / 2.0
     for number in np.unique(motion.regime[:-1]).tolist():
         one, whole = motion.regimes[number], list[FloatArray]()
-        for block, start, length in _steps(motion, one, np.flatnonzero(motion.regime[:-1] == number)):
+        for block, start, length in _steps(
+            motion, one, np.flatnonzero(motion.regime[:-1] == number)
+        ):
             is_whole = len(block) >= train.size and bool((length == one.step).all())
             powers = np.zeros((len(gained), len(block)))
             if is_whole and not whole:
-                whole = [one.moved(np.eye(train.size), np.full(train.size, share * one.step)) for share in node]
+                whole = [
+                    one.moved(np.eye(train.size), np.full(train.size, share * one.step))
+                    for share in node
+                ]
             for at, (share, factor) in enumerate(zip(node, weight, strict=True)):
                 z = whole[at] @ start if is_whole else one.moved(start, share * length)
                 powers += factor * _powers(train, one, z)
                 largest = max(largest, float(_energies(train, one, z).max(initial=0.0)))
             gained[:, block] += powers * length
-    gained[2:][[not one.loses for one in train.elements]] = 0.0  # what rounding left there stays in the balance
+    gained[2:][[not one.loses for one in train.elements]] = (
+        0.0  # what rounding left there stays in the balance
+    )
     stored = _stored(motion)
     total = np.concatenate([np.zeros((len(gained), 1)), np.cumsum(gained[:, :-1], axis=1)], axis=1)
     total[2:] += (motion.released - motion.released[0]).T
@@ -58,7 +69,11 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     largest = max(largest, float(stored.max(initial=0.0)))
     residual = float(np.abs(error).max(initial=0.0)) / largest if largest else 0.0
     return EnergyBalance(
-        float(total[0, -1]), total[2:, -1], float(total[1, -1]), float(stored[-1] - stored[0]), residual
+        float(total[0, -1]),
+        total[2:, -1],
+        float(total[1, -1]),
+        float(stored[-1] - stored[0]),
+        residual,
     )
 
 
@@ -82,10 +97,16 @@ def _powers(train: PiecewiseTrain, one: Regime, z: FloatArray) -> FloatArray:
     change = one.matrix @ z
     speed, torque = z[train.layout[2]], one.torque @ z / train.root[:, None]
     of_rest = train.resting @ change
-    own = train.relative_speed @ z + of_rest - train.series @ (one.torque @ change / train.root[:, None])
+    own = (
+        train.relative_speed @ z
+        + of_rest
+        - train.series @ (one.torque @ change / train.root[:, None])
+    )
     work = (train.rows(train.force) @ z * speed).sum(axis=0) + (torque * of_rest).sum(axis=0)
     damped = (train.damping @ speed * speed).sum(axis=0)
-    return np.concatenate([work[None], damped[None], torque * own - one.elastic @ z * (one.elastic @ change)])
+    return np.concatenate(
+        [work[None], damped[None], torque * own - one.elastic @ z * (one.elastic @ change)]
+    )
 
 
 def _stored(motion: EventDrivenMotion) -> FloatArray:

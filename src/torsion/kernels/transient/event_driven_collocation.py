@@ -97,16 +97,22 @@ class RegimesTaken:
         if (self.state, length) not in self.kept:
             if len(self.kept) > MOST_KEPT:
                 self.kept.clear()
-            self.kept[self.state, length] = self._influence(self.march.regime(self.state).matrix, length)
+            self.kept[self.state, length] = self._influence(
+                self.march.regime(self.state).matrix, length
+            )
         return self.kept[self.state, length]
 
     def _influence(self, matrix: FloatArray, length: float) -> tuple[Known, Known]:
         angle, speed = self.rows
         own, signals = matrix.copy(), self.train.signals
-        own[self.following, self.following] *= signals.scale / length  # coefficients of powers of the share of the step
+        own[self.following, self.following] *= (
+            signals.scale / length
+        )  # coefficients of powers of the share of the step
         moved, powers = expm(np.multiply.outer(length * ENDS, own)), POWERS @ SERIES
         parts = (self.number, len(ENDS), signals.polynomials, POINTS)
-        turned, turning, gained = (np.moveaxis(one @ moved, 0, 1) for one in (angle, speed, speed @ own))
+        turned, turning, gained = (
+            np.moveaxis(one @ moved, 0, 1) for one in (angle, speed, speed @ own)
+        )
         rows = turned, turning, gained
         inputs = (one[..., self.following].reshape(parts) for one in rows)
         by_angle, by_speed, by_rate = ((one @ powers)[:, :, self.at.signal] for one in inputs)
@@ -163,9 +169,14 @@ def _after(one: Regime, z: FloatArray, time: float) -> FloatArray:
 
 
 def event_driven_under_laws(
-    march: March, state: State, z: FloatArray, at: Interfaces, laws: Sequence[Law], scheme: Scheme,
+    march: March,
+    state: State,
+    z: FloatArray,
+    at: Interfaces,
+    laws: Sequence[Law],
+    scheme: Scheme,
     progress: Callable[[float], None] = lambda share: None,
-) -> tuple[EventDrivenMotion, Marched]:  # fmt: skip
+) -> tuple[EventDrivenMotion, Marched]:
     """The motion from regimes and a state at time 0 under the torques that laws require.
 
     The breaks of signals have to be among the cuts of the scheme. Raises what `marched` and a March raise.

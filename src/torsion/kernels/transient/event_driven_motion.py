@@ -19,7 +19,9 @@ from torsion.kernels.transient.piecewise_train import PiecewiseTrain, State, reg
 CHATTER = 50  # events of one element without progress
 MOST_EVENTS = 200_000
 NEWS = 100  # blocks between two reports of progress
-WATCHED = 10_000  # events, after two times of which those of the whole motion are judged by their pace
+WATCHED = (
+    10_000  # events, after two times of which those of the whole motion are judged by their pace
+)
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,9 @@ class March:
     last: float = -math.inf  # s, when there was some
     kept: dict[tuple[State, int], Regime] = field(default_factory=dict)
     pairs: dict[State, list[tuple[int, int]]] = field(default_factory=dict)
-    blocks: list[tuple[float, FloatArray, tuple[State, int], FloatArray]] = field(default_factory=list)
+    blocks: list[tuple[float, FloatArray, tuple[State, int], FloatArray]] = field(
+        default_factory=list
+    )
     events: list[Event] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -92,12 +96,16 @@ class March:
         if state not in self.pairs:
             self.pairs[state] = [
                 (number, switch.to)
-                for number, (element, own) in enumerate(zip(self.train.elements, state, strict=True))
+                for number, (element, own) in enumerate(
+                    zip(self.train.elements, state, strict=True)
+                )
                 for switch in element.switches(own)
             ]
         return self.pairs[state][function]
 
-    def enter(self, time: float, z: FloatArray, state: State, number: int, to: int) -> tuple[FloatArray, State]:
+    def enter(
+        self, time: float, z: FloatArray, state: State, number: int, to: int
+    ) -> tuple[FloatArray, State]:
         """An element in another regime, its own coordinate set to what it is exactly there."""
         element, old = self.train.elements[number], state[number]
         new = (*state[:number], to, *state[number + 1 :])
@@ -108,8 +116,12 @@ class March:
             z[number] = x * self.train.root[number]
         elif element.law(old).kind == "given" and element.law(to).kind == "spring":
             row = self.regime(new).torque[number]
-            z[number] += (element.law(old).sign * (self.train.capacity[number] @ z) - row @ z) / row[number]
-        elif element.law(to).kind == "stuck":  # its ends turn together, of which the root knows all digits but the last
+            z[number] += (
+                element.law(old).sign * (self.train.capacity[number] @ z) - row @ z
+            ) / row[number]
+        elif (
+            element.law(to).kind == "stuck"
+        ):  # its ends turn together, of which the root knows all digits but the last
             speed, ends = self.train.layout[2], self.train.ends[number]
             z[speed] -= ends * ((ends @ z[speed]) / (ends @ ends))
         if isinstance(element, Friction) and element.signal is not None:
@@ -124,14 +136,18 @@ class March:
         z, signals = z.copy(), slice(first, first + self.train.signals.known)
         z[signals] = self.train.signals.state(time)
         if time > 0.0:  # what slips gives up the energy that a lower capacity does not hold
-            self.released = self.released + 0.5 * (before**2 - (self.regime(state).elastic @ z) ** 2)
+            self.released = self.released + 0.5 * (
+                before**2 - (self.regime(state).elastic @ z) ** 2
+            )
         for number, element in enumerate(self.train.elements):
             if isinstance(element, Friction) and element.signal is not None:
                 acts = self.train.signals.acting(element.signal, z[signals])
                 if acts == (state[number] != OPEN):
                     continue
                 z[number] = 0.0 if acts else z[number]
-                z, state = self.enter(time, z, state, number, self._closing(number, z) if acts else OPEN)
+                z, state = self.enter(
+                    time, z, state, number, self._closing(number, z) if acts else OPEN
+                )
                 z[number] = 0.0
         return z, state
 
@@ -139,16 +155,25 @@ class March:
         """The regime of friction that gains a capacity: it slips, unless its ends turn together to rounding."""
         row = self.train.relative_speed[number]
         slipping = float(row @ z)
-        return 0 if abs(slipping) <= 1e-12 * float(np.abs(row) @ np.abs(z)) else int(np.sign(slipping))
+        return (
+            0 if abs(slipping) <= 1e-12 * float(np.abs(row) @ np.abs(z)) else int(np.sign(slipping))
+        )
 
-    def on(self, time: float, end: float, z: FloatArray, state: State) -> tuple[float, FloatArray, State, bool]:
+    def on(
+        self, time: float, end: float, z: FloatArray, state: State
+    ) -> tuple[float, FloatArray, State, bool]:
         """A block, or less where an event ends it: until when, and whether one did."""
         one = self.regime(state)
         self.blocks.append((time, z, (state, self.halvings), self.released))
         length = min(STEPS * one.step, end - time)
         found = one.first_event(z, length)
         if found is None:
-            return end if length == end - time else time + length, one.after(z, length), state, False
+            return (
+                end if length == end - time else time + length,
+                one.after(z, length),
+                state,
+                False,
+            )
         late, function = found
         z, time = one.after(z, late), time + late
         number, to = self.pair(state, function)
@@ -158,7 +183,9 @@ class March:
         if self.idle > CHATTER * len(state):
             raise Chatter(time, number)
         if len(self.events) > MOST_EVENTS or len(self.events) % WATCHED == 0:
-            times = [self.events[-k * WATCHED].time for k in (2, 1) if k * WATCHED <= len(self.events)]
+            times = [
+                self.events[-k * WATCHED].time for k in (2, 1) if k * WATCHED <= len(self.events)
+            ]
             refuse_too_many(len(self.events), MOST_EVENTS, [*times, time], WATCHED, self.duration)
         return time, z, state, True
 
@@ -175,7 +202,9 @@ class March:
         (found,) = self.until([self.duration], z, state)
         return found
 
-    def until(self, ends: Sequence[float], z: FloatArray, state: State) -> Iterator[EventDrivenMotion]:
+    def until(
+        self, ends: Sequence[float], z: FloatArray, state: State
+    ) -> Iterator[EventDrivenMotion]:
         """From regimes and a state at time 0 to each of some times (s), ascending; the last is the duration."""
         breaks = [0.0, *(float(one) for one in self.train.signals.breaks if one < self.duration)]
         for begin, end in pairwise(sorted({*breaks, *ends})):
@@ -192,19 +221,35 @@ class March:
         times, states, regimes, released = zip(*blocks, strict=True)
         numbers = {one: number for number, one in enumerate(self.kept)}
         return EventDrivenMotion(
-            self.train, np.array(times), np.array(states), np.array([numbers[one] for one in regimes]),
-            tuple(self.kept.values()), tuple(self.events), np.array(released), end,
-        )  # fmt: skip
+            self.train,
+            np.array(times),
+            np.array(states),
+            np.array([numbers[one] for one in regimes]),
+            tuple(self.kept.values()),
+            tuple(self.events),
+            np.array(released),
+            end,
+        )
 
 
 def event_driven(
-    train: PiecewiseTrain, state: State, *, twist: FloatArray, place: FloatArray, speed: FloatArray, duration: float,
-    fineness: float = 1.0, dips: bool = True, progress: Callable[[float], None] = lambda share: None,
-) -> EventDrivenMotion:  # fmt: skip
+    train: PiecewiseTrain,
+    state: State,
+    *,
+    twist: FloatArray,
+    place: FloatArray,
+    speed: FloatArray,
+    duration: float,
+    fineness: float = 1.0,
+    dips: bool = True,
+    progress: Callable[[float], None] = lambda share: None,
+) -> EventDrivenMotion:
     """The motion from regimes and x (elements,) rad, places (modes,) and speeds (rigid motions + modes,) at time 0.
 
     fineness: of the steps, of those that the fastest motion of a regime allows. dips: look for functions that fall
     below zero and rise again between two samples. progress: called with the share of the time that is done. Raises
     Chatter where events follow each other without progress, and TooManyEvents.
     """
-    return March(train, duration, fineness, dips, progress).whole(train.at_first(twist, place, speed), state)
+    return March(train, duration, fineness, dips, progress).whole(
+        train.at_first(twist, place, speed), state
+    )

@@ -23,7 +23,9 @@ def first_root(polynomial: Polynomial, rounding: float) -> float | None:
     """The first point at which it falls below zero; 0 where it does so at once, or is below and stays."""
     if polynomial[0] < -rounding and value(polynomial, SOON) < -rounding:
         return 0.0
-    waiting = [(0.0, 1.0, polynomial)]  # begin, length, the polynomial in shares of it; the first interval stands last
+    waiting = [
+        (0.0, 1.0, polynomial)
+    ]  # begin, length, the polynomial in shares of it; the first interval stands last
     while waiting:
         begin, length, here = waiting.pop()
         if _least(here) >= -rounding:
@@ -31,7 +33,10 @@ def first_root(polynomial: Polynomial, rounding: float) -> float | None:
         found = _fall(here, rounding)
         if found is None and length > SMALLEST:
             left = [math.ldexp(coefficient, -power) for power, coefficient in enumerate(here)]
-            waiting += [(begin + length / 2.0, length / 2.0, _shifted(left)), (begin, length / 2.0, left)]
+            waiting += [
+                (begin + length / 2.0, length / 2.0, _shifted(left)),
+                (begin, length / 2.0, left),
+            ]
         elif found is not None and found < NOWHERE:
             return begin + length * found
     return None
@@ -72,10 +77,16 @@ def _fall(here: Polynomial, rounding: float) -> float | None:
     return begin if top <= 0.0 else _between(here, (begin, top), (end, bottom))
 
 
-def _between(polynomial: Polynomial, left: tuple[float, float], right: tuple[float, float]) -> float:
+def _between(
+    polynomial: Polynomial, left: tuple[float, float], right: tuple[float, float]
+) -> float:
     """The root between two points (place, value) of unlike sign, by Newton's steps that stay between them."""
     (low, first), (high, last) = left, right
-    at, falls, coefficients = low + (high - low) * first / (first - last), first > 0.0, polynomial[::-1]
+    at, falls, coefficients = (
+        low + (high - low) * first / (first - last),
+        first > 0.0,
+        polynomial[::-1],
+    )
     for _ in range(NEWTON):
         total = slope = 0.0
         for coefficient in coefficients:

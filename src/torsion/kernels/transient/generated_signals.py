@@ -20,8 +20,13 @@ from torsion.kernels.transient.polynomial_torques import POINTS, SERIES
 from torsion.kernels.transient.torque_history import Piece
 
 ROUNDED = 4.0 * np.finfo(float).eps  # of the largest coefficient of a series: nothing
-POWERS: FloatArray = np.array(  # (powers of the share, coefficients) of the Legendre series of a step
-    [[(-1.0) ** (k + n) * math.comb(n, k) * math.comb(n + k, k) for n in range(POINTS)] for k in range(POINTS)]
+POWERS: FloatArray = (
+    np.array(  # (powers of the share, coefficients) of the Legendre series of a step
+        [
+            [(-1.0) ** (k + n) * math.comb(n, k) * math.comb(n + k, k) for n in range(POINTS)]
+            for k in range(POINTS)
+        ]
+    )
 )
 
 
@@ -43,7 +48,11 @@ class _Group:
     def matrix(self) -> FloatArray:
         """(size, size) 1/s."""
         p = self.rate
-        turn = np.array([[p.real]]) if self.parts == 1 else np.array([[p.real, -p.imag], [p.imag, p.real]])
+        turn = (
+            np.array([[p.real]])
+            if self.parts == 1
+            else np.array([[p.real, -p.imag], [p.imag, p.real]])
+        )
         if not self.slopes:
             return turn
         return np.block([[turn, np.eye(self.parts)], [np.zeros_like(turn), turn]])
@@ -69,7 +78,11 @@ class Signals:
         for signal, pieces in enumerate(self.pieces):
             for rate in dict.fromkeys(complex(piece.rate) for piece in pieces):
                 alike = [piece for piece in pieces if piece.rate == rate]
-                turns = any(complex(number).imag for piece in alike for number in (rate, piece.level, piece.slope))
+                turns = any(
+                    complex(number).imag
+                    for piece in alike
+                    for number in (rate, piece.level, piece.slope)
+                )
                 group = _Group(signal, rate, first, 1 + turns, any(piece.slope for piece in alike))
                 found.append(group)
                 first += group.size
@@ -98,7 +111,9 @@ class Signals:
             here = slice(group.first, group.first + group.size)
             whole[here, here] = group.matrix()
         here = slice(self.known, self.size)
-        whole[here, here] = np.kron(np.eye(self.polynomials), np.diag(np.arange(1.0, POINTS), 1)) / self.scale
+        whole[here, here] = (
+            np.kron(np.eye(self.polynomials), np.diag(np.arange(1.0, POINTS), 1)) / self.scale
+        )
         return whole
 
     @cached_property
@@ -116,7 +131,9 @@ class Signals:
     @cached_property
     def breaks(self) -> FloatArray:
         """(breaks,) s, times after 0 at which a piece begins or ends."""
-        ends = {end for pieces in self.pieces for piece in pieces for end in (piece.begin, piece.end)}
+        ends = {
+            end for pieces in self.pieces for piece in pieces for end in (piece.begin, piece.end)
+        }
         return np.array(sorted(end for end in ends if 0.0 < end < math.inf))
 
     def state(self, time: float) -> FloatArray:
@@ -127,7 +144,9 @@ class Signals:
                 if piece.rate == group.rate and piece.begin <= time < piece.end:
                     moved = piece.moved(time)
                     numbers = [complex(moved.level), complex(moved.slope)][: 1 + group.slopes]
-                    parts = [part for one in numbers for part in (one.real, one.imag)[: group.parts]]
+                    parts = [
+                        part for one in numbers for part in (one.real, one.imag)[: group.parts]
+                    ]
                     found[group.first : group.first + group.size] += parts
         return found
 

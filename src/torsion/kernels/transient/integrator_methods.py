@@ -16,7 +16,9 @@ from torsion.arrays import FloatArray
 
 Matrix = FloatArray
 State = tuple[Matrix, Matrix, Matrix]
-Step = Callable[[Matrix, Matrix, Matrix, Matrix, Matrix], State]  # u, v, a, torques at the begin and at the end
+Step = Callable[
+    [Matrix, Matrix, Matrix, Matrix, Matrix], State
+]  # u, v, a, torques at the begin and at the end
 Method = Callable[[Matrix, Matrix, Matrix, float], Step]
 
 
@@ -114,7 +116,9 @@ def precise_integration(M: Matrix, C: Matrix, K: Matrix, h: float, doublings: in
     one = np.eye(n)
     A = np.zeros((4 * n, 4 * n))  # u, v, torque, its slope
     A[:n, n : 2 * n], A[2 * n : 3 * n, 3 * n :] = one, one
-    A[n : 2 * n, :n], A[n : 2 * n, n : 2 * n], A[n : 2 * n, 2 * n : 3 * n] = (-lu_solve(lu, X) for X in (K, C, -one))
+    A[n : 2 * n, :n], A[n : 2 * n, n : 2 * n], A[n : 2 * n, 2 * n : 3 * n] = (
+        -lu_solve(lu, X) for X in (K, C, -one)
+    )
     part = A * (h / 2**doublings)
     grown = part + part @ part / 2 + part @ part @ part / 6 + part @ part @ part @ part / 24
     with np.errstate(all="ignore"):
@@ -142,11 +146,17 @@ METHODS: dict[str, Method] = {  # name in the file
     "precise": precise_integration,
 }
 TITLES = {
-    "central-differences": "central differences", "newmark": "Newmark 1/4, 1/2",
-    "linear-acceleration": "linear acceleration", "wilson": "Wilson", "hht": "HHT",
-    "generalised-alpha": "generalised alpha", "bathe": "Bathe", "houbolt": "Houbolt",
-    "runge-kutta-4": "Runge-Kutta 4", "precise": "precise integration",
-}  # fmt: skip
+    "central-differences": "central differences",
+    "newmark": "Newmark 1/4, 1/2",
+    "linear-acceleration": "linear acceleration",
+    "wilson": "Wilson",
+    "hht": "HHT",
+    "generalised-alpha": "generalised alpha",
+    "bathe": "Bathe",
+    "houbolt": "Houbolt",
+    "runge-kutta-4": "Runge-Kutta 4",
+    "precise": "precise integration",
+}
 
 
 @dataclass(frozen=True)

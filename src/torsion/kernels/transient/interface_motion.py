@@ -12,9 +12,18 @@ from numpy.polynomial import legendre
 
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.kernels.transient.damped_motion import Motion
-from torsion.kernels.transient.polynomial_torques import ENDS, POINTS, SERIES, answers, integrals, value
+from torsion.kernels.transient.polynomial_torques import (
+    ENDS,
+    POINTS,
+    SERIES,
+    answers,
+    integrals,
+    value,
+)
 
-Known = tuple[FloatArray, FloatArray, FloatArray]  # angle, speed and acceleration, each (interfaces, times)
+Known = tuple[
+    FloatArray, FloatArray, FloatArray
+]  # angle, speed and acceleration, each (interfaces, times)
 
 
 @dataclass(frozen=True)
@@ -45,7 +54,9 @@ def interfaces(moved: Motion, shape: FloatArray) -> Interfaces:
     place, speed = moved.reading
     rigid = np.zeros((0, number)) if moved.rigid is None else moved.rigid.force[:, -number:]
     kept = shape[:, loose:]
-    return Interfaces(coordinates.root, coordinates.force[:, -number:], kept @ place, kept @ speed, rigid)
+    return Interfaces(
+        coordinates.root, coordinates.force[:, -number:], kept @ place, kept @ speed, rigid
+    )
 
 
 @dataclass(frozen=True)
@@ -86,11 +97,18 @@ def influence(train: Interfaces, length: float) -> Influence:
     """Of a step of that length."""
     root, rigid = train.root, train.rigid
     z = np.asarray(np.multiply.outer(root, length * ENDS), dtype=complex)
-    every = np.repeat(SERIES, len(ENDS), axis=1)[:, None]  # of a torque of 1 at each node, to every end
+    every = np.repeat(SERIES, len(ENDS), axis=1)[
+        :, None
+    ]  # of a torque of 1 at each node, to every end
     ones = np.ones((len(root), 1))
-    answer = np.tile(length * ENDS, POINTS) * answers(np.tile(z, POINTS), np.tile(ENDS, POINTS), ones, every)
+    answer = np.tile(length * ENDS, POINTS) * answers(
+        np.tile(z, POINTS), np.tile(ENDS, POINTS), ones, every
+    )
     answer = answer.reshape(len(root), POINTS, len(ENDS)).transpose(0, 2, 1)
-    once, twice = (np.array(rows) for rows in zip(*(integrals(one[:, None], ENDS) for one in SERIES.T), strict=True))
+    once, twice = (
+        np.array(rows)
+        for rows in zip(*(integrals(one[:, None], ENDS) for one in SERIES.T), strict=True)
+    )
     once, twice = length * once.T, length**2 * twice.T
     at_once = np.concatenate([np.eye(POINTS), value(SERIES[:, :, None], ENDS[-1:]).T])
     growth = root[:, None, None] * answer + at_once
@@ -98,7 +116,10 @@ def influence(train: Interfaces, length: float) -> Influence:
         np.real(np.einsum("en,ncl,nf->ecfl", read, own, train.force, optimize=True))
         for read, own in ((train.angle, answer), (train.speed, answer), (train.speed, growth))
     ]
-    turns = [np.einsum("me,cl,mf->ecfl", rigid, own, rigid, optimize=True) for own in (twice, once, at_once)]
+    turns = [
+        np.einsum("me,cl,mf->ecfl", rigid, own, rigid, optimize=True)
+        for own in (twice, once, at_once)
+    ]
     angle, speed, acceleration = (rate + turn for rate, turn in zip(rates, turns, strict=True))
     return Influence(length, np.exp(z), answer, once, twice, (angle, speed, acceleration))
 
@@ -108,7 +129,10 @@ def going_on(train: Interfaces, start: Place, own: Influence) -> Known:
     y = own.decay * start.y[:, None]
     turning = np.broadcast_to(start.turning[:, None], (len(start.turning), len(ENDS)))
     turned = start.turned[:, None] + own.length * start.turning[:, None] * ENDS
-    angle, speed = train.rigid.T @ turned + np.real(train.angle @ y), train.rigid.T @ turning + np.real(train.speed @ y)
+    angle, speed = (
+        train.rigid.T @ turned + np.real(train.angle @ y),
+        train.rigid.T @ turning + np.real(train.speed @ y),
+    )
     return angle, speed, np.real(train.speed @ (train.root[:, None] * y))
 
 
@@ -154,7 +178,9 @@ def steps(train: Interfaces, rows: list[tuple[float, float, Place, FloatArray]])
     """From begin, length, start and torques at the nodes (interfaces, nodes) of every step."""
     begin, length, start, torque = zip(*rows, strict=True)
     series = np.array([SERIES @ one.T for one in torque])
-    turned, turning = (np.array([getattr(one, name) for one in start]) for name in ("turned", "turning"))
+    turned, turning = (
+        np.array([getattr(one, name) for one in start]) for name in ("turned", "turning")
+    )
     y = np.array([one.y for one in start])
     return Steps(train, np.array(begin), np.array(length), turned, turning, y, series)
 
@@ -198,20 +224,27 @@ class StepsTaken:
         return self.influences[length]
 
     def going_on(self, time: float, length: float) -> Known:
-        own, given = going_on(self.train, self.start, self._of(length)), self.given(time + length * ENDS)
+        own, given = (
+            going_on(self.train, self.start, self._of(length)),
+            self.given(time + length * ENDS),
+        )
         self.parts = np.abs(given[1]).max(axis=1, keepdims=True)
         angle, speed, acceleration = (one + two for one, two in zip(own, given, strict=True))
         return angle, speed, acceleration
 
     def now(self, time: float) -> Known:
         place = self.start
-        return self._beside(np.array([time]), place.turned[:, None], place.turning[:, None], place.y[:, None])
+        return self._beside(
+            np.array([time]), place.turned[:, None], place.turning[:, None], place.y[:, None]
+        )
 
     def inside(self, time: float, length: float, torque: FloatArray, share: FloatArray) -> Known:
         at = time + share * length
         return self._beside(at, *steps(self.train, [(time, length, self.start, torque)]).at(at))
 
-    def _beside(self, time: FloatArray, turned: FloatArray, turning: FloatArray, y: ComplexArray) -> Known:
+    def _beside(
+        self, time: FloatArray, turned: FloatArray, turning: FloatArray, y: ComplexArray
+    ) -> Known:
         """With the given motion, of which alone the acceleration is."""
         train, (angle, speed, acceleration) = self.train, self.given(time)
         angle = angle + train.rigid.T @ turned + np.real(train.angle @ y)

@@ -81,7 +81,9 @@ class Regime:
     def _whole(self, level: int) -> FloatArray:
         """(states, states) the transpose of exp(A part 2**level)."""
         while len(self._wholes) <= level:
-            self._wholes.append(np.ascontiguousarray(self._gain(len(self._wholes)).T) + np.eye(len(self.matrix)))
+            self._wholes.append(
+                np.ascontiguousarray(self._gain(len(self._wholes)).T) + np.eye(len(self.matrix))
+            )
         return self._wholes[level]
 
     def over_step(self, z: FloatArray) -> FloatArray:
@@ -95,7 +97,9 @@ class Regime:
         first, last = [self.events], [self.events]
         if self.catches_dips:
             first, last = [*first, self.events + rise], [*last, self.events - rise]
-        return np.ascontiguousarray(np.concatenate([*first, *(one + one @ self._gain(0) for one in last)]).T)
+        return np.ascontiguousarray(
+            np.concatenate([*first, *(one + one @ self._gain(0) for one in last)]).T
+        )
 
     @cached_property
     def _polynomials(self) -> FloatArray:
@@ -104,7 +108,9 @@ class Regime:
         rows = [group]
         for _ in range(DEPTH - 1):
             rows.append(rows[-1] @ self._low[-1])
-        return np.ascontiguousarray((np.concatenate(rows) / FACTORIALS[:, None, None]).transpose(1, 0, 2))
+        return np.ascontiguousarray(
+            (np.concatenate(rows) / FACTORIALS[:, None, None]).transpose(1, 0, 2)
+        )
 
     @cached_property
     def _sizes(self) -> FloatArray:
@@ -172,7 +178,9 @@ class Regime:
         size, best = np.abs(z), None
         for which in functions:
             polynomial = self._polynomials[which].dot(z).tolist()
-            rounding = ROUNDING * max(map(abs, polynomial)) + EXACT * float(self._sizes[which].dot(size))
+            rounding = ROUNDING * max(map(abs, polynomial)) + EXACT * float(
+                self._sizes[which].dot(size)
+            )
             if not self.catches_dips and value(polynomial, 1.0) >= -rounding:
                 continue
             share = first_root(polynomial, rounding)

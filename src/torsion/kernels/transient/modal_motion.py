@@ -40,7 +40,9 @@ class FirstOrder:
         return found
 
 
-def first_order(root: ComplexArray, force: np.ndarray, history: History, start: ComplexArray) -> FirstOrder:
+def first_order(
+    root: ComplexArray, force: np.ndarray, history: History, start: ComplexArray
+) -> FirstOrder:
     """The motion from a state (coordinates,) at time 0."""
     states = [np.asarray(start, dtype=complex)]
     for length, terms in zip(np.diff(history.begin), history.terms, strict=False):
@@ -59,7 +61,11 @@ def intervals(history: History, time: FloatArray) -> list[tuple[int, slice, Floa
 
 
 def _answer(
-    root: ComplexArray, force: np.ndarray, state: ComplexArray, terms: tuple[Term, ...], time: FloatArray
+    root: ComplexArray,
+    force: np.ndarray,
+    state: ComplexArray,
+    terms: tuple[Term, ...],
+    time: FloatArray,
 ) -> ComplexArray:
     """(coordinates, times) from a state, at times (s) counted from it."""
     decay = np.exp(np.multiply.outer(root, time))
@@ -86,7 +92,9 @@ def _integrals(
     divisor = np.where(d == 0.0, 1.0, d)
     growth = np.exp(rate * time)
     first: ComplexArray = (growth - decay) / divisor
-    second: ComplexArray = (time * growth - first) / divisor if rises else np.empty((0, 0), dtype=complex)
+    second: ComplexArray = (
+        (time * growth - first) / divisor if rises else np.empty((0, 0), dtype=complex)
+    )
     if near.any():
         late, small = np.broadcast_to(time, z.shape)[near], z[near]
         first[near] = decay[near] * late * _series(small, 0)
@@ -97,7 +105,9 @@ def _integrals(
 
 def _series(z: ComplexArray, power: int) -> ComplexArray:
     """Integral over 0 <= u <= 1 of u**power exp(z u), for |z| < SMALL."""
-    return np.asarray(polyval(z, [1.0 / (factorial(term) * (term + 1 + power)) for term in range(TERMS)]))
+    return np.asarray(
+        polyval(z, [1.0 / (factorial(term) * (term + 1 + power)) for term in range(TERMS)])
+    )
 
 
 @dataclass(frozen=True)
@@ -112,11 +122,15 @@ class RigidMotion:
         """Place and speed (motions, times) at times >= 0 (s) that ascend."""
         found = np.empty((2, len(self.force), len(time)))
         for interval, here, since in intervals(self.history, time):
-            found[:, :, here] = _moved(self.force, self.state[interval], self.history.terms[interval], since)
+            found[:, :, here] = _moved(
+                self.force, self.state[interval], self.history.terms[interval], since
+            )
         return found[0], found[1]
 
 
-def rigid_motion(force: FloatArray, history: History, place: FloatArray, speed: FloatArray) -> RigidMotion:
+def rigid_motion(
+    force: FloatArray, history: History, place: FloatArray, speed: FloatArray
+) -> RigidMotion:
     """The motion from a place and speed (motions,) at time 0."""
     states = [np.stack([place, speed], axis=1)]
     for length, terms in zip(np.diff(history.begin), history.terms, strict=False):
@@ -124,9 +138,14 @@ def rigid_motion(force: FloatArray, history: History, place: FloatArray, speed: 
     return RigidMotion(force, history, np.array(states))
 
 
-def _moved(force: FloatArray, state: FloatArray, terms: tuple[Term, ...], time: FloatArray) -> FloatArray:
+def _moved(
+    force: FloatArray, state: FloatArray, terms: tuple[Term, ...], time: FloatArray
+) -> FloatArray:
     """(2, motions, times) place and speed, at times (s) counted from a state."""
-    place, speed = state[:, :1] + state[:, 1:] * time, np.broadcast_to(state[:, 1:], (len(state), len(time)))
+    place, speed = (
+        state[:, :1] + state[:, 1:] * time,
+        np.broadcast_to(state[:, 1:], (len(state), len(time))),
+    )
     for term in terms:
         acting = force[:, [term.load]]
         once, twice = _integrals_of_rigid(term, time)
@@ -140,7 +159,9 @@ def _integrals_of_rigid(term: Term, time: FloatArray) -> tuple[ComplexArray, Com
         level, gained = term.level, term.slope * time
         return time * (level + gained / 2.0), time**2 * (level / 2.0 + gained / 6.0)
     zero, rate = np.zeros(1, dtype=complex), term.rate
-    one, ramp = (row[0] for row in _integrals(zero, rate, time, np.ones((1, len(time)), dtype=complex)))
+    one, ramp = (
+        row[0] for row in _integrals(zero, rate, time, np.ones((1, len(time)), dtype=complex))
+    )
     near = np.abs(rate * time) < SMALL
     divisor = rate or 1.0
     # integrals of I0 = (exp(p t) - 1)/p and I1 = (t exp(p t) - I0)/p

@@ -35,15 +35,24 @@ def phasors(values: FloatArray, first: FloatArray, revolutions: int, highest: in
     count = values.shape[1]
     found = np.fft.rfft(values * hann(count), axis=1)[:, : highest + 1] * (2.0 / count)
     found[:, 0] /= 2.0
-    return np.asarray(found * np.exp(-1j * np.multiply.outer(first, np.arange(highest + 1) / revolutions)))
+    return np.asarray(
+        found * np.exp(-1j * np.multiply.outer(first, np.arange(highest + 1) / revolutions))
+    )
 
 
-def phasors_of(values: FloatArray, first: FloatArray, revolutions: int, orders: FloatArray) -> ComplexArray:
+def phasors_of(
+    values: FloatArray, first: FloatArray, revolutions: int, orders: FloatArray
+) -> ComplexArray:
     """(windows, orders) of any orders above 0."""
     count = values.shape[1]
     angle = 2.0 * np.pi * revolutions * np.arange(count) / count
     turned = np.exp(-1j * np.multiply.outer(angle, orders))
-    return np.asarray((values * hann(count)) @ turned * (2.0 / count) * np.exp(-1j * np.multiply.outer(first, orders)))
+    return np.asarray(
+        (values * hann(count))
+        @ turned
+        * (2.0 / count)
+        * np.exp(-1j * np.multiply.outer(first, orders))
+    )
 
 
 def times_at(

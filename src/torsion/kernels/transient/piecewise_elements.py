@@ -75,7 +75,11 @@ class Clearance:
 
     def settled(self, old: int, new: int) -> float | None:
         """x (rad) at a switch where it is known exactly."""
-        return None if 2 in (abs(old), abs(new)) and 0 not in (old, new) else float(np.sign(old + new)) * self.half
+        return (
+            None
+            if 2 in (abs(old), abs(new)) and 0 not in (old, new)
+            else float(np.sign(old + new)) * self.half
+        )
 
     def word(self, old: int, new: int) -> str:
         """What a switch is called; empty for one that nobody needs to know of."""

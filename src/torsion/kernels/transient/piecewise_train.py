@@ -33,7 +33,9 @@ class PiecewiseTrain:
     elements: tuple[Element, ...]
     signals: Signals
     force: ComplexArray  # (rigid motions + modes, signals); the torque is Re(force * signal)
-    compliance: FloatArray | None = None  # (elements, elements) rad/(N m) of the modes that are left out
+    compliance: FloatArray | None = (
+        None  # (elements, elements) rad/(N m) of the modes that are left out
+    )
     rest: ComplexArray | None = None  # (elements, signals) rad/(N m): their answer to the signals
 
     @property
@@ -45,7 +47,9 @@ class PiecewiseTrain:
     def layout(self) -> tuple[slice, slice, slice, slice, slice]:
         """Where x, w q, the speeds, the signals and the angles stand in a state; 1 stands last."""
         angles = self.rigid if self.signals.polynomials else 0
-        ends = np.cumsum([0, len(self.elements), len(self.w), len(self.damping), self.signals.size, angles]).tolist()
+        ends = np.cumsum(
+            [0, len(self.elements), len(self.w), len(self.damping), self.signals.size, angles]
+        ).tolist()
         x, place, speed, signal, turned = (slice(*pair) for pair in pairwise(ends))
         return x, place, speed, signal, turned
 
@@ -57,7 +61,9 @@ class PiecewiseTrain:
     def at_first(self, twist: FloatArray, place: FloatArray, speed: FloatArray) -> FloatArray:
         """(state,) from x (elements,) rad, places (modes,), speeds (rigid motions + modes,), without signals."""
         z = np.zeros(self.size)
-        for part, values in zip(self.layout, (self.root * twist, self.w * place, speed), strict=False):
+        for part, values in zip(
+            self.layout, (self.root * twist, self.w * place, speed), strict=False
+        ):
             z[part] = values
         z[-1] = 1.0
         return z
@@ -65,7 +71,12 @@ class PiecewiseTrain:
     @cached_property
     def root(self) -> FloatArray:
         """(elements,) sqrt(N m/rad), by which x is scaled."""
-        return np.array([math.sqrt(one.stiffness) if math.isfinite(one.stiffness) else 1.0 for one in self.elements])
+        return np.array(
+            [
+                math.sqrt(one.stiffness) if math.isfinite(one.stiffness) else 1.0
+                for one in self.elements
+            ]
+        )
 
     @cached_property
     def ends(self) -> FloatArray:
@@ -90,7 +101,9 @@ class PiecewiseTrain:
         matrix[speed, speed] = -self.damping
         matrix[speed] += self.rows(self.force)
         matrix[signal, signal] = self.signals.matrix
-        matrix[turned, speed.start : speed.start + turned.stop - turned.start] = np.eye(turned.stop - turned.start)
+        matrix[turned, speed.start : speed.start + turned.stop - turned.start] = np.eye(
+            turned.stop - turned.start
+        )
         return matrix
 
     @cached_property
@@ -109,12 +122,19 @@ class PiecewiseTrain:
     def series(self) -> FloatArray:
         """(elements, elements) scaled compliance of the modes that are left out."""
         size = len(self.elements)
-        return np.zeros((size, size)) if self.compliance is None else self.root[:, None] * self.compliance * self.root
+        return (
+            np.zeros((size, size))
+            if self.compliance is None
+            else self.root[:, None] * self.compliance * self.root
+        )
 
     @cached_property
     def capacity(self) -> FloatArray:
         """(elements, state) N m."""
-        constant, chosen = np.zeros(len(self.elements)), np.zeros((len(self.elements), self.signals.number))
+        constant, chosen = (
+            np.zeros(len(self.elements)),
+            np.zeros((len(self.elements), self.signals.number)),
+        )
         for number, element in enumerate(self.elements):
             if isinstance(element, Friction) and element.signal is not None:
                 chosen[number, element.signal] = 1.0
@@ -125,7 +145,9 @@ class PiecewiseTrain:
         return rows
 
 
-def regime(train: PiecewiseTrain, state: State, *, longest: float, fineness: float, dips: bool) -> Regime:
+def regime(
+    train: PiecewiseTrain, state: State, *, longest: float, fineness: float, dips: bool
+) -> Regime:
     """The linear motion while every element stays in its regime; longest: s of a step at most."""
     laws = [one.law(own) for one, own in zip(train.elements, state, strict=True)]
     torque, elastic = _torques(train, laws)
@@ -194,7 +216,9 @@ def _twisting(train: PiecewiseTrain, laws: list[Law], touching: int | None = Non
     rate = train.relative_speed + train.resting @ train.unforced
     if train.compliance is None:
         return rate
-    springs = np.array([law.kind == "spring" or number == touching for number, law in enumerate(laws)], dtype=float)
+    springs = np.array(
+        [law.kind == "spring" or number == touching for number, law in enumerate(laws)], dtype=float
+    )
     return np.asarray(np.linalg.solve(np.eye(len(laws)) + train.series * springs, rate))
 
 
@@ -217,10 +241,13 @@ class _Rows:
 def _function(train: PiecewiseTrain, number: int, switch: Switch, rows: _Rows) -> FloatArray:
     """(state,) a switching function; its size is of no account."""
     root = train.root[number]
-    if switch.of == "speed":  # of the slider: that of the ends less what a changing capacity takes up in the spring
+    if (
+        switch.of == "speed"
+    ):  # of the slider: that of the ends less what a changing capacity takes up in the spring
         changing = train.capacity[number] @ train.unforced
         row, unit = (
-            rows.turning[number] - switch.factor * changing * root / train.elements[number].stiffness,
+            rows.turning[number]
+            - switch.factor * changing * root / train.elements[number].stiffness,
             root,
         )
     elif switch.of == "torque":

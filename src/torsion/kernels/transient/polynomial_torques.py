@@ -36,7 +36,9 @@ def integrals(series: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatA
     return value(once, share), value(legendre.legint(once, lbnd=-1.0) / 2.0, share)
 
 
-def answers(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray) -> ComplexArray:
+def answers(
+    z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray
+) -> ComplexArray:
     """The integral of exp(z (1 - x)) f(share x) over 0 <= x <= 1, (coordinates, points).
 
     z: (coordinates, points); share: (points,); f is `force` (coordinates, torques) times the torques whose series are
@@ -55,7 +57,12 @@ def answers(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.nd
 
 
 def _by_quadrature(
-    here: BoolArray, points: int, z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray
+    here: BoolArray,
+    points: int,
+    z: ComplexArray,
+    share: FloatArray,
+    force: np.ndarray,
+    series: np.ndarray,
 ) -> ComplexArray:
     """Of those alone that are flagged, by Gauss's rule of so many points."""
     rows, columns = np.nonzero(here)
@@ -77,7 +84,9 @@ def _gauss(points: int) -> tuple[FloatArray, FloatArray]:
     return (nodes + 1.0) / 2.0, weights / 2.0
 
 
-def _by_parts(z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray) -> ComplexArray:
+def _by_parts(
+    z: ComplexArray, share: FloatArray, force: np.ndarray, series: np.ndarray
+) -> ComplexArray:
     """Sum over k of (f_k(0) exp(z) - f_k(1))/z^(k+1), f_k the k-th derivative by x."""
     total, decay, factor = np.zeros(z.shape, dtype=complex), np.exp(z), 1.0 / z
     none = np.zeros_like(share)

@@ -29,11 +29,23 @@ class Piece:
         """The same from a later begin."""
         late = begin - self.begin
         factor = cmath.exp(self.rate * late)
-        return Piece(begin, self.end, (self.level + self.slope * late) * factor, self.slope * factor, self.rate)
+        return Piece(
+            begin,
+            self.end,
+            (self.level + self.slope * late) * factor,
+            self.slope * factor,
+            self.rate,
+        )
 
     def rate_of_change(self) -> "Piece":
         """Its derivative over time between its begin and its end."""
-        return Piece(self.begin, self.end, self.slope + self.rate * self.level, self.rate * self.slope, self.rate)
+        return Piece(
+            self.begin,
+            self.end,
+            self.slope + self.rate * self.level,
+            self.rate * self.slope,
+            self.rate,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -81,7 +81,10 @@ def marked(rows: Sequence[tuple[float, float]], beyond: float) -> list[tuple[flo
     """The rows with their last line continued to a share `beyond` their end, where another part of it begins."""
     (speed, torque), (last, there) = rows[-2:]
     slope = (there - torque) / (last - speed)
-    return [*rows[:-1], *((one, there + slope * (one - last)) for one in (last * (1.0 + beyond), 2.0 * last))]
+    return [
+        *rows[:-1],
+        *((one, there + slope * (one - last)) for one in (last * (1.0 + beyond), 2.0 * last)),
+    ]
 
 
 def mirrored(rows: Sequence[tuple[float, float]], *, sign: float) -> list[tuple[float, float]]:
@@ -175,9 +178,10 @@ class Wave:
         turned = self.order * (points.angle[0] - self.origin)
         wave: ComplexArray = acts * np.exp(1j * (self.phase + turned) + self.rate * since)
         return Conditions(
-            size * wave.real - points.torque, by_angle=(-size * self.order * wave.imag)[None, None],
+            size * wave.real - points.torque,
+            by_angle=(-size * self.order * wave.imag)[None, None],
             by_speed=(slope * wave.real)[None, None],
-        )  # fmt: skip
+        )
 
     def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
         return self.size.limits(regime, points.speed[0])

@@ -10,16 +10,23 @@ from torsion.output.blocks import Block
 from torsion.output.reports import REPORTS, STEPS, Report
 
 Chapter = Callable[[Findings], Iterable[Block]]
-OF_ANALYSIS, OF_THE_REST = "@", "@*"  # in a list of chapters: those of an analysis, or of all that it does not name
+OF_ANALYSIS, OF_THE_REST = (
+    "@",
+    "@*",
+)  # in a list of chapters: those of an analysis, or of all that it does not name
 
 
-def chapters(findings: Findings, report: Report = REPORTS["solve"], *, is_full: bool = False) -> list[Block]:
+def chapters(
+    findings: Findings, report: Report = REPORTS["solve"], *, is_full: bool = False
+) -> list[Block]:
     """Return the blocks of a report's chapters in their order, each once; the full report has more appendices."""
     names = report.chapters
     if is_full and report.more:
         end = names.index(STEPS)
         names = (*names[:end], *report.more, *names[end:])
-    return [block for chapter in dict.fromkeys(_named(findings, names)) for block in chapter(findings)]
+    return [
+        block for chapter in dict.fromkeys(_named(findings, names)) for block in chapter(findings)
+    ]
 
 
 def _named(findings: Findings, names: Sequence[str]) -> Iterator[Chapter]:

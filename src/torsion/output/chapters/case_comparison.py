@@ -40,9 +40,13 @@ def _one(findings: Findings) -> Iterator[Block]:
     if case is not None:
         yield Heading("Changes by this case")
         if not case.is_judged:
-            yield Paragraph("This case is for information. It is not part of the verdict.", "note", brief=True)
+            yield Paragraph(
+                "This case is for information. It is not part of the verdict.", "note", brief=True
+            )
         rows = [(one.what, one.before, one.after) for one in case.changes]
-        yield table("< Parameter | < Nominal case | < This case", rows, "Changes of the input by this case")
+        yield table(
+            "< Parameter | < Nominal case | < This case", rows, "Changes of the input by this case"
+        )
 
 
 def _all(cases: Cases) -> Iterator[Block]:
@@ -50,11 +54,15 @@ def _all(cases: Cases) -> Iterator[Block]:
     yield from _barred(cases)
     yield from _frequencies(cases)
     yield from _loads(cases)
-    changes = [(name, one.what, one.before, one.after) for name, f in cases.items() for one in _changes(f)]
+    changes = [
+        (name, one.what, one.before, one.after) for name, f in cases.items() for one in _changes(f)
+    ]
     titles = "< Case | < Parameter | < Nominal case | < This case"
     yield table(titles, changes, "Changes of the input by the cases")
     normal = next(iter(cases))
-    yield Paragraph(f"The following chapters are for the nominal case {normal}. Every other case has its own report.")
+    yield Paragraph(
+        f"The following chapters are for the nominal case {normal}. Every other case has its own report."
+    )
 
 
 def _changes(findings: Findings) -> tuple[Change, ...]:
@@ -68,15 +76,20 @@ def _checks(cases: Cases) -> Iterator[Block]:
     if not rows:
         return
     for shown, part in _columns(cases):
-        columns = map(texts, ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case"))
+        columns = map(
+            texts, ("Check", "Component", "Clause", "Limit", "Unit", *shown, "Worst case")
+        )
         yield table(
-            tuple(columns), [_cells(cases, row, shown) for row in rows],
+            tuple(columns),
+            [_cells(cases, row, shown) for row in rows],
             "Checks by case, worst first: value, speed of the reference and, in brackets, the order with the largest "
             f"contribution; value / limit if the limit differs by case{part}",
             marks=[row.check.verdict for row in rows],
-        )  # fmt: skip
+        )
     if omitted := len(ranked) - len(rows):
-        yield Paragraph(f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json.")
+        yield Paragraph(
+            f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json."
+        )
 
 
 def _columns(cases: Cases) -> Iterator[tuple[list[str], str]]:
@@ -84,7 +97,11 @@ def _columns(cases: Cases) -> Iterator[tuple[list[str], str]]:
     names = list(cases)
     for first in range(0, len(names), MOST_COLUMNS):
         shown = names[first : first + MOST_COLUMNS]
-        part = f"; cases {first + 1} to {first + len(shown)} of {len(names)}" if len(names) > MOST_COLUMNS else ""
+        part = (
+            f"; cases {first + 1} to {first + len(shown)} of {len(names)}"
+            if len(names) > MOST_COLUMNS
+            else ""
+        )
         yield shown, part
 
 
@@ -92,16 +109,29 @@ def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
     first = next(iter(row.each.values()))
     limits = {check_words.limit(check) for check in row.each.values()}
     limit = limits.pop() if len(limits) == 1 else BY_CASE
-    each = [_cell(row.each[name], with_limit=limit == BY_CASE) if name in row.each else _lacking(cases[name], first)
-            for name in shown]  # fmt: skip
+    each = [
+        _cell(row.each[name], with_limit=limit == BY_CASE)
+        if name in row.each
+        else _lacking(cases[name], first)
+        for name in shown
+    ]
     most = row.each[row.worst].verdict
-    return (f"{first.what} ({first.rule})", first.where, symbols(first.clause), limit, symbols(first.unit), *each,
-            f"{row.worst}: {WORDS[most]}")  # fmt: skip
+    return (
+        f"{first.what} ({first.rule})",
+        first.where,
+        symbols(first.clause),
+        limit,
+        symbols(first.unit),
+        *each,
+        f"{row.worst}: {WORDS[most]}",
+    )
 
 
 def _lacking(findings: Findings, check: Check) -> str:
     """Of a case that has not such a check: that it names not the rule of it, else nothing."""
-    return NOT_JUDGED if check.rule in RULES and check.rule not in dict(findings.study.rules) else NONE
+    return (
+        NOT_JUDGED if check.rule in RULES and check.rule not in dict(findings.study.rules) else NONE
+    )
 
 
 def _cell(check: Check, *, with_limit: bool) -> str:
@@ -128,7 +158,11 @@ def _barred(cases: Cases) -> Iterator[Table]:
 
 def _frequencies(cases: Cases) -> Iterator[Block]:
     """Natural frequencies of every case, one row each."""
-    found = {name: case.need(Modes).frequency for name, case in cases.items() if case.get(Modes) is not None}
+    found = {
+        name: case.need(Modes).frequency
+        for name, case in cases.items()
+        if case.get(Modes) is not None
+    }
     yield from _frequency_table(found, "Natural frequencies of the cases")
 
 
@@ -141,7 +175,10 @@ def _frequency_table(found: Mapping[str, FloatArray], caption: str) -> Iterator[
     """found: (modes,) Hz by case."""
     if count := _shown(found):
         columns = (texts("Case"), *(Column(f"Mode {k + 1}", "Hz") for k in range(count)))
-        rows = [(name, *_padded([number(f, 7) for f in one.tolist()], count)) for name, one in found.items()]
+        rows = [
+            (name, *_padded([number(f, 7) for f in one.tolist()], count))
+            for name, one in found.items()
+        ]
         yield table(columns, rows, caption)
 
 
@@ -162,14 +199,19 @@ def _loads(cases: Cases) -> Iterator[Figure]:
     if stresses:
         shaft = _largest(stresses)
         caption = f"Vibratory shear stress of {shaft} in the cases"
-        yield case_curves.curves("case-stress", caption, stresses[shaft], "shear stress amplitude", "N/mm²")
+        yield case_curves.curves(
+            "case-stress", caption, stresses[shaft], "shear stress amplitude", "N/mm²"
+        )
         return
 
     torque_over_rating, loads = _torques(solved)
     if loads:
         component = _largest(torque_over_rating or loads)
         unit = torques(values for _, values in loads[component].values())
-        drawn = {name: (speed, values * unit.factor) for name, (speed, values) in loads[component].items()}
+        drawn = {
+            name: (speed, values * unit.factor)
+            for name, (speed, values) in loads[component].items()
+        }
         caption = f"Total vibratory torque in {component} in the cases"
         yield case_curves.curves("case-torque", caption, drawn, "torque amplitude", unit.unit)
 
@@ -186,7 +228,10 @@ def _torques(solved: Cases) -> tuple[Loads, Loads]:
             if element.kind != "shaft":
                 loads.setdefault(element.name, {})[name] = (speed, values)
             if ratings is not None and ratings.vibratory_torque:
-                torque_over_rating.setdefault(element.name, {})[name] = (speed, values / ratings.vibratory_torque)
+                torque_over_rating.setdefault(element.name, {})[name] = (
+                    speed,
+                    values / ratings.vibratory_torque,
+                )
     return torque_over_rating, loads
 
 

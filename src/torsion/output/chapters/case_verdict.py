@@ -24,22 +24,30 @@ def overview(cases: Cases) -> Table:
         highest = max(with_limit, key=lambda check: check.utilisation or 0.0, default=None)
         text = WORDS[word] if findings.is_answered else f"{WORDS[word]}: not computed"
         case = findings.study.case
-        rows.append((
-            name, f"{case.folder}/report.html" if case is not None and findings.is_answered else NONE, len(checks),
-            sum(check.fails for check in checks),
-            NONE if highest is None else number(100.0 * (highest.utilisation or 0.0), 4),
-            NONE if highest is None else f"{highest.where}: {symbols(highest.clause)}",
-            (text + omitted.get(name, "")) if findings.is_judged else f"{text} (information)",
-        ))  # fmt: skip
+        rows.append(
+            (
+                name,
+                f"{case.folder}/report.html" if case is not None and findings.is_answered else NONE,
+                len(checks),
+                sum(check.fails for check in checks),
+                NONE if highest is None else number(100.0 * (highest.utilisation or 0.0), 4),
+                NONE if highest is None else f"{highest.where}: {symbols(highest.clause)}",
+                (text + omitted.get(name, "")) if findings.is_judged else f"{text} (information)",
+            )
+        )
         marks.append(word if findings.is_judged else "")
     columns = head(
         "< Case -> | < Report | Checks | Failed -> failed | Highest utilisation [%] -> util., % | "
         "< Component and clause -> component | < Verdict ->"
     )
     return table(
-        tuple(replace(column, is_files=column.title == "Report") for column in columns), rows,
-        "Cases of the model file", marks=marks, short="Cases", rows_in_summary=4,
-    )  # fmt: skip
+        tuple(replace(column, is_files=column.title == "Report") for column in columns),
+        rows,
+        "Cases of the model file",
+        marks=marks,
+        short="Cases",
+        rows_in_summary=4,
+    )
 
 
 @dataclass(frozen=True)

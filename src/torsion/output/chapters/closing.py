@@ -40,14 +40,20 @@ def _measurements(findings: Findings, response: Response) -> Iterator[str]:
     """What to measure: orders over speed, torque of the most loaded shaft, angle where mode 1 is largest."""
     speeds = findings.study.operation.speeds
     ends = (
-        "over the speed range" if speeds is None else f"from {given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
+        "over the speed range"
+        if speeds is None
+        else f"from {given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
     )
-    orders = ", ".join(order(line.order) for line in response.lines[:MOST_LISTED] if line.order is not None)
+    orders = ", ".join(
+        order(line.order) for line in response.lines[:MOST_LISTED] if line.order is not None
+    )
     yield (
         f"Run up and down slowly {ends} (speed of {reference(findings)}) and at steps of constant speed. Analyse the "
         f"orders{f' ({orders})' if orders else ''} and the natural frequencies."
     )
-    shafts = [(amplitude(findings, e.spans), e) for e in elements(findings.system) if e.kind == "shaft"]
+    shafts = [
+        (amplitude(findings, e.spans), e) for e in elements(findings.system) if e.kind == "shaft"
+    ]
     if loaded := [(values, shaft) for values, shaft in shafts if highest(values) > 0]:
         values, shaft = max(loaded, key=lambda pair: highest(pair[0]) * pair[1].ratio)
         speed = int(np.argmax(np.nan_to_num(values, nan=0.0).max(axis=1)))

@@ -28,7 +28,16 @@ from torsion.output.reported_values import (
     synthesis,
     unreliable,
 )
-from torsion.output.selection import Element, damps, elements, highest, largest, strongest, torques, worst
+from torsion.output.selection import (
+    Element,
+    damps,
+    elements,
+    highest,
+    largest,
+    strongest,
+    torques,
+    worst,
+)
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
@@ -70,18 +79,30 @@ def shafts(findings: Findings) -> Iterator[Block]:
     for name, curve in curves.items():
         if name in drawn:
             position = findings.study.train.position(name)
-            yield of_torsion(findings, curves_over_speed.stress(
-                f"stress-{position}", f"Vibratory shear stress of {name}", speed=curve.speed * RPM,
-                synthesis=curve.stress, bad=unreliable(findings), continuous=curve.continuous,
-                lines=[
-                    (harmonic_name(findings.need(Response), k, "order "), curve.orders[:, k])
-                    for k in range(curve.orders.shape[1])
-                ],
-                transient=curve.transient, rated=rated_rpm(findings),
-                barred=tuple((b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name),
-            ))  # fmt: skip
+            yield of_torsion(
+                findings,
+                curves_over_speed.stress(
+                    f"stress-{position}",
+                    f"Vibratory shear stress of {name}",
+                    speed=curve.speed * RPM,
+                    synthesis=curve.stress,
+                    bad=unreliable(findings),
+                    continuous=curve.continuous,
+                    lines=[
+                        (harmonic_name(findings.need(Response), k, "order "), curve.orders[:, k])
+                        for k in range(curve.orders.shape[1])
+                    ],
+                    transient=curve.transient,
+                    rated=rated_rpm(findings),
+                    barred=tuple(
+                        (b.lower * RPM, b.upper * RPM) for b in barred(findings) if b.shaft == name
+                    ),
+                ),
+            )
     if len(drawn) < len(curves):
-        yield Paragraph(f"The figures show the {len(drawn)} shafts with the highest stress of {len(curves)} shafts.")
+        yield Paragraph(
+            f"The figures show the {len(drawn)} shafts with the highest stress of {len(curves)} shafts."
+        )
 
 
 def stress_curves(findings: Findings, bar: Bar) -> Curves:
@@ -104,7 +125,11 @@ def _section(
         try:
             rule, shaft = shaft_stress.judging(findings, bar.name)
             _, continuous, transient, _ = shaft_stress.limits_of(findings, shaft)
-            return *shaft_limits.stress_modulus(findings.system, shaft.part), (continuous, transient, rule.title)
+            return *shaft_limits.stress_modulus(findings.system, shaft.part), (
+                continuous,
+                transient,
+                rule.title,
+            )
         except KeyError:
             pass
     spans = np.flatnonzero(findings.system.span_part == bar.part)
@@ -124,8 +149,17 @@ def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
             if (most := largest(shares)) is not None:
                 share = number(float(shares[most]), 4), rpm(float(curve.speed[most]))
         own = worst(curve.stress, curve.speed)
-        rows.append((name, None if shaft is None else shaft.role, *own, *((*there, *share) if limited else ())))
-    columns = "< Shaft | < Role | Maximum stress [N/mm²] | Speed [rpm] " + (LIMITS if limited else "")
+        rows.append(
+            (
+                name,
+                None if shaft is None else shaft.role,
+                *own,
+                *((*there, *share) if limited else ()),
+            )
+        )
+    columns = "< Shaft | < Role | Maximum stress [N/mm²] | Speed [rpm] " + (
+        LIMITS if limited else ""
+    )
     return table(columns, rows, "Maximum stress amplitude of every shaft over the speed range")
 
 
@@ -150,7 +184,15 @@ def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
             if at is not None and stress[at] >= SMALLEST * top:
                 frequency = float(response.frequency[at, line])
                 component = response.lines[line].named(reference(findings))
-                rows.append((name, component, *worst(stress, curve.speed), frequency, mode_near(findings, frequency)))
+                rows.append(
+                    (
+                        name,
+                        component,
+                        *worst(stress, curve.speed),
+                        frequency,
+                        mode_near(findings, frequency),
+                    )
+                )
     return table(
         "< Shaft | < Order | Maximum stress [N/mm²] | Speed [rpm] | Frequency [Hz] | Mode",
         rows,
@@ -160,7 +202,9 @@ def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
 
 def gears(findings: Findings) -> Iterator[Block]:
     """Vibratory against mean torque in every mesh; nothing without gears or without a response."""
-    meshes = [e for e in elements(findings.system) if e.kind == "gear"] if responds(findings) else []
+    meshes = (
+        [e for e in elements(findings.system) if e.kind == "gear"] if responds(findings) else []
+    )
     if not meshes:
         return
     yield Heading("Gear meshes")
@@ -169,14 +213,20 @@ def gears(findings: Findings) -> Iterator[Block]:
         text = "The input has no mean torque. Torque reversal in the meshes is not checked."
         yield Paragraph(text, "note")
     found = [
-        (mesh, synthesis(findings, mesh.spans), None if steady is None else np.abs(response.mean[:, mesh.spans[0]]))
+        (
+            mesh,
+            synthesis(findings, mesh.spans),
+            None if steady is None else np.abs(response.mean[:, mesh.spans[0]]),
+        )
         for mesh in meshes
     ]
     unit, rows = torques(values for _, values, _ in found), []
     for mesh, values, own in found:
         at = largest(values)
         there = None if at is None or own is None else unit.text(float(own[at]))
-        reversal = (None, None, "not known") if at is None else _reversal(response.speed, values, own)
+        reversal = (
+            (None, None, "not known") if at is None else _reversal(response.speed, values, own)
+        )
         rows.append((mesh.name, *worst(values, response.speed, unit), there, *reversal))
     yield table(
         f"< Mesh | Maximum vibratory torque [{unit.unit}] | Speed [rpm] | Mean torque [{unit.unit}] | "
@@ -189,7 +239,9 @@ def gears(findings: Findings) -> Iterator[Block]:
         yield _mesh(findings, mesh, values, own)
 
 
-def _reversal(speed: FloatArray, values: FloatArray, mean: FloatArray | None) -> tuple[str, str, str]:
+def _reversal(
+    speed: FloatArray, values: FloatArray, mean: FloatArray | None
+) -> tuple[str, str, str]:
     """The largest vibratory / mean torque, its speed, and where the load reverses; a share is infinite without mean."""
     if mean is None:
         return NONE, NONE, "not known"
@@ -198,8 +250,16 @@ def _reversal(speed: FloatArray, values: FloatArray, mean: FloatArray | None) ->
     most, over, where = int(np.argmax(share)), np.flatnonzero(share > 1.0), "no"
     if len(over):
         ends = rpm(float(speed[over[0]])), rpm(float(speed[over[-1]]))
-        where = "yes, everywhere" if len(over) == len(share) else "yes, between {} and {} rpm".format(*ends)
-    return number(float(share[most]), 4), NONE if np.isinf(share[most]) else rpm(float(speed[most])), where
+        where = (
+            "yes, everywhere"
+            if len(over) == len(share)
+            else "yes, between {} and {} rpm".format(*ends)
+        )
+    return (
+        number(float(share[most]), 4),
+        NONE if np.isinf(share[most]) else rpm(float(speed[most])),
+        where,
+    )
 
 
 def _mesh(findings: Findings, mesh: Element, values: FloatArray, mean: FloatArray | None) -> Figure:
@@ -207,14 +267,24 @@ def _mesh(findings: Findings, mesh: Element, values: FloatArray, mean: FloatArra
     limits = [
         check.limit
         for check in findings.need(Checks).lines
-        if (check.where, check.rule, check.unit) == (mesh.name, "gear-hammer", "N m") and np.isfinite(check.limit)
+        if (check.where, check.rule, check.unit) == (mesh.name, "gear-hammer", "N m")
+        and np.isfinite(check.limit)
     ]
-    return of_torsion(findings, curves_over_speed.gear(
-        f"gear-{mesh.part}-{mesh.spans[0]}", f"Vibratory and mean torque in {mesh.name}",
-        speed=findings.need(Response).speed * RPM, vibratory=values * unit.factor,
-        mean=None if mean is None else mean * unit.factor, bad=unreliable(findings), unit=unit.unit,
-        limit=limits[0] * unit.factor if limits else None, rated=rated_rpm(findings), barred=barred_rpm(findings),
-    ))  # fmt: skip
+    return of_torsion(
+        findings,
+        curves_over_speed.gear(
+            f"gear-{mesh.part}-{mesh.spans[0]}",
+            f"Vibratory and mean torque in {mesh.name}",
+            speed=findings.need(Response).speed * RPM,
+            vibratory=values * unit.factor,
+            mean=None if mean is None else mean * unit.factor,
+            bad=unreliable(findings),
+            unit=unit.unit,
+            limit=limits[0] * unit.factor if limits else None,
+            rated=rated_rpm(findings),
+            barred=barred_rpm(findings),
+        ),
+    )
 
 
 def couplings(findings: Findings) -> Iterator[Block]:
@@ -223,7 +293,8 @@ def couplings(findings: Findings) -> Iterator[Block]:
     found = [
         (element, ratings, synthesis(findings, element.spans))
         for element in (elements(system) if responds(findings) else ())
-        if (ratings := parts[element.part].ratings) is not None and (damps(system, element) or ratings.limit_anything)
+        if (ratings := parts[element.part].ratings) is not None
+        and (damps(system, element) or ratings.limit_anything)
     ]
     if not found:
         return
@@ -234,11 +305,19 @@ def couplings(findings: Findings) -> Iterator[Block]:
         peak = element.largest(findings.need(Synthesis).peak)
         peak = np.where(unreliable(findings) | ~np.isfinite(peak), np.nan, peak)
         mean = None if steady is None else unit.text(float(np.abs(steady.torque[spans]).max()))
-        rows.append((
-            element.name, *worst(values, speed, unit), unit.text(limits.vibratory_torque), mean,
-            unit.text(limits.rated_torque), worst(peak, speed, unit)[0], unit.text(limits.max_torque),
-            *worst(_heat(findings, spans), speed), number(limits.heat_limit),
-        ))  # fmt: skip
+        rows.append(
+            (
+                element.name,
+                *worst(values, speed, unit),
+                unit.text(limits.vibratory_torque),
+                mean,
+                unit.text(limits.rated_torque),
+                worst(peak, speed, unit)[0],
+                unit.text(limits.max_torque),
+                *worst(_heat(findings, spans), speed),
+                number(limits.heat_limit),
+            )
+        )
     yield Heading("Couplings")
     yield Paragraph(
         f"The power loss is the sum over {orders_together(findings)}, for relative damping ψ: ψ ω T²/(4 π k). "

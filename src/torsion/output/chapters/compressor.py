@@ -29,23 +29,34 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 
 def _one(found: CompressorFound, place: int) -> Iterator[Block]:
-    words = (("Compressor", found.name), *found.words, ("Mechanical efficiency", f"{given(100 * found.efficiency)} %"))
+    words = (
+        ("Compressor", found.name),
+        *found.words,
+        ("Mechanical efficiency", f"{given(100 * found.efficiency)} %"),
+    )
     yield KeyValues(words)
     yield _throws(found)
     if any(one.ends for one in found.throws):
         yield _ends(found)
         yield from _balance(found)
-        yield compressor_curves.pressures(f"compressor-{place + 1}-pressure", f"Pressures of {found.name}", [
-            (f"throw {one.number}, {end.end}", np.degrees(end.angle), end.pressure * BAR)
-            for one in found.throws
-            for end in one.ends
-        ])  # fmt: skip
+        yield compressor_curves.pressures(
+            f"compressor-{place + 1}-pressure",
+            f"Pressures of {found.name}",
+            [
+                (f"throw {one.number}, {end.end}", np.degrees(end.angle), end.pressure * BAR)
+                for one in found.throws
+                for end in one.ends
+            ],
+        )
     unit = scale("N m", [float(np.abs(found.effort).max())])
-    each = {f"throw {one.number}": own * unit.factor for one, own in zip(found.throws, found.effort, strict=True)}
+    each = {
+        f"throw {one.number}": own * unit.factor
+        for one, own in zip(found.throws, found.effort, strict=True)
+    }
     caption = f"Torque of {found.name} on the crankshaft{_at(found)}, gas and moving masses"
     yield compressor_curves.effort(
         f"compressor-{place + 1}-effort", caption, np.degrees(found.turned), each, unit.unit
-    )  # fmt: skip
+    )
     yield _harmonics(found)
     yield from varying(found)
 
@@ -55,27 +66,40 @@ def _at(found: CompressorFound) -> str:
 
 
 def _throws(found: CompressorFound) -> Table:
-    rows = [(one.number, one.station, degrees(one.angle), one.inertia, one.mean_torque) for one in found.throws]
+    rows = [
+        (one.number, one.station, degrees(one.angle), one.inertia, one.mean_torque)
+        for one in found.throws
+    ]
     return table(
         "< Throw | < Station | Outer dead centre at [deg] | Moving masses, mean inertia [kg m²] | "
         "Mean gas torque [N m]",
-        rows, f"Throws of {found.name}; the gas absorbs the mean torque",
-    )  # fmt: skip
+        rows,
+        f"Throws of {found.name}; the gas absorbs the mean torque",
+    )
 
 
 def _ends(found: CompressorFound) -> Table:
     rows = [
-        (one.number, end.end, end.given, end.area * 1e4, None if end.clearance is None else 100 * end.clearance,
-         float(end.pressure.min()) * BAR, float(end.pressure.max()) * BAR, end.imep * BAR,
-         None if end.power is None else end.power / 1e3)
+        (
+            one.number,
+            end.end,
+            end.given,
+            end.area * 1e4,
+            None if end.clearance is None else 100 * end.clearance,
+            float(end.pressure.min()) * BAR,
+            float(end.pressure.max()) * BAR,
+            end.imep * BAR,
+            None if end.power is None else end.power / 1e3,
+        )
         for one in found.throws
         for end in one.ends
-    ]  # fmt: skip
+    ]
     return table(
         "< Throw | < End | < Pressures | Area [cm²] | Clearance [%] | Lowest [bar] | Highest [bar] | imep [bar] | "
         "Indicated power [kW]",
-        rows, f"Ends of the cylinders of {found.name}; absolute pressures; positive imep: the gas absorbs work",
-    )  # fmt: skip
+        rows,
+        f"Ends of the cylinders of {found.name}; absolute pressures; positive imep: the gas absorbs work",
+    )
 
 
 def _balance(found: CompressorFound) -> Iterator[Block]:
@@ -85,8 +109,11 @@ def _balance(found: CompressorFound) -> Iterator[Block]:
         ("Shaft torque for it, with the mechanical efficiency", found.needed, "N m"),
         ("Mean torque of the operation", found.mean_torque, "N m"),
     ]
-    yield table("< Quantity | Value | < Unit", [row for row in rows if row[1] is not None],
-                f"Balance of mean torque of {found.name}{_at(found)}")  # fmt: skip
+    yield table(
+        "< Quantity | Value | < Unit",
+        [row for row in rows if row[1] is not None],
+        f"Balance of mean torque of {found.name}{_at(found)}",
+    )
     if found.mean_torque is None:
         yield Paragraph("The operation has no mean torque to compare with the pressures.", "note")
         return
@@ -94,8 +121,11 @@ def _balance(found: CompressorFound) -> Iterator[Block]:
     more = "more" if off > 0 else "less"
     words = f"The torque of the operation is {abs(100 * off):.3g} % {more} than the pressures need"
     if abs(off) > SAME_LOAD:
-        yield Paragraph(f"{words}. The harmonics follow the pressures, the mean torques follow the operation. One of "
-                        "them is for another load.", "note")  # fmt: skip
+        yield Paragraph(
+            f"{words}. The harmonics follow the pressures, the mean torques follow the operation. One of "
+            "them is for another load.",
+            "note",
+        )
     else:
         yield Paragraph(f"{words}.")
 
@@ -107,7 +137,9 @@ def _harmonics(found: CompressorFound) -> Table:
     rows = []
     for place, (order, rigid) in enumerate(enumerate(found.rigid, 1)):
         each = [throw.harmonics[place] for throw in found.throws]
-        sizes = [settled(abs(part), largest) for one in each for part in (one.gas, one.masses, one.total)]
+        sizes = [
+            settled(abs(part), largest) for one in each for part in (one.gas, one.masses, one.total)
+        ]
         size = settled(abs(rigid), largest)
         phase = degrees(float(np.angle(rigid)), 5) if size else "–"
         rows.append((order, *map(number, sizes), *([number(size), phase] if several else [])))
@@ -117,4 +149,8 @@ def _harmonics(found: CompressorFound) -> Table:
     )
     whole = " | All throws [N m] | Phase [deg]" if several else ""
     caption = f"Harmonics of {found.name}{_at(found)}: amplitudes by throw"
-    return table(titles + whole, rows, caption + (", sum as phasors from reference angle zero" if several else ""))
+    return table(
+        titles + whole,
+        rows,
+        caption + (", sum as phasors from reference angle zero" if several else ""),
+    )

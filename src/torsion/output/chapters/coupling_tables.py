@@ -38,7 +38,10 @@ LAW = (
     " and damped modes use K(s) with one state for each relaxing term. The points below are samples of the "
     "law. In N m/rad:"
 )
-UNITS = {"frequency": Axis("frequency", "Hz"), "mean torque": Axis("mean torque of the coupling", "N m")}
+UNITS = {
+    "frequency": Axis("frequency", "Hz"),
+    "mean torque": Axis("mean torque of the coupling", "N m"),
+}
 UNITS["vibratory torque"] = Axis("vibratory torque of the coupling", "N m")
 
 
@@ -47,7 +50,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     found = findings.need(CouplingTables)
     yield Heading("Couplings and dampers with tables or laws")
     if linear := [one for one in found.tables if one.law is None]:
-        yield Paragraph(f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in linear)}.")
+        yield Paragraph(
+            f"{LINEAR} {'; '.join(f'{one.coupling}: {BEYOND[one.holds]}' for one in linear)}."
+        )
     for one in found.tables:
         if one.law is not None and not one.is_complex:
             yield Paragraph(f"{one.coupling}: {one.law}.")
@@ -64,21 +69,28 @@ def chapter(findings: Findings) -> Iterator[Block]:
     for place, one in enumerate(found.tables, 1):
         yield _figure(found, one, f"coupling-table-{place}")
     if found.at_modes:
-        yield Paragraph(f"{LOSS} {NO_COMPLEX}" if any(not one.is_complex for one in found.tables) else LOSS)
+        yield Paragraph(
+            f"{LOSS} {NO_COMPLEX}" if any(not one.is_complex for one in found.tables) else LOSS
+        )
         yield _at_modes(found)
 
 
 def _as_given(found: CouplingTables) -> blocks.Table:
     rows = [
         (
-            one.coupling, one.over, f"{given(at, GIVEN)} {UNITS[one.over].unit}", given(k, GIVEN),
-            given(eta, GIVEN) if eta else NONE, given(c, GIVEN) if c else NONE,
+            one.coupling,
+            one.over,
+            f"{given(at, GIVEN)} {UNITS[one.over].unit}",
+            given(k, GIVEN),
+            given(eta, GIVEN) if eta else NONE,
+            given(c, GIVEN) if c else NONE,
         )
         for one in found.tables
         for at, k, eta, c in zip(
-            *(values.tolist() for values in (one.at, one.stiffness, one.loss_factor, one.viscous)), strict=True
+            *(values.tolist() for values in (one.at, one.stiffness, one.loss_factor, one.viscous)),
+            strict=True,
         )
-    ]  # fmt: skip
+    ]
     titles = "< Component -> | < Over -> | At -> | k own [N m/rad] -> k | Loss factor η -> η | Viscous c [N m s/rad]"
     return table(titles, rows, "Couplings and dampers with tables: input data")
 
@@ -87,11 +99,16 @@ def _at_modes(found: CouplingTables) -> blocks.Table:
     lost = found.modal_loss_factor.tolist()
     rows = [
         (
-            one.mode, number(one.frequency, 7), one.coupling, number(one.stiffness, 7), number(one.loss_factor),
-            number(100.0 * one.share, 4), number(lost[one.mode - 1]),
+            one.mode,
+            number(one.frequency, 7),
+            one.coupling,
+            number(one.stiffness, 7),
+            number(one.loss_factor),
+            number(100.0 * one.share, 4),
+            number(lost[one.mode - 1]),
         )
         for one in sorted(found.at_modes, key=lambda one: one.mode)
-    ]  # fmt: skip
+    ]
     titles = (
         "Mode -> | Frequency [Hz] -> Hz | < Component -> | k own [N m/rad] -> k | Loss factor η -> η | "
         "Share of the elastic energy [%] -> share, % | Modal loss factor of the train -> modal η"
@@ -102,12 +119,23 @@ def _at_modes(found: CouplingTables) -> blocks.Table:
 def _figure(found: CouplingTables, one: Table, name: str) -> Figure:
     unit = scale("N m/rad", one.stiffness.tolist())
     modes = [
-        (mode.frequency, mode.stiffness * unit.factor, f"mode {mode.mode}: {number(mode.frequency)} Hz")
+        (
+            mode.frequency,
+            mode.stiffness * unit.factor,
+            f"mode {mode.mode}: {number(mode.frequency)} Hz",
+        )
         for mode in found.at_modes
-        if mode.coupling == one.coupling and one.over == "frequency" and one.at[0] <= mode.frequency <= one.at[-1]
+        if mode.coupling == one.coupling
+        and one.over == "frequency"
+        and one.at[0] <= mode.frequency <= one.at[-1]
     ]
     return coupling_table(
-        name, f"{one.coupling}: stiffness and loss factor over {UNITS[one.over].quantity}", over=UNITS[one.over],
-        at=np.asarray(one.at), stiffness=one.stiffness * unit.factor, unit=unit.unit, loss_factor=one.loss_factor,
+        name,
+        f"{one.coupling}: stiffness and loss factor over {UNITS[one.over].quantity}",
+        over=UNITS[one.over],
+        at=np.asarray(one.at),
+        stiffness=one.stiffness * unit.factor,
+        unit=unit.unit,
+        loss_factor=one.loss_factor,
         modes=modes,
-    )  # fmt: skip
+    )

@@ -29,15 +29,23 @@ def chapter(findings: Findings) -> Iterator[Block]:
         away = np.flatnonzero(np.isnan(one.highest))
         if away.size:
             ends = f"{rpm(float(one.speed[away[0]]))} to {rpm(float(one.speed[away[-1]]))} rpm"
-            text = f"{one.coupling} overheats at {away.size} of {one.speed.size} speeds, from {ends}."
+            text = (
+                f"{one.coupling} overheats at {away.size} of {one.speed.size} speeds, from {ends}."
+            )
             yield Paragraph(text, "note")
     rows = [
         (
-            one.coupling, rpm(root.speed), number(root.temperature, 6), number(root.heat), number(root.stiffness, 7),
-            number(root.loss_factor), "stable" if root.is_stable else "unstable",
+            one.coupling,
+            rpm(root.speed),
+            number(root.temperature, 6),
+            number(root.heat),
+            number(root.stiffness, 7),
+            number(root.loss_factor),
+            "stable" if root.is_stable else "unstable",
         )
-        for one in each for root in one.equilibria
-    ]  # fmt: skip
+        for one in each
+        for root in one.equilibria
+    ]
     yield table(
         "< Coupling -> | Speed [rpm] -> rpm | Temperature [°C] -> °C | Power loss [W] -> W | k own [N m/rad] | "
         "Loss factor η | < Equilibrium -> is",
@@ -52,6 +60,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
 def _figure(one: CouplingTemperature, name: str) -> Figure:
     x = one.speed * RPM
     lines = (Line("lowest", x, one.lowest, 0), Line("highest", x, one.highest, 1))
-    levels = (Level("permissible", one.permissible, is_reached=True), Level("surroundings", one.surroundings, "pale"))
+    levels = (
+        Level("permissible", one.permissible, is_reached=True),
+        Level("surroundings", one.surroundings, "pale"),
+    )
     y = Axis("temperature", "°C", low=min(0.0, one.surroundings))
-    return Figure(name, f"{one.coupling}: equilibrium temperatures", (Panel(SPEED, y, lines, levels),))
+    return Figure(
+        name, f"{one.coupling}: equilibrium temperatures", (Panel(SPEED, y, lines, levels),)
+    )

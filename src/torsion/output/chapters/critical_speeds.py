@@ -44,16 +44,25 @@ def chapter(findings: Findings) -> Iterator[Block]:
     capped = f" (lines of {len(shown)} of {len(every)} orders)" if len(shown) < len(every) else ""
     crossings = [
         (c.speed * RPM, c.frequency, c.is_inside, _words(c, rated(findings)))
-        for c in found if c.is_inside or c.order in shown
-    ]  # fmt: skip
-    yield of_torsion(findings, frequencies_over_speed.campbell(
-        "campbell", f"Campbell diagram{capped}", frequencies=findings.need(Modes).frequency.tolist(),
-        orders=[(float(one), f"order {order(one)}") for one in shown], crossings=crossings,
-        speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings), barred=barred_rpm(findings),
-        tolerated=tolerated_rpm(findings),
-        curves=None if by_torque is None else (by_torque.speed * RPM, by_torque.frequency),
-        **({} if by_torque is not None else _spread(findings)),
-    ))  # fmt: skip
+        for c in found
+        if c.is_inside or c.order in shown
+    ]
+    yield of_torsion(
+        findings,
+        frequencies_over_speed.campbell(
+            "campbell",
+            f"Campbell diagram{capped}",
+            frequencies=findings.need(Modes).frequency.tolist(),
+            orders=[(float(one), f"order {order(one)}") for one in shown],
+            crossings=crossings,
+            speeds=(speeds.first * RPM, speeds.last * RPM),
+            rated=rated_rpm(findings),
+            barred=barred_rpm(findings),
+            tolerated=tolerated_rpm(findings),
+            curves=None if by_torque is None else (by_torque.speed * RPM, by_torque.frequency),
+            **({} if by_torque is not None else _spread(findings)),
+        ),
+    )
 
 
 def _spread(findings: Findings) -> dict[str, Any]:
@@ -63,13 +72,18 @@ def _spread(findings: Findings) -> dict[str, Any]:
         return {"spread": list(zip(found.lower.tolist(), found.upper.tolist(), strict=True))}
     if swept is not None and swept.method != "grid":
         ends = list(zip(swept.low.tolist(), swept.high.tolist(), strict=True))
-        return {"spread": [one for one in ends if np.isfinite(one).all()], "of": "95 % of the variants"}
+        return {
+            "spread": [one for one in ends if np.isfinite(one).all()],
+            "of": "95 % of the variants",
+        }
     return {}
 
 
 def matrix(findings: Findings) -> Iterator[Table]:
     """Yield the matrix of critical speeds, order by mode, if there is any."""
-    crossings = findings.need(CriticalSpeeds).crossings if findings.get(CriticalSpeeds) is not None else ()
+    crossings = (
+        findings.need(CriticalSpeeds).crossings if findings.get(CriticalSpeeds) is not None else ()
+    )
     if crossings and findings.study.operation.speeds is not None:
         yield _matrix(crossings, reference(findings))
 
@@ -80,7 +94,10 @@ def _matrix(found: Crossings, reference: str) -> Table:
     at = {(c.order, c.mode): rpm(c.speed) + (" *" if c.is_inside else "") for c in found}
     titles = "Order | < Excited by" + "".join(f" | Mode {mode} [rpm]" for mode in modes)
     named = {c.order: c.line.named(reference) for c in found}
-    rows = [(order(one), named[one], *(at.get((one, mode), NONE) for mode in modes)) for one in sorted(named)]
+    rows = [
+        (order(one), named[one], *(at.get((one, mode), NONE) for mode in modes))
+        for one in sorted(named)
+    ]
     return table(titles, rows, "Critical speeds, order by mode (* in the speed range)")
 
 
@@ -100,7 +117,8 @@ def _summary(inside: list[CriticalSpeed], reference: str) -> str:
     if not inside:
         return ""
     lowest = [
-        f"{rpm(one.speed)} rpm ({one.line.named(reference)}, mode {one.mode})" for one in inside[:MOST_IN_SUMMARY]
+        f"{rpm(one.speed)} rpm ({one.line.named(reference)}, mode {one.mode})"
+        for one in inside[:MOST_IN_SUMMARY]
     ]
     more = f", and {len(inside) - MOST_IN_SUMMARY} more" if len(inside) > MOST_IN_SUMMARY else ""
     return f"{IN_RANGE}: {', '.join(lowest)}{more}"
@@ -113,7 +131,16 @@ def _list(found: Crossings, speed: float | None, reference: str) -> Table:
     rows = []
     for c in inside[:MOST_ROWS]:
         own = [_distance(c, speed)] if speed else []
-        rows.append((rpm(c.speed), order(c.order), c.mode, number(c.frequency), *own, c.line.named(reference)))
+        rows.append(
+            (
+                rpm(c.speed),
+                order(c.order),
+                c.mode,
+                number(c.frequency),
+                *own,
+                c.line.named(reference),
+            )
+        )
     rest = f" (the lowest {MOST_ROWS} of {len(inside)})" if len(inside) > MOST_ROWS else ""
     return table(
         f"Critical speed [rpm] -> rpm | Order -> | Mode -> | Frequency [Hz] | {distance}< Excited by ->",

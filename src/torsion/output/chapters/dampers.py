@@ -24,12 +24,20 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(WHAT)
     rows = [
         (
-            one.damper, one.mode, number(one.frequency), number(one.inertia), number(one.ratio, 4),
-            number(one.viscous), number(one.viscous_peak, 4), number(one.stiffness), number(one.damping),
-            number(one.tuned_peak, 4), given(one.given_peak, 4) if one.given_peak else None,
+            one.damper,
+            one.mode,
+            number(one.frequency),
+            number(one.inertia),
+            number(one.ratio, 4),
+            number(one.viscous),
+            number(one.viscous_peak, 4),
+            number(one.stiffness),
+            number(one.damping),
+            number(one.tuned_peak, 4),
+            given(one.given_peak, 4) if one.given_peak else None,
         )
         for one in found
-    ]  # fmt: skip
+    ]
     yield table(
         "< Damper -> | Mode without the ring -> mode | Frequency [Hz] -> Hz | Modal inertia [kg m²] | "
         "Ring / modal inertia | Optimum viscous c [N m s/rad] -> viscous c | Magnification, viscous | "

@@ -32,12 +32,16 @@ def chapter(findings: Findings) -> Iterator[Block]:
             yield Heading("Appendix: damping")
             yield Paragraph(
                 "The train has no damping. At a resonance the response has no finite value.", "note"
-            )  # fmt: skip
+            )
         return
     yield Heading("Appendix: damping")
     if by_mode := findings.study.train.modal_damping:
         ratios = listed([f"{number(100.0 * one)} %" for one in by_mode])
-        of = "every elastic mode" if len(by_mode) == 1 else "the elastic modes in turn, the last of all above"
+        of = (
+            "every elastic mode"
+            if len(by_mode) == 1
+            else "the elastic modes in turn, the last of all above"
+        )
         yield Paragraph(
             f"Damping ratio of {of}: {ratios}, in place of the damping of the components. The response is the sum "
             "over all "
@@ -46,7 +50,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
         return
     yield Paragraph(MODEL)
     yield from (one for one in (_elements(findings), _grounds(findings)) if one.rows)
-    bare = [e.name for e in elements(system) if system.flexibility[e.spans[0]] > 0 and not damps(system, e)]
+    bare = [
+        e.name
+        for e in elements(system)
+        if system.flexibility[e.spans[0]] > 0 and not damps(system, e)
+    ]
     if bare:
         yield Paragraph(f"Undamped: {listed(bare)}.")
     damped = findings.get(DampedModes)
@@ -64,7 +72,9 @@ def _elements(findings: Findings) -> Table:
         if (table_of := system.tables.get(element.spans[0])) is not None:
             rows.append((element.name, *[table_of.follows] * 5))
         elif damps(system, element):
-            eta, viscous = (float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous))
+            eta, viscous = (
+                float(law[element.spans[0]]) for law in (system.loss_factor, system.viscous)
+            )
             losses = (eta, 2 * math.pi * eta, 1 / eta) if eta else [NONE] * 3
             rows.append((element.name, _as_given(findings, element.part), *losses, viscous or NONE))
     columns = "< Component | < Input | Loss factor η | Relative damping ψ | Magnifier M | Viscous c [N m s/rad]"
@@ -86,11 +96,19 @@ def _grounds(findings: Findings) -> Table:
         station = system.stations[damper.station]
         part = findings.study.train.parts[station.part]
         machine = part.machine
-        model, factor = ("viscous", None) if machine is None else (machine.damping_model, machine.damping_factor)
+        model, factor = (
+            ("viscous", None)
+            if machine is None
+            else (machine.damping_model, machine.damping_factor)
+        )
         value = _value(findings, damper.station, speed)
         rows.append((station.name, model, given(factor), value, part.source or NOT_STATED))
     at = f" at {given_rpm(speed)} rpm" if speed is not None else ""
-    return table(f"< Component | < Model | < Factor | Value{at} [N m s/rad] | < Source", rows, "Damping to ground")
+    return table(
+        f"< Component | < Model | < Factor | Value{at} [N m s/rad] | < Source",
+        rows,
+        "Damping to ground",
+    )
 
 
 def _value(findings: Findings, station: int, speed: float | None) -> str:

@@ -27,7 +27,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield from made
     train, forces = findings.study.train, findings.get(ToothForces)
     known = {force.mesh for force in forces.meshes} if forces is not None else set()
-    without = [one.name for one in train.constraints if train.parts[one.part].kind == "gear" and one.name not in known]
+    without = [
+        one.name
+        for one in train.constraints
+        if train.parts[one.part].kind == "gear" and one.name not in known
+    ]
     if without:
         yield Paragraph(NO_FORCE.format(", ".join(without)))
 
@@ -52,7 +56,10 @@ def _machines(findings: Findings) -> Table | None:
     machines = [
         (k, part, part.machine)
         for k, part in enumerate(findings.study.train.parts)
-        if part.machine is not None and part.is_point and part.impeller is None and part.propeller is None
+        if part.machine is not None
+        and part.is_point
+        and part.impeller is None
+        and part.propeller is None
     ]
     torques = dict[int, float]()
     if applied is not None:
@@ -62,12 +69,15 @@ def _machines(findings: Findings) -> Table | None:
     ripples = [torque.path[:-2] for torque in findings.study.train.torques]
     rows = (
         (
-            part.name, _figure(lumps[k].given) if k in lumps and np.isfinite(lumps[k].given) else NONE,
-            _figure(machine.power, 1e-3), NONE if speed is None else given_rpm(speed * float(part.ratio)),
-            unit.text(torques.get(k)), ripples.count(part.path),
+            part.name,
+            _figure(lumps[k].given) if k in lumps and np.isfinite(lumps[k].given) else NONE,
+            _figure(machine.power, 1e-3),
+            NONE if speed is None else given_rpm(speed * float(part.ratio)),
+            unit.text(torques.get(k)),
+            ripples.count(part.path),
         )
         for k, part, machine in machines
-    )  # fmt: skip
+    )
     titles = "< Machine | J [kg m²] | Rated power [kW] | Rated speed [rpm] | "
     return _sheet(titles + f"Mean torque [{unit.unit}] | Ripple components", rows, "Machines")
 
@@ -75,10 +85,16 @@ def _machines(findings: Findings) -> Table | None:
 def _couplings(findings: Findings) -> Table | None:
     """The ratings of their makers, stiffness and losses, of those that have more than a stiffness."""
     train, rows = findings.study.train, []
-    springs = {spring.part: spring for spring in train.springs if train.parts[spring.part].kind == "coupling"}
+    springs = {
+        spring.part: spring
+        for spring in train.springs
+        if train.parts[spring.part].kind == "coupling"
+    }
     for k, part in _parts(findings, "coupling"):
         limits, spring = part.ratings, springs[k]
-        stiffness = "rigid" if spring.flexibility == 0 else given(1.0 / spring.flexibility, MOST_DIGITS)
+        stiffness = (
+            "rigid" if spring.flexibility == 0 else given(1.0 / spring.flexibility, MOST_DIGITS)
+        )
         if spring.table is not None:
             stiffness = spring.table.follows
         torques: tuple[float | None, ...] = (None,) * 3
@@ -87,7 +103,12 @@ def _couplings(findings: Findings) -> Table | None:
         heat, tolerance = (None, None) if limits is None else (limits.heat_limit, limits.tolerance)
         lost = 2.0 * np.pi * spring.loss_factor
         if not (
-            any(torques) or (limits and limits.limit_anything) or tolerance or lost or spring.viscous or spring.table
+            any(torques)
+            or (limits and limits.limit_anything)
+            or tolerance
+            or lost
+            or spring.viscous
+            or spring.table
         ):
             continue  # a spring, which the mass-elastic system has
         losses = number(lost) if lost else NONE, _figure(spring.viscous or None)
@@ -96,10 +117,15 @@ def _couplings(findings: Findings) -> Table | None:
             figures[1] = OVER_FREQUENCY
         if limits is not None and limits.heat_over_frequency is not None:
             figures[-1] = OVER_FREQUENCY
-        rows.append((
-            part.name, *figures, stiffness, _figure(tolerance, 100.0),
-            *(losses if spring.table is None else (stiffness, stiffness)),
-        ))  # fmt: skip
+        rows.append(
+            (
+                part.name,
+                *figures,
+                stiffness,
+                _figure(tolerance, 100.0),
+                *(losses if spring.table is None else (stiffness, stiffness)),
+            )
+        )
     return _sheet(
         "< Coupling | T_{KN} [N m] | T_{KW} [N m] | T_{Kmax} [N m] | P_{KW} [W] | k own [N m/rad] | "
         "Tolerance [%] | Relative damping ψ | Viscous c [N m s/rad]",
@@ -112,18 +138,26 @@ def _gears(findings: Findings) -> Table | None:
     """Teeth, ratio, application factor and the mean torque at the rated point, of every mesh."""
     system, means = findings.system, mean_torque_at_rated(findings)
     torques = {
-        span.name: float(means[1][k]) for k, span in enumerate(system.own_spans if means is not None else ())
+        span.name: float(means[1][k])
+        for k, span in enumerate(system.own_spans if means is not None else ())
         if means is not None and system.train.parts[span.part].kind == "gear"
-    }  # fmt: skip
+    }
     unit, rows = scale("N m", torques.values()), []
     for mesh in findings.study.train.constraints:
         part = findings.study.train.parts[mesh.part]
         if part.kind == "gear":
-            rows.append((
-                mesh.name, *(mesh.teeth or (NONE, NONE)), exact(1 / mesh.ratio), _figure(part.application_factor),
-                unit.text(torques.get(mesh.name)),
-                "rigid" if mesh.flexibility == 0 else given(1.0 / mesh.flexibility, MOST_DIGITS),
-            ))  # fmt: skip
+            rows.append(
+                (
+                    mesh.name,
+                    *(mesh.teeth or (NONE, NONE)),
+                    exact(1 / mesh.ratio),
+                    _figure(part.application_factor),
+                    unit.text(torques.get(mesh.name)),
+                    "rigid"
+                    if mesh.flexibility == 0
+                    else given(1.0 / mesh.flexibility, MOST_DIGITS),
+                )
+            )
     return _sheet(
         f"< Mesh | Teeth, driving | Teeth, driven | Ratio | K_{{A}} | Mean torque at rated speed, driving side "
         f"[{unit.unit}] | Mesh stiffness, driving side [N m/rad]",
@@ -139,13 +173,16 @@ def _tooth_forces(findings: Findings) -> Table | None:
     unit = scale("N", [force.tangential for force in meshes])
     rows = (
         (
-            force.mesh, _figure(force.module, 1e3), _figure(np.degrees(force.helix)),
+            force.mesh,
+            _figure(force.module, 1e3),
+            _figure(np.degrees(force.helix)),
             _figure(np.degrees(force.pressure_angle)),
-            number(force.diameter * 1e3), number(force.driven_diameter * 1e3),
+            number(force.diameter * 1e3),
+            number(force.driven_diameter * 1e3),
             *map(unit.text, (force.tangential, force.radial, force.axial)),
         )
         for force in meshes
-    )  # fmt: skip
+    )
     return _sheet(
         "< Mesh | m_{n} [mm] | Helix β [deg] | Pressure angle α_{n} [deg] | d driving [mm] | d driven [mm] | "
         f"F_{{t}} [{unit.unit}] | F_{{r}} [{unit.unit}] | F_{{a}} [{unit.unit}]",
@@ -163,11 +200,19 @@ def _impellers(findings: Findings) -> Table | None:
         if impeller is not None and machine is not None:
             wet = None if impeller.water is None else impeller.inertia + impeller.water
             size = (None, None) if screw is None else (screw.pitch_ratio, screw.area_ratio)
-            rows.append((
-                part.name, impeller.blades, _figure(impeller.diameter), *(_figure(value) for value in size),
-                _figure(impeller.inertia), _figure(impeller.water), _figure(wet), machine.damping_model,
-                _figure(machine.damping_factor),
-            ))  # fmt: skip
+            rows.append(
+                (
+                    part.name,
+                    impeller.blades,
+                    _figure(impeller.diameter),
+                    *(_figure(value) for value in size),
+                    _figure(impeller.inertia),
+                    _figure(impeller.water),
+                    _figure(wet),
+                    machine.damping_model,
+                    _figure(machine.damping_factor),
+                )
+            )
     return _sheet(
         "< Machine | Blades | D [m] | P/D | A_{E}/A_{0} | J dry [kg m²] | Entrained water [kg m²] | J wet [kg m²] | "
         "< Damping model | Damping factor",

@@ -20,7 +20,9 @@ def chapter(analysis: Analysis, findings: Findings) -> list[Block]:
     """Nothing where none of its results was found."""
     chosen = Selection(findings.system)
     found = [(name, findings.results.get(name)) for name in analysis.results]
-    blocks = [block for name, held in found if held is not None for block in _blocks(name, held, chosen)]
+    blocks = [
+        block for name, held in found if held is not None for block in _blocks(name, held, chosen)
+    ]
     return [Heading(analysis.title[:1].upper() + analysis.title[1:]), *blocks] if blocks else []
 
 
@@ -33,12 +35,18 @@ def _blocks(path: str, held: Any, chosen: Selection) -> Iterator[Block]:
         value, key = shown(held, one, chosen), f"{path}.{one.key}" if one.key else path
         if is_declared(value):
             inner.append((key, value))
-        elif isinstance(value, list | tuple) and value and all(is_declared(record) for record in value):
+        elif (
+            isinstance(value, list | tuple)
+            and value
+            and all(is_declared(record) for record in value)
+        ):
             inner += [(f"{key}[{k}]", record) for k, record in enumerate(value)]
         elif np.ndim(value) == 1 and one.printed and len(value) <= MOST_ROWS:
             arrays.setdefault((one.printed[0], len(value)), []).append((one, value))
         elif np.ndim(value):
-            left.append(f"{one.meaning}: {' by '.join(map(str, np.shape(value)))} values, `{key}` of results.json")
+            left.append(
+                f"{one.meaning}: {' by '.join(map(str, np.shape(value)))} values, `{key}` of results.json"
+            )
         else:
             single.append((one.name.replace("_", " "), value, one.unit, one.meaning))
     if single:
@@ -65,6 +73,10 @@ def _table(path: str, names: list[str], columns: list[tuple[Quantity, Any]]) -> 
 def _names(axis: str, count: int, chosen: Selection) -> list[str]:
     """What stands at the places of an axis: names of stations, spans and elements, else numbers."""
     stations = [chosen.system.stations[k].name for k in chosen.groups.stations.tolist()]
-    known = {"station": stations, "span": chosen.groups.names(), "element": [one.name for one in chosen.elements]}
+    known = {
+        "station": stations,
+        "span": chosen.groups.names(),
+        "element": [one.name for one in chosen.elements],
+    }
     names = known.get(axis, [])
     return names if len(names) == count else [str(k) for k in range(1, count + 1)]

@@ -8,7 +8,17 @@ from torsion.analyses.design.design_results import Candidate, Design
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, filled, table
 from torsion.output.figures.contours import level_line
-from torsion.output.figures.figure import Axis, Cells, Figure, Level, Line, Marks, Panel, Pen, Symbol
+from torsion.output.figures.figure import (
+    Axis,
+    Cells,
+    Figure,
+    Level,
+    Line,
+    Marks,
+    Panel,
+    Pen,
+    Symbol,
+)
 from torsion.output.numbers import counted, number
 from torsion.results import listed
 
@@ -37,13 +47,18 @@ def chapter(findings: Findings) -> Iterator[Block]:
     )
     yield _said(found)
     if found.unsolved:
-        yield Paragraph(f"{counted(found.unsolved, 'candidate')} not solved: {'; '.join(found.faults)}", "note")
+        yield Paragraph(
+            f"{counted(found.unsolved, 'candidate')} not solved: {'; '.join(found.faults)}", "note"
+        )
     if found.uncounted:
         yield Paragraph(
             f"Unconfirmed limits do not enter the objective: {listed(found.uncounted, '; ')}. Candidates that exceed "
-            "one rank last.", "note",
-        )  # fmt: skip
-    rows = [(one.name, one.range, one.before or "another value", one.chosen) for one in found.figures]
+            "one rank last.",
+            "note",
+        )
+    rows = [
+        (one.name, one.range, one.before or "another value", one.chosen) for one in found.figures
+    ]
     yield table("< Variable | < Range | < Nominal | < Chosen", rows, "Design variables")
     yield _best(found)
     yield from _figures(found)
@@ -56,13 +71,23 @@ def conclusion(found: Design) -> str:
     one = found.best[found.chosen - 1]
     words = ", ".join(f"{figure.name} {figure.chosen}" for figure in found.figures)
     if one.frequency is not None:
-        was = "" if found.before_frequency is None else f" (nominal {number(found.before_frequency)} Hz)"
+        was = (
+            ""
+            if found.before_frequency is None
+            else f" (nominal {number(found.before_frequency)} Hz)"
+        )
         missed = found.aims[(found.values == found.picked).all(axis=1)]
-        words = f"{words}: {found.aim} is not reached" if missed.size and missed[0] < -NEAR else words
+        words = (
+            f"{words}: {found.aim} is not reached" if missed.size and missed[0] < -NEAR else words
+        )
         reached = f"{number(one.frequency)} Hz{was}"
     else:
         was = "" if found.before is None else f" (nominal {number(_share(found.before), 4)} %)"
-        reached = "" if one.utilisation is None else f"utilisation at most {number(100.0 * one.utilisation, 4)} %{was}"
+        reached = (
+            ""
+            if one.utilisation is None
+            else f"utilisation at most {number(100.0 * one.utilisation, 4)} %{was}"
+        )
     broken = "" if one.is_allowed else "; no candidate meets all constraints"
     return f"{words}: {reached}; full method: {one.proven}{broken}"
 
@@ -83,7 +108,9 @@ def _judged(found: Design, findings: Findings) -> str:
         return ""
     silent = [name for name in cases if name not in found.cases]
     without = f"; not judged: {listed(silent)}" if silent else ""
-    own = f" and its case{'s' * (len(found.cases) > 1)} {listed(found.cases)}" if found.cases else ""
+    own = (
+        f" and its case{'s' * (len(found.cases) > 1)} {listed(found.cases)}" if found.cases else ""
+    )
     names = f"the nominal case{own}"
     if found.is_over_cases or not found.cases:
         return f"; searched and solved over {names}{without}"
@@ -102,7 +129,9 @@ def _said(found: Design) -> Paragraph:
             "candidate was taken."
         )
     is_good = found.chosen is not None and found.best[found.chosen - 1].proven == "kept"
-    return Paragraph(words, "pass" if is_good and found.best[(found.chosen or 1) - 1].is_allowed else "note")
+    return Paragraph(
+        words, "pass" if is_good and found.best[(found.chosen or 1) - 1].is_allowed else "note"
+    )
 
 
 def _is_frequency(found: Design) -> bool:
@@ -117,20 +146,28 @@ def _share(margin: float) -> float:
 def _best(found: Design) -> Block:
     rows = [
         (
-            k, ", ".join(one.values), None if one.margin is None else number(one.margin, 4),
+            k,
+            ", ".join(one.values),
+            None if one.margin is None else number(one.margin, 4),
             None if one.utilisation is None else number(100.0 * one.utilisation, 4),
             one.decides + (f"; at {one.worst_at}" if one.worst_at else ""),
-            None if one.frequency is None else number(one.frequency, 7), None if one.mass is None else number(one.mass),
-            None if one.cost is None else number(one.cost), _words(one, is_chosen=k == found.chosen),
+            None if one.frequency is None else number(one.frequency, 7),
+            None if one.mass is None else number(one.mass),
+            None if one.cost is None else number(one.cost),
+            _words(one, is_chosen=k == found.chosen),
         )
         for k, one in enumerate(found.best, start=1)
-    ]  # fmt: skip
-    return filled(table(
-        "Candidate -> | < Values | Minimum margin -> margin | Utilisation [%] | < Governing check | Frequency "
-        "[Hz] -> Hz | "
-        "Mass [kg] -> kg | Cost | < Verdict",
-        rows, "Best candidates", short="Best candidates",
-    ))  # fmt: skip
+    ]
+    return filled(
+        table(
+            "Candidate -> | < Values | Minimum margin -> margin | Utilisation [%] | < Governing check | Frequency "
+            "[Hz] -> Hz | "
+            "Mass [kg] -> kg | Cost | < Verdict",
+            rows,
+            "Best candidates",
+            short="Best candidates",
+        )
+    )
 
 
 def _words(one: Candidate, *, is_chosen: bool) -> str:
@@ -152,7 +189,11 @@ def _figures(found: Design) -> Iterator[Figure]:
 
 
 def _quantity(found: Design) -> tuple[str, str]:
-    return ("distance from the target, −|ln(f / target)|", "") if _is_frequency(found) else ("minimum margin", "")
+    return (
+        ("distance from the target, −|ln(f / target)|", "")
+        if _is_frequency(found)
+        else ("minimum margin", "")
+    )
 
 
 def _titled(found: Design) -> str:
@@ -167,7 +208,9 @@ def _axis(found: Design, place: int) -> Axis:
 
 def _marks(found: Design, x: np.ndarray, y: np.ndarray) -> tuple[Marks, ...]:
     picked = (
-        np.flatnonzero((found.values == found.picked).all(axis=1))[:1] if found.picked.size else np.zeros(0, dtype=int)
+        np.flatnonzero((found.values == found.picked).all(axis=1))[:1]
+        if found.picked.size
+        else np.zeros(0, dtype=int)
     )
     return (Marks("chosen", x[picked], y[picked], "star", "best"),) if picked.size else ()
 
@@ -179,10 +222,19 @@ def _curve(found: Design) -> Figure:
     symbol: Symbol | None = "disc" if found.rows[0] else None
     lines = (Line(_quantity(found)[0], x[at], y[at], "first", symbol=symbol),)
     broken = ~found.allowed & np.isfinite(y)
-    marks = (Marks("constraint violated", x[broken], y[broken], "cross", "unstable"),) if broken.any() else ()
+    marks = (
+        (Marks("constraint violated", x[broken], y[broken], "cross", "unstable"),)
+        if broken.any()
+        else ()
+    )
     level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
     panel = Panel(
-        _axis(found, 0), Axis(*_quantity(found)), lines, level, marks=(*marks, *_marks(found, x, y)), height=240.0
+        _axis(found, 0),
+        Axis(*_quantity(found)),
+        lines,
+        level,
+        marks=(*marks, *_marks(found, x, y)),
+        height=240.0,
     )
     return Figure("design_curve", f"{_titled(found)} over {found.figures[0].name}", (panel,))
 
@@ -191,17 +243,31 @@ def _rows(found: Design) -> Figure:
     """Of two figures, one with rows: a line for each of the rows, of which the best are drawn, over the other."""
     listed_at = 0 if found.rows[0] else 1
     other, row = found.values[:, 1 - listed_at], found.values[:, listed_at]
-    best = sorted(set(row.tolist()), key=lambda one: -np.nanmax(np.append(found.aims[row == one], -np.inf)))
+    best = sorted(
+        set(row.tolist()), key=lambda one: -np.nanmax(np.append(found.aims[row == one], -np.inf))
+    )
     lines = []
     for pen, one in enumerate(sorted(best[:MOST_ROWS])):
         at = np.flatnonzero(row == one)
         at = at[np.argsort(other[at], kind="stable")]
-        lines.append(Line(found.rows[listed_at][int(one)], other[at], found.aims[at], pen, symbol="disc"))
+        lines.append(
+            Line(found.rows[listed_at][int(one)], other[at], found.aims[at], pen, symbol="disc")
+        )
     shown = np.isin(row, best[:MOST_ROWS]) & ~found.allowed & np.isfinite(found.aims)
-    marks = (Marks("constraint violated", other[shown], found.aims[shown], "cross", "unstable"),) if shown.any() else ()
+    marks = (
+        (Marks("constraint violated", other[shown], found.aims[shown], "cross", "unstable"),)
+        if shown.any()
+        else ()
+    )
     level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
-    panel = Panel(_axis(found, 1 - listed_at), Axis(*_quantity(found)), tuple(lines), level,
-                  marks=(*marks, *_marks(found, other, found.aims)), height=260.0)  # fmt: skip
+    panel = Panel(
+        _axis(found, 1 - listed_at),
+        Axis(*_quantity(found)),
+        tuple(lines),
+        level,
+        marks=(*marks, *_marks(found, other, found.aims)),
+        height=260.0,
+    )
     rest = f" (the best {MOST_ROWS} of {len(best)})" if len(best) > MOST_ROWS else ""
     names = found.figures[1 - listed_at].name, found.figures[listed_at].name
     return Figure("design_rows", f"{_titled(found)} over {names[0]}, by {names[1]}{rest}", (panel,))
@@ -222,9 +288,19 @@ def _map(found: Design) -> Figure | None:
     if not known.size:
         return None
     cells = Cells(x, y, values, *_quantity(found), float(np.quantile(np.abs(known), 0.98)) or 1.0)
-    panel = Panel(_axis(found, 0), _axis(found, 1), tuple(_contours(found, cells, known)),
-                  marks=_marks(found, found.values[:, 0], found.values[:, 1]), cells=cells, height=300.0)  # fmt: skip
-    return Figure("design_map", f"{_titled(found)} over {found.figures[0].name} and {found.figures[1].name}", (panel,))
+    panel = Panel(
+        _axis(found, 0),
+        _axis(found, 1),
+        tuple(_contours(found, cells, known)),
+        marks=_marks(found, found.values[:, 0], found.values[:, 1]),
+        cells=cells,
+        height=300.0,
+    )
+    return Figure(
+        "design_map",
+        f"{_titled(found)} over {found.figures[0].name} and {found.figures[1].name}",
+        (panel,),
+    )
 
 
 def _contours(found: Design, cells: Cells, known: np.ndarray) -> Iterator[Line]:
@@ -251,8 +327,16 @@ def _front(found: Design) -> Figure:
         ("constraint violated", known & ~kept, "cross", "pale"),
     )
     marks = [Marks(words, x[at], y[at], symbol, pen) for words, at, symbol, pen in each if at.any()]
-    line = Line(f"best up to this {name}", found.front_amount, found.front_margin, "best", symbol="ring")
+    line = Line(
+        f"best up to this {name}", found.front_amount, found.front_margin, "best", symbol="ring"
+    )
     level = () if _is_frequency(found) else (Level("limit", 0.0, is_reached=True),)
-    panel = Panel(Axis(name, unit), Axis(*_quantity(found)), (line,), level,
-                  marks=(*marks, *_marks(found, x, y)), height=240.0)  # fmt: skip
+    panel = Panel(
+        Axis(name, unit),
+        Axis(*_quantity(found)),
+        (line,),
+        level,
+        marks=(*marks, *_marks(found, x, y)),
+        height=240.0,
+    )
     return Figure("design_front", f"{_titled(found)} against {name}, all candidates", (panel,))

@@ -47,7 +47,9 @@ def _one(findings: Findings, engine: EngineFound, place: int) -> Iterator[Block]
 def details(findings: Findings) -> Iterator[Block]:
     """Appendix of the full report: harmonics of a cylinder, and the sums of phasors."""
     engines = findings.get(Engines)
-    with_harmonics = [engine for engine in engines.each if engine.harmonics] if engines is not None else []
+    with_harmonics = (
+        [engine for engine in engines.each if engine.harmonics] if engines is not None else []
+    )
     if with_harmonics:
         yield Heading("Appendix: engine harmonics")
     for place, engine in enumerate(with_harmonics):
@@ -65,15 +67,22 @@ def _sheet(engine: EngineFound) -> Iterator[tuple[str, str]]:
     if engine.inertia:
         yield "Mean inertia of the moving masses of a cylinder", f"{given(engine.inertia)} kg m²"
     if engine.stress_modulus is not None:
-        yield "Minimum section modulus of journal and pin", f"{given(engine.stress_modulus * 1e9)} mm³"
+        yield (
+            "Minimum section modulus of journal and pin",
+            f"{given(engine.stress_modulus * 1e9)} mm³",
+        )
 
 
 def _cylinders(engine: EngineFound) -> Table:
-    rows = [(one.number, one.station, degrees(one.firing), one.state, 100 * one.share) for one in engine.cylinders]
+    rows = [
+        (one.number, one.station, degrees(one.firing), one.state, 100 * one.share)
+        for one in engine.cylinders
+    ]
     return table(
-        "< Cylinder | < Throw | Fires at [deg] | < State | Heat input / balanced cylinder [%]", rows,
+        "< Cylinder | < Throw | Fires at [deg] | < State | Heat input / balanced cylinder [%]",
+        rows,
         f"Cylinders of {engine.name}; crank angle from reference angle zero",
-    )  # fmt: skip
+    )
 
 
 def _balance(engine: EngineFound) -> Iterator[Block]:
@@ -81,7 +90,11 @@ def _balance(engine: EngineFound) -> Iterator[Block]:
     if engine.speed is not None and engine.mean_torque is not None:
         rows = [
             ("Mean torque", number(engine.mean_torque), "N m"),
-            ("Mean torque with equal firing of all cylinders", number(engine.balanced_torque), "N m"),
+            (
+                "Mean torque with equal firing of all cylinders",
+                number(engine.balanced_torque),
+                "N m",
+            ),
             ("Mean gas torque of a firing cylinder", number(engine.gas_mean), "N m"),
             ("Indicated mean effective pressure", _bar(engine.imep), "bar"),
             ("Indicated mean effective pressure of the gas data", _bar(engine.stated), "bar"),
@@ -89,7 +102,10 @@ def _balance(engine: EngineFound) -> Iterator[Block]:
         caption = f"Balance of mean torque of {engine.name} at {rpm(engine.speed)} rpm"
         yield table("< Quantity | Value | < Unit", [row for row in rows if row[1] != NONE], caption)
     if engine.speed is not None and engine.mean_torque is None:
-        yield Paragraph("The operation has no mean torque. The gas torque of the file applies at every speed.", "note")
+        yield Paragraph(
+            "The operation has no mean torque. The gas torque of the file applies at every speed.",
+            "note",
+        )
     for curve in engine.curves:
         if curve.stated is not None and curve.name.partition(" at ")[0] != "cycle":
             text = f"{curve.name}: imep of the diagram {_bar(curve.imep)} `bar`, stated {_bar(curve.stated)} `bar`."
@@ -99,11 +115,16 @@ def _balance(engine: EngineFound) -> Iterator[Block]:
         if abs(off) > SAME_LOAD:
             yield Paragraph(
                 f"The mean torque of the load needs {abs(100 * off):.3g} % {'more' if off > 0 else 'less'} mean "
-                "pressure than the gas data. The harmonics follow the load as in the data sheet.", "note",
-            )  # fmt: skip
+                "pressure than the gas data. The harmonics follow the load as in the data sheet.",
+                "note",
+            )
     idle = [one for one in engine.cylinders if one.state != "firing"]
     if idle:
-        rest = "the other cylinders compensate" if engine.keeps_power else "the mean torque decreases by their share"
+        rest = (
+            "the other cylinders compensate"
+            if engine.keeps_power
+            else "the mean torque decreases by their share"
+        )
         names = ", ".join(f"{one.number} ({one.state})" for one in idle)
         yield Paragraph(f"Cylinders without combustion: {names}; {rest}.")
 
@@ -114,7 +135,13 @@ def _bar(pressure: float | None) -> str:
 
 def _diagram(engine: EngineFound, place: int) -> Block:
     curves = [
-        (one.name.replace("`", ""), np.degrees(one.angle), one.pressure * BAR, one.motored * BAR, one.tangential * BAR)
+        (
+            one.name.replace("`", ""),
+            np.degrees(one.angle),
+            one.pressure * BAR,
+            one.motored * BAR,
+            one.tangential * BAR,
+        )
         for one in engine.curves
     ]
     caption = f"Pressure of a cylinder of {engine.name}, and tangential pressure of its gas (torque / A r)"
@@ -126,15 +153,24 @@ def _harmonics(engine: EngineFound) -> Table:
     rows = []
     largest = max(abs(one.total) for one in engine.harmonics)
     for one in engine.harmonics:
-        rows.append((
-            order(one.order), *_polar(one.gas, largest), *_polar(one.masses, largest), *_polar(one.total, largest),
-            None if one.tangential is None else one.tangential * BAR,
-        ))  # fmt: skip
+        rows.append(
+            (
+                order(one.order),
+                *_polar(one.gas, largest),
+                *_polar(one.masses, largest),
+                *_polar(one.total, largest),
+                None if one.tangential is None else one.tangential * BAR,
+            )
+        )
     at = "" if engine.speed is None else f" at {rpm(engine.speed)} rpm"
     each = "amplitude [N m] | phase [deg]"
     titles = f"Order | Gas, {each} | Masses, {each} | Sum, {each} | Sum, tangential [bar]"
     load = "" if engine.gas_mean is None else f" and {number(engine.gas_mean)} N m mean gas torque"
-    return table(titles, rows, f"Harmonics of a firing cylinder of {engine.name}{at}{load}; phase at its firing TDC")
+    return table(
+        titles,
+        rows,
+        f"Harmonics of a firing cylinder of {engine.name}{at}{load}; phase at its firing TDC",
+    )
 
 
 def _polar(value: complex, largest: float) -> tuple[str, str]:
@@ -146,9 +182,10 @@ def _polar(value: complex, largest: float) -> tuple[str, str]:
 def _spectrum(engine: EngineFound, place: int) -> Block:
     orders = np.array([float(one.order) for one in engine.harmonics])
     parts = {
-        "sum": [one.total for one in engine.harmonics], "gas": [one.gas for one in engine.harmonics],
+        "sum": [one.total for one in engine.harmonics],
+        "gas": [one.gas for one in engine.harmonics],
         "masses": [one.masses for one in engine.harmonics],
-    }  # fmt: skip
+    }
     sizes = [(words, np.abs(np.array(values))) for words, values in parts.items()]
     caption = f"Harmonics of the torque of a firing cylinder of {engine.name}"
     return engine_curves.harmonics(f"engine-{place + 1}-harmonics", caption, orders, sizes, "N m")
@@ -163,15 +200,20 @@ def _sums(engine: EngineFound) -> Table:
         return "major" if one.rigid > (1.0 - SMALL) * whole else ""
 
     rows = [
-        (order(one.order), *(number(settled(value, whole)) for value in (one.rigid, *one.by_mode)), mark(one))
+        (
+            order(one.order),
+            *(number(settled(value, whole)) for value in (one.rigid, *one.by_mode)),
+            mark(one),
+        )
         for one in engine.harmonics
     ]
     named = "".join(f" | {word.capitalize()} mode" for word in MODES[:modes])
     return table(
-        f"Order | Rigid{named} | < ", rows,
+        f"Order | Rigid{named} | < ",
+        rows,
         f"Sums of phasors over the cylinders of {engine.name}; by mode, weighted with the angle of the throws / its "
         "maximum",
-    )  # fmt: skip
+    )
 
 
 def varying(engine: EngineFound | CompressorFound) -> Iterator[Block]:
@@ -189,11 +231,18 @@ def varying(engine: EngineFound | CompressorFound) -> Iterator[Block]:
         )
         return
     rows = [
-        (one.mode, one.harmonic, 100 * one.share, one.lower * RPM, one.upper * RPM,
-         NONE if one.damping is None else number(100 * one.damping), 25 * one.share,
-         "stable" if one.is_stable else "check")
+        (
+            one.mode,
+            one.harmonic,
+            100 * one.share,
+            one.lower * RPM,
+            one.upper * RPM,
+            NONE if one.damping is None else number(100 * one.damping),
+            25 * one.share,
+            "stable" if one.is_stable else "check",
+        )
         for one in listed
-    ]  # fmt: skip
+    ]
     yield Paragraph(
         "The inertia of crank and rod varies over the revolution; the analyses use its mean. If a harmonic of the "
         "variation has twice the frequency of a mode, divided by a whole number, the undamped mode is unstable "
@@ -203,5 +252,6 @@ def varying(engine: EngineFound | CompressorFound) -> Iterator[Block]:
     yield table(
         "Mode | Harmonic of the revolution | Variation [%] | From [rpm] | To [rpm] | Damping ratio of the mode [%] | "
         "Required damping ratio [%] | < Estimate",
-        rows, f"Varying inertia of {engine.name}: speed ranges of parametric instability of an undamped mode",
-    )  # fmt: skip
+        rows,
+        f"Varying inertia of {engine.name}: speed ranges of parametric instability of an undamped mode",
+    )

@@ -31,8 +31,13 @@ def misfires(findings: Findings, engine: EngineFound, place: int) -> Iterator[Bl
     yield _by_element(engine, each, unit)
     speed = engine.misfires[0].speed * RPM
     for drawn, element in enumerate(_drawn(engine, each)):
-        curves = [(_named(case), element.largest(case.half_range) * unit.factor) for case in engine.misfires]
-        caption = f"Vibratory torque in {element.name} with misfire of one cylinder of {engine.name}"
+        curves = [
+            (_named(case), element.largest(case.half_range) * unit.factor)
+            for case in engine.misfires
+        ]
+        caption = (
+            f"Vibratory torque in {element.name} with misfire of one cylinder of {engine.name}"
+        )
         name = f"engine-{place + 1}-misfires-{drawn + 1}"
         yield engine_curves.misfires(name, caption, speed, curves[:MOST_CURVES], unit.unit)
 
@@ -56,7 +61,9 @@ def _worst(engine: EngineFound, element: Element) -> MisfireFound:
 
 def _by_element(engine: EngineFound, each: list[Element], unit: Scale) -> Table:
     """Return the worst misfire of every element, with the nominal stress of crank spans."""
-    has_stress = engine.stress_modulus is not None and any(element.kind == "crank" for element in each)
+    has_stress = engine.stress_modulus is not None and any(
+        element.kind == "crank" for element in each
+    )
     rows = []
     for element in each:
         normal, bad = engine.misfires[0], _worst(engine, element)
@@ -66,15 +73,24 @@ def _by_element(engine: EngineFound, each: list[Element], unit: Scale) -> Table:
         stress = []
         if has_stress:
             modulus = engine.stress_modulus if element.kind == "crank" else None
-            stress = [NONE if modulus is None else number(float(torque.max()) / modulus * N_PER_MM2)]
-        rows.append((
-            element.name, *worst(normal_torque, normal.speed, unit), *worst(torque, bad.speed, unit),
-            f"no. {bad.cylinder}", ratio, *stress,
-        ))  # fmt: skip
+            stress = [
+                NONE if modulus is None else number(float(torque.max()) / modulus * N_PER_MM2)
+            ]
+        rows.append(
+            (
+                element.name,
+                *worst(normal_torque, normal.speed, unit),
+                *worst(torque, bad.speed, unit),
+                f"no. {bad.cylinder}",
+                ratio,
+                *stress,
+            )
+        )
     return table(
         f"< Component -> | All firing [{unit.unit}] -> all firing, {unit.unit} | Speed [rpm] | "
         f"Worst misfire [{unit.unit}] -> worst misfire, {unit.unit} | Speed [rpm] -> rpm | < Cylinder -> | "
         "Ratio" + " | Nominal stress, worst misfire [N/mm²]" * has_stress,
-        rows, f"Misfire of one cylinder of {engine.name}: maximum total vibratory torque of every component",
+        rows,
+        f"Misfire of one cylinder of {engine.name}: maximum total vibratory torque of every component",
         short=f"Misfire of one cylinder of {engine.name}",
-    )  # fmt: skip
+    )

@@ -16,7 +16,17 @@ from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import NONE, RPM, Scale, counted, distinct_texts, number, order, rpm, scale
+from torsion.output.numbers import (
+    NONE,
+    RPM,
+    Scale,
+    counted,
+    distinct_texts,
+    number,
+    order,
+    rpm,
+    scale,
+)
 from torsion.output.reported_values import (
     amplitude,
     rated_rpm,
@@ -74,34 +84,47 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if found.others is not None:
         yield Paragraph(
             "At some peaks the equations have several periodic motions. The approach to the speed decides which one "
-            "occurs; an unstable motion does not persist. Curves and tables show the motion called `reported`.", "note"
-        )  # fmt: skip
+            "occurs; an unstable motion does not persist. Curves and tables show the motion called `reported`.",
+            "note",
+        )
         yield table(
             "Speed [rpm] | < Motion | Maximum torque amplitude [N m] | Order | < in | Growth rate [1/s]",
             _motions(findings, found, found.others),
             "Periodic motions found at the same speed, at the highest peaks",
         )
     if rows:
-        unit = scale("N m", [point[0] for row in rows for point in (row.first or row.exact, row.exact)])
+        unit = scale(
+            "N m", [point[0] for row in rows for point in (row.first or row.exact, row.exact)]
+        )
         yield _table(findings, rows, unit)
         size: dict[Element, float] = {}
         for row in rows:
             size[row.element] = max(row.exact[0], size.get(row.element, row.exact[0]))
-        yield from (_figure(findings, element) for element in worth_a_figure(findings, size, MOST_FIGURES))
+        yield from (
+            _figure(findings, element) for element in worth_a_figure(findings, size, MOST_FIGURES)
+        )
 
 
 def _introduction(findings: Findings, found: PeriodicResponse) -> Paragraph:
     known = found.truncation[np.isfinite(found.truncation)]
     harmonics = int(found.harmonics.max(initial=0))
-    kept = f"up to {harmonics} harmonics of the common period" if harmonics else "no periodic motion at any of them"
+    kept = (
+        f"up to {harmonics} harmonics of the common period"
+        if harmonics
+        else "no periodic motion at any of them"
+    )
     text = f"{MODEL} {counted(found.speed.size, 'speed')}, {kept}"
     if known.size:
-        text += f"; estimated maximum omitted harmonic: {number(float(known.max()), 2)} of the largest"
+        text += (
+            f"; estimated maximum omitted harmonic: {number(float(known.max()), 2)} of the largest"
+        )
     if np.isfinite(found.drive).any():
         least, most = number(float(np.nanmin(found.drive))), number(float(np.nanmax(found.drive)))
         text += f"; mean torque of the drive {least} to {most} N m"
     left_out = any(line.order is None for line in findings.need(Response).lines)
-    return Paragraph(text + "." + (" Torques of fixed frequency are not included." if left_out else ""))
+    return Paragraph(
+        text + "." + (" Torques of fixed frequency are not included." if left_out else "")
+    )
 
 
 def _flagged(found: PeriodicResponse) -> BoolArray:
@@ -116,8 +139,11 @@ def _flagged_table(found: PeriodicResponse, bad: Sequence[int]) -> Table:
         k = shown[place]
         unstable = bool(found.is_unstable[k])
         growth = NONE if found.growth is None else number(float(found.growth[k]), 3)
-        why = found.why[k] or ("unstable: the train does not settle in this motion" if unstable else
-                               "more harmonics would be needed")  # fmt: skip
+        why = found.why[k] or (
+            "unstable: the train does not settle in this motion"
+            if unstable
+            else "more harmonics would be needed"
+        )
         state = WORDS[found.status[k]] + (", unstable" if unstable else "")
         rows.append((speed, state, growth, number(float(found.truncation[k]), 2), why))
         marks.append("fail" if unstable or found.why[k] else "note")
@@ -130,18 +156,30 @@ def _flagged_table(found: PeriodicResponse, bad: Sequence[int]) -> Table:
     )
 
 
-def _motions(findings: Findings, found: PeriodicResponse, others: PeriodicResponse) -> Iterator[tuple[str, ...]]:
+def _motions(
+    findings: Findings, found: PeriodicResponse, others: PeriodicResponse
+) -> Iterator[tuple[str, ...]]:
     """Every motion at the speeds at which several were found, by its largest amplitude, the reported one first."""
     for speed in np.unique(others.speed).tolist():
         here = [("reported", found, int(np.flatnonzero(found.speed == speed)[0]))]
         here += [("another", others, k) for k in np.flatnonzero(others.speed == speed).tolist()]
         for name, motion, row in here:
-            size = {e: np.abs(motion.torque[row][:, list(e.spans)]).max(axis=1) for e in elements(findings.system)}
+            size = {
+                e: np.abs(motion.torque[row][:, list(e.spans)]).max(axis=1)
+                for e in elements(findings.system)
+            }
             element = max(size, key=lambda one: float(size[one].max()))
             rank = int(size[element].argmax())
             growth = NONE if motion.growth is None else number(float(motion.growth[row]), 3)
             torque, where = number(float(size[element][rank])), element.name
-            yield rpm(float(motion.speed[row])), name, torque, order(motion.orders[rank]), where, growth
+            yield (
+                rpm(float(motion.speed[row])),
+                name,
+                torque,
+                order(motion.orders[rank]),
+                where,
+                growth,
+            )
 
 
 def _table(findings: Findings, compared: tuple[Compared, ...], unit: Scale) -> Table:
@@ -173,10 +211,16 @@ def _table(findings: Findings, compared: tuple[Compared, ...], unit: Scale) -> T
 
 def _figure(findings: Findings, element: Element) -> Figure:
     """At the orders of the joints and twice them: of two cross joints 2 and 4."""
-    response, found, system = findings.need(Response), findings.need(PeriodicResponse), findings.system
+    response, found, system = (
+        findings.need(Response),
+        findings.need(PeriodicResponse),
+        findings.system,
+    )
     first, exact = amplitude(findings, element.spans), exact_amplitude(findings, element.spans)
     unit, lines = torques([exact]), [line.order for line in response.lines]
-    joints = {n * system.stations[span.driving].ratio for span in system.spans for n, _ in span.error}
+    joints = {
+        n * system.stations[span.driving].ratio for span in system.spans for n, _ in span.error
+    }
     pairs = [
         (
             f"order {order(n)}",
@@ -186,13 +230,22 @@ def _figure(findings: Findings, element: Element) -> Figure:
         for n in sorted({n * order for order in joints for n in (1, 2)})[:MOST_ORDERS]
         if n in found.orders
     ]
-    return of_torsion(findings, curves_over_speed.periodic(
-        f"periodic-{element.part}-{element.spans[0]}",
-        f"Torque in {element.name}, orders of the joints, both methods", first_speed=response.speed * RPM,
-        speed=found.speed * RPM, lines=pairs, unit=unit.unit, none=found.status == Found.NONE,
-        coarse=found.status == Found.COARSE, grows=found.is_unstable, unstable=unstable_rpm(findings),
-        rated=rated_rpm(findings),
-    ))  # fmt: skip
+    return of_torsion(
+        findings,
+        curves_over_speed.periodic(
+            f"periodic-{element.part}-{element.spans[0]}",
+            f"Torque in {element.name}, orders of the joints, both methods",
+            first_speed=response.speed * RPM,
+            speed=found.speed * RPM,
+            lines=pairs,
+            unit=unit.unit,
+            none=found.status == Found.NONE,
+            coarse=found.status == Found.COARSE,
+            grows=found.is_unstable,
+            unstable=unstable_rpm(findings),
+            rated=rated_rpm(findings),
+        ),
+    )
 
 
 def exact_amplitude(findings: Findings, spans: Sequence[int]) -> FloatArray:
@@ -219,7 +272,11 @@ def compared(findings: Findings) -> tuple[Compared, ...]:
     if findings.get(Response) is None or findings.get(PeriodicResponse) is None:
         return ()
     nothing = rounding(findings)
-    return tuple(row for element in elements(findings.system) for row in _compared(findings, element, nothing))
+    return tuple(
+        row
+        for element in elements(findings.system)
+        for row in _compared(findings, element, nothing)
+    )
 
 
 def _compared(findings: Findings, element: Element, nothing: FloatArray) -> Iterator[Compared]:
@@ -232,7 +289,9 @@ def _compared(findings: Findings, element: Element, nothing: FloatArray) -> Iter
         return
     if None not in orders:
         half = without(exact_half_range(findings, spans), here)
-        yield Compared(element, None, _largest(without(synthesis(findings, spans), here)), _largest_found(half))
+        yield Compared(
+            element, None, _largest(without(synthesis(findings, spans), here)), _largest_found(half)
+        )
     for k, one in enumerate(findings.need(PeriodicResponse).orders):
         mine = None if one not in orders else _largest(first[:, orders.index(one)])
         found = _largest_found(without(exact[:, k], here))
@@ -258,7 +317,11 @@ def first_order_judged(findings: Findings) -> str:
         return ""
     together = [row for row in rows if row.order is None] or rows
     text = "The rules judge the first-order response, not the exact periodic response."
-    worst = max((row for row in together if np.isfinite(row.excess)), key=lambda row: row.excess, default=None)
+    worst = max(
+        (row for row in together if np.isfinite(row.excess)),
+        key=lambda row: row.excess,
+        default=None,
+    )
     if worst is None or worst.first is None:
         return text
     response, exact = findings.need(Response), findings.need(PeriodicResponse)

@@ -31,7 +31,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(f"Throws of {compressors}: see the chapter on compressors.")
     if angled:
         names = listed([f"{mesh.name} (order {mesh.error[0][0]})" for mesh in angled])
-        yield Paragraph(f"Joints that excite the train, with the order of their driving shaft: {names}.")
+        yield Paragraph(
+            f"Joints that excite the train, with the order of their driving shaft: {names}."
+        )
     if response is not None and response.lines:
         yield _lines(findings, response)
 
@@ -42,12 +44,18 @@ def _torques(findings: Findings) -> Table:
     for torque, size in zip(_plain(findings), sizes, strict=True):
         station, own = findings.system.stations[torque.station], torque.order
         frequency = "all requested" if torque.frequency is None else given(torque.frequency)
-        rows.append((
-            torque.name, order(own), order(None if own is None else own * station.ratio),
-            NONE if own is not None else frequency, _amplitude(torque), unit.text(size),
-            degrees(torque.phase),
-            torque.source or NOT_STATED,
-        ))  # fmt: skip
+        rows.append(
+            (
+                torque.name,
+                order(own),
+                order(None if own is None else own * station.ratio),
+                NONE if own is not None else frequency,
+                _amplitude(torque),
+                unit.text(size),
+                degrees(torque.phase),
+                torque.source or NOT_STATED,
+            )
+        )
     return table(
         "< Component | Order, own shaft | Order, reference | Frequency [Hz] | < Amplitude as given | "
         f"Amplitude at rated speed [{unit.unit}] | Phase [deg] | < Source",
@@ -69,8 +77,16 @@ def _at_rated(findings: Findings) -> list[float | None]:
         return [None if one.of_mean or one.table or one.mesh else one.torque for one in every]
     found: list[float | None] = []
     for one in every:
-        is_known = one.mesh is None and _reaches(findings, one, speed) and (mean is not None or not one.of_mean)
-        found.append(float(np.abs(amplitude(findings.system, one, np.array([speed]), mean))[0]) if is_known else None)
+        is_known = (
+            one.mesh is None
+            and _reaches(findings, one, speed)
+            and (mean is not None or not one.of_mean)
+        )
+        found.append(
+            float(np.abs(amplitude(findings.system, one, np.array([speed]), mean))[0])
+            if is_known
+            else None
+        )
     return found
 
 
@@ -86,7 +102,12 @@ def _amplitude(torque: Torque) -> str:
         return f"{number(1e6 * torque.mesh[1])} µrad of the driving gear"
     if torque.table:
         unit = scale("N m", [t for _, t in torque.table])
-        words.append("; ".join(f"{given(t * unit.factor)} {unit.unit} at {given_rpm(n)} rpm" for n, t in torque.table))
+        words.append(
+            "; ".join(
+                f"{given(t * unit.factor)} {unit.unit} at {given_rpm(n)} rpm"
+                for n, t in torque.table
+            )
+        )
     if torque.torque or not (torque.of_mean or torque.table):
         unit = scale("N m", [torque.torque])
         words.append(f"{given(torque.torque * unit.factor)} {unit.unit}")

@@ -36,19 +36,26 @@ def chapter(findings: Findings) -> Iterator[Block]:
         yield Paragraph(NOTCHES)
     rows = [
         (
-            one.shaft, one.words, number(1e3 * one.radius, 4), number(1e3 * one.diameter, 5),
-            NONE if one.larger is None else number(1e3 * one.larger, 5), number(one.factor, 4),
+            one.shaft,
+            one.words,
+            number(1e3 * one.radius, 4),
+            number(1e3 * one.diameter, 5),
+            NONE if one.larger is None else number(1e3 * one.larger, 5),
+            number(one.factor, 4),
             NONE if one.error is None else number(100.0 * one.error, 2),
-            NONE if one.peterson is None else number(one.peterson, 4), *_under_load(one),
+            NONE if one.peterson is None else number(one.peterson, 4),
+            *_under_load(one),
         )
         for one in found
-    ]  # fmt: skip
+    ]
     yield table(
         "< Shaft | < Detail | Radius [mm] | d [mm] | D [mm] | K_{t} | Error of K_{t} [%] | Peterson | "
         "Nominal [N/mm²] | Peak [N/mm²] | Speed [rpm] | Endurance limit [N/mm²] -> endurance | Utilisation [%]",
         rows,
         "Shear stress in fillets and notches",
-        marks=["fail" if one.utilisation is not None and one.utilisation > 1.0 else "" for one in found],
+        marks=[
+            "fail" if one.utilisation is not None and one.utilisation > 1.0 else "" for one in found
+        ],
     )
 
 
@@ -57,4 +64,9 @@ def _under_load(one: Fillet) -> tuple[str, ...]:
     stress = (NONE if value is None else number(1e-6 * value, 4) for value in values)
     speed = NONE if one.speed is None else rpm(one.speed)
     endures = NONE if one.endurance is None else number(1e-6 * one.endurance, 4)
-    return *stress, speed, endures, NONE if one.utilisation is None else number(100.0 * one.utilisation, 4)
+    return (
+        *stress,
+        speed,
+        endures,
+        NONE if one.utilisation is None else number(100.0 * one.utilisation, 4),
+    )

@@ -22,7 +22,13 @@ from torsion.output.figures.speed_range import speed_range
 from torsion.output.headline import box, case_name, judged, worst
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import RPM, symbols
-from torsion.output.reported_values import barred_rpm, rated_rpm, reference, unreliable, unstable_rpm
+from torsion.output.reported_values import (
+    barred_rpm,
+    rated_rpm,
+    reference,
+    unreliable,
+    unstable_rpm,
+)
 from torsion.output.station_layout import layout
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Checks
@@ -51,10 +57,13 @@ def _train(findings: Findings) -> tuple[Sketch, str]:
     checks = _checks_of_parts(findings)
     links = tuple(_used(findings, link, checks) for link in found.links)
     discs = tuple(
-        replace(disc, label=parts[int(disc.label.split()[0]) - 1].name if disc.label else "") for disc in found.discs
+        replace(disc, label=parts[int(disc.label.split()[0]) - 1].name if disc.label else "")
+        for disc in found.discs
     )
     pointed = _pointed_at(findings, links, is_whole=not joining)
-    return Sketch(discs, links, pointed, HEIGHT, _beside(findings, found, checks) if joining else ()), joining
+    return Sketch(
+        discs, links, pointed, HEIGHT, _beside(findings, found, checks) if joining else ()
+    ), joining
 
 
 def _beside(findings: Findings, drawn: Sketch, checks: dict[int, list[Check]]) -> tuple[str, ...]:
@@ -62,26 +71,45 @@ def _beside(findings: Findings, drawn: Sketch, checks: dict[int, list[Check]]) -
     parts, place = findings.study.train.parts, layout(findings.system)
     shown = {part for link in drawn.links for part in link.parts}
     shown.update(int(disc.label.split()[0]) - 1 for disc in drawn.discs if disc.label)
-    worst = {part: min(every, key=check_words.rank) for part, every in checks.items() if part not in shown}
-    bad = sorted((part for part, one in worst.items() if one.fails), key=lambda part: check_words.rank(worst[part]))
+    worst = {
+        part: min(every, key=check_words.rank)
+        for part, every in checks.items()
+        if part not in shown
+    }
+    bad = sorted(
+        (part for part, one in worst.items() if one.fails),
+        key=lambda part: check_words.rank(worst[part]),
+    )
     stated = [
         f"{check_words.use(worst[part]).words}: {parts[part].name}, "
-        + ("on a branch that is not drawn" if place.row[parts[part].stations[-1]] else "drawn together with others")
+        + (
+            "on a branch that is not drawn"
+            if place.row[parts[part].stations[-1]]
+            else "drawn together with others"
+        )
         for part in bad
         if parts[part].stations
     ]
     more = len(stated) - MOST_BESIDE
-    return tuple(stated if more <= 0 else [*stated[:MOST_BESIDE], f"✗ {more} more components with a failed check"])
+    return tuple(
+        stated
+        if more <= 0
+        else [*stated[:MOST_BESIDE], f"✗ {more} more components with a failed check"]
+    )
 
 
-def _pointed_at(findings: Findings, links: tuple[Link, ...], *, is_whole: bool) -> tuple[Place, Use] | None:
+def _pointed_at(
+    findings: Findings, links: tuple[Link, ...], *, is_whole: bool
+) -> tuple[Place, Use] | None:
     """The place of the worst check, and its words; None where it is no single place, or has no share."""
     check = worst(findings)
     place = None if check is None else _place(findings, links, check, is_whole=is_whole)
     if check is None or place is None or (check.utilisation is None and not check.fails):
         return None
     title, found = "worst" if check.fails else "largest", check_words.use(check)
-    return place, replace(found, words=f"{title}: {found.words.partition(' ')[2]}, {symbols(check.clause)}")
+    return place, replace(
+        found, words=f"{title}: {found.words.partition(' ')[2]}, {symbols(check.clause)}"
+    )
 
 
 def _part_of(findings: Findings) -> dict[str, int]:
@@ -118,7 +146,9 @@ def _used(findings: Findings, link: Link, checks: dict[int, list[Check]]) -> Lin
     return replace(link, label=name if used else "", use=used)
 
 
-def _place(findings: Findings, links: tuple[Link, ...], check: Check, *, is_whole: bool) -> Place | None:
+def _place(
+    findings: Findings, links: tuple[Link, ...], check: Check, *, is_whole: bool
+) -> Place | None:
     """x and row of what a check is about; None where that is no single place, or a point of a joined sketch."""
     part = next(iter(_about(check, _part_of(findings))), None)
     if part is None:
@@ -127,7 +157,11 @@ def _place(findings: Findings, links: tuple[Link, ...], check: Check, *, is_whol
         if part in link.parts:
             return (link.start[0] + link.end[0]) / 2, link.end[1]
     stations, place = findings.study.train.parts[part].stations, layout(findings.system)
-    return (float(place.x[stations[0]]), float(place.row[stations[0]])) if stations and is_whole else None
+    return (
+        (float(place.x[stations[0]]), float(place.row[stations[0]]))
+        if stations and is_whole
+        else None
+    )
 
 
 def _speeds(findings: Findings) -> Iterator[Figure]:
@@ -138,19 +172,36 @@ def _speeds(findings: Findings) -> Iterator[Figure]:
     response, unknown = findings.get(Response), tuple[Band, ...]()
     if response is not None and np.any(unreliable(findings)):
         _, unknown = unanswered(response.speed * RPM, unreliable(findings))
-    critical = [(one.speed * RPM, one.line.named().partition(" (")[0]) for one in strongest(findings)]
+    critical = [
+        (one.speed * RPM, one.line.named().partition(" (")[0]) for one in strongest(findings)
+    ]
     bars, unstable = barred_rpm(findings), unstable_rpm(findings)
-    ranges = listed([kind for kind, found in (("barred", bars), ("unstable", unstable)) if len(found)])
+    ranges = listed(
+        [kind for kind, found in (("barred", bars), ("unstable", unstable)) if len(found)]
+    )
     several = f"{len(critical)} critical speeds" if len(critical) > 1 else "critical speed"
     largest = several if response is None else f"{several} with the largest torque"
     restricted = f"{ranges} range{'s' * (len(bars) + len(unstable) > 1)}"
-    each = ((restricted, ranges), ("ranges without a reliable response", unknown), (largest, critical))
+    each = (
+        (restricted, ranges),
+        ("ranges without a reliable response", unknown),
+        (largest, critical),
+    )
     drawn = [words for words, is_there in each if is_there]
     caption = f"Operating speeds of {reference(findings)}" + (f": {listed(drawn)}" if drawn else "")
-    yield of_torsion(findings, speed_range(
-        "speeds", caption, speeds=(speeds.first * RPM, speeds.last * RPM), rated=rated_rpm(findings),
-        barred=bars, unstable=unstable, unknown=unknown, critical=critical,
-    ))  # fmt: skip
+    yield of_torsion(
+        findings,
+        speed_range(
+            "speeds",
+            caption,
+            speeds=(speeds.first * RPM, speeds.last * RPM),
+            rated=rated_rpm(findings),
+            barred=bars,
+            unstable=unstable,
+            unknown=unknown,
+            critical=critical,
+        ),
+    )
 
 
 def strongest(findings: Findings) -> list[CriticalSpeed]:
@@ -163,13 +214,19 @@ def strongest(findings: Findings) -> list[CriticalSpeed]:
 
 def _strength(findings: Findings, response: Response | None, critical: CriticalSpeed) -> float:
     """The largest torque of the order at the computed speed next to a critical one, referred, N m."""
-    lines = [] if response is None else [k for k, line in enumerate(response.lines) if line.order == critical.order]
+    lines = (
+        []
+        if response is None
+        else [k for k, line in enumerate(response.lines) if line.order == critical.order]
+    )
     if response is None or not lines:
         return 0.0
     at = int(np.argmin(np.abs(response.speed - critical.speed)))
     if response.status[at, lines[0]] != Status.OK:
         return float("inf")
-    return float((np.abs(response.torque[at, lines[0]]) * findings.system.span_ratio).max(initial=0.0))
+    return float(
+        (np.abs(response.torque[at, lines[0]]) * findings.system.span_ratio).max(initial=0.0)
+    )
 
 
 def _shares(findings: Findings) -> Iterator[Figure]:
@@ -184,10 +241,16 @@ def _shares(findings: Findings) -> Iterator[Figure]:
         return
     shares = tuple(
         Share(
-            row.check.where, symbols(row.check.clause) + f" ({row.worst})" * bool(row.worst),
-            np.inf if row.check.utilisation is None else row.check.utilisation, check_words.use(row.check),
+            row.check.where,
+            symbols(row.check.clause) + f" ({row.worst})" * bool(row.worst),
+            np.inf if row.check.utilisation is None else row.check.utilisation,
+            check_words.use(row.check),
         )
         for row in rows[:MOST_SHARES]
-    )  # fmt: skip
-    few = f"the {MOST_SHARES} worst of {len(rows)} checks" if len(rows) > MOST_SHARES else "worst first"
+    )
+    few = (
+        f"the {MOST_SHARES} worst of {len(rows)} checks"
+        if len(rows) > MOST_SHARES
+        else "worst first"
+    )
     yield Figure("shares", f"Utilisation of the limits, {few}", (Shares(shares),))

@@ -37,7 +37,11 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(_agreement(found))
     if found.others:
         rows = [(one.words, number(one.chi2, 3), number(one.prior_chi2, 3)) for one in found.others]
-        yield table("< Parameters | Chi2 | Squared shifts", rows, "Other solutions that agree nearly as well")
+        yield table(
+            "< Parameters | Chi2 | Squared shifts",
+            rows,
+            "Other solutions that agree nearly as well",
+        )
     if found.modes:
         yield _modes(found)
     for place, curve in enumerate(found.curves, start=1):
@@ -50,12 +54,18 @@ def chapter(findings: Findings) -> Iterator[Block]:
 
 def conclusion(found: Fit) -> Paragraph:
     """How model and measurements agree, for the verdict."""
-    outside = [f"mode {one.mode} at {number(one.measured, 5)} Hz" for one in found.modes if one.is_outside]
+    outside = [
+        f"mode {one.mode} at {number(one.measured, 5)} Hz" for one in found.modes if one.is_outside
+    ]
     words = f" Measured outside its band: {', '.join(outside)}." if outside else ""
     if found.others:
-        several = f"{counted(len(found.others), 'other solution')} agree{'s' * (len(found.others) == 1)}"
+        several = (
+            f"{counted(len(found.others), 'other solution')} agree{'s' * (len(found.others) == 1)}"
+        )
         words += f" {several} nearly as well (chapter Fit)."
-    return Paragraph(f"Fit to measurements: {_agreement(found)}{words}", "fail" if found.fails else "note")
+    return Paragraph(
+        f"Fit to measurements: {_agreement(found)}{words}", "fail" if found.fails else "note"
+    )
 
 
 def _agreement(found: Fit) -> str:
@@ -76,34 +86,50 @@ def _agreement(found: Fit) -> str:
 def _figures(found: Fit) -> Block:
     rows = [
         (
-            one.name, one.given, one.fitted, number(one.factor), number(one.lower), number(one.upper),
-            number(100.0 * one.prior, 3), number(100.0 * one.deviation, 3), number(one.shift, 2),
+            one.name,
+            one.given,
+            one.fitted,
+            number(one.factor),
+            number(one.lower),
+            number(one.upper),
+            number(100.0 * one.prior, 3),
+            number(100.0 * one.deviation, 3),
+            number(one.shift, 2),
             number(100.0 * one.from_data, 3),
         )
         for one in found.figures
-    ]  # fmt: skip
+    ]
     return table(
         "< Parameter -> | < Nominal -> | < Fitted -> | Factor | 95 % from -> from | 95 % to -> to | "
         "Deviation before [%] | Deviation after [%] -> ± % | Shift, in deviations | Identified [%]",
-        rows, "Updated parameters (identified: share of the information from the measurements)",
+        rows,
+        "Updated parameters (identified: share of the information from the measurements)",
         short="Updated parameters",
-    )  # fmt: skip
+    )
 
 
 def _modes(found: Fit) -> Block:
     rows = [
         (
-            one.mode, number(one.measured, 6), number(100.0 * one.within, 3), number(one.lower, 6),
-            number(one.upper, 6), number(one.before, 6), number(one.after, 6), number(one.residual, 2),
+            one.mode,
+            number(one.measured, 6),
+            number(100.0 * one.within, 3),
+            number(one.lower, 6),
+            number(one.upper, 6),
+            number(one.before, 6),
+            number(one.after, 6),
+            number(one.residual, 2),
             "OUTSIDE its band" if one.is_outside else "" if one.is_given else "paired by its band",
         )
         for one in found.modes
-    ]  # fmt: skip
+    ]
     return table(
         "Mode -> | Measured [Hz] -> measured, Hz | Deviation [%] -> ± % | Band from [Hz] | Band to [Hz] | "
         "Before the fit [Hz] -> before | Fitted [Hz] -> fitted | Residual, in deviations -> residual | < Remark ->",
-        rows, "Measured natural frequencies", short="Measured natural frequencies",
-    )  # fmt: skip
+        rows,
+        "Measured natural frequencies",
+        short="Measured natural frequencies",
+    )
 
 
 def _scale(curve: FittedCurve) -> Scale:
@@ -113,38 +139,57 @@ def _scale(curve: FittedCurve) -> Scale:
 
 
 def _title(findings: Findings, curve: FittedCurve) -> str:
-    what = {"angle": "angular amplitude", "speed": "amplitude of the speed", "torque": "amplitude of the torque"}
-    return f"{what[curve.quantity]} at {curve.at}, order {order(curve.order)} of {reference(findings)}"
+    what = {
+        "angle": "angular amplitude",
+        "speed": "amplitude of the speed",
+        "torque": "amplitude of the torque",
+    }
+    return (
+        f"{what[curve.quantity]} at {curve.at}, order {order(curve.order)} of {reference(findings)}"
+    )
 
 
 def _drawn(findings: Findings, curve: FittedCurve, place: int) -> Figure:
     size = _scale(curve)
     x = curve.curve_speed * RPM
     panel = Panel(
-        Axis("speed", "rpm"), Axis(f"amplitude of {curve.quantity}", size.unit, low=0.0),
+        Axis("speed", "rpm"),
+        Axis(f"amplitude of {curve.quantity}", size.unit, low=0.0),
         (
             Line("fitted", x, curve.curve_after * size.factor, 0, weight=1.5),
             Line("before the fit", x, curve.curve_before * size.factor, 1),
         ),
         marks=(Marks("measured", curve.speed * RPM, curve.measured * size.factor, "cross"),),
-    )  # fmt: skip
+    )
     return Figure(f"fit_{place}", f"Measured and computed {_title(findings, curve)}", (panel,))
 
 
 def _points(findings: Findings, curve: FittedCurve) -> Block:
-    size, shown, varies = _scale(curve), np.arange(curve.speed.size), bool((curve.deviation > curve.within).any())
+    size, shown, varies = (
+        _scale(curve),
+        np.arange(curve.speed.size),
+        bool((curve.deviation > curve.within).any()),
+    )
     if shown.size > MOST_POINTS:
         shown = np.sort(np.argsort(-np.abs(curve.residual), kind="stable")[:MOST_POINTS])
     rows = [
         (
-            rpm(float(curve.speed[k])), *(number(float(one[k] * size.factor)) for one in
-                                          (curve.measured, curve.before, curve.after)),
-            *([number(100.0 * float(curve.deviation[k]), 3)] if varies else []), number(float(curve.residual[k]), 2),
+            rpm(float(curve.speed[k])),
+            *(
+                number(float(one[k] * size.factor))
+                for one in (curve.measured, curve.before, curve.after)
+            ),
+            *([number(100.0 * float(curve.deviation[k]), 3)] if varies else []),
+            number(float(curve.residual[k]), 2),
             *([] if curve.phase_residual is None else [number(float(curve.phase_residual[k]), 2)]),
         )
         for k in shown.tolist()
-    ]  # fmt: skip
-    rest = "" if shown.size == curve.speed.size else f" (the {MOST_POINTS} largest residuals of {curve.speed.size})"
+    ]
+    rest = (
+        ""
+        if shown.size == curve.speed.size
+        else f" (the {MOST_POINTS} largest residuals of {curve.speed.size})"
+    )
     if curve.unused:
         rest += f"; {counted(curve.unused, 'window')} outside the speed range or in noise omitted"
     phase = "" if curve.phase_residual is None else " | Residual of the phase -> of phase"
@@ -154,8 +199,9 @@ def _points(findings: Findings, curve: FittedCurve) -> Block:
     return table(
         f"Speed [rpm] | Measured [{unit}] | Before the fit [{unit}] -> before | Fitted [{unit}] -> fitted | "
         f"{each} -> residual{phase}",
-        rows, f"Measured {_title(findings, curve)}{rest}",
-    )  # fmt: skip
+        rows,
+        f"Measured {_title(findings, curve)}{rest}",
+    )
 
 
 def _identified(found: Fit) -> Iterator[Block]:
@@ -167,7 +213,14 @@ def _identified(found: Fit) -> Iterator[Block]:
     ]
     yield table("Information | < Combination", rows, "Identified combinations of parameters")
     names = [one.name for one in found.figures]
-    pairs = sorted(combinations(range(len(names)), 2), key=lambda pair: -abs(float(found.correlation[pair])))
+    pairs = sorted(
+        combinations(range(len(names)), 2), key=lambda pair: -abs(float(found.correlation[pair]))
+    )
     if pairs:
-        each = [(names[a], names[b], number(float(found.correlation[a, b]), 3)) for a, b in pairs[:MOST_PAIRS]]
-        yield table("< Parameter | < Parameter | Correlation", each, "Correlation of updated parameters")
+        each = [
+            (names[a], names[b], number(float(found.correlation[a, b]), 3))
+            for a, b in pairs[:MOST_PAIRS]
+        ]
+        yield table(
+            "< Parameter | < Parameter | Correlation", each, "Correlation of updated parameters"
+        )

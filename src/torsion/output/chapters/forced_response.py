@@ -15,7 +15,18 @@ from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import LESS, NONE, RPM, Scale, counted, degrees, exact, number, rpm, settled
+from torsion.output.numbers import (
+    LESS,
+    NONE,
+    RPM,
+    Scale,
+    counted,
+    degrees,
+    exact,
+    number,
+    rpm,
+    settled,
+)
 from torsion.output.reported_values import (
     UNDAMPED,
     amplitude,
@@ -33,7 +44,15 @@ from torsion.output.reported_values import (
     without,
     worth_a_figure,
 )
-from torsion.output.selection import NO_VALUE, Element, elements, highest, largest, strongest, torques
+from torsion.output.selection import (
+    NO_VALUE,
+    Element,
+    elements,
+    highest,
+    largest,
+    strongest,
+    torques,
+)
 from torsion.results import listed
 from torsion.rules import needed
 
@@ -69,7 +88,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if found:
         yield _summary(findings, found, unit)
         yield _peaks(findings, found, unit)
-    yield from _figures(findings, [element for element in found if element.kind not in ("shaft", "gear")])
+    yield from _figures(
+        findings, [element for element in found if element.kind not in ("shaft", "gear")]
+    )
 
 
 def angles(findings: Findings) -> Iterator[Block]:
@@ -91,12 +112,18 @@ def without_tables(findings: Findings) -> Iterator[Block]:
 
 def _carrying(findings: Findings, response: Response) -> list[Element]:
     """The elements with any torque."""
-    return [e for e in elements(findings.system) if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)]
+    return [
+        e
+        for e in elements(findings.system)
+        if np.any(np.abs(response.torque[:, :, list(e.spans)]) > 0)
+    ]
 
 
 def _figures(findings: Findings, found: list[Element], most: int = MOST_FIGURES) -> Iterator[Block]:
     """The curves of the elements that are worth a figure, and which others there are."""
-    drawn = worth_a_figure(findings, {e: highest(amplitude(findings, e.spans)) for e in found}, most)
+    drawn = worth_a_figure(
+        findings, {e: highest(amplitude(findings, e.spans)) for e in found}, most
+    )
     yield from (curves(findings, element) for element in drawn)
     if len(drawn) < len(found):
         rest = listed([e.name for e in found if e not in drawn])
@@ -133,7 +160,9 @@ def _introduction(findings: Findings, response: Response) -> Paragraph:
 def _status(findings: Findings, response: Response) -> Paragraph:
     reliable = response.residual[(response.status == Status.OK) & np.isfinite(response.residual)]
     bad = int(unreliable(findings).sum())
-    text = f"Largest relative residual of equilibrium: {number(float(reliable.max(initial=0.0)), 2)}."
+    text = (
+        f"Largest relative residual of equilibrium: {number(float(reliable.max(initial=0.0)), 2)}."
+    )
     text = f"{text} {joint_model(findings)}".strip()
     if bad == 0:
         return Paragraph(text)
@@ -151,7 +180,9 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
     rows, nothing = [], rounding(findings)
     for element in found:
         here = nothing[list(element.spans)]
-        half, parts = (without(one(findings, element.spans), here) for one in (synthesis, amplitude))
+        half, parts = (
+            without(one(findings, element.spans), here) for one in (synthesis, amplitude)
+        )
         at = largest(half)
         if at is None or made is None:
             rows.append((element.name, NO_VALUE, *[NONE] * 6))
@@ -163,10 +194,17 @@ def _summary(findings: Findings, found: list[Element], unit: Scale) -> Table:
             rows.append((element.name, "0", NONE, NONE, "0", "0", "0", steady))
             continue
         both = (unit.text(float(values[at, span])) for values in (made.rms, made.bound))
-        rows.append((
-            element.name, unit.text(float(half[at])), rpm(float(response.speed[at])), _name(findings, line),
-            unit.text(float(parts[at, line])), *both, steady,
-        ))  # fmt: skip
+        rows.append(
+            (
+                element.name,
+                unit.text(float(half[at])),
+                rpm(float(response.speed[at])),
+                _name(findings, line),
+                unit.text(float(parts[at, line])),
+                *both,
+                steady,
+            )
+        )
     together = orders_together(findings)
     return table(
         f"< Component -> | Total vibratory torque [{unit.unit}] -> {unit.unit} | Speed [rpm] -> rpm | "
@@ -193,16 +231,22 @@ def _peaks(findings: Findings, found: list[Element], unit: Scale) -> Block:
     rows = []
     for peak in (peaks[place] for place in kept):
         line, frequency = response.lines[peak.line], float(response.frequency[peak.at, peak.line])
-        rows.append((
-            peak.element.name, line.named(reference(findings)), unit.text(peak.torque),
-            rpm(float(response.speed[peak.at])), frequency, mode_near(findings, frequency),
-        ))  # fmt: skip
+        rows.append(
+            (
+                peak.element.name,
+                line.named(reference(findings)),
+                unit.text(peak.torque),
+                rpm(float(response.speed[peak.at])),
+                frequency,
+                mode_near(findings, frequency),
+            )
+        )
     rest = f" (the {len(kept)} largest of {len(peaks)})" if len(kept) < len(peaks) else ""
     return table(
         f"< Component | < Order | Torque amplitude [{unit.unit}] | Speed [rpm] | Frequency [Hz] | Mode",
         rows,
         f"Resonance peaks of single orders in the speed range{rest}",
-    )  # fmt: skip
+    )
 
 
 def found_peaks(findings: Findings, elements: list[Element]) -> list[Peak]:
@@ -240,10 +284,16 @@ def _angles(findings: Findings, response: Response) -> Table:
             continue
         speed, line = divmod(at, size.shape[1])
         angle = settled(float(size[speed, line]), top * float(findings.system.speed_ratio[index]))
-        rows.append((
-            name, degrees(angle), number(angle), _name(findings, line), rpm(float(response.speed[speed])),
-            number(angle * float(response.frequency[speed, line]) * 60.0),
-        ))  # fmt: skip
+        rows.append(
+            (
+                name,
+                degrees(angle),
+                number(angle),
+                _name(findings, line),
+                rpm(float(response.speed[speed])),
+                number(angle * float(response.frequency[speed, line]) * 60.0),
+            )
+        )
     return table(
         "< Station | Maximum amplitude [deg] | Amplitude [rad] | < Order | Speed [rpm] | Speed amplitude [rpm]",
         rows,
@@ -253,7 +303,11 @@ def _angles(findings: Findings, response: Response) -> Table:
 
 def _moving(findings: Findings) -> list[tuple[int, str]]:
     """Positions and names of the stations that are not the ground."""
-    return [(k, station.name) for k, station in enumerate(findings.study.train.stations) if not station.is_ground]
+    return [
+        (k, station.name)
+        for k, station in enumerate(findings.study.train.stations)
+        if not station.is_ground
+    ]
 
 
 def curves(findings: Findings, element: Element) -> Figure:
@@ -263,14 +317,28 @@ def curves(findings: Findings, element: Element) -> Figure:
     ratings = findings.study.train.parts[element.part].ratings
     limit = None if ratings is None else ratings.vibratory_torque
     unit = torques([parts])
-    lines = [(harmonic_name(response, k, "order "), values * unit.factor) for k, values in enumerate(parts.T)]
-    return of_torsion(findings, curves_over_speed.torque(
-        f"torque-{element.part}-{element.spans[0]}", f"Vibratory torque in {element.name}, {element.kind}",
-        speed=response.speed * RPM, lines=lines, bad=unreliable(findings), unit=unit.unit,
-        synthesis=half * unit.factor if len(response.lines) > 1 and len(half) else None,
-        limits=[] if limit is None else [("permissible vibratory torque (manufacturer)", limit * unit.factor)],
-        rated=rated_rpm(findings), barred=barred_rpm(findings), unstable=unstable_rpm(findings),
-    ))  # fmt: skip
+    lines = [
+        (harmonic_name(response, k, "order "), values * unit.factor)
+        for k, values in enumerate(parts.T)
+    ]
+    return of_torsion(
+        findings,
+        curves_over_speed.torque(
+            f"torque-{element.part}-{element.spans[0]}",
+            f"Vibratory torque in {element.name}, {element.kind}",
+            speed=response.speed * RPM,
+            lines=lines,
+            bad=unreliable(findings),
+            unit=unit.unit,
+            synthesis=half * unit.factor if len(response.lines) > 1 and len(half) else None,
+            limits=[]
+            if limit is None
+            else [("permissible vibratory torque (manufacturer)", limit * unit.factor)],
+            rated=rated_rpm(findings),
+            barred=barred_rpm(findings),
+            unstable=unstable_rpm(findings),
+        ),
+    )
 
 
 def over_frequency(findings: Findings) -> Iterator[Block]:
@@ -285,13 +353,18 @@ def over_frequency(findings: Findings) -> Iterator[Block]:
     if bad.any():
         at = listed(dict.fromkeys(number(f, 5) for f in sweep.frequency[bad].tolist()))
         yield Paragraph(f"At {at} Hz {UNDAMPED}", "note")
-    torque = {e.name: np.where(bad, np.nan, e.largest(np.abs(sweep.torque))) for e in elements(findings.system)}
+    torque = {
+        e.name: np.where(bad, np.nan, e.largest(np.abs(sweep.torque)))
+        for e in elements(findings.system)
+    }
     if torque:
         unit = torques(torque.values())
         titles = f"< Component | Amplitude [{unit.unit}] | Frequency [Hz]"
         yield _largest(titles, sweep, torque, (unit.text,), "torque amplitude")
         yield _curves(findings, "sweep-torque", "torque amplitude", torque, unit)
-    angle = {name: np.where(bad, np.nan, np.abs(sweep.angle[:, k])) for k, name in _moving(findings)}
+    angle = {
+        name: np.where(bad, np.nan, np.abs(sweep.angle[:, k])) for k, name in _moving(findings)
+    }
     titles = "< Station | Amplitude [rad] | Amplitude [deg] | Frequency [Hz]"
     yield _largest(titles, sweep, angle, (number, degrees), "angular amplitude")
     yield _curves(findings, "sweep-angle", "angular amplitude", angle, DEGREES)
@@ -308,16 +381,27 @@ def _largest(
     rows = []
     for name, values in curves.items():
         at = largest(values)
-        cells = [NO_VALUE] if at is None else [*(one(float(values[at])) for one in shown), sweep.frequency[at]]
+        cells = (
+            [NO_VALUE]
+            if at is None
+            else [*(one(float(values[at])) for one in shown), sweep.frequency[at]]
+        )
         rows.append((name, *cells, *[NONE] * (titles.count("|") - len(cells))))
     return table(titles, rows, f"Maximum {what}")
 
 
-def _curves(findings: Findings, name: str, what: str, curves: dict[str, FloatArray], unit: Scale) -> Figure:
+def _curves(
+    findings: Findings, name: str, what: str, curves: dict[str, FloatArray], unit: Scale
+) -> Figure:
     sweep, modes = findings.need(FrequencyResponse), findings.get(Modes)
     values, names = np.array(list(curves.values())), list(curves)
     return curves_over_speed.frequency(
-        name, f"{what.capitalize()} over the frequency", frequency=sweep.frequency, bad=sweep.status != Status.OK,
+        name,
+        f"{what.capitalize()} over the frequency",
+        frequency=sweep.frequency,
+        bad=sweep.status != Status.OK,
         lines=[(names[k], values[k] * unit.factor) for k in strongest(values.T, MOST_CURVES)],
-        quantity=what, unit=unit.unit, natural=[] if modes is None else modes.frequency.tolist(),
-    )  # fmt: skip
+        quantity=what,
+        unit=unit.unit,
+        natural=[] if modes is None else modes.frequency.tolist(),
+    )

@@ -37,11 +37,12 @@ def chapter(findings: Findings) -> Iterator[Block]:
         (
             rpm(float(found.speed[k])),
             *(
-                text for one in found.couplings
+                text
+                for one in found.couplings
                 for text in (unit.text(float(one.torque[k])), number(float(one.stiffness[k]), 7))
             ),
             *(number(float(found.frequency[mode, k]), 7) for mode in shown),
         )
         for k in chosen
-    ]  # fmt: skip
+    ]
     yield table(titles, rows, "Natural frequencies over the speed")

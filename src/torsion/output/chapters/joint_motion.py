@@ -5,7 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.joints.joint_results import CoupleFound, JointFound, Joints, LineFound, OptimumFound
+from torsion.analyses.joints.joint_results import (
+    CoupleFound,
+    JointFound,
+    Joints,
+    LineFound,
+    OptimumFound,
+)
 from torsion.analyses.response.amplitudes import Response
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
@@ -57,7 +63,11 @@ def alone(findings: Findings) -> Iterator[Block]:
         yield Heading("Secondary couples", 2)
         yield Paragraph(AXES)
         yield joint_tables.couples(found)
-        yield from (_couples(found, k) for k, joint in enumerate(found.joints) if any(c.order for c in joint.couples))
+        yield from (
+            _couples(found, k)
+            for k, joint in enumerate(found.joints)
+            if any(c.order for c in joint.couples)
+        )
     if any(line.optimum is not None for line in found.lines):
         yield Heading("Optimum angles", 2)
         for k, line in enumerate(found.lines):
@@ -75,7 +85,11 @@ def summary(findings: Findings) -> Iterator[Block]:
     found = findings.get(Joints)
     if found is not None:
         yield Heading("Summary")
-        yield Points(tuple(sentence for line in found.lines for sentence in joint_tables.in_short(found, line)))
+        yield Points(
+            tuple(
+                sentence for line in found.lines for sentence in joint_tables.in_short(found, line)
+            )
+        )
         if findings.need(Checks).lines:
             yield from closing.conclusion(findings)
 
@@ -89,7 +103,9 @@ def _response(findings: Findings, found: Joints) -> Iterator[Block]:
     rows = []
     for joint in exciting:
         wanted = joint.order * joint.ratio
-        size = amplitude(findings, [k for k, span in enumerate(findings.system.spans) if span.part == joint.part])
+        size = amplitude(
+            findings, [k for k, span in enumerate(findings.system.spans) if span.part == joint.part]
+        )
         for place in (k for k, line in enumerate(response.lines) if line.order == wanted):
             at = largest(size[:, place])
             error = NONE if at is None else number(100 * float(response.joint_error[at, place]), 2)
@@ -111,18 +127,34 @@ def _motion(joints: Joints, place: int, line: LineFound) -> Figure:
     rate, square = (1.0, 1.0) if speed is None else (speed * RPM, speed**2)
     curves = [
         ("angle error", "deg", RAD, "error"),
-        ("speed ratio" if speed is None else "speed", "" if speed is None else "rpm", rate, "speed_ratio"),
+        (
+            "speed ratio" if speed is None else "speed",
+            "" if speed is None else "rpm",
+            rate,
+            "speed_ratio",
+        ),
         ("acceleration / speed²", "1/rad", square, "acceleration")
         if speed is None
         else ("acceleration", "rad/s²", square, "acceleration"),
         ("torque downstream / upstream", "", 1.0, "torque_ratio"),
     ]
     panels = [
-        (title, unit, size, [(f"downstream of {joint.name}", getattr(joint, values) * size) for joint in found])
+        (
+            title,
+            unit,
+            size,
+            [(f"downstream of {joint.name}", getattr(joint, values) * size) for joint in found],
+        )
         for title, unit, size, values in curves
     ]
-    turning = "which rotates uniformly" if speed is None else f"which rotates uniformly at {speed * RPM:.6g} rpm"
-    caption = f"Motion downstream of {names(joints, line)} over the angle of the first shaft, {turning}"
+    turning = (
+        "which rotates uniformly"
+        if speed is None
+        else f"which rotates uniformly at {speed * RPM:.6g} rpm"
+    )
+    caption = (
+        f"Motion downstream of {names(joints, line)} over the angle of the first shaft, {turning}"
+    )
     return _turn(f"joint-motion-{place + 1}", caption, joints, found[0], panels)
 
 
@@ -133,12 +165,18 @@ def _couples(joints: Joints, place: int) -> Figure:
     unit = scale("N m", sizes)
     size = unit.factor * max(sizes if joint.torque is None else [abs(joint.torque), *sizes])
     panels = [
-        (f"on the {couple.shaft} shaft", unit.unit, size,
-         [(label, unit.factor * values) for label, values in _couple_curves(couple)])
+        (
+            f"on the {couple.shaft} shaft",
+            unit.unit,
+            size,
+            [(label, unit.factor * values) for label, values in _couple_curves(couple)],
+        )
         for couple in joint.couples
-    ]  # fmt: skip
+    ]
     first = next(joints.joints[line.joints[0]] for line in joints.lines if place in line.joints)
-    return _turn(f"joint-couples-{place + 1}", f"Secondary couples of {joint.name}", joints, first, panels)
+    return _turn(
+        f"joint-couples-{place + 1}", f"Secondary couples of {joint.name}", joints, first, panels
+    )
 
 
 def _couple_curves(couple: CoupleFound) -> Iterator[tuple[str, FloatArray]]:
@@ -151,7 +189,11 @@ def _couple_curves(couple: CoupleFound) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _turn(
-    name: str, caption: str, joints: Joints, first: JointFound, panels: list[tuple[str, str, float, Curves]]
+    name: str,
+    caption: str,
+    joints: Joints,
+    first: JointFound,
+    panels: list[tuple[str, str, float, Curves]],
 ) -> Figure:
     """Curves over the angle of the shaft before the first joint of a line."""
     quantity, angle = f"angle of the shaft upstream of {first.name}", joints.angle * RAD
@@ -165,15 +207,19 @@ def _index(joints: Joints, place: int, line: LineFound, found: OptimumFound) -> 
     def point(at: float, index: float) -> tuple[float, float]:
         """In the range that is drawn: phases and planes come back after a revolution."""
         is_drawn = found.variable == "angle" or first <= at <= last
-        return RAD * (at if is_drawn else first + (at - first) % (2.0 * np.pi)), 100.0 * index if index > STILL else 0.0
+        return RAD * (
+            at if is_drawn else first + (at - first) % (2.0 * np.pi)
+        ), 100.0 * index if index > STILL else 0.0
 
     rest = ", the other joints unchanged" if len(line.joints) > 2 else ""
     moved = "; the optimum moves all free joints" if len(found.names) > 1 else ""
-    caption = (
-        f"Degree of non-uniformity of {names(joints, line)} over the {found.variable} of {found.names[0]}{rest}{moved}"
-    )
+    caption = f"Degree of non-uniformity of {names(joints, line)} over the {found.variable} of {found.names[0]}{rest}{moved}"
     return joint_curves.joint_index(
-        f"joint-index-{place + 1}", caption, values=found.over * RAD, index=100.0 * found.index_over,
-        quantity=f"{found.variable} of {found.names[0]}", present=point(float(found.before[0]), found.index_before),
+        f"joint-index-{place + 1}",
+        caption,
+        values=found.over * RAD,
+        index=100.0 * found.index_over,
+        quantity=f"{found.variable} of {found.names[0]}",
+        present=point(float(found.before[0]), found.index_before),
         best=point(float(found.best[0]), found.index_best),
-    )  # fmt: skip
+    )

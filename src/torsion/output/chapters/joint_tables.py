@@ -10,7 +10,18 @@ from torsion.analyses.joints.joint_results import JointFound, Joints, LineFound,
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table, table
-from torsion.output.numbers import NONE, RPM, below_right, degrees, given, given_rpm, number, order, scale, settled
+from torsion.output.numbers import (
+    NONE,
+    RPM,
+    below_right,
+    degrees,
+    given,
+    given_rpm,
+    number,
+    order,
+    scale,
+    settled,
+)
 
 Series = tuple[str, FloatArray]  # title with unit; (angles,)
 LINES = "Joints of a shaft line together"  # on the terminal
@@ -23,13 +34,16 @@ def geometry(joints: Joints) -> Table:
     leading = {line.joints[0] for line in joints.lines}
     rows = [
         (
-            joint.name, joint.kind, degrees(joint.angle, below_right(joint.angle)),
-            NONE if k in leading else degrees(joint.plane), degrees(joint.phase),
+            joint.name,
+            joint.kind,
+            degrees(joint.angle, below_right(joint.angle)),
+            NONE if k in leading else degrees(joint.plane),
+            degrees(joint.phase),
             degrees(settled(math.remainder(joint.yoke, math.tau), math.tau)),
             math.tan(joint.angle / 2) ** 2 if joint.kind == "cross" else NONE,
         )
         for k, joint in enumerate(joints.joints)
-    ]  # fmt: skip
+    ]
     return table(
         "< Joint -> | < Kind -> | Angle β [deg] -> angle | Plane against the previous joint [deg] -> plane | "
         "Phase of the yokes [deg] -> phase | Driving yoke from the plane at angle zero [deg] | q = tan²(β/2)",
@@ -44,9 +58,15 @@ def alone(joints: Joints) -> Table:
     rows = []
     for joint in joints.joints:
         size = abs(joint.amplitude)
-        orders = (str(joint.order), order(joint.order * joint.ratio)) if joint.order and size else (NONE, NONE)
+        orders = (
+            (str(joint.order), order(joint.order * joint.ratio))
+            if joint.order and size
+            else (NONE, NONE)
+        )
         phase = degrees(settled(cmath.phase(joint.amplitude), math.tau)) if size else NONE
-        rows.append((joint.name, *orders, size, math.degrees(size), phase, _percent(joint.unevenness)))
+        rows.append(
+            (joint.name, *orders, size, math.degrees(size), phase, _percent(joint.unevenness))
+        )
     return table(
         "< Joint -> | Order, own shaft -> order | Order, reference | Error amplitude [rad] | "
         "Error amplitude [deg] -> error, deg | Phase [deg] | Speed fluctuation [%]",
@@ -65,10 +85,17 @@ def lines(joints: Joints) -> Table:
             (number(end.speed_ratio, 7), degrees(settled(end.at, math.tau)) if varies else NONE)
             for end in (line.greatest, line.least)
         ]
-        rows.append((
-            names(joints, line), _angle(line.resultant), _angle(line.classical),
-            degrees(settled(line.phase, math.tau)) if varies else NONE, *ends[0], *ends[1], _percent(line.index),
-        ))  # fmt: skip
+        rows.append(
+            (
+                names(joints, line),
+                _angle(line.resultant),
+                _angle(line.classical),
+                degrees(settled(line.phase, math.tau)) if varies else NONE,
+                *ends[0],
+                *ends[1],
+                _percent(line.index),
+            )
+        )
     return table(
         "< Joints -> | Resultant angle [deg] -> resultant, deg | Small-angle sum [deg] -> small-angle | Phase [deg] | "
         "Maximum speed ratio -> maximum | at [deg] | Minimum -> | at [deg] | Degree of non-uniformity [%] -> "
@@ -83,14 +110,16 @@ def at_speed(joints: Joints) -> Iterator[Table]:
     """Speed, acceleration and torque behind every joint whose speed is known; nothing where none is."""
     rows = [
         (
-            joint.name, given_rpm(joint.speed), number(joint.speed * RPM * float(joint.speed_ratio.max()), 6),
+            joint.name,
+            given_rpm(joint.speed),
+            number(joint.speed * RPM * float(joint.speed_ratio.max()), 6),
             number(joint.speed * RPM * float(joint.speed_ratio.min()), 6),
             number(joint.speed**2 * joint.steepest) if joint.steepest > STILL else "0",
             number(joint.speed * RPM * math.degrees(joint.angle)),
         )
         for joint in joints.joints
         if joint.speed is not None
-    ]  # fmt: skip
+    ]
     if rows:
         yield table(
             "< Joint -> | Mean speed [rpm] -> rpm | Maximum downstream [rpm] | Minimum [rpm] | "
@@ -104,18 +133,34 @@ def at_speed(joints: Joints) -> Iterator[Table]:
 def couples(joints: Joints) -> Table:
     """Secondary couples of the joints whose torque is known."""
     known = [(joint, couple) for joint in joints.joints for couple in joint.couples]
-    held, pushed = (any(one) for one in ([c.bearing is not None for _, c in known], [j.force for j, _ in known]))
+    held, pushed = (
+        any(one) for one in ([c.bearing is not None for _, c in known], [j.force for j, _ in known])
+    )
     unit = scale("N m", [couple.largest for _, couple in known])
     torque = scale("N m", [joint.torque for joint, _ in known if joint.torque is not None])
     rows = []
     for joint, couple in known:
-        mean, normal, plane = (unit.text(abs(one)) for one in (math.hypot(*couple.mean), *couple.amplitude))
-        rows.append((
-            joint.name, couple.shaft, torque.text(joint.torque), mean, couple.order or NONE, normal, plane,
-            unit.text(couple.largest), *([number(couple.bearing)] if held else []),
-            *([number(joint.force) if joint.force else NONE] if pushed else []),
-        ))  # fmt: skip
-    bearings, force = " | Bearings [N] -> bearing, N" if held else "", " | Force across [N]" if pushed else ""
+        mean, normal, plane = (
+            unit.text(abs(one)) for one in (math.hypot(*couple.mean), *couple.amplitude)
+        )
+        rows.append(
+            (
+                joint.name,
+                couple.shaft,
+                torque.text(joint.torque),
+                mean,
+                couple.order or NONE,
+                normal,
+                plane,
+                unit.text(couple.largest),
+                *([number(couple.bearing)] if held else []),
+                *([number(joint.force) if joint.force else NONE] if pushed else []),
+            )
+        )
+    bearings, force = (
+        " | Bearings [N] -> bearing, N" if held else "",
+        " | Force across [N]" if pushed else "",
+    )
     return table(
         f"< Joint -> | < Shaft -> on the shaft | Torque [{torque.unit}] | Mean [{unit.unit}] -> mean | Order -> | "
         f"Amplitude, normal [{unit.unit}] -> normal | Amplitude, in plane [{unit.unit}] -> in plane | "
@@ -169,7 +214,10 @@ def in_short(joints: Joints, line: LineFound) -> Iterator[str]:
             made += f"; its cross joints act as one joint of {_angle(line.resultant)} deg"
     yield f"The line of {names(joints, line)} {made}."
     if found is not None:
-        best = ", ".join(f"{name} {_best(value)} deg" for name, value in zip(found.names, found.best, strict=True))
+        best = ", ".join(
+            f"{name} {_best(value)} deg"
+            for name, value in zip(found.names, found.best, strict=True)
+        )
         yield f"Optimum {found.variable}: {best}. {_gained(found)}"
 
 
@@ -190,7 +238,11 @@ def _angle(value: float) -> str:
 def columns(findings: Findings) -> list[Series]:
     """Motion and couples of every joint over the angle of the first shaft, title with unit and values."""
     found = findings.need(Joints)
-    curves = [(f"{joint.name} {title}", values) for joint in found.joints for title, values in _curves(joint)]
+    curves = [
+        (f"{joint.name} {title}", values)
+        for joint in found.joints
+        for title, values in _curves(joint)
+    ]
     return [("angle of first shaft [deg]", np.degrees(found.angle)), *curves]
 
 

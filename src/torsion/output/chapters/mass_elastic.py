@@ -17,7 +17,10 @@ from torsion.primitives import Bar, Inertia, SectionMesh, Station
 from torsion.results import listed
 
 MM = 1e-3  # m
-DIGITS, SUMMED = 8, 7  # significant digits of a figure as given, and of what follows from such figures
+DIGITS, SUMMED = (
+    8,
+    7,
+)  # significant digits of a figure as given, and of what follows from such figures
 HELD = "fixed"  # in place of an inertia, where the motion is exactly the mean one
 
 
@@ -65,12 +68,21 @@ def _inertias(findings: Findings) -> Table:
         rows += [_inertia(findings, station, one) for one in mine]
         referred += [one.inertia * float(station.ratio) ** 2 for one in mine]
         if len(mine) > 1:
-            rows.append((station.name, "sum", *_given_columns(findings), *_both(system.inertia[index], station)))
+            rows.append(
+                (
+                    station.name,
+                    "sum",
+                    *_given_columns(findings),
+                    *_both(system.inertia[index], station),
+                )
+            )
     for bar, (_, inner, _) in _lumps(findings):
         if inner:
             inside = replace(system.train.stations[bar.driving], name=f"{bar.name}, inside")
             referred.append(inner * float(inside.ratio) ** 2)
-            rows.append(_inertia(findings, inside, Inertia(bar.driving, inner, bar.part, "between ends")))
+            rows.append(
+                _inertia(findings, inside, Inertia(bar.driving, inner, bar.part, "between ends"))
+            )
     whole = number(sum(filter(math.isfinite, referred)), SUMMED)
     rows.append(("whole train", "sum", *_given_columns(findings), NONE, NONE, whole))
     columns = "J given [kg m²] | Given at i | " if findings.study.train.has_referred_figures else ""
@@ -84,7 +96,9 @@ def _inertias(findings: Findings) -> Table:
 def _inertia(findings: Findings, station: Station, lump: Inertia) -> tuple[Any, ...]:
     """A row of an inertia that a component gives a station."""
     part = findings.study.train.parts[lump.part]
-    at = part.ratio if part.referred_to is None else part.referred_to  # of the driven wheel of a gear: its driving side
+    at = (
+        part.ratio if part.referred_to is None else part.referred_to
+    )  # of the driven wheel of a gear: its driving side
     at = station.ratio if lump.given == lump.inertia else at
     name = f"{part.name}, {lump.what}" if lump.what else part.name
     figure = _given_columns(findings, lump.given, at)
@@ -95,10 +109,16 @@ def _both(inertia: float, station: Station) -> tuple[str, Fraction, str]:
     """An inertia (kg m2) at its own speed, the speed ratio, and the inertia referred."""
     if math.isinf(inertia):
         return HELD, station.ratio, HELD
-    return given(inertia, DIGITS), station.ratio, number(inertia * float(station.ratio) ** 2, SUMMED)
+    return (
+        given(inertia, DIGITS),
+        station.ratio,
+        number(inertia * float(station.ratio) ** 2, SUMMED),
+    )
 
 
-def _given_columns(findings: Findings, figure: float = math.nan, at: Fraction = Fraction(1)) -> tuple[str, ...]:
+def _given_columns(
+    findings: Findings, figure: float = math.nan, at: Fraction = Fraction(1)
+) -> tuple[str, ...]:
     """An inertia, or stiffness, of the file and the speed ratio at which it is given; of a sum or a fixed end none."""
     if not findings.study.train.has_referred_figures:
         return ()
@@ -120,7 +140,10 @@ def _given_by_station(findings: Findings) -> dict[int, list[Inertia]]:
     for lump in findings.system.train.inertias:
         found.setdefault(lump.station, []).append(lump)
     for bar, (driving, _, driven) in _lumps(findings):
-        for station, share, what in ((bar.driving, driving, "driving end"), (bar.driven, driven, "driven end")):
+        for station, share, what in (
+            (bar.driving, driving, "driving end"),
+            (bar.driven, driven, "driven end"),
+        ):
             if share:
                 found.setdefault(station, []).append(Inertia(station, share, bar.part, what))
     return found
@@ -143,14 +166,20 @@ def _water(findings: Findings) -> Iterator[str]:
 
 def _springs(findings: Findings) -> Table:
     system = findings.system
-    found = [(element, float(system.flexibility[list(element.spans)].sum())) for element in elements(system)]
+    found = [
+        (element, float(system.flexibility[list(element.spans)].sum()))
+        for element in elements(system)
+    ]
     unit = scale("N m/rad", [1 / h for _, h in found if 0 < h < math.inf])
     rows = []
     for element, h in found:
         first, last = system.spans[element.spans[0]], system.spans[element.spans[-1]]
         own = referred = "rigid" if h == 0 else NONE
         if 0 < h < math.inf:
-            own, referred = given(unit.factor / h, DIGITS), given(unit.factor * element.ratio**2 / h, SUMMED)
+            own, referred = (
+                given(unit.factor / h, DIGITS),
+                given(unit.factor * element.ratio**2 / h, SUMMED),
+            )
         flexibility = given(h, DIGITS)
         tabled = system.tables.get(element.spans[0])
         if tabled is not None:
@@ -158,13 +187,28 @@ def _springs(findings: Findings) -> Table:
             flexibility = own
         ratio, part = system.stations[first.driving].ratio, system.train.parts[element.part]
         at = ratio if part.referred_to is None else part.referred_to
-        is_given = 0 < h < math.inf and not part.is_bar and tabled is None  # of a shaft the file gives dimensions
-        figure = _given_columns(findings, unit.factor / h * float(ratio / at) ** 2 if is_given else math.nan, at)
-        rows.append((
-            element.name, f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
-            *figure, own, flexibility, ratio, referred,
-        ))  # fmt: skip
-    columns = f"k given [{unit.unit}] | Given at i | " if findings.study.train.has_referred_figures else ""
+        is_given = (
+            0 < h < math.inf and not part.is_bar and tabled is None
+        )  # of a shaft the file gives dimensions
+        figure = _given_columns(
+            findings, unit.factor / h * float(ratio / at) ** 2 if is_given else math.nan, at
+        )
+        rows.append(
+            (
+                element.name,
+                f"{system.stations[first.driving].name} – {system.stations[last.driven].name}",
+                *figure,
+                own,
+                flexibility,
+                ratio,
+                referred,
+            )
+        )
+    columns = (
+        f"k given [{unit.unit}] | Given at i | "
+        if findings.study.train.has_referred_figures
+        else ""
+    )
     return table(
         f"< Component | < Between | {columns}k own [{unit.unit}] | Flexibility own [rad/(N m)] | i | "
         f"k referred [{unit.unit}]",
@@ -175,17 +219,34 @@ def _springs(findings: Findings) -> Table:
 
 def _shafts(findings: Findings) -> Table:
     rows, inertias = [], [sum(lumps) for _, lumps in _lumps(findings)]
-    for requested, bar, inertia in zip(findings.study.train.bars, findings.system.train.bars, inertias, strict=True):
-        material, pieces = findings.study.train.shaft(requested).material, findings.system.segments[bar.name]
-        own = findings.study.train.materials[material]  # a hub or a step raises the G of the calculation
+    for requested, bar, inertia in zip(
+        findings.study.train.bars, findings.system.train.bars, inertias, strict=True
+    ):
+        material, pieces = (
+            findings.study.train.shaft(requested).material,
+            findings.system.segments[bar.name],
+        )
+        own = findings.study.train.materials[
+            material
+        ]  # a hub or a step raises the G of the calculation
         modulus, is_round = stress_modulus(bar) / MM**3, requested.section is None
         section = requested.section
-        rows.append((
-            bar.name, without_controls(section.file) if isinstance(section, SectionMesh) else _diameters(bar.outer),
-            _diameters(bar.bore) if is_round else NONE, given(bar.length / MM, DIGITS), number(modulus, SUMMED),
-            given(inertia, DIGITS),
-            material, given(own.shear_modulus * 1e-9, DIGITS), given(bar.density, DIGITS), str(pieces),
-        ))  # fmt: skip
+        rows.append(
+            (
+                bar.name,
+                without_controls(section.file)
+                if isinstance(section, SectionMesh)
+                else _diameters(bar.outer),
+                _diameters(bar.bore) if is_round else NONE,
+                given(bar.length / MM, DIGITS),
+                number(modulus, SUMMED),
+                given(inertia, DIGITS),
+                material,
+                given(own.shear_modulus * 1e-9, DIGITS),
+                given(bar.density, DIGITS),
+                str(pieces),
+            )
+        )
     divided = {"lumped": "Segments", "fem": "Elements"}.get(findings.system.model, "Pieces")
     return table(
         "< Shaft | d [mm] | d_{i} [mm] | Length [mm] | W_{p} [mm³] | J of the shaft [kg m²] | < Material | G [GPa] | "

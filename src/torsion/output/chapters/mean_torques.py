@@ -20,11 +20,24 @@ def chapter(findings: Findings) -> Iterator[Block]:
     size = np.abs(steady.torque).T
     found = [(element, float(element.largest(size).max())) for element in elements(findings.system)]
     unit = scale("N m", [largest for _, largest in found])
-    at = int(np.argmin(np.abs(steady.speed - speed))) if speed is not None else len(steady.speed) - 1
+    at = (
+        int(np.argmin(np.abs(steady.speed - speed))) if speed is not None else len(steady.speed) - 1
+    )
     rows = []
     for element, largest in found:
-        own, signed = float(steady.speed[at]) * element.ratio, float(steady.torque[element.spans[0], at])
-        rows.append((element.name, rpm(own), unit.text(signed), number(signed * own / 1e3), unit.text(largest)))
+        own, signed = (
+            float(steady.speed[at]) * element.ratio,
+            float(steady.torque[element.spans[0], at]),
+        )
+        rows.append(
+            (
+                element.name,
+                rpm(own),
+                unit.text(signed),
+                number(signed * own / 1e3),
+                unit.text(largest),
+            )
+        )
     yield Heading("Mean torque")
     yield Paragraph(steady.sharing)
     yield table(
@@ -44,11 +57,16 @@ def _balance(findings: Findings) -> Iterator[Table]:
     unit = scale("N m", [machine.torque for machine in balance.machines])
     rows = [
         (
-            machine.name, "delivers" if machine.enters else "absorbs", rpm(machine.speed), number(machine.power / 1e3),
-            unit.text(machine.torque), machine.law or NONE, "computed" if machine.free else "stated",
+            machine.name,
+            "delivers" if machine.enters else "absorbs",
+            rpm(machine.speed),
+            number(machine.power / 1e3),
+            unit.text(machine.torque),
+            machine.law or NONE,
+            "computed" if machine.free else "stated",
         )
         for machine in balance.machines
-    ]  # fmt: skip
+    ]
     yield table(
         f"< Machine | < Power | Speed [rpm] | Power [kW] | Torque [{unit.unit}] | < Law of load | < Its power is",
         rows,

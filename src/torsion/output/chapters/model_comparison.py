@@ -32,16 +32,25 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield from on_terminal([conclusion(found)])
     yield _summary(found)
     counted = [(f"{model.model}: {model.division}", model.certified) for model in _all(found)]
-    yield Points(tuple(text if certified else f"{text}; not certified by Sturm counts" for text, certified in counted))
+    yield Points(
+        tuple(
+            text if certified else f"{text}; not certified by Sturm counts"
+            for text, certified in counted
+        )
+    )
     yield from on_terminal([_counts(found)])
     yield Heading("Frequencies and shapes", 2)
     yield _modes(found)
-    caption = "Relative errors against the exact model, by mode; errors below 10⁻¹⁶ are drawn at 10⁻¹⁶"
+    caption = (
+        "Relative errors against the exact model, by mode; errors below 10⁻¹⁶ are drawn at 10⁻¹⁶"
+    )
     yield error_curves.modes(
-        "check-modes", caption, tolerance=found.tolerance,
+        "check-modes",
+        caption,
+        tolerance=found.tolerance,
         frequency=[(model.model, np.abs(model.frequency_error)) for model in found.models],
         shape=[(model.model, model.shape_error) for model in found.models],
-    )  # fmt: skip
+    )
     if len(found.exact.frequency) > MOST_MODES:
         left_out = f"{MOST_MODES + 1} to {len(found.exact.frequency)}"
         yield Paragraph(f"Modes {left_out} are in the JSON file.")
@@ -59,7 +68,9 @@ def conclusion(found: Compared) -> Paragraph:
     good = [model.model for model in found.models if model.model not in found.failed]
     if found.failed:
         kept = f"; {' and '.join(good)} is" if good else ""
-        return Paragraph(f"The model {' and '.join(found.failed)} is not within {limit}{kept}.", "fail")
+        return Paragraph(
+            f"The model {' and '.join(found.failed)} is not within {limit}{kept}.", "fail"
+        )
     verb = ("model", "is") if len(good) == 1 else ("models", "are")
     return Paragraph(f"The {verb[0]} {' and '.join(good)} {verb[1]} within {limit}.", "pass")
 
@@ -71,7 +82,9 @@ def _summary(found: Compared) -> Table:
     for model in _all(found):
         verdict = NONE if model is exact else ("FAIL" if model.model in found.failed else "PASS")
         errors = [NONE if model is exact else _percent(error) for error in model.largest]
-        times = " + ".join(number(1e3 * seconds, 2) for seconds in (model.modes_seconds, model.torques_seconds))
+        times = " + ".join(
+            number(1e3 * seconds, 2) for seconds in (model.modes_seconds, model.torques_seconds)
+        )
         rows.append((model.model, *errors, str(model.below), times, verdict))
     return table(
         "< Model -> | Frequency [%] -> frequency, % | 1 − MAC [%] -> 1 − MAC, % | Torques [%] -> torques, % | "
@@ -91,11 +104,15 @@ def _counts(found: Compared) -> Paragraph:
     at = f"below {number(found.highest)} Hz"
     wrong = [f"{model.model} {model.below}" for model in others if model.below != exact.below]
     if wrong:
-        return Paragraph(f"The exact model has {exact.below} elastic modes {at}, but {', '.join(wrong)}.", "note")
+        return Paragraph(
+            f"The exact model has {exact.below} elastic modes {at}, but {', '.join(wrong)}.", "note"
+        )
     names = " and ".join(model.model for model in others)
     has = "has" if len(others) == 1 else "have"
     how = "as counted" if all(model.certified for model in (exact, *others)) else "as found"
-    return Paragraph(f"The exact model has {exact.below} elastic modes {at}, and so {has} {names}, {how} in each.")
+    return Paragraph(
+        f"The exact model has {exact.below} elastic modes {at}, and so {has} {names}, {how} in each."
+    )
 
 
 def _worst(model: ModelCompared, found: Compared) -> str:
@@ -122,14 +139,18 @@ def _modes(found: Compared) -> Table:
     exact, *others = _all(found)
     titles = "Mode -> | exact [Hz] -> exact, Hz"
     titles += "".join(
-        f" | {one.model} [Hz] | {one.model} error [%] -> {one.model} error, % | 1 − MAC" for one in others
+        f" | {one.model} [Hz] | {one.model} error [%] -> {one.model} error, % | 1 − MAC"
+        for one in others
     )
     rows = []
     for mode in range(min(MOST_MODES, len(exact.frequency))):
         row = [str(mode + 1), number(float(exact.frequency[mode]), 9)]
         for model in others:
-            row += [number(float(model.frequency[mode]), 9), _percent(float(model.frequency_error[mode])),
-                    number(float(model.shape_error[mode]), 2)]  # fmt: skip
+            row += [
+                number(float(model.frequency[mode]), 9),
+                _percent(float(model.frequency_error[mode])),
+                number(float(model.shape_error[mode]), 2),
+            ]
         rows.append(row)
     return table(
         titles,

@@ -21,8 +21,9 @@ def orders(found: OrderTracking | None, name: str) -> Iterator[Block]:
         text = f"{found.reference} makes {number(found.turns, 3)} revolutions; below {TURNS} no order is reported."
         yield Paragraph(text, "note")
         return
-    left = f" {counted(found.left_out, 'window')} omitted: the samples do not resolve the motion." * bool(
-        found.left_out
+    left = (
+        f" {counted(found.left_out, 'window')} omitted: the samples do not resolve the motion."
+        * bool(found.left_out)
     )
     yield Paragraph(
         f"Order analysis of the torques at equal angles of {found.reference}, in {len(found.time)} windows of {TURNS} "
@@ -35,13 +36,19 @@ def orders(found: OrderTracking | None, name: str) -> Iterator[Block]:
         titles = f"< Component | Order of {found.reference} | Maximum amplitude [{unit.unit}] | at [rpm] | at [s] | "
         titles += "Phase [°]"
         cells = [(element, order, unit.text(size), *more) for element, order, size, *more in rows]
-        yield table(titles, cells, "Orders: maximum amplitude and phase against the angle of the reference")
+        yield table(
+            titles, cells, "Orders: maximum amplitude and phase against the angle of the reference"
+        )
     for one in found.each:
         yield from _figures(found, one, name)
 
 
-def _largest(found: OrderTracking, one: TrackedTorque) -> Iterator[tuple[str, str, float, str, str, str]]:
-    for k, (order, window) in enumerate(zip(found.order.tolist(), one.window.tolist(), strict=True)):
+def _largest(
+    found: OrderTracking, one: TrackedTorque
+) -> Iterator[tuple[str, str, float, str, str, str]]:
+    for k, (order, window) in enumerate(
+        zip(found.order.tolist(), one.window.tolist(), strict=True)
+    ):
         turn = float(np.angle(one.torque[window, k]))
         at = rpm(float(found.speed[window])), number(float(found.time[window]))
         yield one.element, number(order), float(one.largest[k]), *at, degrees(turn, 3)
@@ -62,10 +69,21 @@ def _figures(found: OrderTracking, one: TrackedTorque, name: str) -> Iterator[Bl
     lines = [(f"order {given(order)}", sizes[:, k]) for k, order in enumerate(found.order.tolist())]
     if lines:
         yield orders_over_speed.orders(
-            f"orders {mark}", f"Orders of the torque in {of}", over=over, x=at[sort], lines=lines, unit=unit.unit
+            f"orders {mark}",
+            f"Orders of the torque in {of}",
+            over=over,
+            x=at[sort],
+            lines=lines,
+            unit=unit.unit,
         )
     every = np.arange(float(MEAN), one.waterfall.shape[1]) * found.resolution
     yield orders_over_speed.waterfall(
-        f"waterfall {mark}", f"Waterfall of the torque in {of}, without its mean: the darker the larger", over=over,
-        y=at[sort], order=every, amplitude=amplitude * unit.factor, reference=found.reference, unit=unit.unit,
-    )  # fmt: skip
+        f"waterfall {mark}",
+        f"Waterfall of the torque in {of}, without its mean: the darker the larger",
+        over=over,
+        y=at[sort],
+        order=every,
+        amplitude=amplitude * unit.factor,
+        reference=found.reference,
+        unit=unit.unit,
+    )

@@ -57,10 +57,18 @@ def _first(names: Iterable[str]) -> str:
     return listed(dict.fromkeys(names), most=4)
 
 
-def _motion(findings: Findings, found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+def _motion(
+    findings: Findings, found: TransientMotion, settings: TransientSettings
+) -> Iterator[Block]:
     spans = [(one, np.array(list(one.spans))) for one in elements(findings.system)]
-    rows = [(one, int(k[found.greatest[k].argmax()]), int(k[found.least[k].argmin()])) for one, k in spans]
-    unit = scale("N m", [value for _, high, low in rows for value in (found.greatest[high], found.least[low])])
+    rows = [
+        (one, int(k[found.greatest[k].argmax()]), int(k[found.least[k].argmin()]))
+        for one, k in spans
+    ]
+    unit = scale(
+        "N m",
+        [value for _, high, low in rows for value in (found.greatest[high], found.least[low])],
+    )
     yield Paragraph(_introduction(found, settings))
     yield Paragraph(ActingTorques(found.acting, found.not_acting).words, brief=True)
     yield from _faults(found, settings)
@@ -70,7 +78,9 @@ def _motion(findings: Findings, found: TransientMotion, settings: TransientSetti
     events = [(event.at, event.body.key, event.time, event.words) for event in settings.events]
     if events:
         yield table(
-            "< Component | < Event | Start [s] | < Settings", events, "Events; torques at the speed of the component"
+            "< Component | < Event | Start [s] | < Settings",
+            events,
+            "Events; torques at the speed of the component",
         )
     yield from _ice(found, settings)
     yield _peaks(found, rows, unit)
@@ -95,7 +105,9 @@ def _faults(found: TransientMotion, settings: TransientSettings) -> Iterator[Blo
     if not loads:
         return
     is_both = loads == {"stays", "falls"}
-    load = "stays or falls as stated" if is_both else "stays" if "stays" in loads else "falls to zero"
+    load = (
+        "stays or falls as stated" if is_both else "stays" if "stays" in loads else "falls to zero"
+    )
     text = f"The mean torque of the machine {load} during a short circuit (`load`)."
     if found.faults_computed:
         text = (
@@ -105,7 +117,9 @@ def _faults(found: TransientMotion, settings: TransientSettings) -> Iterator[Blo
     yield Paragraph(text, "note", brief=True)
 
 
-def _steady_begin(findings: Findings, found: TransientMotion, settings: TransientSettings) -> Iterator[Block]:
+def _steady_begin(
+    findings: Findings, found: TransientMotion, settings: TransientSettings
+) -> Iterator[Block]:
     """How a motion begins that is steady before its events; briefly, where the file says neither that nor a speed."""
     if not found.speed_before or settings.initial not in (None, "steady"):
         return
@@ -117,7 +131,11 @@ def _steady_begin(findings: Findings, found: TransientMotion, settings: Transien
         )
         yield Paragraph(text if found.switching is None else begun, "note")
     if settings.initial is None and findings.study.operation.rated is None:
-        orders = [f"order {one.order} at {one.name}" for one in findings.study.train.torques if one.order is not None]
+        orders = [
+            f"order {one.order} at {one.name}"
+            for one in findings.study.train.torques
+            if one.order is not None
+        ]
         excited = f", excited by {', '.join(dict.fromkeys(orders[:MOST_ORDERS]))}" if orders else ""
         more = ", ..." if len(orders) > MOST_ORDERS else ""
         text = (
@@ -159,16 +177,29 @@ def _ice(found: TransientMotion, settings: TransientSettings) -> Iterator[Block]
     if not found.ice:
         return
     rows = [
-        (one.at, one.ice_class, number(one.thickness), "duct" if one.is_ducted else "open", number(one.factor),
-         number(one.diameter), number(one.hub_ratio), number(one.pitch_ratio), number(one.speed / (2.0 * np.pi)),
-         number(one.revolutions), number(one.torque * 1e-3))
+        (
+            one.at,
+            one.ice_class,
+            number(one.thickness),
+            "duct" if one.is_ducted else "open",
+            number(one.factor),
+            number(one.diameter),
+            number(one.hub_ratio),
+            number(one.pitch_ratio),
+            number(one.speed / (2.0 * np.pi)),
+            number(one.revolutions),
+            number(one.torque * 1e-3),
+        )
         for one in found.ice
-    ]  # fmt: skip
+    ]
     titles = "< Propeller | < Class | H [m] | < Type | k | D [m] | d/D | P/D | n [1/s] | Revolutions | Q_{max} [kN m]"
     yield table(titles, rows, "Maximum ice torque of the class (edition not confirmed)")
     small = "k (1 − d/D) (P/D)^0.16 (n D)^0.17 D³"
     large = "1.9 k (1 − d/D) (P/D)^0.16 (n D)^0.17 D^1.9 H^1.1"
-    used = {large if one.is_large else small: ("beyond" if one.is_large else "up to") for one in found.ice}
+    used = {
+        large if one.is_large else small: ("beyond" if one.is_large else "up to")
+        for one in found.ice
+    }
     text = "; ".join(f"{formula} for diameters {ends} 1.8 H" for formula, ends in used.items())
     yield Paragraph(
         f"Q_{{max}} = {text}; in kN m, with lengths in m and n in 1/s. Formula, factors, ice thickness and 2 "
@@ -203,20 +234,33 @@ def _following(found: TransientMotion) -> Iterator[Block]:
         yield Paragraph(text, "note", brief=True)
     if found.passages:
         cells = [
-            (one.mode, one.what, one.time, rpm(one.speed), number(one.frequency), number(one.seconds, 3),
-             number(100.0 * one.share, 3))
+            (
+                one.mode,
+                one.what,
+                one.time,
+                rpm(one.speed),
+                number(one.frequency),
+                number(one.seconds, 3),
+                number(100.0 * one.share, 3),
+            )
             for one in found.passages[:MOST_PASSAGES]
-        ]  # fmt: skip
+        ]
         titles = (
             "Mode | < Excited by | Time [s] | Reference speed [rpm] | Frequency [Hz] | Passing time [s] "
             "| Peak / steady resonance [%]"
         )
         more = len(found.passages) - MOST_PASSAGES
-        text = "Resonances passed: time in the half-power width, and peak for a constant acceleration"
+        text = (
+            "Resonances passed: time in the half-power width, and peak for a constant acceleration"
+        )
         yield table(titles, cells, text + (f"; {more} more in results.json" if more > 0 else ""))
     if found.changes:
-        changed = [(_first(one.what.split(", ")), one.time) for one in found.changes[:MOST_PASSAGES]]
-        yield table("< Torque | At [s]", changed, "Changes of regime of torques that depend on the motion")
+        changed = [
+            (_first(one.what.split(", ")), one.time) for one in found.changes[:MOST_PASSAGES]
+        ]
+        yield table(
+            "< Torque | At [s]", changed, "Changes of regime of torques that depend on the motion"
+        )
 
 
 def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
@@ -225,21 +269,39 @@ def _peaks(found: TransientMotion, rows: list[Peaks], unit: Scale) -> Table:
         f"| Minimum torque [{unit.unit}] -> minimum, {unit.unit} | Time [s] | Initial [{unit.unit}] "
         f"| Peak / initial -> times | Peak / rated | Reversals -> | Not sampled [{unit.unit}]"
     )
-    largest = max((float(found.peak[list(one.spans)].max()) * one.ratio for one, _, _ in rows), default=0.0)
+    largest = max(
+        (float(found.peak[list(one.spans)].max()) * one.ratio for one, _, _ in rows), default=0.0
+    )
     cells = []
     for element, high, low in rows:
         spans, first = np.array(list(element.spans)), element.spans[0]
-        every = (found.greatest[high], found.least[low], found.before[first], found.unresolved[spans].max())
+        every = (
+            found.greatest[high],
+            found.least[low],
+            found.before[first],
+            found.unresolved[spans].max(),
+        )
         greatest, least, before, lacking = (
             _known(float(one) * element.ratio, largest) / element.ratio for one in every
         )
-        most, rated = max(abs(greatest), abs(least)), 0.0 if found.rated is None else float(found.rated[first])
+        most, rated = (
+            max(abs(greatest), abs(least)),
+            0.0 if found.rated is None else float(found.rated[first]),
+        )
         times = [number(most / abs(mean), 3) if mean else NONE for mean in (before, rated)]
-        cells.append((
-            element.name, unit.text(greatest), float(found.greatest_at[high]), unit.text(least),
-            float(found.least_at[low]), unit.text(before), *times, int(found.reversals[spans].max()),
-            unit.text(lacking),
-        ))  # fmt: skip
+        cells.append(
+            (
+                element.name,
+                unit.text(greatest),
+                float(found.greatest_at[high]),
+                unit.text(least),
+                float(found.least_at[low]),
+                unit.text(before),
+                *times,
+                int(found.reversals[spans].max()),
+                unit.text(lacking),
+            )
+        )
     text = "Torques over time including the mean torque; a torque reversal in a gear separates its teeth"
     title = f"Transient: {found.name}" if found.name else "Transient response"
     return table(titles, cells, text, short=title, rows_in_summary=3)
@@ -252,12 +314,19 @@ def _known(torque: float, largest: float) -> float:
 
 def _switching(found: Switching) -> Iterator[Block]:
     """What the nonlinear couplings did, and how far single values can be relied upon."""
-    rows = [(one.coupling, one.contacts, one.separations, one.slips, number(one.heat)) for one in found.couplings]
+    rows = [
+        (one.coupling, one.contacts, one.separations, one.slips, number(one.heat))
+        for one in found.couplings
+    ]
     titles = "< Coupling -> | Contacts -> | Separations -> | Slips -> | Heat [J] ->"
     yield table(titles, rows, "Couplings with backlash, friction, stages or a capacity")
     if found.events:
         first = [(one.time, one.coupling, one.what) for one in found.events[:MOST_EVENTS]]
-        title = f"The first {len(first)} of {len(found.events)} events" if len(found.events) > len(first) else "Events"
+        title = (
+            f"The first {len(first)} of {len(found.events)} events"
+            if len(found.events) > len(first)
+            else "Events"
+        )
         yield table("Time [s] | < Coupling -> | < What", first, f"{title} of these couplings")
     if found.sensitive_after is not None:
         text = (
@@ -286,9 +355,7 @@ def _compared(found: ComparedMethod | None) -> Iterator[Block]:
         if found.error is None
         else f"differs by at most {number(100.0 * found.error, 3)} % of the largest torque"
     )
-    text = (
-        f"Compared: {found.method}{step} {error} ({number(found.seconds, 2)} s). The results are from the exact method."
-    )
+    text = f"Compared: {found.method}{step} {error} ({number(found.seconds, 2)} s). The results are from the exact method."
     yield Paragraph(text, "note")
 
 
@@ -302,40 +369,73 @@ def _loads(
             most = float(found.stress[list(element.spans)].max())
             if np.isfinite(most):
                 cells.append((element.name, number(most * 1e-6)))
-        yield table("< Shaft | Maximum shear stress [N/mm²]", cells, "Maximum nominal stress of the shafts")
+        yield table(
+            "< Shaft | Maximum shear stress [N/mm²]", cells, "Maximum nominal stress of the shafts"
+        )
     line = settings.fatigue
     if found.damage is not None and line is not None:
         worst = [(one.name, float(found.damage[list(one.spans)].max())) for one, _, _ in rows]
-        mean = "no mean torque effect" if line.ultimate is None else f"ultimate torque {number(line.ultimate)} N m"
+        mean = (
+            "no mean torque effect"
+            if line.ultimate is None
+            else f"ultimate torque {number(line.ultimate)} N m"
+        )
         yield Paragraph(
             "Fatigue: cycles of every torque by rainflow (ASTM E1049), the residue as half cycles; damage after Miner, "
             f"amplitude {number(line.amplitude)} N m for {number(line.cycles)} cycles, slope {number(line.slope)}; "
             f"{mean}."
         )
         cells = [(name, number(sum_, 3)) for name, sum_ in worst if np.isfinite(sum_)]
-        yield table("< Component | Damage per event", cells, "Miner damage sum; 1 is the fatigue life")
+        yield table(
+            "< Component | Damage per event", cells, "Miner damage sum; 1 is the fatigue life"
+        )
 
 
-def _figures(findings: Findings, found: TransientMotion, settings: TransientSettings, unit: Scale) -> Iterator[Block]:
-    every = sorted(elements(findings.system), key=lambda one: -float(found.peak[list(one.spans)].max()))
+def _figures(
+    findings: Findings, found: TransientMotion, settings: TransientSettings, unit: Scale
+) -> Iterator[Block]:
+    every = sorted(
+        elements(findings.system), key=lambda one: -float(found.peak[list(one.spans)].max())
+    )
     train, plot, mark = findings.study.train, settings.plot, f"{found.name} ".lstrip()
-    drawn = [one for one in every if train.parts[one.part].name in plot] if plot else every[:MOST_CURVES]
+    drawn = (
+        [one for one in every if train.parts[one.part].name in plot]
+        if plot
+        else every[:MOST_CURVES]
+    )
     for one in drawn:
         span = max(one.spans, key=lambda span: found.peak[span])
         time, torque = _with_peaks(found, span)
         curves = [(one.name, torque * unit.factor)]
         caption = f"Torque in {one.name}" + (f", {found.name}" if found.name else "")
         yield over_time(
-            f"motion {mark}{one.name}", caption, time=time, lines=curves, quantity="torque", unit=unit.unit,
-            limits=[(words, limit * unit.factor) for words, limit in _limits(findings, one)], has_peak=True,
-        )  # fmt: skip
+            f"motion {mark}{one.name}",
+            caption,
+            time=time,
+            lines=curves,
+            quantity="torque",
+            unit=unit.unit,
+            limits=[(words, limit * unit.factor) for words, limit in _limits(findings, one)],
+            has_peak=True,
+        )
     stations = [(k, s.name) for k, s in enumerate(train.stations) if not s.is_ground]
     ends = [stations[0], stations[-1]] if len(stations) > 1 else stations
-    ends = [one for one in stations if train.parts[train.stations[one[0]].part].name in plot] if plot else ends
+    ends = (
+        [one for one in stations if train.parts[train.stations[one[0]].part].name in plot]
+        if plot
+        else ends
+    )
     if ends:
         curves = [(name, found.speed[k] * RPM) for k, name in ends]
         caption = "Speed" + (f", {found.name}" if found.name else "")
-        yield over_time(f"motion {mark}speeds", caption, time=found.time, lines=curves, quantity="speed", unit="rpm")
+        yield over_time(
+            f"motion {mark}speeds",
+            caption,
+            time=found.time,
+            lines=curves,
+            quantity="speed",
+            unit="rpm",
+        )
 
 
 def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:
@@ -343,9 +443,11 @@ def _limits(findings: Findings, element: Element) -> list[tuple[str, float]]:
     limits = {
         f"limit {symbols(check.clause)}": check.limit
         for check in findings.need(Checks).lines
-        if check.where == element.name and check.rule in TRANSIENT_RULES and check.clause.startswith("T_")
+        if check.where == element.name
+        and check.rule in TRANSIENT_RULES
+        and check.clause.startswith("T_")
         and np.isfinite(check.limit)
-    }  # fmt: skip
+    }
     ratings = findings.study.train.parts[element.part].ratings
     if not limits and ratings is not None and ratings.max_torque:
         limits = {"T_{Kmax} (manufacturer)": ratings.max_torque}
@@ -356,8 +458,13 @@ def _with_peaks(found: TransientMotion, span: int) -> tuple[np.ndarray, np.ndarr
     """The samples of a torque, and between them its maximum and minimum, if they are of the motion that is drawn."""
     if found.faults_computed > 1 or found.phases_computed > 1:
         return found.time, found.torque[span]
-    at, value = [found.greatest_at[span], found.least_at[span]], [found.greatest[span], found.least[span]]
+    at, value = (
+        [found.greatest_at[span], found.least_at[span]],
+        [found.greatest[span], found.least[span]],
+    )
     place = np.searchsorted(found.time, at, side="right")
     order = np.argsort(at, kind="stable")
     chosen = place[order], np.array(at)[order], np.array(value)[order]
-    return np.insert(found.time, chosen[0], chosen[1]), np.insert(found.torque[span], chosen[0], chosen[2])
+    return np.insert(found.time, chosen[0], chosen[1]), np.insert(
+        found.torque[span], chosen[0], chosen[2]
+    )

@@ -50,11 +50,13 @@ def chapter(findings: Findings) -> Iterator[Block]:
         return
     yield Heading("Natural frequencies and mode shapes")
     yield _introduction(modes)
-    nonlinear = [f"{part.name} {part.nonlinear.words}" for part in findings.study.train.parts if part.nonlinear]
+    nonlinear = [
+        f"{part.name} {part.nonlinear.words}"
+        for part in findings.study.train.parts
+        if part.nonlinear
+    ]
     if nonlinear:
-        text = (
-            f"The modes take these couplings as linear: {listed(nonlinear, '; ')}. The error depends on the amplitude."
-        )
+        text = f"The modes take these couplings as linear: {listed(nonlinear, '; ')}. The error depends on the amplitude."
         yield Paragraph(text, "note")
     if findings.study.train.follows_speed and findings.study.operation.speed is not None:
         yield Paragraph(
@@ -82,7 +84,12 @@ def excited_modes(findings: Findings, modes: Modes) -> int:
     """Return the number of modes up to the highest excited frequency, at least 1 and at most MOST_MODES."""
     responses = findings.get(Response), findings.get(FrequencyResponse)
     highest = max(
-        (float(response.frequency.max(initial=0.0)) for response in responses if response is not None), default=0.0
+        (
+            float(response.frequency.max(initial=0.0))
+            for response in responses
+            if response is not None
+        ),
+        default=0.0,
     )
     count = int((modes.frequency <= highest).sum()) if highest else MODES_WITHOUT_ORDERS
     return min(max(count, 1), len(modes.frequency), MOST_MODES)
@@ -134,7 +141,9 @@ def _introduction(modes: Modes) -> Paragraph:
         if modes.certified
         else "The bounds of these frequencies are not certified by Sturm counts."
     )
-    return Paragraph(f"{first} and {counted(len(modes.frequency), 'elastic mode')} (undamped). {enclosed}")
+    return Paragraph(
+        f"{first} and {counted(len(modes.frequency), 'elastic mode')} (undamped). {enclosed}"
+    )
 
 
 def frequencies(modes: Modes) -> Table:
@@ -152,21 +161,28 @@ def frequencies(modes: Modes) -> Table:
         "Natural frequencies of the undamped train",
         short="Natural frequencies",
         summary=f"Natural frequencies: {lowest}{more} Hz" if lowest else "",
-    )  # fmt: skip
+    )
 
 
 def _damped(damped: DampedModes) -> Iterator[Block]:
     roots = np.transpose([damped.frequency, damped.damping_ratio]).tolist()
-    title = "Damped natural frequencies" + (f", damping at {rpm(damped.speed)} rpm" if damped.speed > 0 else "")
+    title = "Damped natural frequencies" + (
+        f", damping at {rpm(damped.speed)} rpm" if damped.speed > 0 else ""
+    )
     yield table(
         "Mode -> | Frequency [Hz] -> Hz | Damping ratio [%] -> damping ratio, % | Magnifier 1/(2ζ)",
         [
-            (mode, number(f, 7), number(100 * ratio, 4), number(0.5 / ratio if ratio > 0 else math.inf, 4))
+            (
+                mode,
+                number(f, 7),
+                number(100 * ratio, 4),
+                number(0.5 / ratio if ratio > 0 else math.inf, 4),
+            )
             for mode, (f, ratio) in enumerate(roots, start=1)
         ],
         title,
         short=title,
-    )  # fmt: skip
+    )
     if len(damped.overdamped):
         roots_shown = ", ".join(number(root, 4) for root in damped.overdamped.tolist()[:OVERDAMPED])
         more = ", …" if len(damped.overdamped) > OVERDAMPED else ""
@@ -175,16 +191,33 @@ def _damped(damped: DampedModes) -> Iterator[Block]:
 
 def _shares(findings: Findings, modes: Modes) -> Table:
     """Of stations by name, of all inner stations of a shaft together, and of elements."""
-    system, own, shown = findings.system, len(findings.system.train.stations), min(len(modes.frequency), MOST_MODES)
+    system, own, shown = (
+        findings.system,
+        len(findings.system.train.stations),
+        min(len(modes.frequency), MOST_MODES),
+    )
     shares = [(f"kinetic: {system.stations[k].name}", modes.kinetic[k]) for k in range(own)]
     inside = "inner segments"
     inner = by_part(system.station_part[own:])
     for bar in system.train.bars:
         if bar.part in inner:
-            shares.append((f"kinetic: {bar.name} ({inside})", modes.kinetic[own + inner[bar.part]].sum(axis=0)))
-    shares += [(f"elastic: {e.name}", modes.elastic[list(e.spans)].sum(axis=0)) for e in elements(system)]
+            shares.append(
+                (
+                    f"kinetic: {bar.name} ({inside})",
+                    modes.kinetic[own + inner[bar.part]].sum(axis=0),
+                )
+            )
+    shares += [
+        (f"elastic: {e.name}", modes.elastic[list(e.spans)].sum(axis=0)) for e in elements(system)
+    ]
     rows = [
-        (name, *(f"{100 * value:.1f}" if value >= SMALLEST_SHARE else "" for value in share[:shown].tolist()))
+        (
+            name,
+            *(
+                f"{100 * value:.1f}" if value >= SMALLEST_SHARE else ""
+                for value in share[:shown].tolist()
+            ),
+        )
         for name, share in shares
         if (share[:shown] >= SMALLEST_SHARE).any()
     ]
@@ -207,7 +240,9 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
             station, own = f"{station}, closing a loop", [NONE, number(angle, HOLZER), NONE]
         through = [NONE] * 6
         if link is not None:
-            at_rest = number(float(found.flexibility[row]), HOLZER) if found.flexibility[row] else "rigid"
+            at_rest = (
+                number(float(found.flexibility[row]), HOLZER) if found.flexibility[row] else "rigid"
+            )
             if np.isfinite(found.transfer[row]).all():
                 at_rest = "A, H, B, D"
                 (a, h), (b, d) = found.transfer[row].tolist()
@@ -226,7 +261,9 @@ def holzer_tables(findings: Findings, modes: Modes, mode: int) -> Iterator[Table
     )
     if constants:
         titles = "< Shaft | A | H [rad/(N m)] | B [N m/rad] | D"
-        yield table(titles, constants, f"Constants of the shafts at the frequency of mode {mode + 1}")
+        yield table(
+            titles, constants, f"Constants of the shafts at the frequency of mode {mode + 1}"
+        )
 
 
 def _settled(found: HolzerTable) -> list[list[float]]:
@@ -238,7 +275,12 @@ def _settled(found: HolzerTable) -> list[list[float]]:
     at = np.array([found.angle, found.inertia_torque])
     link = np.array([found.torque_in, found.torque_out, found.twist])
     torque, angle = np.abs(link[:2]).max(), np.abs(found.angle).max()
-    at[:, (np.abs(at) < ROUNDING * np.array([[angle], [max(torque, np.abs(at[1]).max())]])).all(axis=0)] = 0.0
+    at[
+        :,
+        (np.abs(at) < ROUNDING * np.array([[angle], [max(torque, np.abs(at[1]).max())]])).all(
+            axis=0
+        ),
+    ] = 0.0
     link[:, (np.abs(link) < ROUNDING * np.array([[torque], [torque], [angle]])).all(axis=0)] = 0.0
     rows: list[list[float]] = np.transpose([*at, *link]).tolist()
     return rows
@@ -248,9 +290,13 @@ def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[F
     """Angle and torque of modes, counted from 0, over the train."""
     system, place = findings.system, layout(findings.system)
     drawn = segment_groups(system, MOST_SEGMENTS)
-    parts = [part for part in system.train.parts if part.stations and place.row[part.stations[-1]] == 0]
+    parts = [
+        part for part in system.train.parts if part.stations and place.row[part.stations[-1]] == 0
+    ]
     links = len(parts) <= MOST_NAMES  # on the main line: more are not named
-    ticks = [(float(place.x[list(p.stations)].mean()), p.name) for p in parts if p.is_point or links]
+    ticks = [
+        (float(place.x[list(p.stations)].mean()), p.name) for p in parts if p.is_point or links
+    ]
     caption = "angle and torque, referred to the reference speed and relative to their maximum"
     if not drawn.is_whole:
         longest = drawn.longest * (1 if system.groups is None else system.groups.longest)
@@ -259,10 +305,15 @@ def plots(findings: Findings, modes: Modes, chosen: Iterable[int]) -> Iterator[F
         angle = (modes.shape[:, mode] / system.speed_ratio)[drawn.stations]
         torque = (modes.torque[:, mode] * system.span_ratio)[drawn.spans]
         yield mode_shape.mode(
-            f"mode-{mode + 1}", f"Mode {mode + 1}, {number(float(modes.frequency[mode]))} Hz: {caption}",
-            x=place.x[drawn.stations], row=place.row[drawn.stations], ends=drawn.ends,
-            marked=drawn.stations < len(system.train.stations), angle=angle / angle[np.argmax(np.abs(angle))],
-            torque=torque / np.abs(torque).max(initial=np.finfo(float).tiny), ticks=ticks,
+            f"mode-{mode + 1}",
+            f"Mode {mode + 1}, {number(float(modes.frequency[mode]))} Hz: {caption}",
+            x=place.x[drawn.stations],
+            row=place.row[drawn.stations],
+            ends=drawn.ends,
+            marked=drawn.stations < len(system.train.stations),
+            angle=angle / angle[np.argmax(np.abs(angle))],
+            torque=torque / np.abs(torque).max(initial=np.finfo(float).tiny),
+            ticks=ticks,
             stations=[one.name for one in system.train.stations],
             spans=[system.spans[one].name for one in drawn.spans.tolist()],
-        )  # fmt: skip
+        )

@@ -31,14 +31,21 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(METHOD)
     rows = [
         (
-            one.coupling, one.component, rpm(one.speed), number(one.response),
+            one.coupling,
+            one.component,
+            rpm(one.speed),
+            number(one.response),
             NONE if one.exact is None else number(one.exact),
-            NONE if one.difference is None else number(100.0 * one.difference, 2), number(one.half_range),
-            one.mode, number(one.natural_frequency),
+            NONE if one.difference is None else number(100.0 * one.difference, 2),
+            number(one.half_range),
+            one.mode,
+            number(one.natural_frequency),
         )
         for one in found.each
-    ]  # fmt: skip
-    yield table(TITLES, rows, "Torque amplitudes at the peaks", short="Backlash and friction at the peaks")
+    ]
+    yield table(
+        TITLES, rows, "Torque amplitudes at the peaks", short="Backlash and friction at the peaks"
+    )
     for name in dict.fromkeys(one.coupling for one in found.each):
         own = [one for one in found.each if one.coupling == name]
         if notes := " ".join([*_ranges(own[0]), *(note for one in own for note in _notes(one))]):
@@ -64,7 +71,9 @@ def _notes(one: NonlinearPeak) -> Iterator[str]:
     if one.from_rest is not None:
         yield f"{here} the exact motion that starts without vibration reaches {number(one.from_rest)} N m."
     if not one.ended:
-        yield (f"{here} the exact motion needs too much computing time. Compute the transient response at this speed.")
+        yield (
+            f"{here} the exact motion needs too much computing time. Compute the transient response at this speed."
+        )
     elif one.exact is None:
         yield (
             f"{here} the motion that starts from the response does not settle. Compute the transient "

@@ -31,8 +31,13 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Heading("The plant")
     if description := findings.study.description.strip():
         yield Paragraph(description)
-    yield Paragraph(f"Speed ratio: speed / speed of {reference(findings)}; for a gear, at the driving wheel.")
-    speeds, notes = "Rated speed [rpm] | " if speed is not None else "", " | < Note" if noted else ""
+    yield Paragraph(
+        f"Speed ratio: speed / speed of {reference(findings)}; for a gear, at the driving wheel."
+    )
+    speeds, notes = (
+        "Rated speed [rpm] | " if speed is not None else "",
+        " | < Note" if noted else "",
+    )
     titles = f"No. | < Component | < Kind | Speed ratio | {speeds}< Source of the data{notes}"
     yield table(titles, rows, "Components")
 
@@ -47,7 +52,9 @@ def _points(findings: Findings) -> list[Disc]:
     system, place = findings.system, layout(findings.system)
     finite = system.inertia[(system.inertia > 0) & np.isfinite(system.inertia)]
     carried = (s for s in reversed(system.own_spans) if not system.stations[s.driven].is_ground)
-    rings = {(s.part, s.driving): s.driven for s in carried}  # by the damper and the station of its housing
+    rings = {
+        (s.part, s.driving): s.driven for s in carried
+    }  # by the damper and the station of its housing
     grounds = {s.driving for s in system.own_spans if system.stations[s.driven].is_ground}
     found = []
     for position, part in enumerate(system.train.parts):
@@ -56,12 +63,18 @@ def _points(findings: Findings) -> list[Disc]:
         here = part.stations[0]
         inertia = float(system.inertia[here])
         ring = rings.get((position, here))
-        found.append(Disc(
-            x=float(place.x[here]), row=float(place.row[here]), size=_size(inertia, finite),
-            label=label(system.train.parts, position), kind=part.kind,
-            is_held=math.isinf(inertia), is_grounded=here in grounds,
-            ring=0.0 if ring is None else max(_size(float(system.inertia[ring]), finite), 0.1),
-        ))  # fmt: skip
+        found.append(
+            Disc(
+                x=float(place.x[here]),
+                row=float(place.row[here]),
+                size=_size(inertia, finite),
+                label=label(system.train.parts, position),
+                kind=part.kind,
+                is_held=math.isinf(inertia),
+                is_grounded=here in grounds,
+                ring=0.0 if ring is None else max(_size(float(system.inertia[ring]), finite), 0.1),
+            )
+        )
     return found
 
 
@@ -79,7 +92,11 @@ def _links(findings: Findings) -> list[Link]:
     system, place = findings.system, layout(findings.system)
     bars = {bar.part: bar for bar in reversed(system.train.bars)}
     meshes = {mesh.part: mesh for mesh in reversed(system.train.constraints)}  # of a part the first
-    found = [_between(place, s.driving, s.driven, "rigid") for s in system.own_spans if s.name.endswith(" rigid")]
+    found = [
+        _between(place, s.driving, s.driven, "rigid")
+        for s in system.own_spans
+        if s.name.endswith(" rigid")
+    ]
     for position, part in enumerate(system.train.parts):
         if not part.is_point and len(part.stations) == 2:
             sections = system.train.sectioned.get(part.whole, ())
@@ -90,7 +107,14 @@ def _links(findings: Findings) -> list[Link]:
         is_wheel = system.train.parts[span.part].kind == "gear"
         if is_wheel and span.driven != meshes[span.part].driven:
             found.append(
-                _between(place, span.driving, span.driven, "gear", ratio=float(span.ratio), parts=(span.part,))
+                _between(
+                    place,
+                    span.driving,
+                    span.driven,
+                    "gear",
+                    ratio=float(span.ratio),
+                    parts=(span.part,),
+                )
             )
     return found
 
@@ -118,7 +142,10 @@ def _drawing(
     """How a link is drawn: by what it was made into, the sections of a shaft to one scale."""
     if bar is not None:
         widest = max(end for one in (bar, *sections) for end in one.outer)
-        return "shaft", {"bore": bar.bore[0] / bar.outer[0], "taper": tuple(end / widest for end in bar.outer)}
+        return "shaft", {
+            "bore": bar.bore[0] / bar.outer[0],
+            "taper": tuple(end / widest for end in bar.outer),
+        }
     if part.joint is not None:
         return "joint", {}
     if part.kind == "crank":

@@ -41,8 +41,15 @@ def sources(findings: Findings) -> Iterator[Block]:
         clauses.setdefault((check.rule, basis(check)), {})[symbols(check.clause)] = None
     if clauses:
         yield Heading("Appendix: sources of the limits")
-        rows = [(rule, listed(names, most=MOST_CLAUSES), words) for (rule, words), names in clauses.items()]
-        yield table("< Rule | < Clauses | < Basis", rows, "Rules used by this run and the basis of their limits")
+        rows = [
+            (rule, listed(names, most=MOST_CLAUSES), words)
+            for (rule, words), names in clauses.items()
+        ]
+        yield table(
+            "< Rule | < Clauses | < Basis",
+            rows,
+            "Rules used by this run and the basis of their limits",
+        )
 
 
 def _singular(size: str) -> str:
@@ -61,7 +68,8 @@ def input_file(findings: Findings) -> Iterator[Block]:
     if not text:
         return
     meshes = "".join(
-        f" and its {kind}" + "".join(f"; {without_controls(file)}, SHA-256 {_sha256(file)}" for file in files)
+        f" and its {kind}"
+        + "".join(f"; {without_controls(file)}, SHA-256 {_sha256(file)}" for file in files)
         for kind, files in kinds.items()
         if files
     )
@@ -69,7 +77,9 @@ def input_file(findings: Findings) -> Iterator[Block]:
     behind = " (with its tables)" if study.tables else ""
     words = f"{study.shown_file or 'Input'}, SHA-256 {checksum(study)}{behind}. The report was computed from "
     words += "this text"
-    words += ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
+    words += (
+        ", its tables" if study.tables and meshes else " and its tables" if study.tables else ""
+    )
     yield Heading("Appendix: the input as read")
     yield Paragraph(words + also)
     yield Verbatim(text)

@@ -36,7 +36,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
     found = findings.get(Lateral)
     if found is None:
         return
-    requested = getattr(findings.study.analyses.get("lateral"), "speeds", None) or findings.study.operation.speeds
+    requested = (
+        getattr(findings.study.analyses.get("lateral"), "speeds", None)
+        or findings.study.operation.speeds
+    )
     speeds = None if requested is None else (requested.first, requested.last)
     yield Heading("Bending of the shafts")
     yield Paragraph(f"Speeds are speeds of {reference(findings)}. {AXES}")
@@ -64,13 +67,20 @@ def _supports(found: Shafts) -> Table:
     return table(
         "< Shaft | Length [m] | Speed / reference | < Supports | Lowest frequency at rest, y [Hz] | z [Hz]",
         [
-            (shaft.name, shaft.length, shaft.ratio,
-             ", ".join(f"{one.name} at {number(one.at, 4)} m" for one in shaft.point),
-             *(number(float(plane[0]), 6) if plane.size else NONE for plane in (shaft.at_rest.y, shaft.at_rest.z)))
+            (
+                shaft.name,
+                shaft.length,
+                shaft.ratio,
+                ", ".join(f"{one.name} at {number(one.at, 4)} m" for one in shaft.point),
+                *(
+                    number(float(plane[0]), 6) if plane.size else NONE
+                    for plane in (shaft.at_rest.y, shaft.at_rest.z)
+                ),
+            )
             for shaft in found
         ],
         "Shafts and their supports",
-    )  # fmt: skip
+    )
 
 
 def _criticals(found: Shafts, speeds: Range) -> Table:
@@ -81,10 +91,18 @@ def _criticals(found: Shafts, speeds: Range) -> Table:
         grows |= shaft.tilting is not None and bool(shaft.tilting.zones)
         name = f"{shaft.name} (UNSTABLE)" if grows else shaft.name
         rows += [
-            (name, one.order, one.mode, rpm(one.speed), one.frequency, sense(one.direction),
-             number(one.damping_ratio, 3), _inside(one, speeds))
+            (
+                name,
+                one.order,
+                one.mode,
+                rpm(one.speed),
+                one.frequency,
+                sense(one.direction),
+                number(one.damping_ratio, 3),
+                _inside(one, speeds),
+            )
             for one in _near(shaft, speeds)
-        ]  # fmt: skip
+        ]
     caption = (
         "Critical bending speeds in speeds of the reference; orders per revolution of the shaft (1: unbalance, others: "
         "couples of joints); damping ratio 0: unbounded amplitude"
@@ -94,8 +112,11 @@ def _criticals(found: Shafts, speeds: Range) -> Table:
     return table(
         "< Shaft -> | Order -> | Mode | Critical speed [rpm] -> rpm | Frequency [Hz] -> Hz | < Whirl -> | "
         "Damping ratio -> | In the range -> in range",
-        rows, caption, marks=["note" if row[-1] else "" for row in rows], short="Critical bending speeds",
-    )  # fmt: skip
+        rows,
+        caption,
+        marks=["note" if row[-1] else "" for row in rows],
+        short="Critical bending speeds",
+    )
 
 
 def _near(shaft: ShaftFound, speeds: Range) -> list[Critical]:
@@ -104,7 +125,11 @@ def _near(shaft: ShaftFound, speeds: Range) -> list[Critical]:
         return list(shaft.critical)
     highest = FARTHEST * speeds[1]
     orders = [one.order for one in shaft.critical]
-    return [one for k, one in enumerate(shaft.critical) if one.speed <= highest or orders[:k].count(one.order) < 2]
+    return [
+        one
+        for k, one in enumerate(shaft.critical)
+        if one.speed <= highest or orders[:k].count(one.order) < 2
+    ]
 
 
 def _inside(one: Critical, speeds: Range) -> bool:
@@ -127,7 +152,9 @@ def unstable(decrement: FloatArray) -> np.ndarray:
 
 def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
     """Frequencies at both ends of the range, whether the motion dies out; nothing where no speeds are given."""
-    rows = [row for shaft in found if shaft.whirl is not None for row in _whirl_rows(shaft, shaft.whirl)]
+    rows = [
+        row for shaft in found if shaft.whirl is not None for row in _whirl_rows(shaft, shaft.whirl)
+    ]
     if not rows:
         return
     marks = ["fail" if row[-1].startswith("UNSTABLE") else "" for row in rows]
@@ -138,8 +165,10 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
     yield table(
         "< Shaft | Mode | Frequency at the lowest speed [Hz] | at the highest [Hz] | < Whirl at the highest | "
         "Minimum log. decrement | Speed [rpm] | < Stability",
-        rows, "Whirl over the speed range, by frequency; a negative logarithmic decrement is unstable", marks=marks,
-    )  # fmt: skip
+        rows,
+        "Whirl over the speed range, by frequency; a negative logarithmic decrement is unstable",
+        marks=marks,
+    )
     for count, shaft in enumerate(found, start=1):
         over = shaft.whirl
         if over is None or speeds is None:
@@ -147,16 +176,28 @@ def _whirl(findings: Findings, found: Shafts, speeds: Range) -> Iterator[Block]:
         orders = sorted({1, *(one.order for one in shaft.critical)})
         last = float(over.speed[-1]) * float(shaft.ratio) / (2.0 * np.pi)
         crossings = [
-            (one.speed * RPM, one.frequency, _inside(one, speeds),
-             f"critical speed of bending {rpm(one.speed)} rpm: order {one.order} excites {number(one.frequency)} Hz")
+            (
+                one.speed * RPM,
+                one.frequency,
+                _inside(one, speeds),
+                f"critical speed of bending {rpm(one.speed)} rpm: order {one.order} excites {number(one.frequency)} Hz",
+            )
             for one in _near(shaft, speeds)
-        ]  # fmt: skip
-        yield of_bending(shaft, frequencies_over_speed.whirl(
-            f"whirl-{count}", f"Whirl of {shaft.name}: frequency over speed", speed=over.speed * RPM,
-            frequency=over.frequency, direction=over.direction, unstable=unstable(over.log_decrement),
-            orders=[(order * last, f"order {order}") for order in orders], crossings=crossings,
-            rated=rated_rpm(findings),
-        ))  # fmt: skip
+        ]
+        yield of_bending(
+            shaft,
+            frequencies_over_speed.whirl(
+                f"whirl-{count}",
+                f"Whirl of {shaft.name}: frequency over speed",
+                speed=over.speed * RPM,
+                frequency=over.frequency,
+                direction=over.direction,
+                unstable=unstable(over.log_decrement),
+                orders=[(order * last, f"order {order}") for order in orders],
+                crossings=crossings,
+                rated=rated_rpm(findings),
+            ),
+        )
 
 
 def _whirl_rows(shaft: ShaftFound, over: Whirl) -> Iterator[tuple[str, ...]]:
@@ -173,10 +214,15 @@ def _whirl_rows(shaft: ShaftFound, over: Whirl) -> Iterator[tuple[str, ...]]:
         if grows.any():
             verdict = f"UNSTABLE from {rpm(float(speed[grows][0]))} rpm"
         yield (
-            shaft.name, str(position), number(float(over.frequency[0, k])), number(float(over.frequency[-1, k])),
-            sense(float(over.direction[-1, k])), number(0.0 if abs(least) <= -UNSTABLE else least, 3),
-            rpm(float(speed[at])), verdict,
-        )  # fmt: skip
+            shaft.name,
+            str(position),
+            number(float(over.frequency[0, k])),
+            number(float(over.frequency[-1, k])),
+            sense(float(over.direction[-1, k])),
+            number(0.0 if abs(least) <= -UNSTABLE else least, 3),
+            rpm(float(speed[at])),
+            verdict,
+        )
 
 
 def _answers(found: Shafts) -> Table:
@@ -205,12 +251,21 @@ def _forces(found: Shafts) -> Table:
     sizes = [highest(_sound(one, extent(one.force))) for shaft in found for one in shaft.answers]
     unit = scale("N", sizes)
     rows = [
-        (shaft.name, held.name, number(held.at, 4), one.order,
-         *_worst(shaft, one, unit.factor * extent(one.force)[:, place : place + 1])[::2])
-        for shaft in found for place, held in enumerate(shaft.point) for one in shaft.answers
-    ]  # fmt: skip
+        (
+            shaft.name,
+            held.name,
+            number(held.at, 4),
+            one.order,
+            *_worst(shaft, one, unit.factor * extent(one.force)[:, place : place + 1])[::2],
+        )
+        for shaft in found
+        for place, held in enumerate(shaft.point)
+        for one in shaft.answers
+    ]
     columns = f"< Shaft | < On | At [m] | Order | Maximum force [{unit.unit}] | at [rpm]"
-    return table(columns, rows, "Forces of the shafts on their joints and supports by the secondary couples")
+    return table(
+        columns, rows, "Forces of the shafts on their joints and supports by the secondary couples"
+    )
 
 
 def _sound(answer: Answer, values: FloatArray) -> FloatArray:
@@ -237,17 +292,35 @@ def _bending(findings: Findings, shaft: ShaftFound, speeds: Range, name: str) ->
     moment = scale("N m", [highest(_sound(one, extent(one.moment))) for one in shaft.answers])
     force = scale("N", [highest(_sound(one, extent(one.force))) for one in shaft.answers])
     orders = {answer.order for answer in shaft.answers}
-    return of_bending(shaft, curves_over_speed.bending(
-        name, f"{shaft.name}: maximum amplitude of displacement, bending moment and force by the secondary couples",
-        speed=[one.speed * RPM for one in shaft.answers],
-        orders=[f"order {one.order}" + ("" if one.order else ", static") for one in shaft.answers],
-        panels=[
-            ("displacement", "µm", over(lambda one: MICRO * one.orbit)),
-            ("bending moment", moment.unit, over(lambda one: moment.factor * extent(one.moment))),
-            ("force on a joint or support", force.unit, over(lambda one: force.factor * extent(one.force))),
-        ],
-        near=[one.status == Status.NEAR_SINGULAR for one in shaft.answers],
-        singular=[one.status == Status.SINGULAR for one in shaft.answers],
-        crossings=[one.speed * RPM for one in shaft.critical if one.order in orders and _inside(one, speeds)],
-        rated=rated_rpm(findings),
-    ))  # fmt: skip
+    return of_bending(
+        shaft,
+        curves_over_speed.bending(
+            name,
+            f"{shaft.name}: maximum amplitude of displacement, bending moment and force by the secondary couples",
+            speed=[one.speed * RPM for one in shaft.answers],
+            orders=[
+                f"order {one.order}" + ("" if one.order else ", static") for one in shaft.answers
+            ],
+            panels=[
+                ("displacement", "µm", over(lambda one: MICRO * one.orbit)),
+                (
+                    "bending moment",
+                    moment.unit,
+                    over(lambda one: moment.factor * extent(one.moment)),
+                ),
+                (
+                    "force on a joint or support",
+                    force.unit,
+                    over(lambda one: force.factor * extent(one.force)),
+                ),
+            ],
+            near=[one.status == Status.NEAR_SINGULAR for one in shaft.answers],
+            singular=[one.status == Status.SINGULAR for one in shaft.answers],
+            crossings=[
+                one.speed * RPM
+                for one in shaft.critical
+                if one.order in orders and _inside(one, speeds)
+            ],
+            rated=rated_rpm(findings),
+        ),
+    )

@@ -30,7 +30,9 @@ def sharp_steps(found: SharpSteps) -> Iterator[Block]:
         "Mode -> | With sharp steps [Hz] -> Hz | Change [%] -> change, %",
         [
             (mode, number(f, 7), number(100.0 * change, 3))
-            for mode, (f, change) in enumerate(zip(found.frequency.tolist(), found.change.tolist(), strict=True), 1)
+            for mode, (f, change) in enumerate(
+                zip(found.frequency.tolist(), found.change.tolist(), strict=True), 1
+            )
         ],
         "Natural frequencies with sharp steps between the shafts",
     )
@@ -43,18 +45,25 @@ def moved_by_hubs(found: HubMoves) -> Iterator[Block]:
     yield table(
         "< Shaft | < End | Seat [mm] | Twists as [mm] | Error [mm]",
         [
-            (hub.shaft, hub.end, number(1e3 * hub.seat, 5), number(1e3 * hub.twisting, 4),
-             NONE if hub.error is None else number(1e3 * hub.error, 1))
+            (
+                hub.shaft,
+                hub.end,
+                number(1e3 * hub.seat, 5),
+                number(1e3 * hub.twisting, 4),
+                NONE if hub.error is None else number(1e3 * hub.error, 1),
+            )
             for hub in found.each
         ],
         "Hubs on the ends of shafts",
-    )  # fmt: skip
+    )
     yield table(
         "< Shaft | < End | Mode | Without the hub [Hz] | Change [%]",
         [
             (hub.shaft, hub.end, mode, number(f, 7), number(100.0 * change, 3))
             for hub in found.each
-            for mode, (f, change) in enumerate(zip(hub.frequency.tolist(), hub.change.tolist(), strict=True), 1)
+            for mode, (f, change) in enumerate(
+                zip(hub.frequency.tolist(), hub.change.tolist(), strict=True), 1
+            )
         ],
         "Effect of each hub on the natural frequencies",
     )

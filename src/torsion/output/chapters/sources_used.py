@@ -10,7 +10,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
     """The rules are in the table before it, with the basis of their limits."""
     literature = [_entry(used) for used in findings.plan.sources if not used.is_rule]
     if literature:
-        yield Paragraph(f"Sources of the formulas used in this calculation: {'; '.join(literature)}.")
+        yield Paragraph(
+            f"Sources of the formulas used in this calculation: {'; '.join(literature)}."
+        )
 
 
 def _entry(used: UsedSource) -> str:

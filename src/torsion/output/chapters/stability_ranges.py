@@ -29,9 +29,10 @@ MODEL = (
     "and is not an instability."
 )
 OVER = {
-    "angle": ("joint angle", "deg"), "damping": ("factor on the damping", ""),
+    "angle": ("joint angle", "deg"),
+    "damping": ("factor on the damping", ""),
     "torque": ("factor on the mean torque", ""),
-}  # fmt: skip
+}
 MOST_ROWS = 30
 MOST_VALUES = 13  # of a map, in the table
 MOST_NAMED = 6  # modes whose frequency is stated
@@ -63,11 +64,17 @@ def chapter(findings: Findings) -> Iterator[Block]:
             yield _ranges(findings, found)
         if found.unsolved.size:
             yield _unsolved(found)
-        yield of_torsion(findings, curves_over_speed.stability(
-            "stability-growth", "Growth rate over the speed", speed=found.speed * RPM,
-            growth=found.growth, rated=rated_rpm(findings),
-            unstable=[(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
-        ))  # fmt: skip
+        yield of_torsion(
+            findings,
+            curves_over_speed.stability(
+                "stability-growth",
+                "Growth rate over the speed",
+                speed=found.speed * RPM,
+                growth=found.growth,
+                rated=rated_rpm(findings),
+                unstable=[(one.first * RPM, one.last * RPM, one.name) for one in found.ranges],
+            ),
+        )
     if mapped is not None:
         yield from _map(findings, mapped)
 
@@ -77,7 +84,9 @@ def _sentence(words: str) -> str:
 
 
 def _introduction(findings: Findings, found: Stability) -> Paragraph:
-    modes = ", ".join(f"w{k} = {number(w)}" for k, w in enumerate(found.modes[:MOST_NAMED].tolist(), start=1))
+    modes = ", ".join(
+        f"w{k} = {number(w)}" for k, w in enumerate(found.modes[:MOST_NAMED].tolist(), start=1)
+    )
     checked = (
         f" Monodromy matrix and Hill matrix differ by at most {number(found.check, 2)} 1/s."
         if np.isfinite(found.check)
@@ -100,13 +109,18 @@ def _introduction(findings: Findings, found: Stability) -> Paragraph:
 
 def _verdict(findings: Findings) -> Paragraph:
     check = next(check for check in findings.need(Checks).lines if check.clause == "stability")
-    where = "the operation" if findings.study.operation.speeds is not None else "the speeds requested"
+    where = (
+        "the operation" if findings.study.operation.speeds is not None else "the speeds requested"
+    )
     if check.verdict == "pass":
         return Paragraph(f"No deviation grows at any speed in {where}.", "pass")
     if not np.isfinite(check.value):
         return Paragraph(f"Stability is not known at every speed in {where}: {check.note}.", "fail")
     if check.value <= 0:
-        return Paragraph(f"No unstable range was found, but {where} is not covered completely: {check.note}.", "fail")
+        return Paragraph(
+            f"No unstable range was found, but {where} is not covered completely: {check.note}.",
+            "fail",
+        )
     fastest = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
     return Paragraph(f"The train is unstable in {where}: maximum growth {fastest}.", "fail")
 
@@ -124,11 +138,18 @@ def _ranges(findings: Findings, found: Stability) -> Table:
         present.update(marks)
         inside = speeds is None or one.meets(speeds.first, speeds.last)
         factor = float(np.exp(min(one.growth * 2.0 * np.pi / one.at, 700.0)))
-        rows.append((
-            rpm(one.first, 9) + marks[BELOW], rpm(one.last, 9) + marks[ABOVE], one.name, number(one.growth),
-            distinct_texts([one.first * RPM, one.at * RPM, one.last * RPM])[1], number(factor, 4),
-            "UNSTABLE" if inside else "outside", *(["; ".join(_beyond(one))] if further else []),
-        ))  # fmt: skip
+        rows.append(
+            (
+                rpm(one.first, 9) + marks[BELOW],
+                rpm(one.last, 9) + marks[ABOVE],
+                one.name,
+                number(one.growth),
+                distinct_texts([one.first * RPM, one.at * RPM, one.last * RPM])[1],
+                number(factor, 4),
+                "UNSTABLE" if inside else "outside",
+                *(["; ".join(_beyond(one))] if further else []),
+            )
+        )
     legend = "; ".join(f"{sign} {text}" for sign, text in LEGEND.items() if sign in present)
     title = f"Unstable ranges of speed{f' ({legend})' if legend else ''}"
     rest = f"; {MOST_ROWS} of {len(found.ranges)}" if len(found.ranges) > MOST_ROWS else ""
@@ -159,12 +180,20 @@ def _beyond(one: UnstableRange) -> list[str]:
 def restrictions(findings: Findings, found: Stability) -> list[str]:
     """Of the speed: the unstable ranges in words, and where it could not be said whether there is one."""
     requested = float(found.speed[0]), float(found.speed[-1])
-    stated = [f"Unstable range: {words(one, requested)}. Not for operation." for one in found.ranges]
+    stated = [
+        f"Unstable range: {words(one, requested)}. Not for operation." for one in found.ranges
+    ]
     if drift := mean_speed_words(found, findings.study):
         stated.append(_sentence(drift))
-    nothing = [check for check in findings.need(Checks).lines if check.clause == "stability" and np.isinf(check.value)]
+    nothing = [
+        check
+        for check in findings.need(Checks).lines
+        if check.clause == "stability" and np.isinf(check.value)
+    ]
     if nothing:
-        return stated + [f"Stability of the {check.where} not computed: {check.note}." for check in nothing]
+        return stated + [
+            f"Stability of the {check.where} not computed: {check.note}." for check in nothing
+        ]
     beside = [one.first for one in found.ranges if one.unknown[BELOW] is not None]
     beside += [one.last for one in found.ranges if one.unknown[ABOVE] is not None]
     return stated + [
@@ -183,9 +212,15 @@ def tilt_restrictions(findings: Findings) -> list[str]:
             low, high = widened((zone.lower * RPM, zone.upper * RPM), looked_at)
             kind = TILT_ZONES.get(zone.kind, zone.kind)
             further = "; it continues beyond the computed speeds" if any(zone.is_open) else ""
-            stated.append(f"Unstable range: {low} to {high} rpm, tilt of {name}, {kind}{further}. Not for operation.")
+            stated.append(
+                f"Unstable range: {low} to {high} rpm, tilt of {name}, {kind}{further}. Not for operation."
+            )
     more = len(stated) - MOST_ROWS
-    return stated if more <= 0 else [*stated[:MOST_ROWS], f"{more} more unstable ranges of the tilt in the table."]
+    return (
+        stated
+        if more <= 0
+        else [*stated[:MOST_ROWS], f"{more} more unstable ranges of the tilt in the table."]
+    )
 
 
 def words(one: UnstableRange, requested: tuple[float, float]) -> str:
@@ -193,13 +228,19 @@ def words(one: UnstableRange, requested: tuple[float, float]) -> str:
 
     Boundaries are rounded so that the range grows, but not beyond the speeds requested (rad/s).
     """
-    stated = list(widened((one.first * RPM, one.last * RPM), (requested[0] * RPM, requested[1] * RPM)))
+    stated = list(
+        widened((one.first * RPM, one.last * RPM), (requested[0] * RPM, requested[1] * RPM))
+    )
     for side, (speed, limit) in enumerate(((one.first, "at most"), (one.last, "at least"))):
         if one.grows_at_end[side]:
             stated[side] = given_rpm(speed)
         if one.unknown[side] is not None:
             stated[side] = f"{limit} {stated[side]}"
-    band = f"at {given_rpm(one.first)} rpm" if one.last <= one.first else f"{stated[BELOW]} to {stated[ABOVE]} rpm"
+    band = (
+        f"at {given_rpm(one.first)} rpm"
+        if one.last <= one.first
+        else f"{stated[BELOW]} to {stated[ABOVE]} rpm"
+    )
     return "; ".join([f"{band}, {one.name}", *_beyond(one)])
 
 
@@ -228,15 +269,23 @@ def _map(findings: Findings, found: StabilityMap) -> Iterator[Block]:
     yield Paragraph(text, "note" if missing else "plain")
     yield _values(found, f"{what.capitalize()} [{unit}]", value)
     yield curves_over_speed.stability_map(
-        "stability-map", f"Growth rate over speed and {what}; the line is growth 0", speed=found.speed * RPM,
-        value=value, growth=found.growth, quantity=what, unit=unit, rated=rated_rpm(findings),
-    )  # fmt: skip
+        "stability-map",
+        f"Growth rate over speed and {what}; the line is growth 0",
+        speed=found.speed * RPM,
+        value=value,
+        growth=found.growth,
+        quantity=what,
+        unit=unit,
+        rated=rated_rpm(findings),
+    )
 
 
 def _missed(findings: Findings, found: StabilityMap) -> str:
     """That unstable ranges lie between the speeds of the map."""
     ranges = () if findings.get(Stability) is None else findings.need(Stability).ranges
-    missed = sum(not np.any((found.speed >= one.first) & (found.speed <= one.last)) for one in ranges)
+    missed = sum(
+        not np.any((found.speed >= one.first) & (found.speed <= one.last)) for one in ranges
+    )
     if not missed:
         return ""
     which = "the" if len(ranges) == 1 else f"{missed} of the {len(ranges)}"
@@ -254,15 +303,38 @@ def _values(found: StabilityMap, title: str, value: FloatArray) -> Table:
         known = np.isfinite(growth)
         unknown = 100.0 * float((~known).mean())
         if not known.any():
-            rows.append((number(float(value[k])), NONE, NONE, NONE, number(unknown, 3), "no periodic motion"))
+            rows.append(
+                (
+                    number(float(value[k])),
+                    NONE,
+                    NONE,
+                    NONE,
+                    number(unknown, 3),
+                    "no periodic motion",
+                )
+            )
             marks.append("fail")
             continue
         at = int(np.nanargmax(growth))
         grows = growth[known] > SMALL
-        where = f"{known.sum()} of {known.size} speeds" if unknown else f"the {counted(known.size, 'speed')} of the map"
-        verdict = ("UNSTABLE" if grows.any() else f"stable at {where}") + (", partly unknown" if unknown else "")
-        rows.append((number(float(value[k]), 4), number(float(growth[at]), 4), rpm(float(found.speed[at])),
-                     number(100.0 * float(grows.mean()), 3), number(unknown, 3), verdict))  # fmt: skip
+        where = (
+            f"{known.sum()} of {known.size} speeds"
+            if unknown
+            else f"the {counted(known.size, 'speed')} of the map"
+        )
+        verdict = ("UNSTABLE" if grows.any() else f"stable at {where}") + (
+            ", partly unknown" if unknown else ""
+        )
+        rows.append(
+            (
+                number(float(value[k]), 4),
+                number(float(growth[at]), 4),
+                rpm(float(found.speed[at])),
+                number(100.0 * float(grows.mean()), 3),
+                number(unknown, 3),
+                verdict,
+            )
+        )
         marks.append("fail" if grows.any() or unknown else "")
     columns = "| Maximum growth [1/s] | Speed [rpm] | Unstable speeds [%] | Unknown speeds [%] | < "
     return table(f"{title} {columns}", rows, "Maximum growth in the map, by value", marks=marks)
@@ -279,18 +351,26 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
         "< Shaft | < Driven by | Transverse inertia [kg m²] | Polar inertia [kg m²] | Frequency of the tilt, y [Hz] | "
         "z [Hz] | Decay rate, y [1/s] | z [1/s]",
         [
-            (name, tilting.joint, tilting.shaft.inertia, tilting.shaft.polar * tilting.shaft.inertia,
-             *tilting.frequency.values(), *(rate / 2.0 for rate in tilting.shaft.decay[::-1]))
+            (
+                name,
+                tilting.joint,
+                tilting.shaft.inertia,
+                tilting.shaft.polar * tilting.shaft.inertia,
+                *tilting.frequency.values(),
+                *(rate / 2.0 for rate in tilting.shaft.decay[::-1]),
+            )
             for name, tilting in stated
         ],
         "Rigid shafts that tilt about the centre of their joint; at rest, without torque",
-    )  # fmt: skip
+    )
     for check in findings.need(Checks).lines:
         if check.clause == "tilting":
             note = f" ({check.note})" if check.note else ""
             at = f"{number(check.value, 4)} 1/s at {rpm(check.speed)} rpm"
             if check.value > 0:
-                yield Paragraph(f"{check.where} is unstable: its tilt grows by up to {at}{note}.", "fail")
+                yield Paragraph(
+                    f"{check.where} is unstable: its tilt grows by up to {at}{note}.", "fail"
+                )
             else:
                 text = f"No tilting motion of {check.where} grows at the computed speeds{note}."
                 yield Paragraph(text, "fail" if check.fails else "pass")
@@ -299,10 +379,13 @@ def tilt_section(findings: Findings, shafts: "tuple[ShaftFound, ...]") -> Iterat
     for count, (name, tilting) in enumerate(stated, start=1):
         caption = f"{name}: growth rate of the tilt by the couple of {tilting.joint}"
         yield curves_over_speed.stability(
-            f"tilting-{count}", caption, speed=tilting.speed * RPM, growth=np.asarray(tilting.growth),
+            f"tilting-{count}",
+            caption,
+            speed=tilting.speed * RPM,
+            growth=np.asarray(tilting.growth),
             rated=rated_rpm(findings),
             unstable=[(zone.lower * RPM, zone.upper * RPM, zone.kind) for zone in tilting.zones],
-        )  # fmt: skip
+        )
 
 
 def _tilt_zones(findings: Findings, stated: "list[tuple[str, Tilting]]") -> Table:
@@ -311,9 +394,21 @@ def _tilt_zones(findings: Findings, stated: "list[tuple[str, Tilting]]") -> Tabl
         for zone in tilting.zones:
             low, worst, up = zone.lower, zone.worst, zone.upper
             inside = speeds is None or (low < speeds.last and up > speeds.first)
-            ends = [rpm(w, 9) + (" (open)" if zone.is_open[side] else "") for side, w in enumerate((low, up))]
+            ends = [
+                rpm(w, 9) + (" (open)" if zone.is_open[side] else "")
+                for side, w in enumerate((low, up))
+            ]
             kind = TILT_ZONES.get(zone.kind, zone.kind)
-            rows.append((name, *ends, kind, number(zone.rate), rpm(worst), "UNSTABLE" if inside else "outside"))
+            rows.append(
+                (
+                    name,
+                    *ends,
+                    kind,
+                    number(zone.rate),
+                    rpm(worst),
+                    "UNSTABLE" if inside else "outside",
+                )
+            )
     return table(
         "< Shaft | From [rpm] | To [rpm] | < Type | Maximum growth [1/s] | Speed [rpm] | < In the operating range",
         rows,

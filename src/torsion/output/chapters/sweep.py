@@ -40,7 +40,9 @@ def chapter(findings: Findings) -> Iterator[Block]:
         why = "; ".join(found.faults)
         yield Paragraph(f"{counted(found.unsolved, 'variant')} not solved: {why}", "note")
     rows = [(one.name, one.law, one.together) for one in found.figures]
-    yield table("< Parameter | < Distribution about the nominal value | Group", rows, "Varied parameters")
+    yield table(
+        "< Parameter | < Distribution about the nominal value | Group", rows, "Varied parameters"
+    )
     if is_grid:
         yield from sweep_grid.sections(found)
         return
@@ -63,18 +65,31 @@ def _spread(findings: Findings, found: Sweep) -> Figure:
     proven = findings.get(Tolerances)
     panels = []
     for mode, values in enumerate(found.frequency[:MOST_MODES], start=1):
-        bands = [Band("95 % of the variants", float(found.low[mode - 1]), float(found.high[mode - 1]), "spread")]
+        bands = [
+            Band(
+                "95 % of the variants",
+                float(found.low[mode - 1]),
+                float(found.high[mode - 1]),
+                "spread",
+            )
+        ]
         levels = [Level("nominal", float(found.nominal[mode - 1]), "rated", "x")]
         if proven is not None and mode <= proven.lower.size:
             ends = (float(proven.lower[mode - 1]), float(proven.upper[mode - 1]))
-            levels += [Level("guaranteed bound of the tolerances", end, "limit", "x") for end in ends]
+            levels += [
+                Level("guaranteed bound of the tolerances", end, "limit", "x") for end in ends
+            ]
         panels.append((Axis(f"frequency of mode {mode}", "Hz"), values, levels, bands))
     return variants.spread("sweep_frequencies", "Natural frequencies of all variants", panels)
 
 
 def _indices(found: Sweep) -> Block:
     rows = [
-        (one.of, one.figure, *(_share(value) for value in (one.first, one.first_error, one.total, one.total_error)))
+        (
+            one.of,
+            one.figure,
+            *(_share(value) for value in (one.first, one.first_error, one.total, one.total_error)),
+        )
         for one in found.indices
     ]
     return table(
@@ -91,7 +106,15 @@ def _share(value: float) -> str:
 
 
 def _frequencies(found: Sweep) -> Block:
-    columns = (found.nominal, found.mean, found.deviation, found.low, found.high, found.least, found.greatest)
+    columns = (
+        found.nominal,
+        found.mean,
+        found.deviation,
+        found.low,
+        found.high,
+        found.least,
+        found.greatest,
+    )
     rows = [
         (mode, *(number(value, 4 if place == 2 else 7) for place, value in enumerate(row)))
         for mode, row in enumerate(np.transpose(columns).tolist(), start=1)
@@ -108,15 +131,25 @@ def _frequencies(found: Sweep) -> Block:
 def _checks(found: Sweep, whole: SweptCheck) -> Block:
     rows = [
         (
-            "any check" if one is whole else f"{one.rule} {one.clause}: {one.what}", one.where, one.failing,
-            *(number(100.0 * (share or 0.0), 3) for share in (one.probability, one.lower, one.upper)),
+            "any check" if one is whole else f"{one.rule} {one.clause}: {one.what}",
+            one.where,
+            one.failing,
+            *(
+                number(100.0 * (share or 0.0), 3)
+                for share in (one.probability, one.lower, one.upper)
+            ),
             None if one.median is None else number(100.0 * one.median, 4),
-            None if one.worst is None else number(100.0 * one.worst, 4), one.decides,
+            None if one.worst is None else number(100.0 * one.worst, 4),
+            one.decides,
             None if one.correlation is None else number(one.correlation, 2),
         )
         for one in (whole, *found.checks[:MOST_CHECKS])
-    ]  # fmt: skip
-    rest = f" (the first {MOST_CHECKS} of {len(found.checks)})" if len(found.checks) > MOST_CHECKS else ""
+    ]
+    rest = (
+        f" (the first {MOST_CHECKS} of {len(found.checks)})"
+        if len(found.checks) > MOST_CHECKS
+        else ""
+    )
     return table(
         "< Check -> | < Component -> | Variants that fail -> | Probability [%] -> fails, % | From [%] -> from | "
         "To [%] -> to | Median utilisation [%] | Maximum utilisation [%] -> maximum, % | < Correlates with | "
@@ -136,10 +169,17 @@ def _shares(found: Sweep) -> Figure:
         below = np.arange(1, used.size + 1) / used.size * 100.0
         lines.append(Line(f"{one.clause}: {one.where}", used, below, pen))
     panel = Panel(
-        Axis("utilisation", "%", low=0.0), Axis("variants below", "%", low=0.0, high=100.0), tuple(lines),
-        (Level("limit", 100.0, axis="x", is_reached=True),), height=240.0,
-    )  # fmt: skip
-    return Figure("sweep_shares", "Variants below a utilisation, for the checks with the highest utilisation", (panel,))
+        Axis("utilisation", "%", low=0.0),
+        Axis("variants below", "%", low=0.0, high=100.0),
+        tuple(lines),
+        (Level("limit", 100.0, axis="x", is_reached=True),),
+        height=240.0,
+    )
+    return Figure(
+        "sweep_shares",
+        "Variants below a utilisation, for the checks with the highest utilisation",
+        (panel,),
+    )
 
 
 def _failing(found: Sweep) -> Iterator[Block]:
@@ -147,7 +187,10 @@ def _failing(found: Sweep) -> Iterator[Block]:
     names = [one.name for one in found.figures]
     if found.any_fails is None or len(names) < 2 or not 0 < found.any_fails.failing < found.samples:
         return
-    ranked = sorted((one for one in found.checks if one.correlation is not None), key=lambda one: -one.probability)
+    ranked = sorted(
+        (one for one in found.checks if one.correlation is not None),
+        key=lambda one: -one.probability,
+    )
     decisive = list(dict.fromkeys(one.decides for one in ranked if one.failing))
     pair = list(dict.fromkeys([*decisive, *names]))[:2]
     (x, across), (y, down) = (_over(found, names.index(name)) for name in pair)
@@ -156,7 +199,11 @@ def _failing(found: Sweep) -> Iterator[Block]:
         Marks("every check passes", x[~fails], y[~fails], "dot", "pale"),
         Marks("a check fails", x[fails], y[fails], "cross", "unstable"),
     )
-    yield Figure("sweep_variants", f"Variants by {pair[0]} and {pair[1]}", (Panel(across, down, marks=marks),))
+    yield Figure(
+        "sweep_variants",
+        f"Variants by {pair[0]} and {pair[1]}",
+        (Panel(across, down, marks=marks),),
+    )
     if len(names) > 2:
         low, wide = found.factor.min(axis=0), np.ptp(found.factor, axis=0)
         share = (found.factor - low) / np.where(wide > 0.0, wide, 1.0)

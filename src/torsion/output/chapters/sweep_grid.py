@@ -24,17 +24,26 @@ def sections(found: Sweep) -> Iterator[Block]:
         yield _checks(found, found.any_fails)
     grid = found.grid
     if grid is None:
-        yield Paragraph("The report does not list the variants, because there are too many.", "note")
+        yield Paragraph(
+            "The report does not list the variants, because there are too many.", "note"
+        )
         return
     if grid.turns:
         yield _turns(found, grid)
     elif len(grid.axes) == 1 and found.any_fails is not None and grid.axes[0].is_numeric:
         every = "every" if found.any_fails.failing else "no"
-        yield Paragraph(f"No check changes between pass and fail in this range: {every} variant fails.")
+        yield Paragraph(
+            f"No check changes between pass and fail in this range: {every} variant fails."
+        )
     if len(grid.axes) == 1:
-        shown = [(f"{one.clause}: {one.where}", place) for place, one in enumerate(found.checks)
-                 if np.isfinite(one.utilisation).any()]  # fmt: skip
-        yield variants.curve(grid, sorted(shown, key=lambda one: -(found.checks[one[1]].worst or 0.0))[:MOST_LINES])
+        shown = [
+            (f"{one.clause}: {one.where}", place)
+            for place, one in enumerate(found.checks)
+            if np.isfinite(one.utilisation).any()
+        ]
+        yield variants.curve(
+            grid, sorted(shown, key=lambda one: -(found.checks[one[1]].worst or 0.0))[:MOST_LINES]
+        )
     elif len(grid.axes) == 2:
         yield from variants.maps(grid)
     elif grid.utilisation.size:
@@ -48,7 +57,10 @@ def sections(found: Sweep) -> Iterator[Block]:
         ]
         names = [axis.name for axis in grid.axes]
         yield variants.through(
-            "sweep_best", "Variants with the lowest and highest utilisation", axes=names, groups=groups
+            "sweep_best",
+            "Variants with the lowest and highest utilisation",
+            axes=names,
+            groups=groups,
         )
     yield _variants(found, grid)
 
@@ -64,21 +76,30 @@ def _ranked(grid: Grid) -> list[int]:
 def _frequencies(found: Sweep) -> Block:
     rows = [
         (mode, *(number(value, 7) for value in row))
-        for mode, row in enumerate(np.transpose([found.nominal, found.least, found.greatest]).tolist(), start=1)
+        for mode, row in enumerate(
+            np.transpose([found.nominal, found.least, found.greatest]).tolist(), start=1
+        )
     ]
     titles = "Mode -> | Nominal [Hz] -> Hz | Minimum [Hz] -> minimum | Maximum [Hz] -> maximum"
-    return table(titles, rows, "Natural frequencies of all variants", short="Natural frequencies of the variants")
+    return table(
+        titles,
+        rows,
+        "Natural frequencies of all variants",
+        short="Natural frequencies of the variants",
+    )
 
 
 def _checks(found: Sweep, whole: SweptCheck) -> Block:
     rows = [
         (
-            "any check" if one is whole else f"{one.rule} {one.clause}: {one.what}", one.where, one.failing,
+            "any check" if one is whole else f"{one.rule} {one.clause}: {one.what}",
+            one.where,
+            one.failing,
             None if one.best is None else number(100.0 * one.best, 4),
             None if one.worst is None else number(100.0 * one.worst, 4),
         )
         for one in (whole, *found.checks[:MOST_CHECKS])
-    ]  # fmt: skip
+    ]
     return table(
         "< Check -> | < Component -> | Variants that fail -> fail | Minimum utilisation [%] -> minimum, % | "
         "Maximum utilisation [%] -> maximum, %",
@@ -91,18 +112,27 @@ def _checks(found: Sweep, whole: SweptCheck) -> Block:
 def _turns(found: Sweep, grid: Grid) -> Block:
     """In the unit of the figure."""
     unit = unit_words(grid.axes[0].unit)
-    columns = [*head("< Check -> | < Component ->"), *(
-        Column(title, unit, short=short) for title, short in
-        (("Passes at", "passes"), ("Fails at", "fails"), ("Limit at about", "limit at about"))
-    )]  # fmt: skip
+    columns = [
+        *head("< Check -> | < Component ->"),
+        *(
+            Column(title, unit, short=short)
+            for title, short in (
+                ("Passes at", "passes"),
+                ("Fails at", "fails"),
+                ("Limit at about", "limit at about"),
+            )
+        ),
+    ]
     rows = [
         (
-            f"{(check := found.checks[turn.check]).rule} {check.clause}: {check.what}", check.where,
-            number(turn.kept, 6), number(turn.failing, 6),
+            f"{(check := found.checks[turn.check]).rule} {check.clause}: {check.what}",
+            check.where,
+            number(turn.kept, 6),
+            number(turn.failing, 6),
             None if turn.between is None else number(turn.between, 5),
         )
         for turn in grid.turns
-    ]  # fmt: skip
+    ]
     caption = f"Changes between pass and fail over {grid.axes[0].name}"
     return table(tuple(columns), rows, caption, short="Changes between pass and fail")
 
@@ -116,7 +146,9 @@ def _variants(found: Sweep, grid: Grid) -> Block:
         shown = [*ranked[:ENDS], *ranked[-ENDS:]]
     why, modes = dict(grid.why), len(grid.frequency[:MOST_MODES])
     columns = [texts(axis.name, short=axis.name) for axis in grid.axes]
-    columns += [Column(f"Mode {mode}", "Hz", short=f"mode {mode}, Hz") for mode in range(1, modes + 1)]
+    columns += [
+        Column(f"Mode {mode}", "Hz", short=f"mode {mode}, Hz") for mode in range(1, modes + 1)
+    ]
     if found.checks:
         columns += head("Maximum utilisation [%] -> maximum, % | < Check | < Verdict -> verdict")
     elif why:
@@ -125,7 +157,10 @@ def _variants(found: Sweep, grid: Grid) -> Block:
     for place in shown:
         lost, check = why.get(place), int(grid.decisive[place])
         said = f"not solved: {lost}" if lost else "fails" if grid.fails[place] else "passes"
-        cells = [*grid.words(place), *(number(value, 7) for value in grid.frequency[:modes, place].tolist())]
+        cells = [
+            *grid.words(place),
+            *(number(value, 7) for value in grid.frequency[:modes, place].tolist()),
+        ]
         if found.checks:
             of = f"{found.checks[check].clause}: {found.checks[check].where}" if check >= 0 else ""
             cells += [number(100.0 * float(grid.greatest[place]), 4), of, said]

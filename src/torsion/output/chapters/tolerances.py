@@ -45,13 +45,16 @@ def chapter(findings: Findings) -> Iterator[Block]:
                 number(100.0 * (low / f - 1.0), 3),
                 number(100.0 * (high / f - 1.0), 3),
             )
-            for mode, (f, low, high) in enumerate(zip(found.frequency, found.lower, found.upper, strict=True), start=1)
+            for mode, (f, low, high) in enumerate(
+                zip(found.frequency, found.lower, found.upper, strict=True), start=1
+            )
         ]
-        titles = (
-            "Mode -> | Frequency [Hz] -> Hz | Minimum [Hz] -> minimum | Maximum [Hz] -> maximum | Down [%] | Up [%]"
-        )
+        titles = "Mode -> | Frequency [Hz] -> Hz | Minimum [Hz] -> minimum | Maximum [Hz] -> maximum | Down [%] | Up [%]"
         yield table(
-            titles, rows, "Natural frequencies within the tolerances", short="Frequencies within the tolerances"
+            titles,
+            rows,
+            "Natural frequencies within the tolerances",
+            short="Frequencies within the tolerances",
         )
         yield from _matters(found)
         yield from _criticals(findings, found)
@@ -67,14 +70,21 @@ def _matters(found: Tolerances) -> Iterator[Block]:
     yield Paragraph(MATTERS)
     rows = [
         (
-            mode + 1, one.figure, number(100.0 * one.tolerance, 3), number(float(one.sensitivity[mode]), 3),
+            mode + 1,
+            one.figure,
+            number(100.0 * one.tolerance, 3),
+            number(float(one.sensitivity[mode]), 3),
             number(100.0 * float(one.change[mode]), 3),
         )
         for mode in range(found.frequency.size)
         for one in sorted(found.figures, key=lambda one: -float(one.change[mode]))[:MOST_FIGURES]
-    ]  # fmt: skip
-    titles = "Mode -> | < Parameter -> | Tolerance [%] | Sensitivity | Change of the mode, ± [%] -> ± %"
-    rest = f" (the first {MOST_FIGURES} of {len(found.figures)} of each mode)" * (len(found.figures) > MOST_FIGURES)
+    ]
+    titles = (
+        "Mode -> | < Parameter -> | Tolerance [%] | Sensitivity | Change of the mode, ± [%] -> ± %"
+    )
+    rest = f" (the first {MOST_FIGURES} of {len(found.figures)} of each mode)" * (
+        len(found.figures) > MOST_FIGURES
+    )
     yield table(titles, rows[:MOST_ROWS], f"Dominant parameters{rest}", short="Dominant parameters")
 
 
@@ -83,15 +93,25 @@ def _criticals(findings: Findings, found: Tolerances) -> Iterator[Block]:
     speeds, critical = findings.study.operation.speeds, findings.get(CriticalSpeeds)
     if speeds is None or critical is None or not found.critical_lower.size:
         return
-    bands = zip(critical.crossings, found.critical_lower.tolist(), found.critical_upper.tolist(), strict=True)
+    bands = zip(
+        critical.crossings,
+        found.critical_lower.tolist(),
+        found.critical_upper.tolist(),
+        strict=True,
+    )
     met = [one for one in bands if one[1] <= speeds.last and one[2] >= speeds.first]
     rows: list[tuple[object, ...]] = [
         (
-            rpm(low), rpm(c.speed), rpm(high), order(c.order), c.mode, c.line.named(reference(findings)),
+            rpm(low),
+            rpm(c.speed),
+            rpm(high),
+            order(c.order),
+            c.mode,
+            c.line.named(reference(findings)),
             "" if c.is_inside else "only within the tolerances",
         )
         for c, low, high in met[:MOST_ROWS]
-    ]  # fmt: skip
+    ]
     within = f"{given_rpm(speeds.first)} to {given_rpm(speeds.last)} rpm"
     if not rows:
         yield Paragraph(f"Within the tolerances the speed range {within} has no critical speed.")
@@ -100,7 +120,11 @@ def _criticals(findings: Findings, found: Tolerances) -> Iterator[Block]:
     if all(c.is_inside for c, *_ in met):
         rows, titles = [row[:-1] for row in rows], titles.rpartition(" | ")[0]
     rest = f" (the lowest {MOST_ROWS} of {len(met)})" if len(met) > MOST_ROWS else ""
-    yield table(titles, rows, f"Critical speeds that can lie in the speed range {within} within the tolerances{rest}")
+    yield table(
+        titles,
+        rows,
+        f"Critical speeds that can lie in the speed range {within} within the tolerances{rest}",
+    )
 
 
 def _alone(found: Tolerances) -> Iterator[Block]:
@@ -118,12 +142,15 @@ def _alone(found: Tolerances) -> Iterator[Block]:
             ends = (one.lower, one.upper) if one.tolerance else ()
             rows.append(
                 (
-                    mode + 1, one.coupling, number(100.0 * one.tolerance, 3) if one.tolerance else None,
+                    mode + 1,
+                    one.coupling,
+                    number(100.0 * one.tolerance, 3) if one.tolerance else None,
                     *([number(float(end[mode]), 7) for end in ends] or (None, None)),
                     number(100.0 * width(one)[0] / frequency, 3) if one.tolerance else None,
-                    number(float(one.softest[mode]), 7), number(float(one.stiffest[mode]), 7),
+                    number(float(one.softest[mode]), 7),
+                    number(float(one.stiffest[mode]), 7),
                 )
-            )  # fmt: skip
+            )
     yield table(
         "Mode | < Coupling | Tolerance [%] | Soft [Hz] | Stiff [Hz] | Change [%] | Without it [Hz] | Rigid [Hz]",
         rows[:MOST_ROWS],
@@ -135,14 +162,17 @@ def _aims(found: Tolerances) -> Block:
     """The stiffness of each coupling with which a mode is where it should be."""
     rows = [
         (
-            one.mode, number(one.frequency, 7), one.coupling,
+            one.mode,
+            number(one.frequency, 7),
+            one.coupling,
             None if one.stiffness is None else number(one.stiffness, 7),
             None if one.factor is None else number(one.factor, 5),
             "no stiffness reaches it" if one.stiffness is None else "",
-            number(one.softest, 7), number(one.stiffest, 7),
+            number(one.softest, 7),
+            number(one.stiffest, 7),
         )
         for one in found.aims
-    ]  # fmt: skip
+    ]
     return table(
         "Mode -> | Target frequency [Hz] -> target, Hz | < Coupling -> | Required stiffness [N m/rad] -> k | "
         "Required / nominal stiffness -> k / nominal | < Remark -> | Without it [Hz] | Rigid [Hz]",

@@ -30,7 +30,10 @@ def chapter(findings: Findings) -> Iterator[Block]:
     if findings.cases:
         yield overview(findings.each)
     yield from _details(
-        findings, Heading(f"Checks of the case {name}" if (name := case_name(findings)) else "Checks", at_end=True)
+        findings,
+        Heading(
+            f"Checks of the case {name}" if (name := case_name(findings)) else "Checks", at_end=True
+        ),
     )
     yield from _unjudged(findings)
     yield from _sources(findings)
@@ -52,7 +55,9 @@ def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
     listed_checks = [check for row, check in enumerate(checks) if check_words.is_listed(check, row)]
     yield _checks(findings, listed_checks)
     if omitted := len(checks) - len(listed_checks):
-        yield Paragraph(f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json.")
+        yield Paragraph(
+            f"{counted(omitted, 'more check')} below {check_words.SMALL} in results.json."
+        )
     if editions := check_words.editions(checks):
         yield Paragraph(editions)
     if any(check.standing == TO_BE_VERIFIED for check in checks):
@@ -96,11 +101,15 @@ def _unjudged(findings: Findings) -> Iterator[Paragraph]:
     """The shafts whose stress no rule judges, and why; nothing where the file names no rule."""
     lines = findings.need(Checks).lines
     judged = {check.where for check in lines if check.unit == STRESS}
-    reasons = {what.rpartition(" for ")[2]: why for what, why in findings.plan.left_out if " for " in what}
+    reasons = {
+        what.rpartition(" for ")[2]: why for what, why in findings.plan.left_out if " for " in what
+    }
     about: dict[str, list[str]] = {}
     for bar in findings.study.train.bars if findings.study.rules else ():
         if bar.name not in judged:
-            about.setdefault(reasons.get(bar.name, "no rule of the file applies"), []).append(quoted(bar.name))
+            about.setdefault(reasons.get(bar.name, "no rule of the file applies"), []).append(
+                quoted(bar.name)
+            )
     if about:
         words = "; ".join(f"{listed(names)} ({why})" for why, names in about.items())
         yield Paragraph(f"Shaft stress not checked: {words}.", "note")
@@ -109,7 +118,9 @@ def _unjudged(findings: Findings) -> Iterator[Paragraph]:
 def _sources(findings: Findings) -> Iterator[Paragraph]:
     """How many components and excitations have no `source` for their data; nothing if all have one."""
     parts = [part for part in findings.study.train.parts if part.kind != "branch"]
-    torques = [torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)]
+    torques = [
+        torque for torque in findings.study.train.torques if torque.path[:1] == ("excitations",)
+    ]
     bare = [quoted(part.name) for part in parts if part.source is None]
     lacking = [f"{len(bare):,} of {counted(len(parts), 'component')}"] if bare else []
     if 0 < len(bare) <= MOST_NAMED:
@@ -117,7 +128,9 @@ def _sources(findings: Findings) -> Iterator[Paragraph]:
     if count := sum(torque.source is None for torque in torques):
         lacking.append(f"{count} of {counted(len(torques), 'excitation')}")
     if lacking:
-        yield Paragraph(f"No `source` for the data of {' and '.join(lacking)}.".replace("`", ""), "note")
+        yield Paragraph(
+            f"No `source` for the data of {' and '.join(lacking)}.".replace("`", ""), "note"
+        )
 
 
 OVER_TOLERANCES = (
@@ -144,26 +157,46 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
         yield Paragraph(OVER_TOLERANCES)
     yield table(
         "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ | "
-        "From by formula [rpm] | To by formula [rpm]" + " | From, tolerances [rpm] | To, tolerances [rpm]" * moved,
+        "From by formula [rpm] | To by formula [rpm]"
+        + " | From, tolerances [rpm] | To, tolerances [rpm]"
+        * moved,
         [
-            (b.shaft, rpm(b.lower), rpm(b.upper), contributing(findings, b.order), _mode(findings, b), rpm(b.critical),
-             number(b.critical / speed, 4) if speed else NONE, rpm(b.formula_lower), rpm(b.formula_upper),
-             *(rpm(b.tolerance_lower), rpm(b.tolerance_upper)) * moved)
+            (
+                b.shaft,
+                rpm(b.lower),
+                rpm(b.upper),
+                contributing(findings, b.order),
+                _mode(findings, b),
+                rpm(b.critical),
+                number(b.critical / speed, 4) if speed else NONE,
+                rpm(b.formula_lower),
+                rpm(b.formula_upper),
+                *(rpm(b.tolerance_lower), rpm(b.tolerance_upper)) * moved,
+            )
             for b in found
         ],
         f"Barred ranges ({rpm(speed)} rpm rated)" if speed else "Barred ranges",
         short="Barred ranges",
-    )  # fmt: skip
-    times = dict.fromkeys(time for check in findings.need(Checks).lines for time in check.times if check.barred)
+    )
+    times = dict.fromkeys(
+        time for check in findings.need(Checks).lines for time in check.times if check.barred
+    )
     if times:
         cells = [
-            (passage.motion or "the only", rpm(passage.lower), rpm(passage.upper), number(passage.seconds, 3),
-             NONE if passage.share is None else number(100.0 * passage.share, 3),
-             "ends within" if passage.stays else "passes")
+            (
+                passage.motion or "the only",
+                rpm(passage.lower),
+                rpm(passage.upper),
+                number(passage.seconds, 3),
+                NONE if passage.share is None else number(100.0 * passage.share, 3),
+                "ends within" if passage.stays else "passes",
+            )
             for passage in times
-        ]  # fmt: skip
+        ]
         titles = "< Transient | From [rpm] | To [rpm] | Time in the range [s] | Peak / steady resonance [%] | <"
-        yield table(titles, cells, "Transients in barred ranges (the rule has no limit of the time)")
+        yield table(
+            titles, cells, "Transients in barred ranges (the rule has no limit of the time)"
+        )
 
 
 def _mode(findings: Findings, barred: BarredRange) -> str:
@@ -176,8 +209,14 @@ def _mode(findings: Findings, barred: BarredRange) -> str:
 def _row(findings: Findings, check: Check) -> tuple[str, ...]:
     used = NONE if check.utilisation is None else number(100.0 * check.utilisation, 4)
     return (
-        check.what, check.where, check_words.value(check), check_words.limit(check), check_words.unit(check), used,
-        rpm(check.speed), contributing(findings, check.order),
+        check.what,
+        check.where,
+        check_words.value(check),
+        check_words.limit(check),
+        check_words.unit(check),
+        used,
+        rpm(check.speed),
+        contributing(findings, check.order),
         f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
         f"{check_words.SIGNS[check.verdict]} {WORDS[check.verdict]}",
-    )  # fmt: skip
+    )

@@ -27,16 +27,26 @@ def chapter(findings: Findings) -> Iterator[Block]:
     yield Paragraph(TEXT)
     for one in each:
         if lost := int(np.count_nonzero(~one.settled)):
-            yield Paragraph(f"{one.coupling}: {lost} of {one.speed.size} speeds did not converge.", "note")
+            yield Paragraph(
+                f"{one.coupling}: {lost} of {one.speed.size} speeds did not converge.", "note"
+            )
     unit = scale("N m", [float(one.torque.max(initial=0.0)) for one in each])
     rows = [
         (
-            one.coupling, rpm(float(one.speed[k])), unit.text(float(one.torque[k])), int(one.number[k]),
-            unit.text(float(one.smallest[k])), number(float(one.stiffness[k]), 7), number(float(one.loss_factor[k])),
-            number(float(one.residual[k]), 2), int(one.rounds[k]), "converged" if one.settled[k] else "not converged",
+            one.coupling,
+            rpm(float(one.speed[k])),
+            unit.text(float(one.torque[k])),
+            int(one.number[k]),
+            unit.text(float(one.smallest[k])),
+            number(float(one.stiffness[k]), 7),
+            number(float(one.loss_factor[k])),
+            number(float(one.residual[k]), 2),
+            int(one.rounds[k]),
+            "converged" if one.settled[k] else "not converged",
         )
-        for one in each for k in _chosen(one)
-    ]  # fmt: skip
+        for one in each
+        for k in _chosen(one)
+    ]
     yield table(
         f"< Coupling -> | Speed [rpm] -> rpm | T [{unit.unit}] -> T | Solutions -> solutions | "
         f"Smallest [{unit.unit}] | k own [N m/rad] -> k | Loss factor η -> η | Residual | Rounds | < Status",
@@ -65,6 +75,10 @@ def _figure(one: VibratoryTorque, name: str) -> Figure:
         lines.append(Line("smallest solution", x, one.smallest * unit.factor, 1))
     panels = (
         Panel(SPEED, Axis("total vibratory torque", unit.unit, low=0.0), tuple(lines)),
-        Panel(SPEED, Axis("stiffness", stiff.unit, low=0.0), (Line("k", x, one.stiffness * stiff.factor, 0),)),
+        Panel(
+            SPEED,
+            Axis("stiffness", stiff.unit, low=0.0),
+            (Line("k", x, one.stiffness * stiff.factor, 0),),
+        ),
     )
     return Figure(name, f"{one.coupling}: total vibratory torque and stiffness", panels)

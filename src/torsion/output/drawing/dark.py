@@ -11,25 +11,34 @@ from torsion.output.drawing.pens import GRADES
 
 WHITE, PAPER = "#ffffff", "#151a1f"  # on paper, on a dark screen
 BEHIND = 0.77  # lightness from which a colour is a tint or a thin line that lies behind
-AREAS = frozenset(one.fill for one in GRADES.values() if not one.slopes)  # plain: what is drawn on them is ink
+AREAS = frozenset(
+    one.fill for one in GRADES.values() if not one.slopes
+)  # plain: what is drawn on them is ink
 CONTRAST = 4.6  # at least, of what stands out against the dark paper
 USED = re.compile(r'(fill|stroke)="(#[0-9A-Fa-f]{6})"')
 # Björn Ottosson, "A perceptual color space for image processing" (2020): linear sRGB to cone responses to Oklab
 CONES = np.array(
-    [[0.4122214708, 0.5363325363, 0.0514459929], [0.2119034982, 0.6806995451, 0.1073969566],
-     [0.0883024619, 0.2817188376, 0.6299787005]]
-)  # fmt: skip
+    [
+        [0.4122214708, 0.5363325363, 0.0514459929],
+        [0.2119034982, 0.6806995451, 0.1073969566],
+        [0.0883024619, 0.2817188376, 0.6299787005],
+    ]
+)
 OKLAB = np.array(
-    [[0.2104542553, 0.7936177850, -0.0040720468], [1.9779984951, -2.4285922050, 0.4505937099],
-     [0.0259040371, 0.7827717662, -0.8086757660]]
-)  # fmt: skip
+    [
+        [0.2104542553, 0.7936177850, -0.0040720468],
+        [1.9779984951, -2.4285922050, 0.4505937099],
+        [0.0259040371, 0.7827717662, -0.8086757660],
+    ]
+)
 
 
 def rules(drawings: Iterable[str]) -> str:
     """Style rules that give the colours of drawings their counterparts where the screen is dark."""
     used = sorted({found for text in drawings for found in USED.findall(text)})
     return "\n".join(
-        f'figure [{what}="{colour}"]{{{what}:light-dark({colour},{dark(colour)})}}' for what, colour in used
+        f'figure [{what}="{colour}"]{{{what}:light-dark({colour},{dark(colour)})}}'
+        for what, colour in used
     )
 
 

@@ -12,7 +12,12 @@ from torsion.output.drawing.words import GROWTH, SIZE, width
 from torsion.output.figures.figure import Panel
 
 WIDTH = 620.0  # px of a figure: its lines and letters are for this width
-TOP, RIGHT, NUMBERS, TITLE = 9.0, 14.0, 18.0, 18.0  # px: free above and beside a plot; heights below it
+TOP, RIGHT, NUMBERS, TITLE = (
+    9.0,
+    14.0,
+    18.0,
+    18.0,
+)  # px: free above and beside a plot; heights below it
 ROW = 13.0  # px from one row of letters to the next
 APART = (62.0, 30.0)  # px: numbers on the axes are about so far apart
 SLANT = 30.0  # degrees of names that would meet otherwise
@@ -46,7 +51,9 @@ class Frame:
         texts = [text for _, text in self.panel.x.places]
         at = self.across(np.array([place for place, _ in self.panel.x.places])).tolist()
         half = [GROWTH * width(text) / 2 + 3 for text in texts]
-        ends = any(x - w < -self.left or x + w > self.wide + RIGHT for x, w in zip(at, half, strict=True))
+        ends = any(
+            x - w < -self.left or x + w > self.wide + RIGHT for x, w in zip(at, half, strict=True)
+        )
         return ends or any(at[k] + half[k] > at[k + 1] - half[k + 1] for k in range(len(at) - 1))
 
     @property
@@ -61,22 +68,35 @@ class Frame:
     def below(self) -> float:
         """px below a plot for the numbers and the title of its x axis."""
         slanted = max((0.5 * GROWTH * width(text) for _, text in self.panel.x.places), default=0.0)
-        return (14.0 + slanted if self.is_slanted else NUMBERS) + (TITLE if self.panel.x.title else 0.0)
+        return (14.0 + slanted if self.is_slanted else NUMBERS) + (
+            TITLE if self.panel.x.title else 0.0
+        )
 
 
 def vertical(panel: Panel) -> Scale:
     """The y axis of a plot."""
-    data = [line.y for line in panel.lines] + [line.base for line in panel.lines if line.base is not None]
+    data = [line.y for line in panel.lines] + [
+        line.base for line in panel.lines if line.base is not None
+    ]
     data += reached(panel, "y")
     data += [marks.y for marks in panel.marks] + ([panel.cells.y] if panel.cells else [])
-    return scale(panel.y, data, max(3, round(panel.height / APART[1])), is_rounded=panel.cells is None)
+    return scale(
+        panel.y, data, max(3, round(panel.height / APART[1])), is_rounded=panel.cells is None
+    )
 
 
 def horizontal(panel: Panel, wide: float) -> Scale:
     """The x axis of a plot."""
-    data = [line.x for line in panel.lines] + [marks.x for marks in panel.marks] + reached(panel, "x")
+    data = (
+        [line.x for line in panel.lines] + [marks.x for marks in panel.marks] + reached(panel, "x")
+    )
     data += _beside_symbols(panel, wide)
-    return scale(panel.x, data + ([panel.cells.x] if panel.cells else []), round(wide / APART[0]), is_rounded=False)
+    return scale(
+        panel.x,
+        data + ([panel.cells.x] if panel.cells else []),
+        round(wide / APART[0]),
+        is_rounded=False,
+    )
 
 
 def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
@@ -91,7 +111,9 @@ def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
 
 def reached(panel: Panel, axis: str) -> list[FloatArray]:
     """The levels as far as which an axis goes."""
-    return [np.array([level.value]) for level in panel.levels if level.is_reached and level.axis == axis]
+    return [
+        np.array([level.value]) for level in panel.levels if level.is_reached and level.axis == axis
+    ]
 
 
 def title_rows(panel: Panel) -> list[str]:
@@ -113,11 +135,17 @@ def margin(panel: Panel, y: Scale) -> float:
 def grid(frame: Frame) -> str:
     """Lines at the numbers, thin."""
     left, top, wide, high = (shown(one) for one in (frame.left, frame.top, frame.wide, frame.high))
-    upright = [] if frame.panel.x.places else frame.across(np.array([at for at, _ in frame.x.ticks])).tolist()
+    upright = (
+        []
+        if frame.panel.x.places
+        else frame.across(np.array([at for at, _ in frame.x.ticks])).tolist()
+    )
     level = frame.down(np.array([at for at, _ in frame.y.ticks])).tolist()
     lines = [f"M{shown(frame.left + at)} {top}v{high}" for at in upright]
     lines += [f"M{left} {shown(frame.top + at)}h{wide}" for at in level]
-    return f'<path class="grid" stroke="{GRID}" stroke-width=".6" fill="none" d="{"".join(lines)}"/>'
+    return (
+        f'<path class="grid" stroke="{GRID}" stroke-width=".6" fill="none" d="{"".join(lines)}"/>'
+    )
 
 
 def axes(frame: Frame, *, has_numbers: bool) -> str:
@@ -126,11 +154,14 @@ def axes(frame: Frame, *, has_numbers: bool) -> str:
     down = frame.down(np.array([at for at, _ in frame.y.ticks])).tolist()
     parts = [_edges(frame), f'<g class="axis" fill="{INK}" font-size="{SIZE:g}">']
     parts += [
-        words(left - 5, frame.top + at + 3.6, text, END) for at, (_, text) in zip(down, frame.y.ticks, strict=True)
+        words(left - 5, frame.top + at + 3.6, text, END)
+        for at, (_, text) in zip(down, frame.y.ticks, strict=True)
     ]
     if has_numbers:
         parts += _below(frame)
-        parts.append(words(left + frame.wide / 2, foot + frame.below - 4.5, frame.panel.x.title, MIDDLE))
+        parts.append(
+            words(left + frame.wide / 2, foot + frame.below - 4.5, frame.panel.x.title, MIDDLE)
+        )
     for row, text in enumerate(title_rows(frame.panel)):
         parts.append(_turned(10 + ROW * row, frame.top + frame.high / 2, text, -90.0, MIDDLE))
     return "".join(parts) + "</g>"
@@ -139,8 +170,13 @@ def axes(frame: Frame, *, has_numbers: bool) -> str:
 def _edges(frame: Frame) -> str:
     """The left and the lower edge with their small marks."""
     left, top, foot = frame.left, frame.top, shown(frame.top + frame.high)
-    small = [f"M{shown(left - 3)} {shown(top + at)}h3" for at in frame.down(np.array(frame.y.small)).tolist()]
-    small += [f"M{shown(left + at)} {foot}v3" for at in frame.across(np.array(frame.x.small)).tolist()]
+    small = [
+        f"M{shown(left - 3)} {shown(top + at)}h3"
+        for at in frame.down(np.array(frame.y.small)).tolist()
+    ]
+    small += [
+        f"M{shown(left + at)} {foot}v3" for at in frame.across(np.array(frame.x.small)).tolist()
+    ]
     line = f"M{shown(left)} {shown(top)}V{foot}h{shown(frame.wide)}{''.join(small)}"
     return f'<path d="{line}" fill="none" stroke="{GREY}" stroke-width=".8"/>'
 
@@ -152,7 +188,11 @@ def _below(frame: Frame) -> list[str]:
     for place, text in frame.x.ticks:
         at = frame.left + float(frame.across(place))
         level = MIDDLE + ACROSS
-        made.append(_turned(at + 3, foot + 11, text, -SLANT, END) if slanted else words(at, foot + 13, text, level))
+        made.append(
+            _turned(at + 3, foot + 11, text, -SLANT, END)
+            if slanted
+            else words(at, foot + 13, text, level)
+        )
     return made
 
 

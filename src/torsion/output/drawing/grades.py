@@ -12,7 +12,12 @@ from torsion.output.figures.figure import Grade, Share, Shares, Use
 
 Box = tuple[float, float, float, float]
 SAMPLE, KEY_ROW = 24.0, 16.0  # px
-LEFT, RIGHT, ROW, HEAD = 240.0, 430.0, 13.2, 16.0  # px: of the shares, whose names and words stand beside them
+LEFT, RIGHT, ROW, HEAD = (
+    240.0,
+    430.0,
+    13.2,
+    16.0,
+)  # px: of the shares, whose names and words stand beside them
 SIGN = 6.5  # px: radius of the disc around a sign
 FEWEST = 30.0  # px of a name that stands before a very long clause
 MOST = 2.0  # times the limit: a larger share is cut
@@ -49,14 +54,18 @@ def key(uses: Iterable[Use], top: float) -> tuple[float, str]:
     box = (0.0, -50.0, 10 * SAMPLE, 50.0)
     entries = [(area(box, grade), "", GRADES[grade].words) for grade in GRADES if grade in grades]
     outline = f'<path d="M0-50h{10 * SAMPLE:g}v100h-{10 * SAMPLE:g}z" fill="none" {MARKED.attributes(10.0)}/>'
-    entries += [(outline, marked(SAMPLE / 2, 0.0, sign), MARKS[sign]) for sign in MARKS if sign in marks]
+    entries += [
+        (outline, marked(SAMPLE / 2, 0.0, sign), MARKS[sign]) for sign in MARKS if sign in marks
+    ]
     x, y, made = 4.0, top + KEY_ROW / 2, list[str]()
     for sample, sign, said in entries:
         need = SAMPLE + 5 + GROWTH * width(said) + 10
         if x + need > WIDTH and x > 4.0:
             x, y = 4.0, y + KEY_ROW
         at = f'<g transform="translate({shown(x)} {shown(y)})">'
-        made.append(f'{at}<g transform="scale(.1)">{sample}</g>{sign}{words(SAMPLE + 5, 3.7, said)}</g>')
+        made.append(
+            f'{at}<g transform="scale(.1)">{sample}</g>{sign}{words(SAMPLE + 5, 3.7, said)}</g>'
+        )
         x += need
     text = f'<g class="key" font-size="{SIZE:g}" fill="{INK}">{"".join(made)}</g>'
     return y + KEY_ROW / 2 - top if made else 0.0, text if made else ""
@@ -70,11 +79,13 @@ def shares(found: Shares, top: float) -> tuple[float, str]:
     foot = top + HEAD + ROW * len(found.rows)
     rows = "".join(_row(one, end, top + HEAD + ROW * k) for k, one in enumerate(found.rows))
     parts = [
-        f'<g class="shares" font-size="{SIZE:g}" fill="{INK}">', rows,
+        f'<g class="shares" font-size="{SIZE:g}" fill="{INK}">',
+        rows,
         f'<path d="M{shown(LEFT)} {shown(top + HEAD - 3)}V{shown(foot)}" stroke="{GREY}" stroke-width=".8"/>',
         f'<path d="M{shown(limit)} {shown(top + HEAD - 4)}V{shown(foot)}" stroke="{BAD}" stroke-width="1.6"/>',
-        words(limit, top + HEAD - 7, "limit, 100 %", f'{MIDDLE} fill="{BAD}"'), "</g>",
-    ]  # fmt: skip
+        words(limit, top + HEAD - 7, "limit, 100 %", f'{MIDDLE} fill="{BAD}"'),
+        "</g>",
+    ]
     return foot + 3.0 - top, "".join(parts)
 
 
@@ -91,6 +102,4 @@ def _row(one: Share, end: float, top: float) -> str:
     room, clause = (LEFT - 8) / GROWTH, f", {one.clause}"
     name = fitted(fitted(one.name, max(room - width(clause), FEWEST)) + clause, room)
     said = words(RIGHT + 8, middle + 3.7, one.use.words, bold)
-    return (
-        f'{words(LEFT - 6, middle + 3.7, name, END)}<g transform="scale(.1)">{area(box, one.use.grade)}</g>{cut}{said}'
-    )
+    return f'{words(LEFT - 6, middle + 3.7, name, END)}<g transform="scale(.1)">{area(box, one.use.grade)}</g>{cut}{said}'

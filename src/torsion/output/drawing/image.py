@@ -14,7 +14,13 @@ from torsion.output.figures.contours import level_line
 from torsion.output.figures.figure import Cells
 
 SHADES = 64
-STOPS = ((-1.0, "#f3f8fc"), (-1e-9, "#8fbcdc"), (0.0, "#f6c76b"), (0.5, "#d4642a"), (1.0, "#6a0f14"))  # of the range
+STOPS = (
+    (-1.0, "#f3f8fc"),
+    (-1e-9, "#8fbcdc"),
+    (0.0, "#f6c76b"),
+    (0.5, "#d4642a"),
+    (1.0, "#6a0f14"),
+)  # of the range
 LOG_STOPS = ((-1.0, "#ffffff"), (-0.3, "#f6c76b"), (0.3, "#d4642a"), (1.0, "#3d060a"))
 Across = Callable[[FloatArray], FloatArray]
 
@@ -23,24 +29,37 @@ def palette(*, is_log: bool = False) -> np.ndarray:
     """(SHADES, 3) colours from the lowest to the highest value; each half, or the whole, is darker upwards."""
     at = np.linspace(-1.0, 1.0, SHADES)
     places, words = zip(*(LOG_STOPS if is_log else STOPS), strict=True)
-    colours = np.array([[int(word[k : k + 2], 16) for k in (1, 3, 5)] for word in words], dtype=float)
-    return np.column_stack([np.interp(at, places, colours[:, k]) for k in range(3)]).round().astype(np.uint8)
+    colours = np.array(
+        [[int(word[k : k + 2], 16) for k in (1, 3, 5)] for word in words], dtype=float
+    )
+    return (
+        np.column_stack([np.interp(at, places, colours[:, k]) for k in range(3)])
+        .round()
+        .astype(np.uint8)
+    )
 
 
 def png(pixels: np.ndarray, colours: np.ndarray) -> bytes:
     """An image of (rows, columns) numbers of colours, the last of which is clear."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     rows, columns = pixels.shape
     lines = np.column_stack([np.zeros(rows, dtype=np.uint8), pixels.astype(np.uint8)]).tobytes()
     clear = bytes([255] * len(colours) + [0])
-    return b"".join((
-        b"\x89PNG\r\n\x1a\n", chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0)),
-        chunk(b"PLTE", colours.tobytes() + bytes(3)), chunk(b"tRNS", clear), chunk(b"IDAT", zlib.compress(lines, 9)),
-        chunk(b"IEND", b""),
-    ))  # fmt: skip
+    return b"".join(
+        (
+            b"\x89PNG\r\n\x1a\n",
+            chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0)),
+            chunk(b"PLTE", colours.tobytes() + bytes(3)),
+            chunk(b"tRNS", clear),
+            chunk(b"IDAT", zlib.compress(lines, 9)),
+            chunk(b"IEND", b""),
+        )
+    )
 
 
 def cells(found: Cells, across: Across, down: Across) -> Iterator[str]:
@@ -54,7 +73,9 @@ def cells(found: Cells, across: Across, down: Across) -> Iterator[str]:
     for axis, edges, n in ((1, x, size[0]), (0, y, size[1])):
         if not even or edges.size > n + 1:
             values = _by_px(values, axis, edges, n)
-    shade = np.where(np.isfinite(values), np.rint(_share(found, values) * (SHADES - 1)), SHADES)[::-1]
+    shade = np.where(np.isfinite(values), np.rint(_share(found, values) * (SHADES - 1)), SHADES)[
+        ::-1
+    ]
     data = b64encode(png(shade, palette(is_log=bool(found.decades)))).decode()
     place = f'x="{left:.0f}" y="{top:.0f}" width="{wide:.0f}" height="{high:.0f}" preserveAspectRatio="none"'
     yield f'<image {place} image-rendering="optimizeSpeed" href="data:image/png;base64,{data}"/>'

@@ -36,19 +36,27 @@ class Page:
         """JSON of the plots of a figure that a cursor reads, of its tables, and of the mode that it moves."""
         light = _light(figure)
         found: dict[str, Any] = {
-            "plots": [self._plot(frame, panel) for frame, panel in zip(frames, light.plots, strict=True)]
+            "plots": [
+                self._plot(frame, panel) for frame, panel in zip(frames, light.plots, strict=True)
+            ]
         }
         if light.plots:
-            found["file"], found["csv"] = file_name(figure), [self._piece(one) for one in _pieces(figure, light)]
+            found["file"], found["csv"] = (
+                file_name(figure),
+                [self._piece(one) for one in _pieces(figure, light)],
+            )
         if figure.criticals is not None:
             found["criticals"] = self._criticals(figure.criticals)
         if lacks := _lacking(light):
             found["said"] = f"{' and '.join(lacks)} here: {TOO_LONG}"
         if (moving := figure.moving) is not None and moving.x.size <= MOST_POINTS:
             found["moving"] = {
-                "x": self.array(moving.x), "row": self.array(moving.row), "angle": self.array(moving.angle),
-                "ends": self.array(moving.ends.ravel()), "marked": self.array(np.flatnonzero(moving.marked)),
-            }  # fmt: skip
+                "x": self.array(moving.x),
+                "row": self.array(moving.row),
+                "angle": self.array(moving.angle),
+                "ends": self.array(moving.ends.ravel()),
+                "marked": self.array(np.flatnonzero(moving.marked)),
+            }
         return packed(found)
 
     def numbers(self, level: int = 9) -> str:
@@ -68,29 +76,52 @@ class Page:
         return self._arrays.setdefault(np.asarray(values, dtype="<f8").tobytes(), len(self._arrays))
 
     def _criticals(self, found: Criticals) -> dict[str, Any]:
-        arrays = {key: self.array(getattr(found, key)) for key in ("x", "frequency", "mode", "order")}
-        return {"of": found.of, "rated": found.rated, "orders": self._listed(found.orders), **arrays}
+        arrays = {
+            key: self.array(getattr(found, key)) for key in ("x", "frequency", "mode", "order")
+        }
+        return {
+            "of": found.of,
+            "rated": found.rated,
+            "orders": self._listed(found.orders),
+            **arrays,
+        }
 
     def _listed(self, names: tuple[str, ...]) -> int:
         return self._names.setdefault(names, len(self._names))
 
     def _plot(self, frame: Frame, panel: Panel) -> dict[str, Any]:
         box = [round(one, 2) for one in (frame.left, frame.top, frame.wide, frame.high)]
-        found: dict[str, Any] = {"box": box, "x": _axis(panel.x, frame.x), "y": _axis(panel.y, frame.y)}
+        found: dict[str, Any] = {
+            "box": box,
+            "x": _axis(panel.x, frame.x),
+            "y": _axis(panel.y, frame.y),
+        }
         found["lines"] = [
             {"name": plain(line.name), "x": self.array(line.x), "y": self.array(line.y)}
             for line in panel.lines
             if _is_read(line) and not panel.x.places
         ]
         found["marks"] = [
-            {"name": plain(one.name), "x": self.array(one.x), "words": [plain(words) for words in one.words]}
+            {
+                "name": plain(one.name),
+                "x": self.array(one.x),
+                "words": [plain(words) for words in one.words],
+            }
             for one in panel.marks
             if one.words
         ]
         if (stops := panel.stops) is not None and _is_short(stops):
-            found["stops"] = {"x": self.array(stops.x), "y": self.array(stops.y), "names": self._listed(stops.names)}
+            found["stops"] = {
+                "x": self.array(stops.x),
+                "y": self.array(stops.y),
+                "names": self._listed(stops.names),
+            }
         if not panel.lines and panel.cells is None and not panel.x.places:
-            ranges = [(plain(one.label or one.name), one.low, one.high) for one in panel.bands if one.axis == "x"]
+            ranges = [
+                (plain(one.label or one.name), one.low, one.high)
+                for one in panel.bands
+                if one.axis == "x"
+            ]
             found.update({"ranges": ranges} if ranges else {})
         return found
 
@@ -99,14 +130,22 @@ class Page:
             case str():
                 return piece
             case Cells():
-                return {"x": self.array(piece.x), "y": self.array(piece.y), "cells": self.array(piece.values.ravel())}
+                return {
+                    "x": self.array(piece.x),
+                    "y": self.array(piece.y),
+                    "cells": self.array(piece.values.ravel()),
+                }
         return [self.array(column) for column in piece]
 
 
 def _pieces(figure: Figure, light: Figure) -> list[Piece]:
     """The table of a figure as CSV, of the lighter one where the whole is too large for a page."""
     made = list(pieces(light))
-    notes = [THINNED] if any(line.x.size > MOST_POINTS for one in figure.plots for line in one.lines) else []
+    notes = (
+        [THINNED]
+        if any(line.x.size > MOST_POINTS for one in figure.plots for line in one.lines)
+        else []
+    )
     large = [one for one in made if isinstance(one, Cells) and one.values.size > MOST_CELLS]
     notes += [LEFT_OUT] if large else []
     return [*notes, *(one for one in made if not any(one is other for other in large))]
@@ -118,39 +157,63 @@ def _is_short(stops: Stops) -> bool:
 
 def _lacking(figure: Figure) -> list[str]:
     """What the page does not do with a figure, as it has too many points."""
-    found = ["no cursor"] if any(one.stops and not _is_short(one.stops) for one in figure.plots) else []
+    found = (
+        ["no cursor"] if any(one.stops and not _is_short(one.stops) for one in figure.plots) else []
+    )
     return [*found, "no motion"] if figure.moving and figure.moving.x.size > MOST_POINTS else found
 
 
 def _light(figure: Figure) -> Figure:
     """A figure with the points of long lines that can be seen; lines over one coordinate keep the same ones."""
     every = [line for panel in figure.plots for line in panel.lines]
-    return replace(figure, panels=tuple(
-        replace(one, lines=tuple(_thinned(line, every) for line in one.lines)) if isinstance(one, Panel) else one
-        for one in figure.panels
-    ))  # fmt: skip
+    return replace(
+        figure,
+        panels=tuple(
+            replace(one, lines=tuple(_thinned(line, every) for line in one.lines))
+            if isinstance(one, Panel)
+            else one
+            for one in figure.panels
+        ),
+    )
 
 
 def _thinned(line: Line, every: Sequence[Line]) -> Line:
     if line.x.size <= MOST_POINTS:
         return line
-    like = [one for one in every if one.x is line.x or np.array_equal(one.x, line.x, equal_nan=True)]
+    like = [
+        one for one in every if one.x is line.x or np.array_equal(one.x, line.x, equal_nan=True)
+    ]
     bins = max(LEAST_BINS, MOST_POINTS // 4 // len(like))
-    kept = np.unique(np.concatenate([decimated(np.nan_to_num(one.x), np.nan_to_num(one.y), bins) for one in like]))
-    return replace(line, x=line.x[kept], y=line.y[kept], base=None if line.base is None else line.base[kept])
+    kept = np.unique(
+        np.concatenate(
+            [decimated(np.nan_to_num(one.x), np.nan_to_num(one.y), bins) for one in like]
+        )
+    )
+    return replace(
+        line, x=line.x[kept], y=line.y[kept], base=None if line.base is None else line.base[kept]
+    )
 
 
 def _is_read(line: Line) -> bool:
     """Whether a cursor reads the line: it has a name, goes on in its coordinate and has values."""
     x = line.x[np.isfinite(line.x)]
-    return bool(line.name) and x.size > 1 and bool(np.all(np.diff(x) >= 0)) and bool(np.isfinite(line.y).any())
+    return (
+        bool(line.name)
+        and x.size > 1
+        and bool(np.all(np.diff(x) >= 0))
+        and bool(np.isfinite(line.y).any())
+    )
 
 
 def _axis(axis: Axis, scale: Scale) -> dict[str, Any]:
     return {
-        "title": axis.title, "unit": axis.unit, "ends": [scale.low, scale.high], "log": scale.is_log,
-        "reversed": scale.is_reversed, "places": bool(axis.places),
-    }  # fmt: skip
+        "title": axis.title,
+        "unit": axis.unit,
+        "ends": [scale.low, scale.high],
+        "log": scale.is_log,
+        "reversed": scale.is_reversed,
+        "places": bool(axis.places),
+    }
 
 
 def packed(value: Any) -> str:

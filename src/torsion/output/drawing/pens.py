@@ -6,7 +6,14 @@ from torsion.output.figures.figure import Grade, Pen
 
 # Okabe and Ito (2008), without the yellow, which is too light on paper
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#444444")
-DASHES = ("", "7 2.5", "1.6 2", "7 2 1.6 2", "3.5 2", "9 2 1.6 2 1.6 2")  # with seven colours 42 different lines
+DASHES = (
+    "",
+    "7 2.5",
+    "1.6 2",
+    "7 2 1.6 2",
+    "3.5 2",
+    "9 2 1.6 2 1.6 2",
+)  # with seven colours 42 different lines
 INK, SOFT, GREY, GRID, BAD = "#222222", "#555555", "#777777", "#dddddd", "#b3261e"
 
 

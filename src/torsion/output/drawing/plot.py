@@ -13,10 +13,16 @@ from torsion.output.drawing.text import HALO, clean, plain, shown, words
 from torsion.output.drawing.words import ELSEWHERE, SIZE, Room, Word
 from torsion.output.figures.figure import Band, Level, Line, Marks, Pen, Symbol
 
-STEP, SAMPLES = 2.0, 3000  # px between the points of a curve of which words keep clear, and how many at most
+STEP, SAMPLES = (
+    2.0,
+    3000,
+)  # px between the points of a curve of which words keep clear, and how many at most
 MIDDLE = ' text-anchor="middle"'
 INSIDE = 1e-9  # of a scale: so far outside a point is still on it
-MOST_SYMBOLS, COVERED = 1_000, 30  # of one look that are all drawn; tenths of px, half the width of a symbol
+MOST_SYMBOLS, COVERED = (
+    1_000,
+    30,
+)  # of one look that are all drawn; tenths of px, half the width of a symbol
 TENTH = 10.0  # units of the plot in one px
 LEAST = 8  # tenths of px that a range is wide at least
 ANYWHERE = 1.0  # cost of another place of words that are to stand where there is most room
@@ -77,11 +83,18 @@ def _samples(frame: Frame) -> FloatArray:
     upright = [level for level in frame.panel.levels if level.axis == "x" and is_on(frame, level)]
     every = [
         np.zeros((0, 2)),
-        *(np.column_stack([np.full(len(along), frame.across(one.value)), along]) for one in upright),
+        *(
+            np.column_stack([np.full(len(along), frame.across(one.value)), along])
+            for one in upright
+        ),
     ]
     for line in frame.panel.lines:
         x, y = frame.across(line.x), frame.down(line.y)
-        length = np.cumsum(np.nan_to_num(np.hypot(np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1])), posinf=0.0))
+        length = np.cumsum(
+            np.nan_to_num(
+                np.hypot(np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1])), posinf=0.0
+            )
+        )
         if length.size and length[-1] > 0:
             at = np.linspace(0.0, length[-1], min(int(length[-1] / STEP) + 2, SAMPLES))
             every.append(np.column_stack([np.interp(at, length, x), np.interp(at, length, y)]))
@@ -96,15 +109,23 @@ def _band(frame: Frame, band: Band) -> str:
     """A range, hatched by its kind."""
     fill, colour, apart, sign = BANDS[band.kind]
     wide, high = round(TENTH * frame.wide), round(TENTH * frame.high)
-    ends = TENTH * (frame.across if band.axis == "x" else frame.down)(np.array([band.low, band.high]))
-    low, top = np.clip(np.sort(np.nan_to_num(ends, nan=0.0)), 0, wide if band.axis == "x" else high).tolist()
+    ends = TENTH * (frame.across if band.axis == "x" else frame.down)(
+        np.array([band.low, band.high])
+    )
+    low, top = np.clip(
+        np.sort(np.nan_to_num(ends, nan=0.0)), 0, wide if band.axis == "x" else high
+    ).tolist()
     if not top > low:
         return ""
     low, top = round(low), max(round(top), round(low) + LEAST)
     box = (low, 0, top, high) if band.axis == "x" else (0, low, wide, top)
     area_ = f'<rect x="{box[0]}" y="{box[1]}" width="{box[2] - box[0]}" height="{box[3] - box[1]}" fill="{fill}"/>'
     lines = hatching(box, apart, sign)
-    inside = f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>' if colour else ""
+    inside = (
+        f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>'
+        if colour
+        else ""
+    )
     named = f'class="{band.kind.replace(" ", "-")}" data-name="{clean(plain(band.name))}"'
     return f"<g {named}>{_tip(band.name)}{area_}{inside}</g>"
 
@@ -114,10 +135,16 @@ def hatching(box: tuple[float, float, float, float], apart: float, sign: int) ->
     if not apart:
         return ""
     left, top, right, foot = box
-    wide, high, lines = right - left, foot - top, [f"M{left:.0f} {top:.0f}V{foot:.0f}M{right:.0f} {top:.0f}V{foot:.0f}"]
+    wide, high, lines = (
+        right - left,
+        foot - top,
+        [f"M{left:.0f} {top:.0f}V{foot:.0f}M{right:.0f} {top:.0f}V{foot:.0f}"],
+    )
     for start in np.arange(-high, wide, apart * TENTH * 2**0.5).tolist():
         first, last = max(0.0, start), min(wide, start + high)
-        ends = [(left + at, top + at - start if sign < 0 else foot - at + start) for at in (first, last)]
+        ends = [
+            (left + at, top + at - start if sign < 0 else foot - at + start) for at in (first, last)
+        ]
         lines.append("M{:.0f} {:.0f}L{:.0f} {:.0f}".format(*ends[0], *ends[1]))
     return "".join(lines)
 
@@ -126,20 +153,30 @@ def _level(frame: Frame, level: Level) -> str:
     """A line across the plot."""
     across = level.axis == "x"
     at = round(TENTH * float((frame.across if across else frame.down)(level.value)))
-    line = f"M{at} 0v{round(TENTH * frame.high)}" if across else f"M0 {at}h{round(TENTH * frame.wide)}"
+    line = (
+        f"M{at} 0v{round(TENTH * frame.high)}" if across else f"M0 {at}h{round(TENTH * frame.wide)}"
+    )
     named = f' data-name="{clean(plain(level.name))}"' if level.name else ""
     return f'<path{named} d="{line}" {stroke(level.pen).attributes(TENTH)}/>'
 
 
 def _line(frame: Frame, line: Line) -> str:
     """A curve, with what lies between it and its base, and its symbols."""
-    x, y, look = TENTH * frame.across(line.x), TENTH * frame.down(line.y), stroke(line.pen, line.weight)
+    x, y, look = (
+        TENTH * frame.across(line.x),
+        TENTH * frame.down(line.y),
+        stroke(line.pen, line.weight),
+    )
     columns, filled = max(2, round(frame.wide)), ""
     if line.base is not None:
         between = area(x, y, TENTH * frame.down(line.base), columns)
         filled = f'<path d="{between}" fill="{look.colour}" fill-opacity=".3"/>'
     curve = path(x, y, columns)
-    drawn_ = f'<path d="{curve}" {look.attributes(TENTH)} stroke-linejoin="round"/>' if line.weight and curve else ""
+    drawn_ = (
+        f'<path d="{curve}" {look.attributes(TENTH)} stroke-linejoin="round"/>'
+        if line.weight and curve
+        else ""
+    )
     dots = symbols(line.symbol, line.pen, x, y) if line.symbol else ""
     return f'<g class="line" data-name="{clean(plain(line.name))}">{filled}{drawn_}{dots}</g>'
 
@@ -177,7 +214,11 @@ def _labels(frame: Frame, room: Room) -> Iterator[str]:
     for band in panel.bands:
         if band.label:
             middle = (max(band.low, frame.x.low) + min(band.high, frame.x.high)) / 2
-            yield from _word(room.place(band.label, _points(frame, middle, panel.y.high or frame.y.high), ways=BELOW))
+            yield from _word(
+                room.place(
+                    band.label, _points(frame, middle, panel.y.high or frame.y.high), ways=BELOW
+                )
+            )
     for line in sorted(panel.lines, key=lambda line: -line.weight):
         if line.label and (points := _along(frame, line)).size:
             cost = ANYWHERE if line.label_at == "anywhere" else ELSEWHERE

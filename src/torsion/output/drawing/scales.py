@@ -53,7 +53,9 @@ def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool
     if axis.is_log:
         ticks, small = log_ticks(low, high, most)
         words = error_texts(ticks) if axis.is_error else [_power(one) for one in ticks]
-        return Scale(low, high, True, tuple(zip(ticks, words, strict=True)), small, axis.is_reversed)
+        return Scale(
+            low, high, True, tuple(zip(ticks, words, strict=True)), small, axis.is_reversed
+        )
     step = degree_step(high - low, most) if axis.unit == "deg" else step_of(high - low, most)
     step = max(step, 1.0) if axis.is_whole else step
     if axis.low is None and is_rounded:
@@ -61,18 +63,29 @@ def scale(axis: Axis, data: Sequence[FloatArray], most: int, *, is_rounded: bool
     if axis.high is None and is_rounded:
         high = math.ceil(high / step * 2 - ROUND) * step / 2
     at = ticks_of(low, high, step)
-    return Scale(low, high, False, tuple(zip(at, texts(at, step), strict=True)), is_reversed=axis.is_reversed)
+    return Scale(
+        low, high, False, tuple(zip(at, texts(at, step), strict=True)), is_reversed=axis.is_reversed
+    )
 
 
 def _ends(axis: Axis, data: Sequence[FloatArray]) -> tuple[float, float]:
     """The stated ends, or those of the data; a range without width is widened."""
-    known = [one[np.isfinite(one) & (one > 0)] if axis.is_log else one[np.isfinite(one)] for one in data]
+    known = [
+        one[np.isfinite(one) & (one > 0)] if axis.is_log else one[np.isfinite(one)] for one in data
+    ]
     every = np.concatenate([one.ravel() for one in known]) if known else np.zeros(0)
-    least, most = (float(every.min()), float(every.max())) if every.size else (1.0, 10.0 if axis.is_log else 1.0)
+    least, most = (
+        (float(every.min()), float(every.max()))
+        if every.size
+        else (1.0, 10.0 if axis.is_log else 1.0)
+    )
     if axis.is_log:
         low, high = (axis.low or least / 1.5), (axis.high or most * 1.5)
         return low, max(high, 1.1 * low)
-    low, high = (least if axis.low is None else axis.low), (most if axis.high is None else axis.high)
+    low, high = (
+        (least if axis.low is None else axis.low),
+        (most if axis.high is None else axis.high),
+    )
     if high - low <= FLAT * max(abs(high), abs(low)):
         room = 0.1 * max(abs(low), abs(high)) or 1.0
         low = low - room if axis.low is None else low
@@ -87,7 +100,9 @@ def step_of(span: float, most: int) -> float:
     (20.0, 0.2)
     """
     decade = 10.0 ** math.floor(math.log10(span / most))
-    return next(k * decade for k in (1.0, 2.0, 5.0, 10.0, 20.0) if span <= most * k * decade * (1.0 + ROUND))
+    return next(
+        k * decade for k in (1.0, 2.0, 5.0, 10.0, 20.0) if span <= most * k * decade * (1.0 + ROUND)
+    )
 
 
 def degree_step(span: float, most: int) -> float:
@@ -141,9 +156,13 @@ def texts(values: Sequence[float], step: float) -> list[str]:
     decimals = max(0, -math.floor(math.log10(step / unit) + 1e-6))
     behind = "" if plain else f"·10{str(power).translate(SUPERSCRIPT)}"
     found = [
-        f"{one / unit:.{decimals}f}".rstrip("0").rstrip(".") if decimals else f"{one / unit:.0f}" for one in values
+        f"{one / unit:.{decimals}f}".rstrip("0").rstrip(".") if decimals else f"{one / unit:.0f}"
+        for one in values
     ]
-    return ["0" if not one else f"{text}{behind}".replace("-", "−") for one, text in zip(values, found, strict=True)]
+    return [
+        "0" if not one else f"{text}{behind}".replace("-", "−")
+        for one, text in zip(values, found, strict=True)
+    ]
 
 
 def _power(value: float, plain: tuple[float, float] = PLAIN) -> str:

@@ -36,12 +36,16 @@ class Sheet:
         """px of a place; y goes up."""
         return (x - self.left) * self.across, -y * self.down
 
-    def line(self, points: Points, width: float, dash: str = "", colour: str = INK, near: float = 2.0) -> None:
+    def line(
+        self, points: Points, width: float, dash: str = "", colour: str = INK, near: float = 2.0
+    ) -> None:
         """A line through places."""
         look = Look(Stroke(colour, width * self.thickness, dash), near=near)
         self.drawn.setdefault(look, []).append(self._path(points))
 
-    def area(self, points: Points, fill: str, width: float, dash: str = "", near: float = 3.0) -> None:
+    def area(
+        self, points: Points, fill: str, width: float, dash: str = "", near: float = 3.0
+    ) -> None:
         """A filled polygon."""
         look = Look(Stroke(INK, width * self.thickness, dash), fill, near)
         self.drawn.setdefault(look, []).append(self._path(points) + "z")
@@ -58,7 +62,9 @@ class Sheet:
             self.drawn.setdefault(Look(MARKED, near=5.0), []).append(self._path(corners) + "z")
 
     def _path(self, points: Points) -> str:
-        places = np.rint([[10.0 * one for one in self.at(x, y)] for x, y in points]).astype(np.int64)
+        places = np.rint([[10.0 * one for one in self.at(x, y)] for x, y in points]).astype(
+            np.int64
+        )
         return outline([places[0].tolist(), *np.diff(places, axis=0).tolist()])
 
     def elements(self) -> list[str]:

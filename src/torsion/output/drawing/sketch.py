@@ -14,14 +14,28 @@ from torsion.output.figures.figure import Disc, Link, Sketch
 MANY = 60  # points and links from which lines are drawn thinner, and only some have words
 MOST_LABELS = 24  # of points, and of links, where there are many
 WIDEST = 95.0  # px of a unit across, at most
-WEB, PIN = 0.42, 0.3  # units: height of a crank's pin above the axis, and half the way between its webs
+WEB, PIN = (
+    0.42,
+    0.3,
+)  # units: height of a crank's pin above the axis, and half the way between its webs
 JOINT = 0.24  # units: half width of the area behind a joint
-GRADED, BED = 0.18, 0.27  # units: half thickness of a shaft, and of the area behind a coupling, that has a grade
+GRADED, BED = (
+    0.18,
+    0.27,
+)  # units: half thickness of a shaft, and of the area behind a coupling, that has a grade
 FILLS = {
-    "motor": "#bcd5e8", "turbine": "#bcd5e8", "generator": "#cfe0b8", "pump": "#bfe3d5", "fan": "#bfe3d5",
-    "machine": "#cfe0b8", "propeller": "#bfe3d5", "damper": "#ead2e0", "pendulum": "#ead2e0", "throw": "#e3ddc6",
+    "motor": "#bcd5e8",
+    "turbine": "#bcd5e8",
+    "generator": "#cfe0b8",
+    "pump": "#bfe3d5",
+    "fan": "#bfe3d5",
+    "machine": "#cfe0b8",
+    "propeller": "#bfe3d5",
+    "damper": "#ead2e0",
+    "pendulum": "#ead2e0",
+    "throw": "#e3ddc6",
     "disc": "#dcdcdc",
-}  # fmt: skip
+}
 DOTTED = "1.6 2"
 
 
@@ -36,9 +50,13 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
         spread, texts = sketch_words.by_rank(sheet, sketch)
     else:
         number = len(sketch.discs) + len(sketch.links)
-        spread, texts = sketch_words.in_steps(sheet, sketch, MOST_LABELS if number > MANY else number)
+        spread, texts = sketch_words.in_steps(
+            sheet, sketch, MOST_LABELS if number > MANY else number
+        )
     upper, lower = spread[0] - 3.0, spread[1] + 3.0
-    below, legend = key([link.use for link in sketch.links if link.use is not None], lower - upper + top)
+    below, legend = key(
+        [link.use for link in sketch.links if link.use is not None], lower - upper + top
+    )
     body = f'<g transform="scale(.1)">{"".join(sheet.elements())}</g><g font-size="{SIZE:g}">{"".join(texts)}</g>'
     scale = f'data-left="{sheet.left:.6g}" data-across="{sheet.across:.6g}" data-row="{ROW * sheet.down:g}"'  # of modes
     placed = f'<g class="sketch" {scale} transform="translate(0 {shown(top - upper)})">{body}</g>{legend}'
@@ -47,7 +65,9 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
 
 def _sheet(sketch: Sketch) -> Sheet:
     """As wide as the figure, or less where the train is short."""
-    places = [(one.x, one.row) for one in sketch.discs] + [end for one in sketch.links for end in (one.start, one.end)]
+    places = [(one.x, one.row) for one in sketch.discs] + [
+        end for one in sketch.links for end in (one.start, one.end)
+    ]
     x, rows = [x for x, _ in places] or [0.0, 1.0], [row for _, row in places] or [0.0]
     number, wide = len(sketch.discs) + len(sketch.links), max(x) - min(x) + 1.0
     across, thickness = min(WIDTH / wide, WIDEST), min(1.0, MANY / max(number, 1)) ** 0.5
@@ -71,7 +91,14 @@ def _disc(sheet: Sheet, disc: Disc) -> None:
 
 
 def _box(
-    sheet: Sheet, place: tuple[float, float], width: float, half: float, fill: str, *, dash: str = "", near: float = 3.0
+    sheet: Sheet,
+    place: tuple[float, float],
+    width: float,
+    half: float,
+    fill: str,
+    *,
+    dash: str = "",
+    near: float = 3.0,
 ) -> None:
     """A rectangle around a place."""
     left, right, y = place[0] - width / 2, place[0] + width / 2, place[1]
@@ -83,12 +110,16 @@ def _ground(sheet: Sheet, x: float, y: float, half: float, *, vertical: bool) ->
     sheet.line([(x, y - half), (x, y + half)] if vertical else [(x - half, y), (x + half, y)], 1.8)
     for mark in marks:
         first, last = (
-            ((x, y + mark), (x + 0.12, y + mark - 0.14)) if vertical else ((x + mark, y), (x + mark - 0.07, y - 0.13))
+            ((x, y + mark), (x + 0.12, y + mark - 0.14))
+            if vertical
+            else ((x + mark, y), (x + mark - 0.07, y - 0.13))
         )
         sheet.line([first, last], 0.8)
 
 
-def _zigzag(sheet: Sheet, start: tuple[float, float], end: tuple[float, float], size: float = 0.16) -> None:
+def _zigzag(
+    sheet: Sheet, start: tuple[float, float], end: tuple[float, float], size: float = 0.16
+) -> None:
     """A spring between two places."""
     along = np.array([0.0, 0.2, 0.26, 0.38, 0.5, 0.62, 0.74, 0.8, 1.0])
     across = np.array([0.0, 0.0, 1.0, -1.0, 1.0, -1.0, 1.0, 0.0, 0.0]) * size
@@ -149,7 +180,9 @@ def _run(sheet: Sheet, link: Link) -> None:
     for share in (0.12, 0.24, 0.36, 0.64, 0.76, 0.88):
         _box(sheet, (x0 + share * wide, height(row)), 0.1, 0.35, FILLS["disc"])
     for side in (-0.5, 0.5):
-        sheet.line([(middle + side * cut - 0.05, y - 0.3), (middle + side * cut + 0.05, y + 0.3)], 1.2)
+        sheet.line(
+            [(middle + side * cut - 0.05, y - 0.3), (middle + side * cut + 0.05, y + 0.3)], 1.2
+        )
 
 
 def _gear(sheet: Sheet, link: Link) -> None:
@@ -158,11 +191,17 @@ def _gear(sheet: Sheet, link: Link) -> None:
     small = 0.26
     driving, driven = (small, small / link.ratio) if link.ratio < 1 else (small * link.ratio, small)
     largest = max(driving, driven)
-    driving, driven = (0.75 * half / largest if largest > 0.75 else half for half in (driving, driven))
+    driving, driven = (
+        0.75 * half / largest if largest > 0.75 else half for half in (driving, driven)
+    )
     if row0 == row1:
         middle = (x0 + x1) / 2
         if link.use is not None:
-            sheet.graded(_corners(x0, x1, height(row0), max(driving, driven, 0.16) + 0.12), link.use, near=1.5)
+            sheet.graded(
+                _corners(x0, x1, height(row0), max(driving, driven, 0.16) + 0.12),
+                link.use,
+                near=1.5,
+            )
         sheet.line([(x0, height(row0)), (x1, height(row1))], 1.4)
         _wheel(sheet, middle - 0.08, height(row0), max(driving, 0.16))
         _wheel(sheet, middle + 0.08, height(row1), max(driven, 0.16))
@@ -190,16 +229,23 @@ def _joint(sheet: Sheet, link: Link) -> None:
     for ends in ((x0, middle - 0.14), (middle + 0.14, x1)):
         sheet.line([(x, y) for x in ends], 1.4)
     for sign in (-1, 1):
-        sheet.line([(middle - 0.14, y - sign * 0.26), (middle + 0.14, y + sign * 0.26)], 2.2, colour=colour)
+        sheet.line(
+            [(middle - 0.14, y - sign * 0.26), (middle + 0.14, y + sign * 0.26)], 2.2, colour=colour
+        )
     sheet.area(
-        [(middle - 0.04, y), (middle, y + 0.07), (middle + 0.04, y), (middle, y - 0.07)], "#ffffff", 1.1, near=4.0
+        [(middle - 0.04, y), (middle, y + 0.07), (middle + 0.04, y), (middle, y - 0.07)],
+        "#ffffff",
+        1.1,
+        near=4.0,
     )
 
 
 def _line(sheet: Sheet, link: Link) -> None:
     (x0, row0), (x1, row1) = link.start, link.end
     sheet.line(
-        [(x0, height(row0)), (x0, height(row1)), (x1, height(row1))], 1.4, {"rigid": "", "tie": DOTTED}[link.kind]
+        [(x0, height(row0)), (x0, height(row1)), (x1, height(row1))],
+        1.4,
+        {"rigid": "", "tie": DOTTED}[link.kind],
     )
 
 

@@ -16,9 +16,17 @@ from torsion.output.numbers import counted
 
 LETTERS = 0.95  # units from the axis to the words
 MOST_ROWS = 8  # of words above or below an axis
-FEWER_ROWS = (2, 3)  # of names of points above an axis and of words of links below it, where these are graded
+FEWER_ROWS = (
+    2,
+    3,
+)  # of names of points above an axis and of words of links below it, where these are graded
 SOFT = "#33506b"
-COLOURS = {"✓": SOFT, "!": SOFT, "?": SOFT, "✗": BAD}  # of a row of words, by the sign of its verdict
+COLOURS = {
+    "✓": SOFT,
+    "!": SOFT,
+    "?": SOFT,
+    "✗": BAD,
+}  # of a row of words, by the sign of its verdict
 APART = 13.0  # px between two signs
 WIDER = 1.08  # bold letters than plain ones
 LINE = "#999999"
@@ -31,7 +39,9 @@ def in_steps(sheet: Sheet, sketch: Sketch, most: int) -> tuple[Spread, list[str]
     room = Room((-9e9, -9e9, 9e9, 9e9), np.zeros((0, 2)))
     links = [(*_middle(link), link.label) for link in sketch.links if link.label]
     discs = [(one.x, one.row, one.label) for one in sketch.discs if one.label]
-    texts = _labels(sheet, room, thinned(discs, most), 1) + _labels(sheet, room, thinned(links, most), -1)
+    texts = _labels(sheet, room, thinned(discs, most), 1) + _labels(
+        sheet, room, thinned(links, most), -1
+    )
     return _spread(sheet, sketch, room.taken), texts
 
 
@@ -46,7 +56,9 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
     left_out, bad = 0, 0
     for link in ranked:
         x, row = _middle(link)
-        word = next(filter(None, (_placed(sheet, room, (x, row, said), -1) for said in _said(link))), None)
+        word = next(
+            filter(None, (_placed(sheet, room, (x, row, said), -1) for said in _said(link))), None
+        )
         left_out += word is None
         if word is not None:
             lines.append(_leader(sheet, (x, row), word, -1))
@@ -55,7 +67,10 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
             bad += 1
     names = [(one.x, one.row, one.label) for one in sketch.discs if one.label]
     for name in sorted(names, key=lambda name: -_from_the_middle(name, names)):
-        side, word = next(((side, word) for side in (1, -1) if (word := _placed(sheet, room, name, side))), (1, None))
+        side, word = next(
+            ((side, word) for side in (1, -1) if (word := _placed(sheet, room, name, side))),
+            (1, None),
+        )
         left_out += word is None
         if word is not None:
             lines.append(_leader(sheet, name[:2], word, side))
@@ -68,7 +83,9 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
         texts.append(words(4.0, low - 3.0, said, f' fill="{SOFT}"'))
     for said in sketch.beside:
         low += 1.3 * SIZE
-        texts.append(words(4.0, low - 3.0, fitted(said, WIDTH / (GROWTH * WIDER)), f'{BOLD} fill="{BAD}"'))
+        texts.append(
+            words(4.0, low - 3.0, fitted(said, WIDTH / (GROWTH * WIDER)), f'{BOLD} fill="{BAD}"')
+        )
     return (high, low), lines + _marks(sheet, sketch) + texts
 
 
@@ -79,7 +96,9 @@ def _said(link: Link) -> Iterator[str]:
         yield link.label
         return
     yield f"{link.label}\n{use.words}"
-    short = next((one for one in use.words.split("\n") if use.mark and one.startswith(use.mark)), "")
+    short = next(
+        (one for one in use.words.split("\n") if use.mark and one.startswith(use.mark)), ""
+    )
     if short and short != use.words:
         yield f"{link.label}\n{short.removesuffix(':')}"
 
@@ -87,7 +106,9 @@ def _said(link: Link) -> Iterator[str]:
 def _marks(sheet: Sheet, sketch: Sketch) -> list[str]:
     """Signs in the components that do not keep a limit, the worst of those that lie too close."""
     placed, made = list[tuple[float, float]](), list[str]()
-    bad = sorted((link for link in sketch.links if link.use is not None and link.use.is_bad), key=_rank)
+    bad = sorted(
+        (link for link in sketch.links if link.use is not None and link.use.is_bad), key=_rank
+    )
     for link in bad:
         x, y = sheet.at(_middle(link)[0], height(_middle(link)[1]))
         if link.use is not None and all(abs(x - a) > APART or abs(y - b) > SIZE for a, b in placed):
@@ -124,7 +145,11 @@ def _bodies(sheet: Sheet, sketch: Sketch) -> Iterable[Box]:
 
 def _spread(sheet: Sheet, sketch: Sketch, taken: Iterable[Box]) -> Spread:
     """px from the highest to the lowest of words and axes."""
-    rows = [0.0, *(row for link in sketch.links for _, row in (link.start, link.end)), *(d.row for d in sketch.discs)]
+    rows = [
+        0.0,
+        *(row for link in sketch.links for _, row in (link.start, link.end)),
+        *(d.row for d in sketch.discs),
+    ]
     boxes = list(taken)
     high = min([box[1] for box in boxes] + [sheet.at(0, height(min(rows)) + LETTERS)[1]])
     return high, max([box[3] for box in boxes] + [sheet.at(0, height(max(rows)) - LETTERS)[1]])
@@ -135,12 +160,20 @@ def _labels(sheet: Sheet, room: Room, places: Places, side: int) -> list[str]:
     found, colour = [], INK if side > 0 else SOFT
     for x, row, text in places:
         at, tip = sheet.at(x, height(row) + side * LETTERS)
-        word = room.place(text, np.array([[at, tip]]), gap=0.0, ways=(0,) if side > 0 else (5,), reach=MOST_ROWS)
+        word = room.place(
+            text, np.array([[at, tip]]), gap=0.0, ways=(0,) if side > 0 else (5,), reach=MOST_ROWS
+        )
         if word is not None:
             left, upper, right, lower = word.box
             foot, end = sheet.at(x, height(row) + 0.3 * side)[1], lower if side > 0 else upper
-            found.append(f'<path d="M{shown(at)} {shown(foot)}V{shown(end)}" stroke="#bbbbbb" stroke-width=".6"/>')
-            found.append(words((left + right) / 2, (upper + lower) / 2 + 3.7, text, f'{MIDDLE} fill="{colour}"'))
+            found.append(
+                f'<path d="M{shown(at)} {shown(foot)}V{shown(end)}" stroke="#bbbbbb" stroke-width=".6"/>'
+            )
+            found.append(
+                words(
+                    (left + right) / 2, (upper + lower) / 2 + 3.7, text, f'{MIDDLE} fill="{colour}"'
+                )
+            )
     return found
 
 
@@ -182,6 +215,12 @@ def _pointer(sheet: Sheet, room: Room, place: tuple[float, float], use: Use) -> 
     at, tip = sheet.at(place[0], height(place[1]) + LETTERS)
     half, top = WIDER * GROWTH * width(said) / 2 + 1, tip - 9.0 - GROWTH * SIZE
     middle = min(max(at, half), WIDTH - half)
-    room.taken += [(at - 7.0, tip - 9.0, at + 7.0, tip + 2.0), (middle - half, top, middle + half, tip - 9.0)]
+    room.taken += [
+        (at - 7.0, tip - 9.0, at + 7.0, tip + 2.0),
+        (middle - half, top, middle + half, tip - 9.0),
+    ]
     triangle = f'<path class="worst" d="M{shown(at)} {shown(tip + 2)}l-6-10h12z" fill="{colour}"/>'
-    return [triangle, words(middle, top + GROWTH * SIZE / 2 + 3.7, said, f'{MIDDLE}{BOLD} fill="{colour}"')]
+    return [
+        triangle,
+        words(middle, top + GROWTH * SIZE / 2 + 3.7, said, f'{MIDDLE}{BOLD} fill="{colour}"'),
+    ]

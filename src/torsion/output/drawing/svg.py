@@ -11,7 +11,17 @@ from torsion.output.drawing.pens import BANDS, INK, stroke
 from torsion.output.drawing.plot import drawn, hatching, is_on, symbols
 from torsion.output.drawing.text import clean, plain, shown, words
 from torsion.output.drawing.words import GROWTH, SIZE, width
-from torsion.output.figures.figure import Band, Cells, Figure, Level, Line, Marks, Panel, Shares, Sketch
+from torsion.output.figures.figure import (
+    Band,
+    Cells,
+    Figure,
+    Level,
+    Line,
+    Marks,
+    Panel,
+    Shares,
+    Sketch,
+)
 from torsion.output.numbers import number
 
 FONTS = "Arial, Liberation Sans, Helvetica, sans-serif"
@@ -49,7 +59,9 @@ def framed(figure: Figure) -> tuple[str, list[Frame]]:
         f'aria-label="{clean(plain(figure.caption))}" font-family="{FONTS}">'
     )
     paper = f'<rect class="paper" width="{shown(WIDTH)}" height="{shown(foot)}" fill="#ffffff"/>'
-    text = "".join([head, f"<desc>{clean(plain(description(figure)))}</desc>", paper, *pieces, *key, "</svg>"])
+    text = "".join(
+        [head, f"<desc>{clean(plain(description(figure)))}</desc>", paper, *pieces, *key, "</svg>"]
+    )
     return text, frames
 
 
@@ -58,7 +70,11 @@ def description(figure: Figure) -> str:
     found = []
     for panel in figure.panels:
         if isinstance(panel, Sketch):
-            found += [f"{link.label}: {link.use.words}." for link in panel.links if link.use is not None and link.label]
+            found += [
+                f"{link.label}: {link.use.words}."
+                for link in panel.links
+                if link.use is not None and link.label
+            ]
         if isinstance(panel, Shares):
             found += [f"{one.label}: {one.use.words}." for one in panel.rows]
     for panel in figure.plots:
@@ -87,13 +103,17 @@ def _panels(figure: Figure) -> Iterator[tuple[Panel | Sketch | Shares, bool]]:
 def _frame(figure: Figure, panel: Panel, foot: float) -> Frame:
     """A plot under what stands already, as far to the right as the widest numbers of all need."""
     left = max(margin(one, vertical(one)) for one in figure.plots)
-    left += min(max(_framed(one, left, foot).beyond for one in figure.plots), WIDTH / 3.0)  # names of any length
+    left += min(
+        max(_framed(one, left, foot).beyond for one in figure.plots), WIDTH / 3.0
+    )  # names of any length
     return _framed(panel, left, foot)
 
 
 def _framed(panel: Panel, left: float, foot: float) -> Frame:
     wide = WIDTH - RIGHT - left
-    return Frame(panel, horizontal(panel, wide), vertical(panel), left, foot + TOP, wide, panel.height)
+    return Frame(
+        panel, horizontal(panel, wide), vertical(panel), left, foot + TOP, wide, panel.height
+    )
 
 
 def _key(frames: list[Frame], foot: float) -> tuple[list[str], float]:
@@ -134,7 +154,11 @@ def _sample(one: Keyed) -> str:
         case Band():
             fill, colour, apart, sign = BANDS[one.kind]
             lines = hatching((0.0, -50.0, 10 * SAMPLE, 50.0), min(apart, 5.0), sign)
-            inside = f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>' if colour else ""
+            inside = (
+                f'<path d="{lines}" stroke="{colour}" stroke-width="6" stroke-opacity=".6"/>'
+                if colour
+                else ""
+            )
             area = f'<rect y="-50" width="{10 * SAMPLE:g}" height="100" fill="{fill}"/>'
             return f'<g transform="scale(.1)" fill="none">{area}{inside}</g>'
         case Marks():
@@ -145,8 +169,14 @@ def _sample(one: Keyed) -> str:
         case Line():
             look, at = stroke(one.pen, one.weight), np.array([5 * SAMPLE])
             fill = f'<rect y="-5" width="{SAMPLE:g}" height="10" fill="{look.colour}" fill-opacity=".3"/>'
-            line = f'<path d="M0 0h{SAMPLE:g}" fill="none" {look.attributes()}/>' if one.weight else ""
-            dot = f'<g transform="scale(.1)">{symbols(one.symbol, one.pen, at, 0 * at)}</g>' if one.symbol else ""
+            line = (
+                f'<path d="M0 0h{SAMPLE:g}" fill="none" {look.attributes()}/>' if one.weight else ""
+            )
+            dot = (
+                f'<g transform="scale(.1)">{symbols(one.symbol, one.pen, at, 0 * at)}</g>'
+                if one.symbol
+                else ""
+            )
             return (fill if one.base is not None else "") + line + dot
 
 

@@ -30,5 +30,7 @@ def plain(text: str) -> str:
 
 def words(x: float, y: float, text: str, more: str = "") -> str:
     """A text at a place, its subscripts lowered; more: further attributes."""
-    inside = SUBSCRIPT.sub(r'<tspan dy="2.5" font-size="75%">\1</tspan><tspan dy="-2.5">&#8203;</tspan>', clean(text))
+    inside = SUBSCRIPT.sub(
+        r'<tspan dy="2.5" font-size="75%">\1</tspan><tspan dy="-2.5">&#8203;</tspan>', clean(text)
+    )
     return f'<text x="{shown(x)}" y="{shown(y)}"{more}>{inside}</text>'

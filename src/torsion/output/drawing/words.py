@@ -9,20 +9,125 @@ from torsion.arrays import FloatArray
 
 Box = tuple[float, float, float, float]  # left, top, right, bottom, px
 SIZE = 10.5  # px of the letters of axes and keys
-GROWTH = 1.25  # times which letters may be enlarged (on narrow screens) and still be clear of each other
+GROWTH = (
+    1.25  # times which letters may be enlarged (on narrow screens) and still be clear of each other
+)
 # Adobe, Helvetica AFM (1990): widths of the signs 32 to 126 in 1/1000 of the size
 WIDTHS = (
-    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556, 556, 556, 556, 556,
-    556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667, 611, 778, 722, 278, 500, 667, 556, 833,
-    722, 778, 667, 778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469, 556, 333, 556, 556, 500, 556,
-    556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334,
-    260, 334, 584,
-)  # fmt: skip
+    278,
+    278,
+    355,
+    556,
+    556,
+    889,
+    667,
+    191,
+    333,
+    333,
+    389,
+    584,
+    278,
+    333,
+    278,
+    278,
+    556,
+    556,
+    556,
+    556,
+    556,
+    556,
+    556,
+    556,
+    556,
+    556,
+    278,
+    278,
+    584,
+    584,
+    584,
+    556,
+    1015,
+    667,
+    667,
+    722,
+    722,
+    667,
+    611,
+    778,
+    722,
+    278,
+    500,
+    667,
+    556,
+    833,
+    722,
+    778,
+    667,
+    778,
+    722,
+    667,
+    611,
+    722,
+    667,
+    944,
+    667,
+    667,
+    611,
+    278,
+    278,
+    278,
+    469,
+    556,
+    333,
+    556,
+    556,
+    500,
+    556,
+    556,
+    278,
+    556,
+    556,
+    222,
+    222,
+    500,
+    222,
+    833,
+    556,
+    556,
+    556,
+    556,
+    333,
+    500,
+    278,
+    556,
+    500,
+    722,
+    500,
+    500,
+    500,
+    334,
+    260,
+    334,
+    584,
+)
 SUPERSCRIPTS, LATIN = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", 0x0500  # signs behind the second are as wide as high
-DIRECTIONS = ((0, -1), (1, -1), (-1, -1), (1, 0), (-1, 0), (0, 1), (1, 1), (-1, 1))  # from the point to the words
+DIRECTIONS = (
+    (0, -1),
+    (1, -1),
+    (-1, -1),
+    (1, 0),
+    (-1, 0),
+    (0, 1),
+    (1, 1),
+    (-1, 1),
+)  # from the point to the words
 MESH = 3.0  # px, to which the points of curves are counted
 REACH = 5  # rows of letters away from its point, at most
-COVERED, APART, ELSEWHERE = 4.0, 10.0, 13.0  # costs of a point covered, a row of distance, another point than the first
+COVERED, APART, ELSEWHERE = (
+    4.0,
+    10.0,
+    13.0,
+)  # costs of a point covered, a row of distance, another point than the first
 
 
 def width(text: str, size: float = SIZE) -> float:
@@ -42,7 +147,9 @@ def fitted(text: str, most: float) -> str:
     """
     if width(text) <= most:
         return text
-    kept = next(k for k in range(len(text) - 1, -1, -1) if width(text[:k].rstrip() + "…") <= most or not k)
+    kept = next(
+        k for k in range(len(text) - 1, -1, -1) if width(text[:k].rstrip() + "…") <= most or not k
+    )
     return text[:kept].rstrip() + "…"
 
 
@@ -71,16 +178,28 @@ class Room:
         self.taken: list[Box] = []
         on = np.isfinite(curves).all(axis=1)
         places = ((curves[on] - self.box[:2]) / MESH).astype(np.int64)
-        size = np.maximum(np.ceil((self.box[2:] - self.box[:2]) / MESH).astype(np.int64) + 1, 1) if on.any() else (1, 1)
+        size = (
+            np.maximum(np.ceil((self.box[2:] - self.box[:2]) / MESH).astype(np.int64) + 1, 1)
+            if on.any()
+            else (1, 1)
+        )
         inside = ((places >= 0) & (places < size)).all(axis=1)
         number = np.zeros(size)
         np.add.at(number, tuple(places[inside].T), 1.0)
-        self.before = np.pad(number.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))  # points to the left and above
+        self.before = np.pad(
+            number.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0))
+        )  # points to the left and above
 
     def place(
-        self, text: str, points: FloatArray, *, gap: float = 3.0, ways: Sequence[int] = range(8), reach: int = REACH,
+        self,
+        text: str,
+        points: FloatArray,
+        *,
+        gap: float = 3.0,
+        ways: Sequence[int] = range(8),
+        reach: int = REACH,
         elsewhere: float = ELSEWHERE,
-    ) -> Word | None:  # fmt: skip
+    ) -> Word | None:
         """The best free place of a text, in one row or more, beside one of (points, 2) px, None where none is.
 
         ways: the DIRECTIONS from a point that will do; elsewhere: what another point than the first costs. Away from
@@ -99,7 +218,9 @@ class Room:
             if every[at] < least:
                 least = float(every[at])
                 left, top, right, foot = boxes[at].tolist()
-                best = Word(text, (left, top, right, foot), tuple(points[0].tolist()) if row else None)
+                best = Word(
+                    text, (left, top, right, foot), tuple(points[0].tolist()) if row else None
+                )
             if least < APART * (row + 1):
                 break
         if best is not None:
@@ -114,7 +235,9 @@ class Room:
         offset = ways * np.column_stack([half[0] + beside, np.full(len(ways), half[1] + away)])
         middle = (feet[:, None, :] + offset).reshape(-1, 2)
         boxes = np.hstack([middle - half, middle + half])
-        free = (boxes[:, :2] >= self.box[:2]).all(axis=1) & (boxes[:, 2:] <= self.box[2:]).all(axis=1)
+        free = (boxes[:, :2] >= self.box[:2]).all(axis=1) & (boxes[:, 2:] <= self.box[2:]).all(
+            axis=1
+        )
         if self.taken:
             others = np.array(self.taken)
             apart = (boxes[:, None, :2] >= others[:, 2:]) | (boxes[:, None, 2:] <= others[:, :2])
@@ -126,7 +249,10 @@ class Room:
         """(boxes,) points of curves between corners (boxes, 2), to a mesh."""
         size = np.array(self.before.shape) - 1
         (x0, y0), (x1, y1) = (
-            np.clip(np.rint((corner - self.box[:2]) / MESH), 0, size).astype(np.int64).T for corner in (first, last)
+            np.clip(np.rint((corner - self.box[:2]) / MESH), 0, size).astype(np.int64).T
+            for corner in (first, last)
         )
-        found = self.before[x1, y1] - self.before[x0, y1] - self.before[x1, y0] + self.before[x0, y0]
+        found = (
+            self.before[x1, y1] - self.before[x0, y1] - self.before[x1, y0] + self.before[x0, y0]
+        )
         return np.asarray(found)

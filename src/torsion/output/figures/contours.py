@@ -9,7 +9,7 @@ from torsion.arrays import BoolArray, FloatArray
 
 def level_line(
     x: FloatArray, y: FloatArray, values: FloatArray, level: float = 0.0
-) -> Iterator[tuple[FloatArray, FloatArray]]:  # fmt: skip
+) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Pieces (x, y) on which values (rows, columns), linear along the sides of each square of four, are the level."""
     z = values - level
     for row in range(z.shape[0] - 1):

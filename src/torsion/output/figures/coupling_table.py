@@ -11,9 +11,16 @@ ROOM = 0.015  # of the range, free beyond its ends for the symbols
 
 
 def coupling_table(
-    name: str, caption: str, *, over: Axis, at: FloatArray, stiffness: FloatArray, unit: str, loss_factor: FloatArray,
+    name: str,
+    caption: str,
+    *,
+    over: Axis,
+    at: FloatArray,
+    stiffness: FloatArray,
+    unit: str,
+    loss_factor: FloatArray,
     modes: Sequence[tuple[float, float, str]] = (),
-) -> Figure:  # fmt: skip
+) -> Figure:
     """at, stiffness (in `unit`), loss_factor: (points,); modes: place, stiffness and words of each mode within them."""
     room = ROOM * float(at[-1] - at[0])
     x = Axis(over.quantity, over.unit, float(at[0]) - room, float(at[-1]) + room)

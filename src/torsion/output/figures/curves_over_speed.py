@@ -30,10 +30,19 @@ NEAR = 4.0  # times the largest value: a limit up to there is on the axis
 
 
 def torque(
-    name: str, caption: str, *, speed: FloatArray, lines: Lines, synthesis: FloatArray | None, bad: BoolArray,
-    unit: str, limits: Sequence[tuple[str, float]] = (), rated: float | None = None, barred: Bands = (),
+    name: str,
+    caption: str,
+    *,
+    speed: FloatArray,
+    lines: Lines,
+    synthesis: FloatArray | None,
+    bad: BoolArray,
+    unit: str,
+    limits: Sequence[tuple[str, float]] = (),
+    rated: float | None = None,
+    barred: Bands = (),
     unstable: Bands = (),
-) -> Figure:  # fmt: skip
+) -> Figure:
     """speed, bad: (speeds,) rpm; lines: (name, (speeds,)) and synthesis in `unit`, NaN where there is no answer."""
     hidden, bands = unanswered(speed, bad)
     drawn = orders(speed, lines, hidden)
@@ -41,20 +50,40 @@ def torque(
     if synthesis is not None:
         values = [np.where(hidden, np.nan, synthesis)]
         drawn = (Line("total vibratory torque", speed, values[0], "synthesis"), *drawn)
-    top = max((float(np.max(one, where=np.isfinite(one), initial=0.0)) for one in values), default=0.0)
+    top = max(
+        (float(np.max(one, where=np.isfinite(one), initial=0.0)) for one in values), default=0.0
+    )
     near = [limit for _, limit in limits if limit <= NEAR * top]
     y = amplitudes("torque amplitude", unit, values, near)
     levels = tuple(Level(words, limit, is_reached=limit in near) for words, limit in limits)
-    return Figure(name, caption, (
-        Panel(span(SPEED, speed), y, drawn, levels + rated_level(rated), barred_bands(barred, unstable) + bands),
-    ))  # fmt: skip
+    return Figure(
+        name,
+        caption,
+        (
+            Panel(
+                span(SPEED, speed),
+                y,
+                drawn,
+                levels + rated_level(rated),
+                barred_bands(barred, unstable) + bands,
+            ),
+        ),
+    )
 
 
 def stress(
-    name: str, caption: str, *, speed: FloatArray, synthesis: FloatArray, bad: BoolArray, lines: Lines = (),
-    continuous: FloatArray | None = None, transient: FloatArray | None = None, rated: float | None = None,
+    name: str,
+    caption: str,
+    *,
+    speed: FloatArray,
+    synthesis: FloatArray,
+    bad: BoolArray,
+    lines: Lines = (),
+    continuous: FloatArray | None = None,
+    transient: FloatArray | None = None,
+    rated: float | None = None,
     barred: Bands = (),
-) -> Figure:  # fmt: skip
+) -> Figure:
     """Shear stress of one shaft; speed: (speeds,) rpm; stresses (speeds,) N/mm2, NaN where there is no limit.
 
     lines: (name, (speeds,)) of single orders. A stress far below its limit has a plot of its own below the other.
@@ -63,8 +92,9 @@ def stress(
     total = Line("total stress", speed, np.where(hidden, np.nan, synthesis), "synthesis")
     stresses = (total, *orders(speed, lines, hidden))
     given: tuple[tuple[str, FloatArray | None, Role], ...] = (
-        ("limit τ_{C}, continuous", continuous, "limit"), ("limit τ_{T}, passing rapidly", transient, "second limit"),
-    )  # fmt: skip
+        ("limit τ_{C}, continuous", continuous, "limit"),
+        ("limit τ_{T}, passing rapidly", transient, "second limit"),
+    )
     limits = tuple(
         Line(words, speed, values, pen)
         for words, values, pen in given
@@ -77,14 +107,30 @@ def stress(
         y = amplitudes(*STRESS, [total.y], [float(np.nanmax(line.y)) for line in limits])
         return Figure(name, caption, (Panel(x, y, stresses + limits, rated_at, behind),))
     y = amplitudes(*STRESS, [total.y])
-    both = Panel(x, Axis("stress and limits", "N/mm²", low=0.0), (total, *limits), rated_at, behind, height=75.0)
+    both = Panel(
+        x,
+        Axis("stress and limits", "N/mm²", low=0.0),
+        (total, *limits),
+        rated_at,
+        behind,
+        height=75.0,
+    )
     return Figure(name, caption, (both, Panel(x, y, stresses, rated_at, behind, height=105.0)))
 
 
 def gear(
-    name: str, caption: str, *, speed: FloatArray, vibratory: FloatArray, mean: FloatArray | None, bad: BoolArray,
-    unit: str, limit: float | None = None, rated: float | None = None, barred: Bands = (),
-) -> Figure:  # fmt: skip
+    name: str,
+    caption: str,
+    *,
+    speed: FloatArray,
+    vibratory: FloatArray,
+    mean: FloatArray | None,
+    bad: BoolArray,
+    unit: str,
+    limit: float | None = None,
+    rated: float | None = None,
+    barred: Bands = (),
+) -> Figure:
     """Vibratory against mean torque in one gear mesh; speed: (speeds,) rpm; torques (speeds,) in `unit`."""
     hidden, bands = unanswered(speed, bad)
     good = np.where(hidden, np.nan, vibratory)
@@ -94,35 +140,72 @@ def gear(
         over = np.where(good > mean, good, np.nan)
         if np.isfinite(over).any():
             lines.append(Line("torque reverses", speed, over, "limit", weight=0.0, base=mean))
-    levels = [Level("limit of the vibratory torque", limit, is_reached=True)] if limit is not None else []
+    levels = (
+        [Level("limit of the vibratory torque", limit, is_reached=True)]
+        if limit is not None
+        else []
+    )
     y = amplitudes("mesh torque", unit, [good], [] if limit is None else [limit])
-    return Figure(name, caption, (
-        Panel(span(SPEED, speed), y, tuple(lines), (*levels, *rated_level(rated)), barred_bands(barred) + bands),
-    ))  # fmt: skip
+    return Figure(
+        name,
+        caption,
+        (
+            Panel(
+                span(SPEED, speed),
+                y,
+                tuple(lines),
+                (*levels, *rated_level(rated)),
+                barred_bands(barred) + bands,
+            ),
+        ),
+    )
 
 
 def frequency(
-    name: str, caption: str, *, frequency: FloatArray, lines: Lines, bad: BoolArray, quantity: str, unit: str,
+    name: str,
+    caption: str,
+    *,
+    frequency: FloatArray,
+    lines: Lines,
+    bad: BoolArray,
+    quantity: str,
+    unit: str,
     natural: Sequence[float] = (),
-) -> Figure:  # fmt: skip
+) -> Figure:
     """frequency: (frequencies,) Hz; lines: (name, (frequencies,)) in `unit`; natural: Hz."""
     hidden, bands = unanswered(frequency, bad)
     drawn = [np.where(hidden | (values <= 0), np.nan, values) for _, values in lines[:MOST_LINES]]
     curves = tuple(
-        Line(words, frequency, values, pen) for pen, ((words, _), values) in enumerate(zip(lines, drawn, strict=False))
+        Line(words, frequency, values, pen)
+        for pen, ((words, _), values) in enumerate(zip(lines, drawn, strict=False))
     )
     levels = tuple(
-        Level("natural frequencies", at, "natural", "x") for at in natural if frequency[0] <= at <= frequency[-1]
+        Level("natural frequencies", at, "natural", "x")
+        for at in natural
+        if frequency[0] <= at <= frequency[-1]
     )
     x = span(Axis("frequency", "Hz"), frequency)
-    return Figure(name, caption, (Panel(x, amplitudes(quantity, unit, drawn), curves, levels, bands, height=150.0),))
+    return Figure(
+        name,
+        caption,
+        (Panel(x, amplitudes(quantity, unit, drawn), curves, levels, bands, height=150.0),),
+    )
 
 
 def periodic(
-    name: str, caption: str, *, first_speed: FloatArray, speed: FloatArray,
-    lines: Sequence[tuple[str, FloatArray | None, FloatArray]], unit: str, none: BoolArray, coarse: BoolArray,
-    grows: BoolArray, unstable: Bands = (), rated: float | None = None,
-) -> Figure:  # fmt: skip
+    name: str,
+    caption: str,
+    *,
+    first_speed: FloatArray,
+    speed: FloatArray,
+    lines: Sequence[tuple[str, FloatArray | None, FloatArray]],
+    unit: str,
+    none: BoolArray,
+    coarse: BoolArray,
+    grows: BoolArray,
+    unstable: Bands = (),
+    rated: float | None = None,
+) -> Figure:
     """Speeds in rpm; lines: (name, (first speeds,) or None, (speeds,)) in `unit`, NaN where there is no answer.
 
     none, coarse, grows: (speeds,) no periodic motion, not resolved, unstable.
@@ -131,7 +214,15 @@ def periodic(
     drawn, marks = list[Line](), list[Marks]()
     for k, (words, first, exact) in enumerate(lines):
         drawn.append(
-            Line(f"{words}, exact", speed, exact, 2 * k, words.removeprefix("order "), weight=1.7, symbol="dot")
+            Line(
+                f"{words}, exact",
+                speed,
+                exact,
+                2 * k,
+                words.removeprefix("order "),
+                weight=1.7,
+                symbol="dot",
+            )
         )
         if first is not None:
             drawn.append(Line(f"{words}, first order", first_speed, first, 2 * k + 1))
@@ -140,24 +231,41 @@ def periodic(
     y = amplitudes("torque amplitude", unit, [line.y for line in drawn])
     x = span(SPEED, np.append(first_speed, speed))
     panel = Panel(
-        x, y, tuple(drawn), rated_level(rated), barred_bands((), unstable) + bands, tuple(marks), height=140.0
+        x,
+        y,
+        tuple(drawn),
+        rated_level(rated),
+        barred_bands((), unstable) + bands,
+        tuple(marks),
+        height=140.0,
     )
     return Figure(name, caption, (panel,))
 
 
 def bending(
-    name: str, caption: str, *, speed: Sequence[FloatArray], orders: Sequence[str],
-    panels: Sequence[tuple[str, str, Sequence[FloatArray]]], near: Sequence[BoolArray],
-    singular: Sequence[BoolArray], rated: float | None, crossings: Sequence[float],
-) -> Figure:  # fmt: skip
+    name: str,
+    caption: str,
+    *,
+    speed: Sequence[FloatArray],
+    orders: Sequence[str],
+    panels: Sequence[tuple[str, str, Sequence[FloatArray]]],
+    near: Sequence[BoolArray],
+    singular: Sequence[BoolArray],
+    rated: float | None,
+    crossings: Sequence[float],
+) -> Figure:
     """Curves of every order over its own speeds, rpm; panels: (quantity, unit, a curve for each order).
 
     near, singular: of every order (speeds,), its speeds that are not to be trusted. crossings: rpm of critical speeds.
     """
-    levels = tuple(Level("critical speeds of these orders", at, "natural", "x") for at in crossings) + rated_level(
-        rated
+    levels = tuple(
+        Level("critical speeds of these orders", at, "natural", "x") for at in crossings
+    ) + rated_level(rated)
+    bands = tuple(
+        band
+        for at, none in zip(speed, singular, strict=True)
+        for band in unanswered(at, none, NO_ANSWER)[1]
     )
-    bands = tuple(band for at, none in zip(speed, singular, strict=True) for band in unanswered(at, none, NO_ANSWER)[1])
     made, x = [], span(SPEED, np.concatenate(list(speed)))
     for quantity, unit, curves in panels:
         lines, marks = [], []
@@ -171,13 +279,22 @@ def bending(
 
 
 def stability(
-    name: str, caption: str, *, speed: FloatArray, growth: FloatArray, unstable: Sequence[tuple[float, float, str]],
+    name: str,
+    caption: str,
+    *,
+    speed: FloatArray,
+    growth: FloatArray,
+    unstable: Sequence[tuple[float, float, str]],
     rated: float | None = None,
-) -> Figure:  # fmt: skip
+) -> Figure:
     """speed: (speeds,) rpm; growth: (speeds,) 1/s, NaN where there is no periodic motion; unstable: rpm and name."""
     _, missing = unanswered(speed, ~np.isfinite(growth), NO_MOTION)
-    ranges = tuple(Band("unstable range", low, high, "unstable", label=words) for low, high, words in unstable)
-    inside = np.array([any(low <= n <= high for low, high, _ in unstable) for n in speed.tolist()], dtype=bool)
+    ranges = tuple(
+        Band("unstable range", low, high, "unstable", label=words) for low, high, words in unstable
+    )
+    inside = np.array(
+        [any(low <= n <= high for low, high, _ in unstable) for n in speed.tolist()], dtype=bool
+    )
     grows = inside & (growth > 0)
     line = Line("growth rate", speed, growth, "plain", symbol="dot")
     marks = (Marks("unstable", speed[grows], growth[grows], "disc", "unstable"),)
@@ -204,13 +321,26 @@ def _growth_axis(growth: FloatArray, *, has_names: bool) -> Axis:
 
 
 def stability_map(
-    name: str, caption: str, *, speed: FloatArray, value: FloatArray, growth: FloatArray, quantity: str, unit: str,
+    name: str,
+    caption: str,
+    *,
+    speed: FloatArray,
+    value: FloatArray,
+    growth: FloatArray,
+    quantity: str,
+    unit: str,
     rated: float | None = None,
-) -> Figure:  # fmt: skip
+) -> Figure:
     """speed: (speeds,) rpm; value: (values,); growth: (speeds, values) 1/s, NaN where there is no periodic motion."""
     known = growth[np.isfinite(growth)]
     largest = float(np.quantile(np.abs(known), SHARE)) if known.size else 1.0
     cells = Cells(speed, value, growth.T, "growth rate", "1/s", largest or 1.0)
-    behind = (Band(NO_MOTION, float(speed[0]), float(speed[-1]), "no answer"),) if known.size < growth.size else ()
+    behind = (
+        (Band(NO_MOTION, float(speed[0]), float(speed[-1]), "no answer"),)
+        if known.size < growth.size
+        else ()
+    )
     x, y = span(SPEED, speed), span(Axis(quantity, unit), value)
-    return Figure(name, caption, (Panel(x, y, (), rated_level(rated), behind, cells=cells, height=190.0),))
+    return Figure(
+        name, caption, (Panel(x, y, (), rated_level(rated), behind, cells=cells, height=190.0),)
+    )

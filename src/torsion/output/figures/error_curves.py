@@ -13,12 +13,23 @@ Curve = tuple[str, str, int, FloatArray, FloatArray, FloatArray, FloatArray]
 LEAST = 1.2e-16  # an error below half the rounding unit is drawn there: it is rounding
 SYMBOLS: tuple[Symbol, ...] = ("disc", "square", "triangle", "diamond")
 SIGNS: tuple[Symbol, ...] = (  # of methods of integration, in turn
-    *SYMBOLS, "down", "box", "cross", "open triangle", "plus", "open diamond",
-)  # fmt: skip
+    *SYMBOLS,
+    "down",
+    "box",
+    "cross",
+    "open triangle",
+    "plus",
+    "open diamond",
+)
 FAMILIES: dict[str, tuple[Symbol, float]] = {  # symbol, and weight of the line
-    "lumped": ("disc", 1.4), "fem": ("dot", 0.8), "exact": ("star", 0.0), "modal": ("triangle", 1.0),
-    "corrected": ("down", 1.0), "dense": ("cross", 1.2), "peer": ("square", 1.0),
-}  # fmt: skip
+    "lumped": ("disc", 1.4),
+    "fem": ("dot", 0.8),
+    "exact": ("star", 0.0),
+    "modal": ("triangle", 1.0),
+    "corrected": ("down", 1.0),
+    "dense": ("cross", 1.2),
+    "peer": ("square", 1.0),
+}
 TOLERANCE = "tolerance"
 
 
@@ -26,37 +37,70 @@ def modes(name: str, caption: str, *, frequency: Lines, shape: Lines, tolerance:
     """frequency, shape: (model, (modes,) magnitudes of relative errors); shape is 1 - MAC."""
     x = Axis("mode", "", 0.5, max(len(values) for _, values in frequency) + 0.5, is_whole=True)
     both = (("error of frequency", frequency), ("1 − MAC", shape))
-    return Figure(name, caption, tuple(
-        Panel(x, _around(quantity, errors, tolerance), tuple(
-            Line(model, np.arange(1.0, len(values) + 1), drawn_error(values), k, symbol=SYMBOLS[k % len(SYMBOLS)])
-            for k, (model, values) in enumerate(errors)
-        ), (Level(TOLERANCE, tolerance),), height=130.0)
-        for quantity, errors in both
-    ))  # fmt: skip
+    return Figure(
+        name,
+        caption,
+        tuple(
+            Panel(
+                x,
+                _around(quantity, errors, tolerance),
+                tuple(
+                    Line(
+                        model,
+                        np.arange(1.0, len(values) + 1),
+                        drawn_error(values),
+                        k,
+                        symbol=SYMBOLS[k % len(SYMBOLS)],
+                    )
+                    for k, (model, values) in enumerate(errors)
+                ),
+                (Level(TOLERANCE, tolerance),),
+                height=130.0,
+            )
+            for quantity, errors in both
+        ),
+    )
 
 
-def torques(name: str, caption: str, *, speed: FloatArray, lines: Lines, tolerance: float) -> Figure:
+def torques(
+    name: str, caption: str, *, speed: FloatArray, lines: Lines, tolerance: float
+) -> Figure:
     """speed: (speeds,) rpm; lines: (model, (speeds,)), NaN where there is none."""
-    drawn = tuple(Line(model, speed, drawn_error(values), k) for k, (model, values) in enumerate(lines))
+    drawn = tuple(
+        Line(model, speed, drawn_error(values), k) for k, (model, values) in enumerate(lines)
+    )
     levels = (Level(TOLERANCE, tolerance),)
     return Figure(
-        name, caption, (Panel(span(SPEED, speed), _around("error of torques", lines, tolerance), drawn, levels),)
+        name,
+        caption,
+        (Panel(span(SPEED, speed), _around("error of torques", lines, tolerance), drawn, levels),),
     )
 
 
 def run_times(
-    name: str, caption: str, *, curves: Sequence[Curve], tolerance: float, bound: float,
+    name: str,
+    caption: str,
+    *,
+    curves: Sequence[Curve],
+    tolerance: float,
+    bound: float,
     best: tuple[float, float] | None = None,
-) -> Figure:  # fmt: skip
+) -> Figure:
     """tolerance, bound (of the reference): relative errors; best: time (ms) and error of the recommended point."""
     words = "run time: median of assembly and solve together; ranges: the middle half of the runs"
     found = error_over_time(Axis(words, "ms", is_log=True), "relative error", curves, bound)
     ring = []
     if best is not None:
-        ring.append(Marks("recommended", np.array([best[0]]), np.array([max(best[1], LEAST)]), "ring", "best"))
+        ring.append(
+            Marks(
+                "recommended", np.array([best[0]]), np.array([max(best[1], LEAST)]), "ring", "best"
+            )
+        )
     levels = (Level(TOLERANCE, tolerance, "natural"),)
     return Figure(
-        name, caption, (Panel(found.x, found.y, found.lines, levels, found.bands, tuple(ring), height=320.0),)
+        name,
+        caption,
+        (Panel(found.x, found.y, found.lines, levels, found.bands, tuple(ring), height=320.0),),
     )
 
 

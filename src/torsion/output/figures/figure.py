@@ -8,14 +8,41 @@ import numpy as np
 from torsion.output.stored_data import BY_NAME, StoredFlags, StoredFloats, StoredIntegers
 
 Role = Literal[
-    "synthesis", "limit", "second limit", "rated", "natural", "zero", "plain", "pale", "first", "forward", "backward",
-    "nearly in a plane", "unstable", "best", "outside", "at rest",
-]  # fmt: skip
-Pen = int | Role  # number of a line among its like, each with a colour and dashes of its own, or what it stands for
+    "synthesis",
+    "limit",
+    "second limit",
+    "rated",
+    "natural",
+    "zero",
+    "plain",
+    "pale",
+    "first",
+    "forward",
+    "backward",
+    "nearly in a plane",
+    "unstable",
+    "best",
+    "outside",
+    "at rest",
+]
+Pen = (
+    int | Role
+)  # number of a line among its like, each with a colour and dashes of its own, or what it stands for
 Symbol = Literal[
-    "disc", "ring", "square", "box", "triangle", "down", "diamond", "cross", "plus", "star", "dot", "open triangle",
+    "disc",
+    "ring",
+    "square",
+    "box",
+    "triangle",
+    "down",
+    "diamond",
+    "cross",
+    "plus",
+    "star",
+    "dot",
+    "open triangle",
     "open diamond",
-]  # fmt: skip
+]
 Place = tuple[float, float]
 Grade = Literal["low", "middle", "high", "over", "no answer", "not judged"]
 
@@ -30,7 +57,9 @@ class Axis:
     high: float | None = None
     is_log: bool = False
     is_whole: bool = False  # whole numbers alone
-    is_error: bool = False  # relative: above 1e-4 in per cent, but in powers of ten where it goes beyond 100 %
+    is_error: bool = (
+        False  # relative: above 1e-4 in per cent, but in powers of ten where it goes beyond 100 %
+    )
     places: tuple[tuple[float, str], ...] = ()  # names that stand in place of numbers
     is_reversed: bool = False
 
@@ -149,7 +178,9 @@ class Use:
 
     grade: Grade
     words: str
-    rank: tuple[float, ...] = ()  # where there is no room for all words, those of the highest are left out
+    rank: tuple[
+        float, ...
+    ] = ()  # where there is no room for all words, those of the highest are left out
     mark: str = ""  # sign of the worst limit that is not kept, this one or another
 
     @property
@@ -270,4 +301,10 @@ def runs(flags: np.ndarray) -> list[tuple[int, int]]:
     [(0, 0), (2, 3)]
     """
     edges = np.diff(np.asarray(flags, dtype=np.int8), prepend=0, append=0)
-    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
+    return list(
+        zip(
+            np.flatnonzero(edges == 1).tolist(),
+            (np.flatnonzero(edges == -1) - 1).tolist(),
+            strict=True,
+        )
+    )

@@ -11,18 +11,31 @@ from torsion.output.figures.ranges import MOST_LINES, SPEED, Bands, barred_bands
 from torsion.output.numbers import number
 
 Crossing = tuple[float, float, bool, str]  # rpm, Hz, inside the speed range, what meets what
-SENSES: tuple[tuple[float, Role], ...] = (  # least direction; an orbit between is nearly a straight line
-    (0.1, "forward"), (-0.1, "nearly in a plane"), (-2.0, "backward"),
-)  # fmt: skip
+SENSES: tuple[
+    tuple[float, Role], ...
+] = (  # least direction; an orbit between is nearly a straight line
+    (0.1, "forward"),
+    (-0.1, "nearly in a plane"),
+    (-2.0, "backward"),
+)
 AHEAD = 1.6  # times the highest frequency that an order reaches: so far up a mode is shown though no order meets it
 
 
 def campbell(
-    name: str, caption: str, *, frequencies: Sequence[float], orders: Sequence[tuple[float, str]],
-    crossings: Sequence[Crossing], speeds: tuple[float, float], rated: float | None, barred: Bands = (),
-    curves: tuple[FloatArray, FloatArray] | None = None, spread: Sequence[tuple[float, float]] = (),
-    of: str = "within the tolerances", tolerated: Bands = (),
-) -> Figure:  # fmt: skip
+    name: str,
+    caption: str,
+    *,
+    frequencies: Sequence[float],
+    orders: Sequence[tuple[float, str]],
+    crossings: Sequence[Crossing],
+    speeds: tuple[float, float],
+    rated: float | None,
+    barred: Bands = (),
+    curves: tuple[FloatArray, FloatArray] | None = None,
+    spread: Sequence[tuple[float, float]] = (),
+    of: str = "within the tolerances",
+    tolerated: Bands = (),
+) -> Figure:
     """frequencies: Hz; orders: (per revolution, name); speeds, rated: rpm; spread: Hz, of each mode, of what is named.
 
     barred, tolerated: rpm, of the file's figures and over its tolerances.
@@ -31,16 +44,30 @@ def campbell(
     """
     inside = max((f for _, f, is_inside, _ in crossings if is_inside), default=0.0)
     reached = max((order for order, _ in orders), default=1.0) * speeds[1] / 60.0
-    wanted = min((f for f in frequencies if f > inside), default=inside or reached)  # one mode above what matters
+    wanted = min(
+        (f for f in frequencies if f > inside), default=inside or reached
+    )  # one mode above what matters
     top = 1.12 * max(min(wanted, 1.15 * reached), inside, 0.25 * reached, 1e-9)
     right = speeds[1] * 1.12
     shown = [f for f in frequencies if f <= top][:MOST_LINES]
-    modes = tuple(Level("", f, "plain", label=f"mode {k}: {number(f)} Hz") for k, f in enumerate(shown, start=1))
+    modes = tuple(
+        Level("", f, "plain", label=f"mode {k}: {number(f)} Hz")
+        for k, f in enumerate(shown, start=1)
+    )
     lines = []
     if curves is not None:
         modes = ()
         for k, mode in enumerate(curves[1][:MOST_LINES], start=1):
-            lines.append(Line("", curves[0], np.where(mode <= top, mode, np.nan), "plain", f"mode {k}", label_at="end"))
+            lines.append(
+                Line(
+                    "",
+                    curves[0],
+                    np.where(mode <= top, mode, np.nan),
+                    "plain",
+                    f"mode {k}",
+                    label_at="end",
+                )
+            )
     for pen, (order, words) in enumerate(orders[:MOST_LINES]):
         end = min(right, 60.0 * top / order)
         ends = np.array([0.0, end]), np.array([0.0, order * end / 60.0])
@@ -50,14 +77,24 @@ def campbell(
     bands = (Band("speed range", *speeds, "range"), *moved, *within, *barred_bands(barred))
     x, y = replace(SPEED, low=0.0, high=right), Axis("frequency", "Hz", low=0.0, high=top)
     levels = (*modes, *rated_level(rated))
-    panel = Panel(x, y, tuple(lines), levels, bands, tuple(_met(crossings, right, top)), height=210.0)
+    panel = Panel(
+        x, y, tuple(lines), levels, bands, tuple(_met(crossings, right, top)), height=210.0
+    )
     return Figure(name, caption, (panel,))
 
 
 def whirl(
-    name: str, caption: str, *, speed: FloatArray, frequency: FloatArray, direction: FloatArray, unstable: BoolArray,
-    orders: Sequence[tuple[float, str]], crossings: Sequence[Crossing], rated: float | None,
-) -> Figure:  # fmt: skip
+    name: str,
+    caption: str,
+    *,
+    speed: FloatArray,
+    frequency: FloatArray,
+    direction: FloatArray,
+    unstable: BoolArray,
+    orders: Sequence[tuple[float, str]],
+    crossings: Sequence[Crossing],
+    rated: float | None,
+) -> Figure:
     """speed: (speeds,) rpm; frequency, Hz, direction and unstable: (speeds, modes).
 
     orders: (frequency of the order at the last speed, Hz; name).
@@ -75,10 +112,15 @@ def whirl(
         lines.append(Line("orders", *ends, "pale", words, label_at="end"))
     rows, columns = np.nonzero(unstable)
     grows = Marks("UNSTABLE", speed[rows], frequency[rows, columns], "cross", "unstable")
-    x, y = replace(SPEED, low=0.0, high=right), Axis("frequency of bending", "Hz", low=0.0, high=top)
+    x, y = (
+        replace(SPEED, low=0.0, high=right),
+        Axis("frequency of bending", "Hz", low=0.0, high=top),
+    )
     marks = (grows, *_met(crossings, right, top))
     bands = (Band("speed range", first, last, "range"),)
-    return Figure(name, caption, (Panel(x, y, tuple(lines), rated_level(rated), bands, marks, height=200.0),))
+    return Figure(
+        name, caption, (Panel(x, y, tuple(lines), rated_level(rated), bands, marks, height=200.0),)
+    )
 
 
 def _whirling(speed: FloatArray, frequency: FloatArray, sense: FloatArray) -> Iterator[Line]:
@@ -94,12 +136,22 @@ def _whirling(speed: FloatArray, frequency: FloatArray, sense: FloatArray) -> It
 
 def _met(crossings: Sequence[Crossing], right: float, top: float) -> Iterator[Marks]:
     """The crossings that lie on the diagram, which goes from nothing to these two."""
-    for inside, words in ((True, "critical speed in the range"), (False, "critical speed outside the range")):
+    for inside, words in (
+        (True, "critical speed in the range"),
+        (False, "critical speed outside the range"),
+    ):
         met = [one for one in crossings if one[2] == inside and one[0] <= right and one[1] <= top]
         if met:
             x, y = np.array([one[:2] for one in met]).T
             said = tuple(one[3] for one in met)
-            yield Marks(words, x, y, "disc" if inside else "cross", "plain" if inside else "outside", words=said)
+            yield Marks(
+                words,
+                x,
+                y,
+                "disc" if inside else "cross",
+                "plain" if inside else "outside",
+                words=said,
+            )
 
 
 def _top(frequency: FloatArray, reached: float, crossings: Sequence[Crossing]) -> float:

@@ -14,7 +14,9 @@ WEIGHTS = (2.0, 1.1)  # of the first and the last line, so that lines that coinc
 FLAT = 1e-9  # of the size by which rounding is judged: a smaller range is shown as a level line
 
 
-def joint_turn(name: str, caption: str, *, angle: FloatArray, panels: Sequence[Drawn], quantity: str) -> Figure:
+def joint_turn(
+    name: str, caption: str, *, angle: FloatArray, panels: Sequence[Drawn], quantity: str
+) -> Figure:
     """angle: (angles,) deg, `quantity` says of which shaft; a line is (name, (angles,)) and keeps its pen."""
     names = list(dict.fromkeys(words for *_, lines in panels for words, _ in lines))[:MOST_LINES]
     weights = np.linspace(*WEIGHTS, max(len(names), 2)).tolist()
@@ -33,7 +35,9 @@ def joint_turn(name: str, caption: str, *, angle: FloatArray, panels: Sequence[D
             )
             for words, values in kept
         )
-        made.append(Panel(x, _range(says, unit, size, kept), drawn, (Level("", 0.0, "zero"),), height=72.0))
+        made.append(
+            Panel(x, _range(says, unit, size, kept), drawn, (Level("", 0.0, "zero"),), height=72.0)
+        )
     return Figure(name, caption, tuple(made))
 
 
@@ -42,22 +46,44 @@ def _range(quantity: str, unit: str, size: float, lines: Lines) -> Axis:
     low, high = (float(end([end(values) for _, values in lines])) for end in (np.min, np.max))
     if high - low > FLAT * size:
         return Axis(quantity, unit)
-    room = 0.1 * max(abs(low), size) or 1.0  # of values and a size that are all nothing: any, so that it is a range
+    room = (
+        0.1 * max(abs(low), size) or 1.0
+    )  # of values and a size that are all nothing: any, so that it is a range
     return Axis(quantity, unit, low - room, high + room)
 
 
 def joint_index(
-    name: str, caption: str, *, values: FloatArray, index: FloatArray, quantity: str, present: Point, best: Point
+    name: str,
+    caption: str,
+    *,
+    values: FloatArray,
+    index: FloatArray,
+    quantity: str,
+    present: Point,
+    best: Point,
 ) -> Figure:
     """Index of fluctuation against a phase, plane or angle of a line. values: (values,) deg; index: (values,) %."""
     points: tuple[tuple[str, Point, Symbol, Role], ...] = (
-        ("present", present, "square", "unstable"), ("best", best, "disc", "best"),
-    )  # fmt: skip
+        ("present", present, "square", "unstable"),
+        ("best", best, "disc", "best"),
+    )
     marks = tuple(
-        Marks(f"{words}: {at:.4g}°, {size:.4g} %", np.array([at]), np.array([size]), symbol, pen, labels=(words,))
+        Marks(
+            f"{words}: {at:.4g}°, {size:.4g} %",
+            np.array([at]),
+            np.array([size]),
+            symbol,
+            pen,
+            labels=(words,),
+        )
         for words, (at, size), symbol, pen in points
     )
     line = Line("index of fluctuation", values, index, 0, weight=1.3)
     ends = np.append(values, [present[0], best[0]])
-    panel = Panel(span(Axis(quantity, "deg"), ends), Axis("index of fluctuation", "%", low=0.0), (line,), marks=marks)
+    panel = Panel(
+        span(Axis(quantity, "deg"), ends),
+        Axis("index of fluctuation", "%", low=0.0),
+        (line,),
+        marks=marks,
+    )
     return Figure(name, caption, (panel,))

@@ -14,8 +14,21 @@ if TYPE_CHECKING:
 
 INCH = 96.0  # px of a panel's height
 WIDTH = 6.3  # in, the text of A4
-SHADES = {"range": 0.08, "spread": 0.12, "doubt": 0.15, "no answer": 0.15, "barred": 0.25, "unstable": 0.25}
-COLOURS = {"limit": "tab:red", "second limit": "tab:orange", "unstable": "tab:red", "natural": "0.5", "rated": "0.3"}
+SHADES = {
+    "range": 0.08,
+    "spread": 0.12,
+    "doubt": 0.15,
+    "no answer": 0.15,
+    "barred": 0.25,
+    "unstable": 0.25,
+}
+COLOURS = {
+    "limit": "tab:red",
+    "second limit": "tab:orange",
+    "unstable": "tab:red",
+    "natural": "0.5",
+    "rated": "0.3",
+}
 
 
 def draw_plots(figure: Figure, axes: "Axes | Sequence[Axes] | None" = None) -> "tuple[Axes, ...]":
@@ -24,7 +37,9 @@ def draw_plots(figure: Figure, axes: "Axes | Sequence[Axes] | None" = None) -> "
     Raises ImportError without matplotlib, InputError if the figure has no plot or another number of them than axes.
     """
     if not figure.plots:
-        raise refusal(f"the figure '{figure.name}' has no axes, so matplotlib cannot draw it", "use its `svg`")
+        raise refusal(
+            f"the figure '{figure.name}' has no axes, so matplotlib cannot draw it", "use its `svg`"
+        )
     if axes is None:
         heights = [panel.height for panel in figure.plots]
         pyplot = _pyplot()
@@ -35,7 +50,9 @@ def draw_plots(figure: Figure, axes: "Axes | Sequence[Axes] | None" = None) -> "
         axes = grid[:, 0].tolist()
     targets = tuple(axes) if isinstance(axes, Sequence | np.ndarray) else (axes,)
     if len(targets) != len(figure.plots):
-        raise refusal(f"the figure '{figure.name}' has {len(figure.plots)} plots for {len(targets)} axes")
+        raise refusal(
+            f"the figure '{figure.name}' has {len(figure.plots)} plots for {len(targets)} axes"
+        )
     for panel, target in zip(figure.plots, targets, strict=True):
         _draw(panel, target)
     return targets
@@ -54,7 +71,9 @@ def _draw(panel: Panel, axes: "Axes") -> None:
         cells = panel.cells
         mesh = axes.pcolormesh(cells.x, cells.y, cells.values, shading="nearest", cmap="cividis")
         axes.figure.colorbar(
-            mesh, ax=axes, label=_text(f"{cells.quantity}, {cells.unit}" if cells.unit else cells.quantity)
+            mesh,
+            ax=axes,
+            label=_text(f"{cells.quantity}, {cells.unit}" if cells.unit else cells.quantity),
         )
     for band in panel.bands:
         span = axes.axvspan if band.axis == "x" else axes.axhspan
@@ -67,7 +86,9 @@ def _draw(panel: Panel, axes: "Axes") -> None:
         )
     for line in panel.lines:
         style = {"color": COLOURS.get(line.pen)} if isinstance(line.pen, str) else {}
-        (drawn,) = axes.plot(line.x, line.y, linewidth=1.2 * line.weight, label=_text(line.name) or None, **style)
+        (drawn,) = axes.plot(
+            line.x, line.y, linewidth=1.2 * line.weight, label=_text(line.name) or None, **style
+        )
         if line.base is not None:
             axes.fill_between(line.x, line.base, line.y, color=drawn.get_color(), alpha=0.2)
     for level in panel.levels:

@@ -15,9 +15,19 @@ ROOM = 0.03  # of the train, beyond its ends
 
 
 def mode(
-    name: str, caption: str, *, x: FloatArray, row: FloatArray, ends: IntArray, marked: BoolArray, angle: FloatArray,
-    torque: FloatArray, ticks: Sequence[tuple[float, str]], stations: Sequence[str] = (), spans: Sequence[str] = (),
-) -> Figure:  # fmt: skip
+    name: str,
+    caption: str,
+    *,
+    x: FloatArray,
+    row: FloatArray,
+    ends: IntArray,
+    marked: BoolArray,
+    angle: FloatArray,
+    torque: FloatArray,
+    ticks: Sequence[tuple[float, str]],
+    stations: Sequence[str] = (),
+    spans: Sequence[str] = (),
+) -> Figure:
     """x, row, marked (with a dot), angle: (stations,); ends: (spans, 2) stations; torque: (spans,); at one speed.
 
     stations, spans: names of the marked stations and of all spans, for the cursor.
@@ -46,7 +56,13 @@ def mode(
             )
         )
     room = ROOM * (float(np.ptp(x)) or 1.0)
-    along = Axis("", "", float(x.min()) - room, float(x.max()) + room, places=tuple(thinned(ticks, MOST_TICKS)))
+    along = Axis(
+        "",
+        "",
+        float(x.min()) - room,
+        float(x.max()) + room,
+        places=tuple(thinned(ticks, MOST_TICKS)),
+    )
     shown = marked & (np.count_nonzero(marked) <= MOST_DOTS)
     dots = Marks("", x[shown], angle[shown], "dot", "plain")
     stops = (
@@ -55,10 +71,17 @@ def mode(
     )
     angles, torques = (Axis(f"{what} / largest", "", -1.1, 1.1) for what in ("angle", "torque"))
     zero = (Level("", 0.0, "zero"),)
-    return Figure(name, caption, (
-        Panel(along, angles, tuple(upper), zero, marks=(dots,), stops=stops[0], height=72.0),
-        Panel(along, torques, tuple(lower), zero, marks=tuple(marks), stops=stops[1], height=58.0),
-    ), Moving(x, row, angle, ends, marked))  # fmt: skip
+    return Figure(
+        name,
+        caption,
+        (
+            Panel(along, angles, tuple(upper), zero, marks=(dots,), stops=stops[0], height=72.0),
+            Panel(
+                along, torques, tuple(lower), zero, marks=tuple(marks), stops=stops[1], height=58.0
+            ),
+        ),
+        Moving(x, row, angle, ends, marked),
+    )
 
 
 def thinned(items: Sequence[Item], most: int) -> Sequence[Item]:

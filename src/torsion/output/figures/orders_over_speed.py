@@ -11,7 +11,9 @@ DECADES = 3.0  # below the largest amplitude that shades show
 TORQUE = "torque amplitude"
 
 
-def orders(name: str, caption: str, *, over: Axis, x: FloatArray, lines: Lines, unit: str) -> Figure:
+def orders(
+    name: str, caption: str, *, over: Axis, x: FloatArray, lines: Lines, unit: str
+) -> Figure:
     """x: (windows,) ascending, on the axis `over`; lines: (name, amplitudes (windows,) in `unit`)."""
     drawn = drawn_orders(x, lines, np.zeros(len(x), dtype=bool))
     y = amplitudes(TORQUE, unit, [values for _, values in lines])
@@ -19,9 +21,16 @@ def orders(name: str, caption: str, *, over: Axis, x: FloatArray, lines: Lines, 
 
 
 def waterfall(
-    name: str, caption: str, *, over: Axis, y: FloatArray, order: FloatArray, amplitude: FloatArray, reference: str,
+    name: str,
+    caption: str,
+    *,
+    over: Axis,
+    y: FloatArray,
+    order: FloatArray,
+    amplitude: FloatArray,
+    reference: str,
     unit: str,
-) -> Figure:  # fmt: skip
+) -> Figure:
     """y: (windows,) ascending, on the axis `over`; order: (orders,); amplitude: (windows, orders) in `unit`."""
     largest = float(amplitude.max(initial=0.0)) or 1.0
     cells = Cells(order, y, amplitude, TORQUE, unit, largest, DECADES)

@@ -16,10 +16,15 @@ LOGARITHMIC = 30.0  # times the median: a larger peak makes the axis logarithmic
 MOST_DECADES = 1e7  # from the lowest to the highest value of a logarithmic axis
 MAIN = 1.8  # times the width of other lines: of the one that matters most
 MOST_LINES = 12  # in one figure
-MOST_ORDERS, LARGEST = 8, 7  # orders in one figure; of more the largest and the envelope of the others
+MOST_ORDERS, LARGEST = (
+    8,
+    7,
+)  # orders in one figure; of more the largest and the envelope of the others
 
 
-def unanswered(x: FloatArray, bad: BoolArray, name: str = NO_RELIABLE_ANSWER) -> tuple[BoolArray, tuple[Band, ...]]:
+def unanswered(
+    x: FloatArray, bad: BoolArray, name: str = NO_RELIABLE_ANSWER
+) -> tuple[BoolArray, tuple[Band, ...]]:
     """Ranges where `bad` holds, from neighbour to neighbour, and (points,) those inside, which are left blank."""
     inside, bands = np.array(bad, dtype=bool), list[Band]()
     least = float(x[-1] - x[0]) * LEAST
@@ -46,14 +51,23 @@ def rated_level(rated: float | None) -> tuple[Level, ...]:
     return () if rated is None else (Level("rated speed", rated, "rated", "x"),)
 
 
-def amplitudes(quantity: str, unit: str, values: Sequence[FloatArray], limits: Sequence[float] = ()) -> Axis:
+def amplitudes(
+    quantity: str, unit: str, values: Sequence[FloatArray], limits: Sequence[float] = ()
+) -> Axis:
     """From zero, or in logarithms where a resonance would leave all else on the axis; as far as the limits."""
-    known = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0)] for v in values] or [np.zeros(0)])
+    known = np.concatenate(
+        [np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0)] for v in values] or [np.zeros(0)]
+    )
     if known.size == 0 or known.max() <= LOGARITHMIC * np.median(known):
         return Axis(quantity, unit, low=0.0)
     lowest = max(float(known.min()), float(known.max()) / MOST_DECADES)
-    return Axis(quantity, unit, low=lowest / 1.5, high=max([2.0 * float(known.max()), *(1.5 * one for one in limits)]),
-                is_log=True)  # fmt: skip
+    return Axis(
+        quantity,
+        unit,
+        low=lowest / 1.5,
+        high=max([2.0 * float(known.max()), *(1.5 * one for one in limits)]),
+        is_log=True,
+    )
 
 
 def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
@@ -67,10 +81,16 @@ def orders(x: FloatArray, lines: Lines, hidden: BoolArray) -> tuple[Line, ...]:
     ranked = [k for k in sorted(range(len(sizes)), key=lambda k: -sizes[k]) if sizes[k] > 0]
     shown = ranked if len(ranked) <= MOST_ORDERS else ranked[:LARGEST]
     found = [
-        Line(drawn[k][0], x, drawn[k][1], pen, drawn[k][0].removeprefix("order "),
-             weight=MAIN if len(sizes) > 1 and k == ranked[0] else 1.0)
+        Line(
+            drawn[k][0],
+            x,
+            drawn[k][1],
+            pen,
+            drawn[k][0].removeprefix("order "),
+            weight=MAIN if len(sizes) > 1 and k == ranked[0] else 1.0,
+        )
         for pen, k in enumerate(sorted(shown))
-    ]  # fmt: skip
+    ]
     if others := ranked[len(shown) :]:
         largest = np.fmax.reduce([drawn[k][1] for k in others])
         found.append(Line(f"envelope of the other {len(others)}", x, largest, "pale"))

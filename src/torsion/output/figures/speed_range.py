@@ -14,17 +14,29 @@ Critical = tuple[float, str]  # rpm, what excites it
 
 
 def speed_range(
-    name: str, caption: str, *, speeds: tuple[float, float], rated: float | None, barred: Bands, unstable: Bands,
-    unknown: Sequence[Band], critical: Sequence[Critical],
-) -> Figure:  # fmt: skip
+    name: str,
+    caption: str,
+    *,
+    speeds: tuple[float, float],
+    rated: float | None,
+    barred: Bands,
+    unstable: Bands,
+    unknown: Sequence[Band],
+    critical: Sequence[Critical],
+) -> Figure:
     """All speeds in rpm; ranges with one speed alone are as wide as can be seen."""
     ends = [*speeds, *([] if rated is None else [rated])]
     room = ROOM * ((max(ends) - min(ends)) or max(ends))
     bands = [
         Band("speeds of the operation", *speeds, "range"),
-        *(_labelled(band) for band in barred_bands(barred, unstable)), *unknown,
-    ]  # fmt: skip
-    levels = [] if rated is None else [Level("rated speed", rated, "rated", "x", f"rated {number(rated, 4)}")]
+        *(_labelled(band) for band in barred_bands(barred, unstable)),
+        *unknown,
+    ]
+    levels = (
+        []
+        if rated is None
+        else [Level("rated speed", rated, "rated", "x", f"rated {number(rated, 4)}")]
+    )
     levels += [
         Level(
             "critical speed",
@@ -36,7 +48,14 @@ def speed_range(
         for speed, words in critical
     ]
     across = Axis(SPEED.quantity, SPEED.unit, max(min(ends) - room, 0.0), max(ends) + room)
-    plot = Panel(across, Axis("", "", 0.0, 1.0, places=((0.0, ""),)), (), tuple(levels), tuple(bands), height=HEIGHT)
+    plot = Panel(
+        across,
+        Axis("", "", 0.0, 1.0, places=((0.0, ""),)),
+        (),
+        tuple(levels),
+        tuple(bands),
+        height=HEIGHT,
+    )
     return Figure(name, caption, (plot,))
 
 

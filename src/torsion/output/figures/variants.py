@@ -8,7 +8,19 @@ import numpy as np
 from torsion.analyses.sweep.sweep_results import Grid, GridAxis
 from torsion.arrays import BoolArray, FloatArray
 from torsion.output.figures.contours import level_line
-from torsion.output.figures.figure import Axis, Band, Cells, Figure, Level, Line, Marks, Panel, Role, Symbol, runs
+from torsion.output.figures.figure import (
+    Axis,
+    Band,
+    Cells,
+    Figure,
+    Level,
+    Line,
+    Marks,
+    Panel,
+    Role,
+    Symbol,
+    runs,
+)
 from torsion.output.numbers import number, unit_words
 
 MOST_MODES = 3  # in one figure
@@ -28,17 +40,30 @@ def curve(grid: Grid, lines: Sequence[tuple[str, int]]) -> Figure:
     symbol: Symbol | None = "dot" if axis.places or x.size <= MOST_BINS else None
     panels = []
     if lines:
-        used = [Line(words, x, 100.0 * grid.utilisation[place], pen, symbol=symbol)
-                for pen, (words, place) in enumerate(lines)]  # fmt: skip
+        used = [
+            Line(words, x, 100.0 * grid.utilisation[place], pen, symbol=symbol)
+            for pen, (words, place) in enumerate(lines)
+        ]
         limit = Level("limit", LIMIT, is_reached=True)
-        panels.append(Panel(axis, Axis("utilisation", "%", low=0.0), tuple(used), (limit, *levels), bands, height=TALL))
+        panels.append(
+            Panel(
+                axis,
+                Axis("utilisation", "%", low=0.0),
+                tuple(used),
+                (limit, *levels),
+                bands,
+                height=TALL,
+            )
+        )
     modes = tuple(
         Line(f"mode {mode}", x, one, mode - 1, f"mode {mode}", label_at="end", symbol=symbol)
         for mode, one in enumerate(grid.frequency[:MOST_MODES], start=1)
     )
     if modes:
         panels.append(Panel(axis, Axis("natural frequency", "Hz"), modes, levels, bands))
-    return Figure("sweep_curve", f"Limits and natural frequencies over {grid.axes[0].name}", tuple(panels))
+    return Figure(
+        "sweep_curve", f"Limits and natural frequencies over {grid.axes[0].name}", tuple(panels)
+    )
 
 
 def maps(grid: Grid) -> Iterator[Figure]:
@@ -49,9 +74,19 @@ def maps(grid: Grid) -> Iterator[Figure]:
     used = 100.0 * grid.greatest.reshape(grid.shape) - LIMIT
     if np.isfinite(used).any():
         largest = min(max(float(np.nanmax(used[np.isfinite(used)])), LIMIT), LEAST_RANGE)
-        cells = Cells(x, y, np.where(np.isinf(used), largest, used), "beyond the limit (below zero: met)", "%", largest)
-        yield Figure("sweep_map", f"Maximum utilisation − 100 % over {names}",
-                     (Panel(across, down, cells=cells, marks=marks, height=1.3 * TALL),))  # fmt: skip
+        cells = Cells(
+            x,
+            y,
+            np.where(np.isinf(used), largest, used),
+            "beyond the limit (below zero: met)",
+            "%",
+            largest,
+        )
+        yield Figure(
+            "sweep_map",
+            f"Maximum utilisation − 100 % over {names}",
+            (Panel(across, down, cells=cells, marks=marks, height=1.3 * TALL),),
+        )
     for mode, values in enumerate(grid.frequency[:MOST_MODES], start=1):
         known, frequency = values[np.isfinite(values)], values.reshape(grid.shape)
         if not known.size or np.ptp(known) <= 1e-9 * known.max():
@@ -63,19 +98,34 @@ def maps(grid: Grid) -> Iterator[Figure]:
             cells = Cells(x, y, frequency, "natural frequency", "Hz", largest, decades)
             panel = Panel(across, down, cells=cells, marks=marks, height=1.3 * TALL)
         else:
-            panel = Panel(across, down, tuple(_contours(x, y, frequency)), marks=marks, height=1.3 * TALL)
+            panel = Panel(
+                across, down, tuple(_contours(x, y, frequency)), marks=marks, height=1.3 * TALL
+            )
         yield Figure(f"sweep_map_mode_{mode}", caption, (panel,))
 
 
 def spread(
-    name: str, caption: str, panels: Sequence[tuple[Axis, FloatArray, Sequence[Level], Sequence[Band]]]
-) -> Figure:  # fmt: skip
+    name: str,
+    caption: str,
+    panels: Sequence[tuple[Axis, FloatArray, Sequence[Level], Sequence[Band]]],
+) -> Figure:
     """How often values (variants,) lie where, a panel for each quantity; in % of the variants."""
     up = Axis("variants", "%", low=0.0)
-    return Figure(name, caption, tuple(
-        Panel(_reaching(axis, values, levels), up, (_histogram(values),), tuple(levels), tuple(bands), height=130.0)
-        for axis, values, levels, bands in panels
-    ))  # fmt: skip
+    return Figure(
+        name,
+        caption,
+        tuple(
+            Panel(
+                _reaching(axis, values, levels),
+                up,
+                (_histogram(values),),
+                tuple(levels),
+                tuple(bands),
+                height=130.0,
+            )
+            for axis, values, levels, bands in panels
+        ),
+    )
 
 
 def _reaching(axis: Axis, values: FloatArray, levels: Sequence[Level]) -> Axis:
@@ -85,7 +135,9 @@ def _reaching(axis: Axis, values: FloatArray, levels: Sequence[Level]) -> Axis:
     return replace(axis, low=float(every.min()) - room, high=float(every.max()) + room)
 
 
-def through(name: str, caption: str, *, axes: Sequence[str], groups: Sequence[tuple[str, Role, FloatArray]]) -> Figure:
+def through(
+    name: str, caption: str, *, axes: Sequence[str], groups: Sequence[tuple[str, Role, FloatArray]]
+) -> Figure:
     """Parallel coordinates: of every variant a line through its values, 0..1 of their ranges.
 
     groups: name, pen and values (variants, axes); the last lies on top.
@@ -96,16 +148,25 @@ def through(name: str, caption: str, *, axes: Sequence[str], groups: Sequence[tu
         x = np.tile(np.append(places, np.nan), len(values))
         y = 100.0 * np.column_stack([values, np.full(len(values), np.nan)]).ravel()
         lines.append(Line(words, x, y, pen, weight=0.7 if pen == "pale" else 1.0))
-    across = Axis("figure", low=-0.8, high=len(axes) - 0.2, places=tuple(zip(places.tolist(), axes, strict=True)))
+    across = Axis(
+        "figure",
+        low=-0.8,
+        high=len(axes) - 0.2,
+        places=tuple(zip(places.tolist(), axes, strict=True)),
+    )
     return Figure(
-        name, caption, (Panel(across, Axis("place in its range", "%", -3.0, 103.0), tuple(lines), height=TALL),)
+        name,
+        caption,
+        (Panel(across, Axis("place in its range", "%", -3.0, 103.0), tuple(lines), height=TALL),),
     )
 
 
 def _scale(axis: GridAxis) -> tuple[FloatArray, Axis, tuple[Level, ...]]:
     """The places of its values, the axis, and the value of the file on it; names where values are no numbers."""
     if axis.is_numeric:
-        levels = tuple(Level("the file", one, "rated", "x") for one in [axis.in_file] if one is not None)
+        levels = tuple(
+            Level("the file", one, "rated", "x") for one in [axis.in_file] if one is not None
+        )
         return (
             axis.number,
             Axis(axis.name, unit_words(axis.unit), float(axis.number[0]), float(axis.number[-1])),
@@ -123,7 +184,10 @@ def _not_kept(x: FloatArray, fails: BoolArray, *, is_numeric: bool) -> tuple[Ban
     edges = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2.0, [x[-1]]])
     if not is_numeric:
         edges[0], edges[-1] = x[0] - 0.5, x[-1] + 0.5
-    return tuple(Band("a check fails", float(edges[a]), float(edges[b + 1]), "unstable") for a, b in runs(fails))
+    return tuple(
+        Band("a check fails", float(edges[a]), float(edges[b + 1]), "unstable")
+        for a, b in runs(fails)
+    )
 
 
 def _points(grid: Grid, x: FloatArray, y: FloatArray) -> Iterator[Marks]:
@@ -136,12 +200,21 @@ def _points(grid: Grid, x: FloatArray, y: FloatArray) -> Iterator[Marks]:
             place = float(at[rows[0]]) if rows.size else None
         here.append(place)
     if None not in here:
-        yield Marks("the file", np.array([here[1]]), np.array([here[0]]), "star", "rated", labels=("the file",))
+        yield Marks(
+            "the file",
+            np.array([here[1]]),
+            np.array([here[0]]),
+            "star",
+            "rated",
+            labels=("the file",),
+        )
     else:
         yield Marks("", np.empty(0), np.empty(0))
     hidden = np.argwhere((grid.fails & ~(grid.greatest > 1.0)).reshape(grid.shape))
     if hidden.size:
-        yield Marks("no answer, or not wholly judged", x[hidden[:, 1]], y[hidden[:, 0]], "cross", "unstable")
+        yield Marks(
+            "no answer, or not wholly judged", x[hidden[:, 1]], y[hidden[:, 0]], "cross", "unstable"
+        )
 
 
 def _contours(x: FloatArray, y: FloatArray, values: FloatArray) -> Iterator[Line]:
@@ -153,16 +226,23 @@ def _contours(x: FloatArray, y: FloatArray, values: FloatArray) -> Iterator[Line
     for level in np.arange(np.ceil(known.min() / step), known.max() / step) * step:
         pieces = list(level_line(x, y, values, float(level)))
         if pieces:
-            along, up = (np.concatenate([np.append(one[k], np.nan) for one in pieces]) for k in (0, 1))
+            along, up = (
+                np.concatenate([np.append(one[k], np.nan) for one in pieces]) for k in (0, 1)
+            )
             yield Line("", along, up, "plain", f"{number(float(level), 4)} Hz", label_at="anywhere")
 
 
 def _histogram(values: FloatArray) -> Line:
     """Steps (bins,) in % of the variants."""
     known = values[np.isfinite(values)]
-    if known.size and np.ptp(known) <= SAME * np.abs(known).max():  # between values that differ by rounding lie no bins
+    if (
+        known.size and np.ptp(known) <= SAME * np.abs(known).max()
+    ):  # between values that differ by rounding lie no bins
         known = np.full_like(known, known[0])
     bins = int(np.clip(np.sqrt(known.size), 5, MOST_BINS))
     count, edges = np.histogram(known, bins)
-    x, y = np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(100.0 * count / max(values.size, 1), 2), [0.0]])
+    x, y = (
+        np.repeat(edges, 2),
+        np.concatenate([[0.0], np.repeat(100.0 * count / max(values.size, 1), 2), [0.0]]),
+    )
     return Line("", x, y, 0, base=np.zeros(x.size))
