@@ -14,8 +14,6 @@ from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 from benchmarks.peers_opentorsion import assembled, elements, undamped_frequencies
 from benchmarks.references import frequencies, worst
-from benchmarks.swept_designs import designs
-from benchmarks.swept_responses import responses
 from torsion.kernels.distributed.span_laws import Columns, Shafts
 from torsion.kernels.distributed.uniform_shaft import uniform_shafts
 from torsion.kernels.loops import graph_modes
@@ -96,7 +94,6 @@ def main() -> None:
     networks = [_network_row(*case, 2000 // (5 if report.chosen.quick else 1)) for case in NETWORKS]
     page = ["## Natural frequencies", HOW, table(HEAD, rows)]
     page += ["## Closed loops and distributed shafts", OF_NETWORKS, table(NETWORK_HEAD, networks)]
-    page += [*responses(report.chosen.quick), *designs(quick=report.chosen.quick)]
     report.publish("Many trains side by side", page)
 
 

@@ -11,6 +11,7 @@ FLOORS = {
     "user_files": -1,
     "sources": -1,  # the ground under every floor
     "units": 0,
+    "processes": 0,
     "kernels": 0,
     "kinematics": 0,
     "usual_ranges": 0.5,

@@ -9,7 +9,6 @@ from threading import Lock
 
 from torsion.analyses.sweep import sweep_run
 from torsion.analyses.variants.chunks import Chunk, Part
-from torsion.analyses.variants.variant_shares import unfit
 from torsion.errors import Fault, InputError
 from torsion.findings import Work, version
 from torsion.rules import judgement
@@ -31,13 +30,10 @@ class Errand:
 
 def errand(work: Work, variation: Variation) -> Errand:
     """The errand of a sweep, which any process can do."""
-    study, names = (
-        replace(work.study, cases={}),
-        ("system", "modes", *(() if unfit(work) else ("mean", "response"))),
-    )
+    study = replace(work.study, cases={})
     plain = Work(
         study,
-        {name: work.results[name] for name in names if name in work.results},
+        {name: work.results[name] for name in ("system", "modes") if name in work.results},
         ruled=work.ruled,
     )
     files = tuple(digests(study, shipped=False).items())

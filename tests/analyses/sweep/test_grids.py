@@ -194,7 +194,7 @@ def test_lists_that_vary_together_go_row_by_row() -> None:
 
 
 def test_laws_are_side_by_side_in_every_row_of_a_list(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
     found = swept(
         "vary: {coupling-1.stiffness: {uniform: 10 %}, disc-2.inertia: {values: [0.4, 0.8, 1.6]}}, samples: 128"
     )
@@ -204,7 +204,7 @@ def test_laws_are_side_by_side_in_every_row_of_a_list(monkeypatch: pytest.Monkey
 
 
 def test_lists_of_numbers_alone_are_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
     found = swept("vary: {coupling-1.stiffness: {values: [10 kN*m/rad, 20 kN*m/rad, 40 kN*m/rad]}}")
     assert gridded(found).frequency[0] == pytest.approx(exact([1e4, 2e4, 4e4]), rel=1e-13)
 
@@ -222,10 +222,7 @@ def test_a_combination_at_fault_is_a_row_with_its_fault() -> None:
     assert list(gridded(found).fails) == [False, False, True, False]
 
 
-def test_rows_at_fault_leave_their_samples_without_an_answer(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(one_by_one, "_each", lambda *given: iter(()))
+def test_rows_at_fault_leave_their_samples_without_an_answer() -> None:
     text = FOUR.replace(
         "disc: {inertia: 0.6}", "shaft: {name: s, length: 1 m, diameter: 60 mm, bore: 40 mm}"
     )

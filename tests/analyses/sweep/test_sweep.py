@@ -88,7 +88,7 @@ def test_variants_side_by_side_are_the_file_with_the_figures_written_in(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     study = drive(sweep=f"vary: {VARIED}, samples: 128, results: [modes]")
-    monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
     found = swept(study)
     for variant in (0, 31, 127):
         figures = written(found.factor[variant])
@@ -150,7 +150,7 @@ def test_loops_and_distributed_shafts_are_side_by_side(
 ) -> None:
     study = torsion.parse(text % f"vary: {{{vary}}}, samples: 128")
     with monkeypatch.context() as patch:
-        patch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
+        patch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
         found = swept(study)
     monkeypatch.setattr(side_by_side, "side_by_side", lambda *given: None)
     alone = swept(study)
@@ -181,13 +181,17 @@ def test_variants_side_by_side_have_lumped_shafts_divided_as_each_by_itself(
     """The last mode of a variant, and the length of a shaft, say in how many segments it is."""
     study, solved, counted = (
         torsion.parse(SHAFTS.replace("VARY", vary)),
-        one_by_one._each,
+        one_by_one.shared_out,
         list[int](),
     )
     with monkeypatch.context() as patch:
-        patch.setattr(one_by_one, "_each", lambda *given: counted.append(1) or solved(*given))
+        patch.setattr(
+            one_by_one,
+            "shared_out",
+            lambda function, rows: counted.append(len(rows)) or solved(function, rows),
+        )
         found = swept(study)
-    assert len(counted) < 64
+    assert sum(counted) < 64
     monkeypatch.setattr(side_by_side, "side_by_side", lambda *given: None)
     alone = swept(study)
     assert found.frequency == pytest.approx(alone.frequency, rel=1e-13)
@@ -211,7 +215,7 @@ def test_variants_that_need_shorter_pieces_of_a_shaft_are_solved_by_themselves()
 def test_figures_that_enter_as_a_sum_are_found_side_by_side(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(one_by_one, "_each", lambda *given: pytest.fail("solved one by one"))
+    monkeypatch.setattr(one_by_one, "shared_out", lambda *given: pytest.fail("solved one by one"))
     text = TWO.replace("stiffness: 20000", "stiffness: 20000, inertia: [0.1, 0.2]")
     found = swept(
         torsion.parse(text % "vary: {coupling-1.inertia.2: {uniform: 20 %}}, samples: 128")
@@ -237,16 +241,16 @@ def test_a_variant_without_an_answer_counts_as_failing(monkeypatch: pytest.Monke
 
 
 def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
-    study, left = (
-        drive(sweep=f"vary: {VARIED}, samples: 128"),
-        Unanswered("response", "response", "why", "", None, True, False, ""),
-    )
-    work = SimpleNamespace(study=study, ruled=(), progress=lambda *given: None)
-    plan = Plan((), (), {}, (left,))
-    solve = lambda *given, **more: SimpleNamespace(plan=plan)  # noqa: E731
-    assert list(
-        one_by_one._each(work, solve, study.variations["sweep"], np.ones((1, 5)), judged=True)
-    ) == ["response: why"]
+    left = Unanswered("response", "response", "why", "", None, True, False, "")
+    answer = one_by_one.Answer.of(SimpleNamespace(plan=Plan((), (), {}, (left,))))
+    answers = one_by_one.Answers.unknown(1, 1)
+    answers.keep(0, answer)
+    assert answers.faults == {0: "response: why"}
+
+
+def findings(lines) -> SimpleNamespace:
+    plan, checks = Plan((), (), {}), SimpleNamespace(lines=lines)
+    return SimpleNamespace(plan=plan, get=lambda kind: None, results={"checks": checks})
 
 
 def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_other() -> None:
@@ -262,11 +266,8 @@ def test_two_checks_of_one_name_of_which_one_has_no_share_keep_the_share_of_the_
     }
     half, unknown = (SimpleNamespace(utilisation=share, **words) for share in (0.5, None))
     for one in ((half, unknown), (unknown, half)):
-        found = SimpleNamespace(
-            get=lambda kind: None, results={"checks": SimpleNamespace(lines=one)}
-        )
         answers = one_by_one.Answers(np.empty((0, 1)))
-        answers.keep(0, found)
+        answers.keep(0, one_by_one.Answer.of(findings(one)))
         assert answers.checks.popitem()[1][0] == [0.5]
 
 
@@ -284,12 +285,7 @@ def test_a_variant_that_is_not_judged_is_not_known_to_pass() -> None:
     answers = one_by_one.Answers(np.empty((0, 2)))
     for place, verdict in enumerate(("pass", "not judged")):
         lines = (SimpleNamespace(verdict=verdict, **words),)
-        answers.keep(
-            place,
-            SimpleNamespace(
-                get=lambda kind: None, results={"checks": SimpleNamespace(lines=lines)}
-            ),
-        )
+        answers.keep(place, one_by_one.Answer.of(findings(lines)))
     assert answers.checks.popitem()[1][1].tolist() == [False, True]
 
 

@@ -14,22 +14,16 @@ from torsion.analyses.design.trials import Case, Trial, Trials, bare
 from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.analyses.undamped_modes import Modes, without_mode
 from torsion.analyses.variants.chunks import duration
-from torsion.analyses.variants.judged_in_groups import WORTH, JudgedInGroups
-from torsion.analyses.variants.one_by_one import TO_BE_VERIFIED, Answers
+from torsion.analyses.variants.one_by_one import TO_BE_VERIFIED, Answer, Answers
 from torsion.analyses.variants.sampling import drawn, units
 from torsion.arrays import FloatArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
+from torsion.processes import processors
 from torsion.study import Variation
 
-JUDGED, TOGETHER = (
-    2000,
-    50_000,
-)  # trains solved where nothing else is said: one by one, side by side
-CONFIRMED, ROUNDS = (
-    200,
-    3,
-)  # trains of the best, judged side by side, that are then solved by themselves; times
+JUDGED, LOOKED_AT = 2000, 50_000  # trains where nothing else is said: judged, of frequencies alone
+MOST_COMBINATIONS = 50_000  # of lists and steps, of which all are judged where nothing else is said
 SAMPLES = 16  # of `sweep`, beside the file's own figures
 TEN, TRIED = 10, 5  # best that are reported, and that are solved by themselves at most
 APART = 0.02  # of a range, within which two choices are one
@@ -60,23 +54,14 @@ def run(work: Work) -> None:
         before = trials.as_it_stands()
         seconds = (time.perf_counter() - begin) / len(trials.cases)
         searched = len(trials.searched) * len(samples)
-        is_fast = _is_fast(trials)
-        most = settings.evaluations or (TOGETHER if is_fast else JUDGED)
-        if not is_fast:
-            work.progress(
-                f"design, trains solved separately: at most {duration(most * seconds)}", 0.0
-            )
+        most = settings.evaluations or _most(trials)
+        if trials.judged:
+            words = duration(most * seconds / processors())
+            work.progress(f"design, trains solved separately: at most {words}", 0.0)
         trials.limit = max(most // searched, 20)
         method = search(trials)
         best = list(_best(trials))
-        for _ in range(ROUNDS):
-            if not (
-                rough := [one for one in best[: max(CONFIRMED // searched, 1)] if not one.is_exact]
-            ):
-                break
-            trials.confirm(rough)
-            best = list(_best(trials))
-        step.method = method = method + trials.how
+        step.method = method
         step.size = f"{len(trials.done)} choices of {len(variation.figures)} figures"
     with work.log.step("design, solved by itself", "the search only finds it") as step:
         proofs = list(_proven(trials, best))
@@ -96,18 +81,16 @@ def _cases(work: Work, trials: Trials) -> Iterator[tuple[str, Case]]:
             )
             variation = variation.in_case(study)
         sampled = variation if trials.sweep is None else trials.sweep.behind(variation)
-        bench = JudgedInGroups(own, sampled, trials.modes) if trials.judged else None
-        yield name, Case(study, own, variation, sampled, bench)
+        yield name, Case(study, own, variation, sampled)
 
 
-def _is_fast(trials: Trials) -> bool:
-    """The trains of a few choices can be looked at side by side."""
-    bench = trials.cases[""].bench
-    if bench is None:
-        return True
-    figures = trials.variation.figures
-    values = drawn(figures, np.random.default_rng(0).random((4 * WORTH, len(figures))))
-    return bench.is_fast(np.hstack([values, np.repeat(trials.samples[:1], 4 * WORTH, axis=0)]))
+def _most(trials: Trials) -> int:
+    """Trains that are solved at most where the file does not say."""
+    if not trials.judged:
+        return LOOKED_AT
+    combinations = math.prod(figure.places for figure in trials.variation.figures)
+    trains = combinations * len(trials.searched) * len(trials.samples)
+    return max(JUDGED, trains if combinations <= MOST_COMBINATIONS else 0)
 
 
 def _modes(work: Work, settings: DesignSettings) -> int:
@@ -180,7 +163,7 @@ def _solved(trials: Trials, one: Trial) -> tuple[str, float, str]:
         except (InputError, SolveError) as error:
             return "disagrees", math.nan, f"{words}no answer: {str(error).splitlines()[0]}"
         own = Answers.unknown(trials.modes, 1)
-        own.keep(0, found)
+        own.keep(0, Answer.of(found))
         again = trials.judge(own, np.array([[one.mass, one.cost]]), of_case=bool(name))
         kept &= not (found.failed or found.is_partial or found.plan.unanswered)
         kept &= bool(again.allowed[0])

@@ -82,7 +82,8 @@ class DesignSettings(Declared):
     )
     robust: bool = given("true: by the worst of samples of `sweep`", False)
     evaluations: Annotated[int, Field(ge=20, le=MOST)] | None = given(
-        "most trains of the search (default: 2000 solved one by one, 50000 side by side)"
+        "most trains of the search (default: 2000 that are judged, or all combinations of lists and steps up to 50000 "
+        "choices; 50000 with a frequency as aim)"
     )
     seed: Annotated[int, Field(ge=0)] = given(
         "of the search; the same seed gives the same choice", 1

@@ -8,8 +8,14 @@ import numpy as np
 
 from torsion.analyses import VARYING
 from torsion.analyses.design.design_settings import DesignSettings, Kept
-from torsion.analyses.variants.judged_in_groups import JudgedInGroups
-from torsion.analyses.variants.one_by_one import TO_BE_VERIFIED, Answers, Key, read, solved
+from torsion.analyses.variants.one_by_one import (
+    TO_BE_VERIFIED,
+    Answer,
+    Answers,
+    Key,
+    analyses_of_variant,
+    solved,
+)
 from torsion.analyses.variants.side_by_side import frequencies
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import InputError, SolveError
@@ -54,7 +60,6 @@ class Trial:
     frequency: float
     mass: float
     cost: float
-    is_exact: bool = True  # every train solved and judged by itself
 
 
 @dataclass(frozen=True)
@@ -65,17 +70,13 @@ class Case:
     work: Work
     variation: Variation  # of the figures that are chosen
     sampled: Variation  # and of those of the samples
-    bench: JudgedInGroups | None  # None where frequencies alone are looked at
 
-    def answers(self, trials: "Trials", rows: FloatArray, *, alone: bool) -> Answers:
+    def answers(self, trials: "Trials", rows: FloatArray) -> Answers:
         """Of choices with samples (variants, figures)."""
         work = trials.shown(self.work)
-        if self.bench is not None and not alone:
-            self.bench.work = work
-            return self.bench.answers(rows)
-        if not trials.judged and not alone:
+        if not trials.judged:
             return frequencies(work, self.sampled, rows, trials.modes, least=FEWEST)
-        return solved(work, self.sampled, rows, trials.modes, judged=trials.judged)
+        return solved(work, self.sampled, rows, trials.modes, judged=True)
 
 
 @dataclass
@@ -138,22 +139,17 @@ class Trials:
             for one in self.variation.figures
         ]
 
-    def confirm(self, rows: Sequence[Trial]) -> None:
-        """Solve and judge choices that were judged side by side each by itself."""
-        self._try(np.array([one.values for one in rows]), alone=True)
-
-    def _try(self, values: FloatArray, *, alone: bool = False) -> None:
+    def _try(self, values: FloatArray) -> None:
         count, each = len(values), len(self.samples)
         rows = np.hstack([np.repeat(values, each, axis=0), np.tile(self.samples, (count, 1))])
         amounts = np.array([self.amounts(row) for row in values.tolist()])
         searched = self.searched
-        found = [one.answers(self, rows, alone=alone) for one in searched.values()]
+        found = [one.answers(self, rows) for one in searched.values()]
         judged = [
             self.judge(own, np.repeat(amounts, each, axis=0), of_case=bool(name))
             for name, own in zip(searched, found, strict=True)
         ]
-        if not alone:
-            self.unsolved += len({place // each for own in found for place in own.faults})
+        self.unsolved += len({place // each for own in found for place in own.faults})
         for name, own in zip(searched, found, strict=True):
             self.faults |= dict.fromkeys(_of_case(name, why) for why in own.faults.values())
             self.standing |= own.standing
@@ -177,7 +173,6 @@ class Trials:
                 float(judged[0].frequency[k * each]),
                 float(amounts[k, 0]),
                 float(amounts[k, 1]),
-                alone or not self.is_together,
             )
 
     def judge(self, found: Answers, amounts: FloatArray, *, of_case: bool = False) -> Judged:
@@ -241,8 +236,10 @@ class Trials:
         for name, case in self.cases.items():
             found = Answers.unknown(self.modes, 1)
             try:
-                own = self.work.solve(bare(case.study), only=read(case.work, judged=self.judged))
-                found.keep(0, own)
+                own = self.work.solve(
+                    bare(case.study), only=analyses_of_variant(case.work, judged=self.judged)
+                )
+                found.keep(0, Answer.of(own))
             except (InputError, SolveError):
                 return None
             if name:
@@ -272,29 +269,6 @@ class Trials:
             for name, one in self.cases.items()
             if not name or self.judged or self.settings.keeps_modes
         }
-
-    @property
-    def how(self) -> str:
-        """How the choices were judged, in words."""
-        benches = [one.bench for one in self.cases.values() if one.bench is not None]
-        if not benches:
-            return ""
-        alone, why = (
-            sum(one.alone for one in benches),
-            "; ".join(dict.fromkeys(one.why for one in benches if one.why)),
-        )
-        if not self.is_together:
-            return f"; every train solved and judged separately: {why or 'more than numbers of one train vary'}"
-        few = f"{alone:,} trains and the best separately" if alone else "the best by itself"
-        return f"; judged side by side, {few}" + (f": {why}" if why else "")
-
-    @property
-    def is_together(self) -> bool:
-        """Some train was judged side by side with others."""
-        return any(
-            case.bench is not None and any(case.bench.trains.values())
-            for case in self.cases.values()
-        )
 
     def amounts(self, row: Sequence[float]) -> tuple[float, float]:
         """Mass (kg) and cost; NaN where nothing requests it."""

@@ -1,6 +1,6 @@
-"""Variants of a file solved one by one, and what is kept of each."""
+"""Variants of a file solved and judged each as a file of its own, and the columns that keep what they answer."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -9,9 +9,10 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
+from torsion.processes import shared_out
 from torsion.study import Variation
 
-READ = (
+READ_BY_CHECKS = (
     "engine",
     "coupling temperatures",
     "nonlinear peaks",
@@ -19,9 +20,49 @@ READ = (
     "joints",
     "lateral",
     "transient",
-)  # by checks
+)
 TO_BE_VERIFIED = "to be verified"  # standing of a limit, as the rules call it
 Key = tuple[str, str, str, str]  # rule, clause, where, what
+
+
+@dataclass(frozen=True)
+class JudgedCheck:
+    """One check of one variant that has a limit."""
+
+    key: Key
+    utilisation: float  # NaN where unknown
+    fails: bool
+    is_judged: bool
+    standing: str  # of the limit
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one variant answers: small, as it may come from another process."""
+
+    frequency: FloatArray  # (modes,) Hz
+    checks: tuple[JudgedCheck, ...] = ()
+    fault: str = ""  # why there is no answer
+
+    @classmethod
+    def of(cls, findings: Findings) -> "Answer":
+        """The answer in the findings of a variant, none where an analysis was left unanswered."""
+        unanswered = [f"{analysis.what}: {analysis.why}" for analysis in findings.plan.unanswered]
+        if unanswered:
+            return cls(np.empty(0), fault="; ".join(unanswered))
+        modes = findings.get(Modes)
+        checks = (
+            JudgedCheck(
+                (check.rule, check.clause, check.where, check.what),
+                np.nan if check.utilisation is None else check.utilisation,
+                check.fails,
+                check.verdict != "not judged",
+                check.standing,
+            )
+            for check in getattr(findings.results.get("checks"), "lines", ())
+            if check.has_limit
+        )
+        return cls(np.empty(0) if modes is None else modes.frequency, tuple(checks))
 
 
 @dataclass
@@ -29,11 +70,10 @@ class Answers:
     """What variants answer, a column each."""
 
     frequency: FloatArray  # (modes, variants) Hz, NaN where unknown
-    checks: dict[Key, tuple[FloatArray, BoolArray]] = field(
-        default_factory=dict
-    )  # utilisation, fails: (variants,)
+    # utilisation and whether it fails, (variants,) each
+    checks: dict[Key, tuple[FloatArray, BoolArray]] = field(default_factory=dict)
     faults: dict[int, str] = field(default_factory=dict)  # why a variant has no answer
-    method: str = ""  # by which they were found
+    method: str = ""
     standing: dict[Key, str] = field(default_factory=dict)  # where the limit of a check is from
     partly: set[int] = field(default_factory=set)  # variants that are not wholly judged
 
@@ -49,38 +89,28 @@ class Answers:
             key, (np.full(count, np.nan), np.zeros(count, dtype=np.bool_))
         )
 
-    def keep(self, place: int, found: Findings | str) -> None:
-        """Put the frequencies and the verdicts of a variant, or why it has none, in its column."""
-        if isinstance(found, str):
-            self.faults[place] = found
+    def keep(self, column: int, answer: Answer) -> None:
+        """Put the answer of a variant into its column; of checks with the same key the worst counts."""
+        if answer.fault:
+            self.faults[column] = answer.fault
             return
-        own = found.get(Modes)
-        if own is not None:
-            here = own.frequency[: len(self.frequency)]
-            self.frequency[: len(here), place] = here
-        for check in getattr(found.results.get("checks"), "lines", ()):
-            if not check.has_limit:
-                continue
-            key = check.rule, check.clause, check.where, check.what
-            used, fails = self.check(key)
-            used[place] = np.fmax(
-                used[place], np.nan if check.utilisation is None else check.utilisation
-            )
-            fails[place] |= (
-                check.fails or check.verdict == "not judged"
-            )  # what is not judged is not known to be kept
-            self.standing[key] = check.standing
-            if check.verdict == "not judged":
-                self.partly.add(place)
+        frequency = answer.frequency[: len(self.frequency)]
+        self.frequency[: len(frequency), column] = frequency
+        for check in answer.checks:
+            utilisation, fails = self.check(check.key)
+            utilisation[column] = np.fmax(utilisation[column], check.utilisation)
+            # What is not judged is not known to be kept.
+            fails[column] |= check.fails or not check.is_judged
+            self.standing[check.key] = check.standing
+            if not check.is_judged:
+                self.partly.add(column)
 
-    def take(
-        self, places: IntArray | slice, own: "Answers", at: IntArray | slice = slice(None)
-    ) -> None:
-        """Put frequencies and verdicts of others, those in its columns `at`, into the columns `places`."""
-        self.frequency[:, places] = own.frequency[:, at]
-        for key, (used, fails) in own.checks.items():
-            whole = self.check(key)
-            whole[0][places], whole[1][places] = used[at], fails[at]
+    def take(self, columns: IntArray | slice, others: "Answers") -> None:
+        """Put the frequencies and verdicts of other variants into the columns."""
+        self.frequency[:, columns] = others.frequency
+        for key, (utilisation, fails) in others.checks.items():
+            own = self.check(key)
+            own[0][columns], own[1][columns] = utilisation, fails
 
 
 def solved(
@@ -93,53 +123,47 @@ def solved(
     known: Answers | None = None,
     places: Sequence[int] | None = None,
 ) -> Answers:
-    """The answers of variants (variants, figures), each read, solved and judged as a file of its own.
+    """The answers of variants (variants, figures), each solved and judged by itself, on all processors.
 
     known: answers to which those at the `places` alone are added.
     """
     answers = Answers.unknown(modes, len(values)) if known is None else known
-    chosen = range(len(values)) if places is None else places
-    if work.solve is None or not chosen:
+    columns = range(len(values)) if places is None else places
+    solve = work.solve
+    if solve is None or not columns:
         return answers
-    for place, found in zip(
-        chosen, _each(work, work.solve, variation, values[chosen], judged), strict=True
+    only = analyses_of_variant(work, judged=judged)
+
+    def answer_of(row: Sequence[float]) -> Answer:
+        try:
+            study = variation.study(row)
+            return Answer.of(solve(study if judged else replace(study, rules=()), only=only))
+        except (InputError, SolveError) as error:
+            return Answer(np.empty(0), fault=reason(error))
+
+    rows = values[columns].tolist()
+    for number, (column, answer) in enumerate(
+        zip(columns, shared_out(answer_of, rows), strict=True), start=1
     ):
-        answers.keep(place, found)
+        answers.keep(column, answer)
+        work.progress(f"variant {number} of {len(rows)}", number / len(rows))
     return answers
 
 
-def read(work: Work, *, judged: bool) -> tuple[str, ...]:
-    """The analyses that a variant has."""
+def analyses_of_variant(work: Work, *, judged: bool) -> tuple[str, ...]:
+    """Names of the analyses that a variant needs: modes, and where it is judged what its checks read."""
     from torsion.analyses import ANALYSES
 
-    own = [
-        name for name in READ if name in work.study.analyses or ANALYSES[name].wanted(work.study)
+    wanted = [
+        name
+        for name in READ_BY_CHECKS
+        if name in work.study.analyses or ANALYSES[name].wanted(work.study)
     ]
-    return ("modes", *((*work.ruled, *own) if judged else ()))
+    return ("modes", *((*work.ruled, *wanted) if judged else ()))
 
 
-def _each(
-    work: Work,
-    solve: Callable[..., Findings],
-    variation: Variation,
-    values: FloatArray,
-    judged: bool,
-) -> Iterator[Findings | str]:
-    """Of every variant its findings, or why it has none."""
-    only = read(work, judged=judged)
-    for place, row in enumerate(values.tolist()):
-        work.progress(f"variant {place + 1} of {len(values)}", place / len(values))
-        try:
-            study = variation.study(row)
-            one = study if judged else replace(study, rules=())
-            found = solve(one, only=only)
-            yield "; ".join(f"{left.what}: {left.why}" for left in found.plan.unanswered) or found
-        except (InputError, SolveError) as error:
-            yield why(error)
-
-
-def why(error: InputError | SolveError) -> str:
-    """Why a variant has no answer."""
+def reason(error: InputError | SolveError) -> str:
+    """Why a variant has no answer, in words."""
     return (
         "; ".join(fault.message for fault in error.faults)
         if isinstance(error, InputError)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsion.analyses.discretisation import highest_excited
-from torsion.analyses.variants.one_by_one import Answers, solved, why
+from torsion.analyses.variants.one_by_one import Answers, reason, solved
 from torsion.analyses.variants.products import Rows, products
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import as_divided, of_train
@@ -73,7 +73,7 @@ def together(
                 system = of_train(work.system, study.train)
             except (InputError, SolveError) as error:
                 if apart:
-                    found.faults.update(dict.fromkeys(places.tolist(), why(error)))
+                    found.faults.update(dict.fromkeys(places.tolist(), reason(error)))
                     done.append(places)
                 continue
             own = side_by_side(system, group.variation, group.values, count, highest)

@@ -1,4 +1,4 @@
-"""Designs judged side by side: as one by one, over all cases of the file, and the true optimum by enumeration."""
+"""Designs by processes: as by one, over all cases of the file, and the true optimum by enumeration."""
 
 from dataclasses import replace
 from itertools import product
@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion import rules
+from torsion import processes, rules
 from torsion.analyses.design.design_results import Design
-from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.variants import judged_in_groups
-from torsion.analyses.variants.judged_in_groups import JudgedInGroups
 from torsion.analyses.variants.one_by_one import solved
-from torsion.findings import Findings, Results, Work
+from torsion.findings import Findings, Work
 from torsion.output.chapters.design import design_line
 from torsion.rules import judgement
 from torsion.rules.verdict_line import Checks
@@ -49,10 +46,9 @@ PHASE = "motor.ripple.1.phase: {from: 0 deg, to: 180 deg}"
 CASES = (
     "cases: {worn: {scale: {rubber.stiffness: 70 %}}, half: {set: {operation.rated.power: 60 kW}}}"
 )
-VARIED = "  sweep: {vary: {rubber.stiffness: {uniform: 15 %}, pump.inertia: {uniform: 5 %}}, samples: 128}"
 
 
-def text(*chosen: str, more: str = "", design: str = "", sweep: str = "") -> str:
+def text(*chosen: str, more: str = "", design: str = "") -> str:
     choose = "\n".join(
         [
             "  design:",
@@ -61,7 +57,7 @@ def text(*chosen: str, more: str = "", design: str = "", sweep: str = "") -> str
             *(f"      {one}" for one in chosen),
         ]
     )
-    return TRAIN.format(design=choose + ("\n" + sweep if sweep else ""), more=more)
+    return TRAIN.format(design=choose, more=more)
 
 
 @pytest.fixture(scope="module")
@@ -73,44 +69,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def designed(scene: str, folder: Path) -> Design:
     return torsion.run(torsion.parse(scene, str(folder / "train.yaml"))).need(Design)
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        text(CATALOGUE, "tail.diameter: {from: 40 mm, to: 75 mm, steps: 12}"),
-        text(CATALOGUE, "tail.diameter: {from: 50 mm, to: 70 mm, steps: 3}", more=CASES),
-        text(
-            "hub.inertia: {values: [0.1, 0.15]}",
-            "tail.diameter: {values: [40 mm, 60 mm]}",
-            design="    robust: true",
-            sweep=VARIED,
-        ),
-    ],
-    ids=["catalogue and range", "cases", "robust"],
-)
-def test_side_by_side_finds_the_choices_of_one_by_one(
-    scene: str, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found = designed(scene, folder)
-    assert "side by side" in found.method
-    monkeypatch.setattr(judged_in_groups, "WORTH", 10**9)
-    alone = designed(scene, folder)
-    assert "every train solved and judged separately" in alone.method
-    assert [one.values for one in found.best] == [one.values for one in alone.best]
-    for one, other in zip(found.best, alone.best, strict=True):
-        assert one.margin == pytest.approx(other.margin, rel=1e-9)
-        assert (one.decides, one.worst_at, one.is_allowed) == (
-            other.decides,
-            other.worst_at,
-            other.is_allowed,
-        )
-    near = alone.aims > -log(
-        judgement.OBVIOUS
-    )  # what is farther from its limit is looked at less sharply
-    assert found.aims[near] == pytest.approx(alone.aims[near], abs=1e-3)
-    assert np.array_equal(found.allowed, alone.allowed)
-    assert (found.picked.tolist(), found.verdict) == (alone.picked.tolist(), alone.verdict)
 
 
 ROWS = 12
@@ -147,73 +105,33 @@ def test_the_true_optimum_of_a_mixed_choice_is_found_from_five_of_five_seeds(
     mixed: str, folder: Path
 ) -> None:
     """It is no end of any range, and two limits meet there."""
-    found = bench(mixed.replace("SEED", "1"), folder)
-    axes = np.arange(float(ROWS)), np.linspace(40, 75, 15), np.linspace(-90, 90, 13)
-    grid = np.array(list(product(*axes)))
-    answers = found.answers(grid)
-    every = -np.log([used for used, _ in answers.checks.values()])
-    true = every.min(axis=0)
-    at = true.argmax()
-    assert all(min(axis) < value < max(axis) for axis, value in zip(axes, grid[at], strict=True))
-    assert np.ptp(every[:, at]) < 0.05  # two limits meet
-    for seed in range(5):
-        own = designed(mixed.replace("SEED", str(seed)), folder)
-        assert own.best[0].margin >= true.max()
-
-
-def bench(scene: str, folder: Path) -> JudgedInGroups:
-    study = torsion.parse(scene, str(folder / "train.yaml"))
+    study = torsion.parse(mixed.replace("SEED", "1"), str(folder / "train.yaml"))
     own = replace(
         study, analyses={key: one for key, one in study.analyses.items() if key != "design"}
     )
     work = Work(own, {}, ruled=rules.needed(own), rules=judgement, solve=torsion.run)
-    return JudgedInGroups(work, study.variations["design"], 2)
+    axes = np.arange(float(ROWS)), np.linspace(40, 75, 8), np.linspace(-90, 90, 5)
+    grid = np.array(list(product(*axes)))
+    answers = solved(work, study.variations["design"], grid, 2, judged=True)
+    margins = -np.log([used for used, _ in answers.checks.values()])
+    smallest = margins.min(axis=0)
+    at = smallest.argmax()
+    assert all(min(axis) < value < max(axis) for axis, value in zip(axes, grid[at], strict=True))
+    for seed in range(5):
+        design = designed(mixed.replace("SEED", str(seed)), folder)
+        # What a judged run misses of a peak between two speeds, some 1e-4, may hide the last step.
+        assert design.best[0].margin >= smallest.max() - 1e-3
 
 
-def test_shares_at_the_same_speeds_are_those_of_the_ordinary_solution(folder: Path) -> None:
-    """Rows of a catalogue, a diameter and a phase at once; limits vary with the row."""
-    found, rng = bench(text(CATALOGUE, DIAMETER, PHASE), folder), np.random.default_rng(1)
-    values = np.stack(
-        [rng.choice([0.0, 1.0, 2.0, 4.0], 30), rng.uniform(40, 75, 30), rng.uniform(0, 180, 30)],
-        axis=1,
-    )
-    (group,) = found.variation.groups(values)
-    train = found._train(group)
-    factor = train.enters.factors(group.values)
-    for place in (0, 9, 23):
-        alone = torsion.run(found.variation.study(values[place].tolist()))
-        speed = alone.need(Response).speed
-        shares = train.shares(speed[None], factor[:, place, None])
-        clauses = list(judgement.pointwise(Results(alone.study, alone.results)))
-        assert [one[:2] for one in shares.keys] == [
-            (rule, clause.clause) for rule, clause in clauses
-        ]
-        for own, (_, clause) in zip(shares.share[:, 0], clauses, strict=True):
-            assert own == pytest.approx(
-                clause.curve.utilisation() if clause.spans.size else own, rel=1e-9
-            )
-            assert own.max() == pytest.approx(clause.curve.utilisation().max(), rel=1e-9)
-    assert train.enters.turn.any(axis=0).sum() == 1
-
-
-def test_rows_with_other_keys_are_a_group_of_their_own_or_solved_by_themselves(
-    folder: Path,
-) -> None:
-    (folder / "odd.csv").write_text(
-        "name,stiffness [kN*m/rad],psi,vibratory_torque [N*m],source\n"
-        + "".join(
-            f"r{k},{9 + k / 10},{0 if k % 20 == 7 else 0.8},{200 + k},maker page {k}\n"
-            for k in range(40)
-        )
-    )
-    found = bench(text("rubber: {catalogue: odd.csv}"), folder)
-    values = np.arange(40.0)[:, None]
-    own, alone = found.answers(values), solved(found.work, found.variation, values, 2, judged=True)
-    assert found.alone == 2  # psi 0
-    assert sorted(len(group.places) for group in found.variation.groups(values)) == [2, 38]
-    for key, (used, fails) in alone.checks.items():
-        assert own.checks[key][0] == pytest.approx(used, rel=1e-3)
-        assert np.array_equal(own.checks[key][1], fails)
+def test_processes_find_the_choices_of_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over a catalogue and cases."""
+    scene = text(CATALOGUE, "tail.diameter: {from: 50 mm, to: 70 mm, steps: 6}", more=CASES)
+    monkeypatch.setattr(processes, "processors", lambda: 2)
+    shared = designed(scene, folder)
+    monkeypatch.setattr(processes, "processors", lambda: 1)
+    alone = designed(scene, folder)
+    assert shared.best == alone.best
+    assert np.array_equal(shared.aims, alone.aims)
 
 
 def margin(found: Findings) -> float:
@@ -280,15 +198,3 @@ def test_a_case_without_rules_has_no_limit_that_counts() -> None:
     )
     assert [one.margin for one in found.best] == [one.margin for one in alone.best]
     assert found.best[0].worst_at == ""
-
-
-def test_ranges_from_nothing_are_judged_side_by_side_but_for_nothing_itself(folder: Path) -> None:
-    found = bench(
-        text("plates.psi: {from: 0, to: 0.2}", "tail.length: {from: 0.4 m, to: 3 m}"), folder
-    )
-    values = np.stack([np.linspace(0.0, 0.2, 30), np.linspace(3.0, 0.4, 30)], axis=1)
-    own, alone = found.answers(values), solved(found.work, found.variation, values, 2, judged=True)
-    assert 1 <= found.alone < 10
-    for key, (used, fails) in alone.checks.items():
-        assert own.checks[key][0] == pytest.approx(used, rel=1e-3)
-        assert np.array_equal(own.checks[key][1], fails)

@@ -1,0 +1,90 @@
+"""One function called many times, shared out to processes of this machine; the answers come in order."""
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any, TypeVar
+
+from torsion.errors import SolveError
+
+FEWEST = 24  # calls for which processes are begun: that takes as long as a few calls
+CHUNKS = 16  # of calls sent to each process, so that none waits long for another at the end
+LONGEST_CHUNK = 16  # calls between two answers
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
+_task: "tuple[Callable[[Any], Any], Sequence[Any]] | None" = (
+    None  # what the processes were begun for
+)
+
+
+def shared_out(
+    function: Callable[[Item], Answer], items: Sequence[Item], *, fewest: int = FEWEST
+) -> Iterator[Answer]:
+    """Yield the answer to every item in order, from as many processes as this one may use processors.
+
+    The processes are copies of this one (fork): they know the function and the items, and send back the answers
+    alone, which must be picklable. An exception of the function is raised here. Where there are fewer items than
+    `fewest`, one processor, other threads, or no fork, this process answers alone. Raises SolveError where a process
+    is killed.
+
+    >>> list(shared_out(abs, [-1, 2, -3]))
+    [1, 2, 3]
+    """
+    global _task  # noqa: PLW0603 - the copies find the task there
+    workers = min(processors(), len(items))
+    if len(items) < fewest or workers < 2 or not _may_copy():
+        yield from map(function, items)
+        return
+
+    length = max(1, min(len(items) // (workers * CHUNKS), LONGEST_CHUNK))
+    pool = ProcessPoolExecutor(
+        workers,
+        multiprocessing.get_context("fork"),
+        lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+    )
+    _task = function, items
+    try:
+        with warnings.catch_warnings():
+            # Python warns of threads at a fork; those of OpenBLAS stop before it.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            answers = pool.map(_call, range(len(items)), chunksize=length)
+        yield from answers
+    except BrokenProcessPool:
+        raise SolveError(
+            "a process of this machine that solved variants was ended from outside",
+            "more memory, or fewer programs beside this one",
+        ) from None
+    finally:
+        _task = None
+        pool.shutdown(cancel_futures=True)
+
+
+def processors() -> int:
+    """How many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
+def _may_copy() -> bool:
+    """Whether a copy of this process is whole: no other thread is at work, and it is no such copy itself.
+
+    Not on macOS, whose system libraries do not stand a fork.
+    """
+    return (
+        _task is None
+        and sys.platform == "linux"
+        and threading.active_count() == 1
+        and not multiprocessing.current_process().daemon
+    )
+
+
+def _call(place: int) -> Any:
+    if _task is None:
+        raise LookupError("the process was begun without a task")
+    function, items = _task
+    return function(items[place])
