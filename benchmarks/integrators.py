@@ -12,7 +12,7 @@ import mpmath as mp
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from benchmarks.integrator_methods import METHODS, quality, stable_to
+from benchmarks.integrator_methods import METHODS, marching, quality, stable_to
 from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.modal_basis import rigid_shapes
@@ -27,7 +27,6 @@ from torsion.components.coupling import Coupling
 from torsion.components.disc import Disc
 from torsion.components.shaft import Shaft
 from torsion.kernels.transient.damped_motion import ModalTrain, motion
-from torsion.kernels.transient.integrator_methods import marching
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.error_curves import SYMBOLS
 from torsion.output.figures.figure import Axis, Figure, Line, Panel

@@ -19,7 +19,6 @@ from torsion.analyses.compare.timing import TimedQuantity, TimedRow, Timings
 from torsion.findings import Findings
 from torsion.output import run_time_study as study
 from torsion.output.blocks import Figure, Heading, KeyValues, Paragraph, Points, Table
-from torsion.output.drawing.pens import stroke
 
 
 def row(curve: str, size: int, error: float, start: float, step: float) -> TimedRow:
@@ -349,17 +348,3 @@ def test_without_a_date_that_of_today_stands_on_the_cover(bare: Findings, tmp_pa
     before = date.today()
     made = study.write_study(bare, replace(TIMINGS, quantities=()), tmp_path)
     assert before.isoformat() <= dict(made.cover.facts)["Date"] <= date.today().isoformat()
-
-
-def test_methods_of_integration_differ_in_symbol_or_dashes_from_each_other_and_from_the_recommended_point() -> (
-    None
-):
-    rows = tuple(row(name, 8, 0.02, 1e-3, 1e-4) for name in study.INTEGRATIONS)
-    (figure,) = [
-        one
-        for one in study.blocks(Timings(1e-3, (replace(QUANTITY, rows=rows),), (), 7, ()))
-        if isinstance(one, Figure)
-    ]
-    looks = {(line.symbol, stroke(line.pen).dash) for line in plot(figure).lines if line.name}
-    assert len(looks) == len(study.INTEGRATIONS)
-    assert "ring" not in {symbol for symbol, _ in looks}

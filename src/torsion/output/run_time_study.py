@@ -23,9 +23,7 @@ from torsion.analyses.compare.timing import (
     fastest,
     unbeaten,
 )
-from torsion.analyses.transient.transient_settings import SOLVED
 from torsion.findings import Findings
-from torsion.kernels.transient import integrator_methods
 from torsion.output.blocks import (
     Block,
     Heading,
@@ -64,16 +62,10 @@ DIGITS = 3
 MOST_AS_FAST = 3
 LEAST_SHARE = 1e-4  # from which an error is given in per cent
 SHORTER = "modal superposition, static correction", "modal, static corr."  # in the figure
-INTEGRATIONS = (
-    *integrator_methods.TITLES.values(),
-    *SOLVED.values(),
-)  # methods of integration over time
 FAMILIES = (  # start of a method's name, and how it is drawn
     ("modal superposition, static", "corrected"),
     ("modal superposition", "modal"),
     ("lumped, dense", "dense"),
-    ("modes, exact", "exact"),
-    *((name, "integration") for name in INTEGRATIONS),
     ("dense", "dense"),
     ("lumped", "lumped"),
     ("fem", "fem"),
@@ -187,7 +179,6 @@ def curves(rows: Sequence[TimedRow]) -> list[tuple[Any, ...]]:
             label = name.replace(", elimination", "").replace(*SHORTER)
             family = next(family for start, family in FAMILIES if name.startswith(start))
             degree = int(name.split()[2].rstrip(",")) if family == "fem" else 0
-            degree = INTEGRATIONS.index(name) if family == "integration" else degree
             made.append((label, family, degree, *times, np.array([row.error for row in own])))
     return made
 

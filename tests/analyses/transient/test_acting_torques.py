@@ -268,14 +268,11 @@ def test_names_without_a_periodic_torque_are_refused(names: str, words: str) -> 
     assert refused.value.faults[0].line == 6
 
 
-def test_a_method_is_not_compared_on_a_motion_with_orders() -> None:
-    text = scene(AT_SPEED + STEP + ", method: newmark, step: 1 ms")
-    (fault,) = torsion.run(torsion.parse(text)).plan.unanswered
-    assert fault.why == (
-        "methods are compared on linear motions, not together with order 1 at m (50 N m, by its angle)"
-    )
-    assert fault.remedy.endswith("`torques: none`")
-    assert moved(text.replace(STEP, STEP + ", torques: none")).compared is not None
+def test_another_method_of_integration_is_refused_at_its_place() -> None:
+    with pytest.raises(InputError) as refused:
+        torsion.parse(scene(AT_SPEED + STEP + ", method: newmark"))
+    assert "no method 'newmark'" in str(refused.value)
+    assert refused.value.faults[0].line == 6
 
 
 def test_plan_page_and_results_say_which_torques_act(tmp_path: Path) -> None:

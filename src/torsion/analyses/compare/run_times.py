@@ -117,11 +117,6 @@ def study_times(
         remarks.append(f"No response is compared: {no_response}.")
     else:
         quantities.append(timed_torques(bare, highest, effort, progress))
-    if "transient" in study.analyses:
-        from torsion.analyses.compare.motion_times import timed_motions
-
-        motions, why = timed_motions(study, highest, effort, progress)
-        quantities, remarks = [*quantities, *motions], [*remarks, *why]
     if any(bar.segments is not None and bar.density > 0 for bar in study.train.bars):
         remarks.append(OWN_SEGMENTS)
     if any(bar.section is not None for bar in study.train.bars):

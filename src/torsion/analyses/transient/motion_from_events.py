@@ -10,7 +10,6 @@ import numpy as np
 
 from torsion.analyses.steady import steady
 from torsion.analyses.transient.acting_torques import acting_torques, without_excluded_torques
-from torsion.analyses.transient.compared_methods import compared
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.energy_balance import residual
 from torsion.analyses.transient.event_driven_curves import Switching, event_driven_curves
@@ -483,8 +482,6 @@ def run(work: Work) -> None:
                 is_nonlinear = work.study.train.has_nonlinear_couplings
                 if settings.modes not in known and not is_nonlinear:
                     known[settings.modes] = kept_modes(work.system, settings.modes, place)
-                is_exact = settings.method == "exact"
-                beside = None if is_exact else compared(work.study, work.system, settings, place)
                 one = transient(
                     work.study,
                     work.system,
@@ -505,7 +502,7 @@ def run(work: Work) -> None:
                 )
                 if one.speed_before and settings.initial is None:
                     step.size += f", begins steady at {one.speed_before * 30.0 / math.pi:.6g} rpm"
-            found.append(replace(one, compared=beside))
+            found.append(one)
         except (InputError, SolveError) as error:
             errors.append(error)
             if len(errors) > 1:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from torsion.analyses.response.span_torque import spans_by_name
-from torsion.analyses.transient.compared_methods import ComparedMethod
 from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.milling_ice import IceTorque
 from torsion.analyses.transient.order_tracking import OrderTracking
@@ -108,9 +107,6 @@ class TransientMotion:
     )
     changes: tuple[Change, ...] = result(
         "", (), "when a torque that follows the motion changes its law", default=()
-    )
-    compared: ComparedMethod | None = result(
-        "", (), "the method that is compared, or null", default=None
     )
     orders: OrderTracking | None = result(
         "", (), "torques by orders of a shaft; null without orders", default=None

@@ -20,7 +20,6 @@ from torsion.study import Several, Study, mesh_faults
 from torsion.train import name_fault
 
 PATH = ("analyses", "transient")
-SOLVED = {"dop853": "DOP853", "radau": "Radau"}  # compared methods that choose their steps
 MOST_SAMPLES = 1_000_000
 DEFAULT_PER_PERIOD = 20  # samples of the shortest period, unless that makes too many
 ROUNDING = 1e-9  # of shares that are summed, and of times that are one
@@ -66,6 +65,14 @@ def _read_torques(value: Any) -> Any:
 Initial = Annotated[
     Any, BeforeValidator(_read_initial, json_schema_input_type=str | dict[str, Any])
 ]
+
+
+def _read_method(value: Any) -> Any:
+    """Only the exact method: those of the textbooks are compared in benchmarks/integrators.py."""
+    if value == "exact":
+        return value
+    message = f"the transient response has no method '{value}': it is exact for every train"
+    raise refuse(message, "leave it out; reports/integrators.md compares other methods")
 
 
 def _read_band(value: Any) -> Any:
@@ -132,26 +139,9 @@ class TransientSettings(Declared):
         "largest torque; a tenth of it with nonlinear couplings",
         1e-6,
     )
-    method: Literal[
-        "exact",
-        "dop853",
-        "radau",
-        "newmark",
-        "wilson",
-        "hht",
-        "generalised-alpha",
-        "bathe",
-        "houbolt",
-        "central-differences",
-        "linear-acceleration",
-        "runge-kutta-4",
-        "precise",
-    ] = given(
-        "exact, or a method that is compared with it: its error and run time are reported next to the exact motion "
-        "of a linear train",
-        "exact",
-    )
-    step: Length | None = given("step of the compared method; not of `exact`, `dop853` and `radau`")
+    method: Annotated[
+        Literal["exact"], BeforeValidator(_read_method, json_schema_input_type=Literal["exact"])
+    ] = given("exact, the only method", "exact")
     modes: Annotated[
         Any, BeforeValidator(_read_band, json_schema_input_type=int | Literal["all"])
     ] = given(
@@ -183,16 +173,6 @@ class TransientSettings(Declared):
         """No motion of normal operation; where the file does not say it, in doubt it is one."""
         faults = [isinstance(event.body, ShortCircuit) for event in self.events]
         return self.duty == "rare" or (self.duty is None and bool(faults) and all(faults))
-
-    def refuse_clashes(self) -> None:
-        steps = self.method != "exact" and self.method not in SOLVED
-        if steps and self.step is None:
-            raise refuse(f"`{self.method}` needs a step", "`step: 0.1 ms`", "method")
-        if self.step is not None and not steps:
-            hint = "leave it out" + (
-                "" if self.method == "exact" else "; `tolerance` sets the steps"
-            )
-            raise refuse(f"`{self.method}` has no step of the file's", hint, "step")
 
 
 def cases(study: Study) -> list[tuple[TransientSettings, Path]]:

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from torsion.analyses.transient.acting_torques import ActingTorques
-from torsion.analyses.transient.compared_methods import ComparedMethod
 from torsion.analyses.transient.event_driven_curves import Switching
 from torsion.analyses.transient.milling_ice import Ice
 from torsion.analyses.transient.short_circuit import ShortCircuit
@@ -87,7 +86,6 @@ def _motion(
     if found.switching is not None:
         yield from _switching(found.switching)
     yield from _following(found)
-    yield from _compared(found.compared)
     yield from _loads(findings, found, rows, settings)
     if found.unresolved.any():
         text = (
@@ -343,20 +341,6 @@ def _switching(found: Switching) -> Iterator[Block]:
             f"{number(found.band_change, 2)} of the peak."
         )
         yield Paragraph(text, "note")
-
-
-def _compared(found: ComparedMethod | None) -> Iterator[Block]:
-    """The method of integration that the file names, beside the exact motion."""
-    if found is None:
-        return
-    step = "" if found.step is None else f" with steps of {number(found.step)} s"
-    error = (
-        "is unstable with this step"
-        if found.error is None
-        else f"differs by at most {number(100.0 * found.error, 3)} % of the largest torque"
-    )
-    text = f"Compared: {found.method}{step} {error} ({number(found.seconds, 2)} s). The results are from the exact method."
-    yield Paragraph(text, "note")
 
 
 def _loads(
