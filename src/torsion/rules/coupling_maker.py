@@ -160,7 +160,7 @@ def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator
     """The highest temperature of equilibrium; one that runs away, or has no answer, never passes."""
     if part.warming is None:
         return
-    from torsion.analyses.coupling_temperatures import CouplingTemperatures
+    from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
 
     known, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
     rise, why = (

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.fillet_stresses import has_judged, stated_fillets, unjudged
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.fillet_stresses import has_judged, stated_fillets, unjudged
 from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
