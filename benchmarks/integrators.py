@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.integrator_methods import METHODS, marching, quality, stable_to
 from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
-from torsion.analyses.modal_basis import rigid_shapes
+from torsion.analyses.modes.modal_basis import rigid_shapes
 from torsion.analyses.transient.events import ramps
 from torsion.analyses.transient.motion_from_events import transient
 from torsion.analyses.transient.transient_settings import TransientSettings

@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks import steps_line
 from benchmarks.page_file import Report
-from torsion.analyses.fillet_stresses import keyway_fit, peterson
+from torsion.analyses.response.fillet_stresses import keyway_fit, peterson
 from torsion.assembly.junction.axisymmetric import solved
 from torsion.assembly.junction.fillet_stress import fillet_stress
 from torsion.assembly.junction.hubs import bonded

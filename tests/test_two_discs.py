@@ -13,7 +13,7 @@ from tests.for_all import for_all
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.holzer import holzer
+from torsion.analyses.modes.holzer import holzer
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 

@@ -394,9 +394,10 @@ def _judge(work: Work) -> None:
             step.method = ", ".join(name for name, _ in work.study.rules)
             step.size = f"{len(found)} checks"
         checks += (*found, *(with_basis(check, "") for check in unjudged_variants(work.study)))
-        for rule, settings in rules.of_study(work.study):
+        for rule in rules.of_study(work.study):
             clauses = dict.fromkeys(check.clause for check in found if check.rule == rule.name)
-            for clause in (settings.verified.clauses or ()) if settings.verified else ():
+            verified = rule.settings.verified
+            for clause in (verified.clauses or ()) if verified else ():
                 if clause not in clauses:
                     reason = f"its clauses are {', '.join(clauses)}"
                     work.log.without(f"{rule.name}: verified clause '{clause}'", reason)

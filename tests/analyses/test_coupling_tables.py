@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.coupling_tables import CouplingTables
+from torsion.analyses.modes.coupling_tables import CouplingTables
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble

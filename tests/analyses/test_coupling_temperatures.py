@@ -7,7 +7,10 @@ import pytest
 from scipy.optimize import brentq
 
 import torsion
-from torsion.analyses.coupling_temperatures import CouplingTemperature, CouplingTemperatures
+from torsion.analyses.response.coupling_temperatures import (
+    CouplingTemperature,
+    CouplingTemperatures,
+)
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Checks

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.coupling_tables import CouplingTables
-from torsion.analyses.damper_optimum import Dampers
+from torsion.analyses.modes.coupling_tables import CouplingTables
+from torsion.analyses.modes.damper_optimum import Dampers
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.components.silicone import Silicone

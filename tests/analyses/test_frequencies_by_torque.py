@@ -7,7 +7,7 @@ import pytest
 
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.rules.coupling_maker import heat

@@ -11,7 +11,7 @@ import pytest
 
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.holzer import holzer
+from torsion.analyses.modes.holzer import holzer
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from torsion.analyses.holzer import holzer
+from torsion.analyses.modes.holzer import holzer
 from torsion.analyses.undamped_modes import modes
 from torsion.components.branch import Branch
 from torsion.components.coupling import Coupling

@@ -5,8 +5,8 @@ import math
 import pytest
 
 import torsion
-from torsion.analyses.fillet_stresses import Fillets, hole_factor, stated_fillets
 from torsion.analyses.response.amplitudes import Synthesis
+from torsion.analyses.response.fillet_stresses import Fillets, hole_factor, stated_fillets
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
 from torsion.kernels.round_sections import section_modulus

@@ -12,9 +12,9 @@ from scipy.linalg import eigvals
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.analyses.engine.engine_results import Engines
-from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
-from torsion.analyses.pendulums import Pendulums, deflections, effective_inertia
+from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response.amplitudes import Synthesis
+from torsion.analyses.response.pendulums import Pendulums, deflections, effective_inertia
 from torsion.assembly import assemble
 from torsion.components.lowering import PendulumRecord
 from torsion.errors import InputError

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import torsion
-from torsion.analyses.tolerances import Tolerances, tolerances
+from torsion.analyses.modes.tolerances import Tolerances, tolerances
 from torsion.analyses.undamped_modes import Modes, modes, undamped_tree
 from torsion.kernels.variant_modes import variant_modes
 

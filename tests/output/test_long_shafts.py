@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.holzer import holzer
+from torsion.analyses.modes.holzer import holzer
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import MOST_GROUPS, segment_groups
 from torsion.findings import Findings

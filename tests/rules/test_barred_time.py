@@ -92,7 +92,7 @@ def test_a_motion_through_an_unstable_range_says_how_long_it_is_within() -> None
         speed[:0],
         True,
     )
-    (line,) = StableMotion().check(found.having(stability=unstable), None)
+    (line,) = StableMotion(None).check(found.having(stability=unstable))
     assert line.verdict == "fail"
     assert line.times[0].seconds == pytest.approx(6.0 / (600.0 * RPM / 20.0), rel=1e-9)
     assert f"is {line.times[0].seconds:.3g} s within an unstable range" in line.note

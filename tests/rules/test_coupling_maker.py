@@ -44,7 +44,7 @@ def test_heat_of_every_kind_of_damping_is_the_published_one(study, evidence, dam
     seen = evidence(
         scene, [FREQUENCY * 15.0], half={"rubber": torque}
     )  # order 4 of 300 rpm is 20 Hz
-    check = the(coupling.CouplingMaker().check(seen, coupling.CouplingSettings()), "P_KW")
+    check = the(coupling.CouplingMaker(coupling.CouplingSettings()).check(seen), "P_KW")
     assert check.value == pytest.approx(LOSS, rel=1e-6)
     assert (check.verdict, check.unit) == ("pass", "W")
 
@@ -99,7 +99,7 @@ def test_every_limit_that_is_given_is_judged_at_its_worst_speed(study, evidence)
         half={"rubber": [10, 310, 250]},
         mean={"rubber": [100, 400, 850]},
     )
-    found = coupling.CouplingMaker().check(seen, coupling.CouplingSettings())
+    found = coupling.CouplingMaker(coupling.CouplingSettings()).check(seen)
     assert [check.clause for check in found] == ["T_KN", "T_KW", "P_KW", "T_Kmax"]
     mean, vibratory, greatest = (the(found, clause) for clause in ("T_KN", "T_KW", "T_Kmax"))
     assert (mean.value, mean.verdict, mean.speed) == (850, "pass", pytest.approx(900 * RPM))
@@ -126,7 +126,7 @@ def test_speeds_outside_continuous_use_count_for_the_greatest_torque_alone(study
     requested = coupling.CouplingSettings.model_validate(
         {"continuous": {"from": "700 rpm", "to": "900 rpm"}}
     )
-    found = coupling.CouplingMaker().check(seen, requested)
+    found = coupling.CouplingMaker(requested).check(seen)
     assert (the(found, "T_KW").value, the(found, "T_KW").verdict) == (250, "restricted")
     assert the(found, "P_KW").speed == pytest.approx(900 * RPM)
     assert (the(found, "T_Kmax").value, the(found, "T_Kmax").verdict) == (600, "fail")
@@ -137,7 +137,7 @@ def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
     seen = evidence(
         study(line(vibratory_torque=300.0)), [300.0, 600.0], half={"rubber": [1, 2]}, status=[0, 1]
     )
-    (check,) = coupling.CouplingMaker().check(seen, coupling.CouplingSettings())
+    (check,) = coupling.CouplingMaker(coupling.CouplingSettings()).check(seen)
     assert (check.verdict, check.value) == ("fail", math.inf)
     assert "near-singular at 600 rpm" in check.note
 
@@ -146,7 +146,7 @@ def test_fixed_frequency_heats_at_its_own_frequency(study, evidence) -> None:
     fixed = Line(None, FREQUENCY, ("grid",))
     torque = ELASTIC * (1 + 1j * PSI / (2 * math.pi))
     seen = evidence(study(line(heat_limit=70.0)), [777.0], half={"rubber": torque}, line=fixed)
-    check = the(coupling.CouplingMaker().check(seen, coupling.CouplingSettings()), "P_KW")
+    check = the(coupling.CouplingMaker(coupling.CouplingSettings()).check(seen), "P_KW")
     assert check.value == pytest.approx(LOSS, rel=1e-6)
     assert check.verdict == "fail"
     assert "20 Hz (grid)" in check.note
@@ -158,19 +158,19 @@ def test_tolerance_of_the_stiffness_is_said_not_to_be_varied(study, evidence) ->
     )
     assert (
         "15 % was not varied"
-        in coupling.CouplingMaker().check(seen, coupling.CouplingSettings())[0].note
+        in coupling.CouplingMaker(coupling.CouplingSettings()).check(seen)[0].note
     )
 
 
 def test_coupling_without_limits_gives_nothing_but_is_said_to_be_left_out(study, evidence) -> None:
     scene = study(line())
     assert (
-        coupling.CouplingMaker().check(
-            evidence(scene, [300.0], half={"rubber": [9e9]}), coupling.CouplingSettings()
+        coupling.CouplingMaker(coupling.CouplingSettings()).check(
+            evidence(scene, [300.0], half={"rubber": [9e9]})
         )
         == ()
     )
-    assert coupling.CouplingMaker().left_out(scene, coupling.CouplingSettings()) == (
+    assert coupling.CouplingMaker(coupling.CouplingSettings()).left_out(scene) == (
         ("coupling-maker for rubber", "its maker's limits are not given"),
     )
 
@@ -180,26 +180,26 @@ def test_faults_are_told_where_they_stand(study) -> None:
         {"continuous": {"from": "50 rpm", "to": "900 rpm"}}
     )
     rules = [("coupling-maker", requested)]
-    bare = coupling.CouplingMaker().faults(study(line(), rules), requested)
+    bare = coupling.CouplingMaker(requested).faults(study(line(), rules))
     assert [fault.path for fault in bare] == [("rules", 0)]
     assert "rated_torque, vibratory_torque, max_torque, heat_limit" in bare[0].hint
-    full = coupling.CouplingMaker().faults(
-        study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None), requested
+    full = coupling.CouplingMaker(requested).faults(
+        study(line(rated_torque=1.0, heat_limit=1.0), rules, rated=None)
     )
     assert [fault.path for fault in full] == [
         ("rules", 0, "coupling-maker", "continuous"),
         ("operation", "rated", "power"),
     ]
     assert (
-        coupling.CouplingMaker().faults(
-            study(line(vibratory_torque=1.0), rated=None), coupling.CouplingSettings()
+        coupling.CouplingMaker(coupling.CouplingSettings()).faults(
+            study(line(vibratory_torque=1.0), rated=None)
         )
         == []
     )
     quiet = [("disc", {"inertia": 1.0}), *line(vibratory_torque=1.0)[1:]]
     assert [
         fault.path
-        for fault in coupling.CouplingMaker().faults(study(quiet, rules, speeds=None), requested)
+        for fault in coupling.CouplingMaker(requested).faults(study(quiet, rules, speeds=None))
     ] == [
         ("operation", "speeds"),
         ("rules", 0),
@@ -215,8 +215,8 @@ def test_what_is_judged_beside_a_mean_torque_must_be_excited(study) -> None:
         ("coupling", {"name": "second", "stiffness": 9.0, "max_torque": 7.0}),
     )
     parts = [still, first, ("disc", {"inertia": 3.0}), second, line()[2]]
-    (fault,) = coupling.CouplingMaker().faults(
-        study(parts, [("coupling-maker", requested)]), requested
+    (fault,) = coupling.CouplingMaker(requested).faults(
+        study(parts, [("coupling-maker", requested)])
     )
     assert "nothing excites the train" in fault.message
 
@@ -225,11 +225,11 @@ def test_what_is_judged_beside_a_mean_torque_must_be_excited(study) -> None:
 def test_mean_torque_must_be_known_where_it_is_compared(study, limits) -> None:
     requested = coupling.CouplingSettings()
     unknown = {"speed": "900 rpm"}
-    (fault,) = coupling.CouplingMaker().faults(study(line(**limits), rated=unknown), requested)
+    (fault,) = coupling.CouplingMaker(requested).faults(study(line(**limits), rated=unknown))
     assert fault.path == ("operation", "rated", "power")
     assert "compares that of 'rubber'" in fault.message
     assert (
-        coupling.CouplingMaker().faults(study(line(heat_limit=9.0), rated=unknown), requested) == []
+        coupling.CouplingMaker(requested).faults(study(line(heat_limit=9.0), rated=unknown)) == []
     )
 
 
@@ -237,17 +237,15 @@ def test_mean_torque_must_be_known_where_it_is_compared(study, limits) -> None:
 def test_a_maker_s_limit_may_be_used_up(study, evidence, size, verdict) -> None:
     limits = {"rated_torque": 300.0, "vibratory_torque": 300.0, "max_torque": 300.0}
     scene, rpm = study(line(**limits)), [300.0, 600.0]
-    mean = coupling.CouplingMaker().check(
-        evidence(scene, rpm, half={}, mean={"rubber": -size}), SETTINGS
+    mean = coupling.CouplingMaker(SETTINGS).check(
+        evidence(scene, rpm, half={}, mean={"rubber": -size})
     )
     assert {check.clause: (check.value, check.verdict) for check in mean} == {
         "T_KN": (size, verdict),
         "T_KW": (0.0, "pass"),
         "T_Kmax": (size, verdict),
     }
-    vibratory = coupling.CouplingMaker().check(
-        evidence(scene, rpm, half={"rubber": size}), SETTINGS
-    )
+    vibratory = coupling.CouplingMaker(SETTINGS).check(evidence(scene, rpm, half={"rubber": size}))
     assert {check.clause: check.verdict for check in vibratory} == {
         "T_KN": "pass",
         "T_KW": verdict,
@@ -261,7 +259,7 @@ def test_order_of_the_line_is_exact_in_the_note(study, evidence) -> None:
         study(line(vibratory_torque=9.0)), [300.0], half={"rubber": [1.0]}, line=half_order
     )
     assert (
-        "2.625 × screw" in coupling.CouplingMaker().check(seen, coupling.CouplingSettings())[0].note
+        "2.625 × screw" in coupling.CouplingMaker(coupling.CouplingSettings()).check(seen)[0].note
     )
 
 
@@ -291,6 +289,6 @@ TABLE = {"over": "frequency", "at": [1.0, 400.0], "stiffness": [STIFFNESS, STIFF
 def test_heat_of_a_coupling_whose_damping_nothing_says_is_not_judged_as_none(
     study, given, key
 ) -> None:
-    found = coupling.CouplingMaker().faults(study(line(**given)), coupling.CouplingSettings())
+    found = coupling.CouplingMaker(coupling.CouplingSettings()).faults(study(line(**given)))
     lossless = [one for one in found if "whose damping is not given" in one.message]
     assert [one.path[-1] for one in lossless] == ([key] if key else [])

@@ -40,9 +40,7 @@ def test_limit_comes_from_the_setting_else_the_gear_else_the_usual_factor(
     seen = evidence(
         study(line(**body)), RPMS, half={"gearbox": [10, 20, 200, 30]}, mean={"gearbox": MEAN}
     )
-    found = verdicts(
-        gear.GearHammer().check(seen, gear.GearHammerSettings.model_validate(requested))
-    )
+    found = verdicts(gear.GearHammer(gear.GearHammerSettings.model_validate(requested)).check(seen))
     check = found["(K_A - 1) T_rated"]
     assert check.limit == pytest.approx(1000.0 * share, rel=1e-12)
     assert (check.value, check.verdict, check.speed) == (200, "pass", pytest.approx(900 * RPM))
@@ -54,11 +52,11 @@ def test_vibratory_torque_above_its_share_of_the_rated_torque_is_not_kept(study,
     seen = evidence(
         study(line()), RPMS, half={"gearbox": [10, 20, 351, 30]}, mean={"gearbox": MEAN}
     )
-    found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))
+    found = verdicts(gear.GearHammer(gear.GearHammerSettings()).check(seen))
     assert found["(K_A - 1) T_rated"].verdict == "not kept"
     assert found["(K_A - 1) T_rated"].fails
     assert (
-        verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(limit=0.35)))[
+        verdicts(gear.GearHammer(gear.GearHammerSettings(limit=0.35)).check(seen))[
             "(K_A - 1) T_rated"
         ].verdict
         == "fail"
@@ -70,13 +68,13 @@ def test_torque_reverses_where_vibration_exceeds_the_mean(study, evidence) -> No
     seen = evidence(
         study(line()), RPMS, half={"gearbox": [63, 200, 300, 30]}, mean={"gearbox": MEAN}
     )
-    check = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))["torque reversal"]
+    check = verdicts(gear.GearHammer(gear.GearHammerSettings()).check(seen))["torque reversal"]
     assert (check.value, check.verdict) == (63, "not kept")
     assert check.limit == pytest.approx(62.5, rel=1e-12)
     requested = gear.GearHammerSettings.model_validate(
         {"continuous": {"from": "400 rpm", "to": "1100 rpm"}}
     )
-    narrowed = verdicts(gear.GearHammer().check(seen, requested))["torque reversal"]
+    narrowed = verdicts(gear.GearHammer(requested).check(seen))["torque reversal"]
     assert (narrowed.value, narrowed.verdict, narrowed.speed) == (
         200,
         "restricted",
@@ -88,7 +86,7 @@ def test_mean_torque_that_drives_backwards_counts_by_its_size(study, evidence) -
     seen = evidence(
         study(line()), RPMS, half={"gearbox": [63, 20, 30, 40]}, mean={"gearbox": -MEAN}
     )
-    found = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))
+    found = verdicts(gear.GearHammer(gear.GearHammerSettings()).check(seen))
     assert found["(K_A - 1) T_rated"].limit == pytest.approx(350, rel=1e-12)
     assert found["torque reversal"].limit == pytest.approx(62.5, rel=1e-12)
     assert found["torque reversal"].verdict == "not kept"
@@ -101,7 +99,7 @@ def test_rated_torque_of_a_constant_load_lies_between_its_neighbours(study, evid
         half={"gearbox": [1, 1, 1, 1]},
         mean={"gearbox": [77.0] * 4},
     )
-    assert verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings()))[
+    assert verdicts(gear.GearHammer(gear.GearHammerSettings()).check(seen))[
         "(K_A - 1) T_rated"
     ].limit == pytest.approx(0.35 * 77, rel=1e-12)
 
@@ -109,9 +107,8 @@ def test_rated_torque_of_a_constant_load_lies_between_its_neighbours(study, evid
 def test_every_wheel_is_a_mesh_and_an_idle_one_hammers(study, evidence) -> None:
     scene = study(line(branches=[{"teeth": 30, "inertia": 0.1}]))
     half = {"gearbox": [1, 1, 1, 1], "gearbox wheel 2": [5, 0, 0, 0]}
-    found = gear.GearHammer().check(
-        evidence(scene, RPMS, half=half, mean={"gearbox": MEAN, "gearbox wheel 2": 1e-13}),
-        gear.GearHammerSettings(),
+    found = gear.GearHammer(gear.GearHammerSettings()).check(
+        evidence(scene, RPMS, half=half, mean={"gearbox": MEAN, "gearbox wheel 2": 1e-13})
     )
     assert [(check.where, check.verdict) for check in found] == [
         ("gearbox", "pass"),
@@ -136,8 +133,8 @@ def test_a_mesh_with_less_than_a_billionth_of_the_greatest_torque_is_unloaded(
 ) -> None:
     scene = study(line(branches=[{"teeth": 30, "inertia": 0.1}]), load="constant")
     mean = {"gearbox": whole, "gearbox wheel 2": side}
-    found = gear.GearHammer().check(
-        evidence(scene, RPMS, half={}, mean=mean), gear.GearHammerSettings()
+    found = gear.GearHammer(gear.GearHammerSettings()).check(
+        evidence(scene, RPMS, half={}, mean=mean)
     )
     of_side = {check.clause: check for check in found if check.where == "gearbox wheel 2"}
     assert set(of_side) == {"torque reversal", *(["(K_A - 1) T_rated"] if loaded else [])}
@@ -153,7 +150,7 @@ def test_speeds_outside_continuous_use_count_for_the_rating_alone(study, evidenc
     requested = gear.GearHammerSettings.model_validate(
         {"continuous": {"from": "400 rpm", "to": "1000 rpm"}}
     )
-    found = verdicts(gear.GearHammer().check(seen, requested))
+    found = verdicts(gear.GearHammer(requested).check(seen))
     of_rating, reversal = found["(K_A - 1) T_rated"], found["torque reversal"]
     assert (of_rating.value, of_rating.verdict, of_rating.speed) == (
         400,
@@ -176,7 +173,7 @@ def test_note_says_which_share_of_which_torque_is_permissible(
     study, evidence, body, requested, words
 ) -> None:
     seen = evidence(study(line(**body)), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN})
-    check = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(**requested)))[
+    check = verdicts(gear.GearHammer(gear.GearHammerSettings(**requested)).check(seen))[
         "(K_A - 1) T_rated"
     ]
     assert check.note.startswith(words)
@@ -190,7 +187,7 @@ def test_rating_says_where_the_speeds_end_below_the_rated_one(study, evidence, t
     seen = evidence(study(line()), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN})
     short = evidence(study(line()), [*RPMS[:3], top], half={"gearbox": 1.0}, mean={"gearbox": 9.0})
     together = Results(seen.study, {**seen.results, "response": short.need(Response)})
-    check = verdicts(gear.GearHammer().check(together, gear.GearHammerSettings()))[
+    check = verdicts(gear.GearHammer(gear.GearHammerSettings()).check(together))[
         "(K_A - 1) T_rated"
     ]
     assert check.note == "; ".join(
@@ -202,22 +199,20 @@ def test_a_limit_may_be_used_up(study, evidence) -> None:
     seen = evidence(
         study(line(), load="constant"), RPMS, half={"gearbox": 50.0}, mean={"gearbox": 100.0}
     )
-    used = verdicts(gear.GearHammer().check(seen, gear.GearHammerSettings(limit=0.5)))
+    used = verdicts(gear.GearHammer(gear.GearHammerSettings(limit=0.5)).check(seen))
     assert (used["(K_A - 1) T_rated"].value, used["(K_A - 1) T_rated"].verdict) == (50.0, "pass")
     level = evidence(
         study(line(), load="constant"), RPMS, half={"gearbox": 100.0}, mean={"gearbox": 100.0}
     )
     assert (
-        verdicts(gear.GearHammer().check(level, gear.GearHammerSettings()))[
-            "torque reversal"
-        ].verdict
+        verdicts(gear.GearHammer(gear.GearHammerSettings()).check(level))["torque reversal"].verdict
         == "pass"
     )
 
 
 def test_mesh_without_any_torque_passes(study, evidence) -> None:
-    found = gear.GearHammer().check(
-        evidence(study(line()), RPMS, half={}, mean={}), gear.GearHammerSettings()
+    found = gear.GearHammer(gear.GearHammerSettings()).check(
+        evidence(study(line()), RPMS, half={}, mean={})
     )
     assert [(check.clause, check.verdict) for check in found] == [("torque reversal", "pass")]
 
@@ -226,7 +221,7 @@ def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
     seen = evidence(
         study(line()), RPMS, half={"gearbox": 1.0}, mean={"gearbox": MEAN}, status=[0, 0, 2, 0]
     )
-    found = gear.GearHammer().check(seen, gear.GearHammerSettings())
+    found = gear.GearHammer(gear.GearHammerSettings()).check(seen)
     assert [check.verdict for check in found] == ["fail", "fail"]
     assert all("is singular at 900 rpm" in check.note for check in found)
 
@@ -241,11 +236,11 @@ def test_response_that_is_not_ok_never_passes(study, evidence) -> None:
 )
 def test_rated_torque_and_speeds_must_be_known(study, operation, path) -> None:
     requested = gear.GearHammerSettings()
-    assert gear.GearHammer().faults(study(line(), [("gear-hammer", requested)]), requested) == []
+    assert gear.GearHammer(requested).faults(study(line(), [("gear-hammer", requested)])) == []
     assert [
         fault.path
-        for fault in gear.GearHammer().faults(
-            study(line(), [("gear-hammer", requested)], **operation), requested
+        for fault in gear.GearHammer(requested).faults(
+            study(line(), [("gear-hammer", requested)], **operation)
         )
     ] == [path]
 
@@ -255,5 +250,5 @@ def test_train_without_a_gear_cannot_be_judged(study) -> None:
     parts = [line()[0], ("coupling", {"stiffness": 1.0}), line()[2]]
     assert [
         fault.path
-        for fault in gear.GearHammer().faults(study(parts, [("gear-hammer", requested)]), requested)
+        for fault in gear.GearHammer(requested).faults(study(parts, [("gear-hammer", requested)]))
     ] == [("rules", 0)]

@@ -13,7 +13,15 @@ from torsion.analyses.speed_tables import SAME_SPEED
 from torsion.analyses.steady import Steady
 from torsion.findings import Results
 from torsion.rules import judgement, reached_speeds
-from torsion.rules.judgement import MOSTLY, Clause, Continuous, Curve, RuleOverSpeed, judge
+from torsion.rules.judgement import (
+    MOSTLY,
+    Clause,
+    Continuous,
+    Curve,
+    RuleOverSpeed,
+    UseSettings,
+    judge_clause,
+)
 
 RPM = math.pi / 30.0
 PARTS = [
@@ -92,7 +100,7 @@ def test_the_component_with_the_greatest_torque_at_the_worst_speed_is_named(
         (MOSTLY,),
         np.array([0]),
     )
-    check = judge("rule", clause, found)
+    check = judge_clause("rule", clause, found)
     assert (check.note, check.speed, check.value, check.limit) == (words, 2.0, 2.0, 4.0)
 
 
@@ -115,7 +123,7 @@ def test_the_greatest_torque_is_that_of_any_of_the_spans_judged(study, evidence)
             notes=(MOSTLY,),
             spans=np.array(spans),
         )
-        assert judge("rule", clause, seen).note == words
+        assert judge_clause("rule", clause, seen).note == words
 
 
 def test_a_clause_is_judged_at_its_own_speeds_alone_and_at_none_not_at_all(seen) -> None:
@@ -123,15 +131,15 @@ def test_a_clause_is_judged_at_its_own_speeds_alone_and_at_none_not_at_all(seen)
     clause = Clause(
         "c", "w", "what", "maker", values, np.array([False, True, True]), notes=("", "a", "", "b")
     )
-    check = judge("rule", clause, found)
+    check = judge_clause("rule", clause, found)
     assert (check.value, check.verdict, check.note, check.unit) == (3.0, "pass", "a; b", "N m")
-    assert judge("rule", replace(clause, within=np.zeros(3, bool)), found) is None
+    assert judge_clause("rule", replace(clause, within=np.zeros(3, bool)), found) is None
 
 
 @pytest.mark.parametrize(("value", "verdict"), [(4.0, "pass"), (np.nextafter(4.0, 5.0), "fail")])
 def test_a_value_at_its_limit_passes(seen, value, verdict) -> None:
     clause = Clause("c", "w", "what", "maker", curve([1.0, value, 2.0], 4.0), np.ones(3, bool))
-    assert judge("rule", clause, seen(np.zeros((3, 2)))).verdict == verdict
+    assert judge_clause("rule", clause, seen(np.zeros((3, 2)))).verdict == verdict
 
 
 def test_a_speed_is_in_a_range_but_for_rounding() -> None:
@@ -154,8 +162,8 @@ def test_a_speed_is_in_a_range_but_for_rounding() -> None:
 
 def test_the_words_for_speeds_are_per_minute() -> None:
     use = Continuous.model_validate({"from": "100 rpm", "to": "200.5 rpm"})
-    assert judgement.in_use(use) == "in continuous use, 100 rpm to 200.5 rpm"
-    assert judgement.in_use(None) == ""
+    assert Uses(UseSettings(continuous=use)).use_words == "in continuous use, 100 rpm to 200.5 rpm"
+    assert Uses(UseSettings()).use_words == ""
     assert reached_speeds.in_rpm(10.0 * math.pi) == "300 rpm"
 
 
@@ -244,44 +252,38 @@ class Uses(RuleOverSpeed):
     name = "uses"
 
 
-class Settings:
-    """Of that rule."""
-
-    def __init__(self, continuous=None) -> None:
-        self.continuous = continuous
-
-
 def use(first, last):
-    return Settings(Continuous.model_validate({"from": f"{first} rpm", "to": f"{last} rpm"}))
+    ends = {"from": f"{first} rpm", "to": f"{last} rpm"}
+    return UseSettings.model_validate({"continuous": ends})
 
 
 def test_rule_needs_the_rated_speed_and_the_ends_of_continuous_use(study) -> None:
-    speeds = [one / RPM for one in Uses().speeds(study(PARTS), use(300, 700))]
+    speeds = [one / RPM for one in Uses(use(300, 700)).speeds(study(PARTS))]
     assert speeds == pytest.approx([1000, 300, 700])
     assert [
-        one / RPM for one in Uses().speeds(study(PARTS, rated=None), use(300, 700))
+        one / RPM for one in Uses(use(300, 700)).speeds(study(PARTS, rated=None))
     ] == pytest.approx([300, 700])
-    assert [one / RPM for one in Uses().speeds(study(PARTS), Settings())] == pytest.approx([1000])
+    assert [one / RPM for one in Uses(UseSettings()).speeds(study(PARTS))] == pytest.approx([1000])
 
 
 @pytest.mark.parametrize("ends", [(99, 700), (300, 1201), (99, 1201)])
 def test_continuous_use_beyond_the_speeds_computed_is_a_fault(study, ends) -> None:
     settings = use(*ends)
-    (fault,) = Uses().continuous_faults(study(PARTS, [("uses", settings)]), settings)
+    (fault,) = Uses(settings).continuous_faults(study(PARTS, [("uses", settings)]))
     assert fault.path == ("rules", 0, "uses", "continuous")
     assert fault.hint == "computed: 100 rpm to 1200 rpm"
-    assert Uses().continuous_faults(study(PARTS, speeds=None), settings) == []
+    assert Uses(settings).continuous_faults(study(PARTS, speeds=None)) == []
 
 
-@pytest.mark.parametrize("settings", [Settings(), use(100, 1200), use(300, 700)])
+@pytest.mark.parametrize("settings", [UseSettings(), use(100, 1200), use(300, 700)])
 def test_continuous_use_within_the_speeds_computed_is_none(study, settings) -> None:
-    assert Uses().continuous_faults(study(PARTS), settings) == []
+    assert Uses(settings).continuous_faults(study(PARTS)) == []
 
 
 def test_a_rule_without_clauses_gives_no_verdict_and_needs_no_speeds_between(seen) -> None:
     found = seen(np.zeros((3, 2)))
-    assert Uses().check(found, Settings()) == ()
-    assert Uses().speeds_between(found, Settings()).size == 0
+    assert Uses(UseSettings()).check(found) == ()
+    assert Uses(UseSettings()).speeds_between(found).size == 0
 
 
 @pytest.mark.parametrize(
@@ -302,6 +304,6 @@ def test_a_missing_value_is_not_judged_and_a_singular_response_fails(
     clause = Clause(
         "c", "rubber", "what", "maker", curve(value, 4.0, status), np.ones(3, bool), "N m"
     )
-    line = judgement.judge("r", clause, found)
+    line = judgement.judge_clause("r", clause, found)
     assert (line.verdict, line.speed) == (verdict, speed)
     assert math.isnan(line.value) == (verdict == "not judged")

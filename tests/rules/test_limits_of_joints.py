@@ -17,7 +17,6 @@ from torsion.rules.universal_joints import (
     tubes,
 )
 
-RULE = UniversalJoints()
 RPM = math.pi / 30.0
 STEEL = Material(shear_modulus=80e9, youngs_modulus=210e9, density=7850.0)
 TUBE = ("shaft", {"name": "tube", "length": 1.5, "diameter": 0.12, "bore": 0.108})
@@ -39,8 +38,8 @@ def judge(study):
         )
         found = {"system": assemble(scene.train), "joints": joints(scene.train, scene.operation)}
         bent = lateral(scene.train, scene.operation) if scene.has_supports else None
-        lines = RULE.check(
-            Results(scene, {**found, "lateral": bent}), JointRuleSettings(**settings)
+        lines = UniversalJoints(JointRuleSettings(**settings)).check(
+            Results(scene, {**found, "lateral": bent})
         )
         return {(line.clause, line.where): line for line in lines}
 
@@ -150,10 +149,10 @@ def test_what_is_not_judged_is_said(study) -> None:
         "universal-joints: speed times angle",
         "`speed_angle` gives no limit; it depends on the joint's size",
     )
-    assert RULE.left_out(scene, JointRuleSettings()) == (tube, angle)
-    assert RULE.left_out(scene, JointRuleSettings(speed_angle=1.0)) == (tube,)
+    assert UniversalJoints(JointRuleSettings()).left_out(scene) == (tube, angle)
+    assert UniversalJoints(JointRuleSettings(speed_angle=1.0)).left_out(scene) == (tube,)
     plain = study([joint(1), TUBE, joint(1)], materials={"steel": STEEL})
-    assert RULE.left_out(plain, JointRuleSettings(speed_angle=1.0)) == ()
+    assert UniversalJoints(JointRuleSettings(speed_angle=1.0)).left_out(plain) == ()
 
 
 @pytest.mark.parametrize(("density", "lacks"), [(0.0, True), (1.0, False), (7850.0, False)])
@@ -192,4 +191,4 @@ def test_a_rule_about_joints_needs_them_and_a_speed(study) -> None:
     still = study([joint(1), DISC], speeds=None, rated=None)
     for evidence in (Results(scene, {"system": found["system"]}), Results(still, found)):
         with pytest.raises(ValueError, match="needs them and a speed"):
-            RULE.check(evidence, JointRuleSettings())
+            UniversalJoints(JointRuleSettings()).check(evidence)

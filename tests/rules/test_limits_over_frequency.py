@@ -33,7 +33,7 @@ def line(**limits):
 
 def judged(study, evidence, rpm, torque, **limits):
     scene = study(line(**limits))
-    return CouplingMaker().check(evidence(scene, rpm, half={"rubber": torque}), CouplingSettings())
+    return CouplingMaker(CouplingSettings()).check(evidence(scene, rpm, half={"rubber": torque}))
 
 
 def test_a_torque_falls_with_the_root_of_the_frequency_above_that_of_the_maker() -> None:
@@ -193,7 +193,7 @@ def test_a_damper_has_a_limit_of_its_heat_in_misfire_too(study, evidence) -> Non
         *line()[1:],
     ]
     seen = evidence(study(parts), [300.0], half={"oil": 40.0}, line=Line(Fraction(4), None, ("m",)))
-    (one,) = CouplingMaker().check(seen, CouplingSettings())
+    (one,) = CouplingMaker(CouplingSettings()).check(seen)
     assert (one.clause, one.value, one.limit) == (
         "P_KW(f)",
         pytest.approx(40.0**2 / 40.0, rel=1e-12),

@@ -46,8 +46,8 @@ def judged(study, evidence):
 
     def run(share, requested=m68.M68Settings()):  # noqa: B008
         rpm = np.linspace(100, 1050, 96)
-        return m68.M68().check(
-            evidence(study(line()), rpm, half={"line": stress(limit(rpm) * share)}), requested
+        return m68.M68(requested).check(
+            evidence(study(line()), rpm, half={"line": stress(limit(rpm) * share)})
         )
 
     return run
@@ -56,9 +56,8 @@ def judged(study, evidence):
 def test_stress_below_the_limit_passes_at_the_greatest_share_of_it(study, evidence) -> None:
     rpm = np.array([100.0, 500.0, 900.0, 1050.0])
     scene = study(line())
-    found = m68.M68().check(
-        evidence(scene, rpm, half={"line": stress(limit(rpm) * [0.3, 0.2, 0.9, 0.1])}),
-        m68.M68Settings(),
+    found = m68.M68(m68.M68Settings()).check(
+        evidence(scene, rpm, half={"line": stress(limit(rpm) * [0.3, 0.2, 0.9, 0.1])})
     )
     (check,) = clauses(found, "tau_C")
     assert check.verdict == "pass"
@@ -74,7 +73,7 @@ def test_stress_below_the_limit_passes_at_the_greatest_share_of_it(study, eviden
 def test_stress_above_the_limit_fails_from_0_8_of_the_rated_speed(study, evidence) -> None:
     rpm = np.array([100.0, 700.0, 800.0, 1050.0])
     torque = stress(limit(rpm) * [0.3, 0.2, 1.001, 0.1])
-    found = m68.M68().check(evidence(study(line()), rpm, half={"line": torque}), m68.M68Settings())
+    found = m68.M68(m68.M68Settings()).check(evidence(study(line()), rpm, half={"line": torque}))
     (check,) = clauses(found, "tau_C")
     assert (check.verdict, check.speed) == ("fail", pytest.approx(800 * RPM, rel=1e-12))
     assert not clauses(found, "tau_T")
@@ -84,8 +83,8 @@ def test_resonance_below_0_8_is_barred_and_passes_both_limits(study, evidence) -
     rpm = np.linspace(100, 1050, 96)
     share = 0.2 + 1.2 * np.exp(-(((rpm - 500) / 15) ** 2))
     scene = study(line())
-    found = m68.M68().check(
-        evidence(scene, rpm, half={"line": stress(limit(rpm) * share)}), m68.M68Settings()
+    found = m68.M68(m68.M68Settings()).check(
+        evidence(scene, rpm, half={"line": stress(limit(rpm) * share)})
     )
     (continuous,), (passing,) = clauses(found, "tau_C"), clauses(found, "tau_T")
     lower, upper = barred_range(500.0, RATED)
@@ -115,13 +114,13 @@ def test_keyway_fails_with_a_barred_range_and_not_without(study, evidence, featu
     c_k = {"taper keyway": 0.6, "cylinder keyway": 0.45, "propeller keyed": 0.55}[feature]
     share = np.full(96, 0.3)
     scene = study(line(features=[feature]))
-    quiet = m68.M68().check(
-        evidence(scene, rpm, half={"line": stress(limit(rpm, c_k) * share)}), m68.M68Settings()
+    quiet = m68.M68(m68.M68Settings()).check(
+        evidence(scene, rpm, half={"line": stress(limit(rpm, c_k) * share)})
     )
     assert {check.verdict for check in quiet} == {"pass"}
     share[40] = 1.1
-    loud = m68.M68().check(
-        evidence(scene, rpm, half={"line": stress(limit(rpm, c_k) * share)}), m68.M68Settings()
+    loud = m68.M68(m68.M68Settings()).check(
+        evidence(scene, rpm, half={"line": stress(limit(rpm, c_k) * share)})
     )
     (passing,) = clauses(loud, "tau_T")
     assert passing.verdict == "fail"
@@ -161,8 +160,8 @@ def test_response_that_is_not_ok_fails_with_its_word(study, evidence, status, wo
     flags[at] = status
     torque = stress(limit(rpm) * 0.1)
     torque[at] = math.nan if status == 2 else torque[at]
-    found = m68.M68().check(
-        evidence(study(line()), rpm, half={"line": torque}, status=flags), m68.M68Settings()
+    found = m68.M68(m68.M68Settings()).check(
+        evidence(study(line()), rpm, half={"line": torque}, status=flags)
     )
     failed = [check for check in found if check.verdict == "fail"]
     assert failed
@@ -180,8 +179,8 @@ def test_value_that_is_no_number_never_passes(judged) -> None:
 
 def test_speeds_above_1_05_are_a_restriction(study, evidence) -> None:
     rpm = np.array([500.0, 1050.0, 1100.0, 1200.0])
-    found = m68.M68().check(
-        evidence(study(line()), rpm, half={"line": stress([1, 2, 400, 300])}), m68.M68Settings()
+    found = m68.M68(m68.M68Settings()).check(
+        evidence(study(line()), rpm, half={"line": stress([1, 2, 400, 300])})
     )
     (beyond,) = [check for check in found if math.isnan(check.limit)]
     assert beyond.value == pytest.approx(400, rel=1e-12)
@@ -206,7 +205,7 @@ def test_smallest_factor_of_the_features_governs(
     rpm = np.array([500.0, 1000.0])
     scene = study(line(role, features=features))
     (check,) = clauses(
-        m68.M68().check(evidence(scene, rpm, half={"line": stress([1, 1])}), m68.M68Settings()),
+        m68.M68(m68.M68Settings()).check(evidence(scene, rpm, half={"line": stress([1, 1])})),
         "tau_C",
     )
     assert check.limit == pytest.approx(float(tau_c(600, 100, c_k, 1.0)), rel=1e-12)
@@ -220,15 +219,15 @@ def test_dimensions_of_a_slot_replace_its_factor(study, evidence) -> None:
         {"slots": {"line": {"length": "70 mm", "width": "20 mm"}}}
     )
     seen = evidence(scene, rpm, half={"line": stress([1, 1])})
-    (check,) = clauses(m68.M68().check(seen, requested), "tau_C")
-    assert check.limit / clauses(m68.M68().check(seen, m68.M68Settings()), "tau_C")[
+    (check,) = clauses(m68.M68(requested).check(seen), "tau_C")
+    assert check.limit / clauses(m68.M68(m68.M68Settings()).check(seen), "tau_C")[
         0
     ].limit == pytest.approx(0.39564 / 0.3, rel=2e-5)
     assert (check.standing, check.verdict) == ("to be verified", "restricted")
-    assert clauses(m68.M68().check(seen, m68.M68Settings()), "tau_C")[0].standing == "rule text"
+    assert clauses(m68.M68(m68.M68Settings()).check(seen), "tau_C")[0].standing == "rule text"
     loud = evidence(scene, rpm, half={"line": stress([1, 100])})
     verdicts = [
-        clauses(m68.M68().check(loud, one), "tau_C")[0].verdict
+        clauses(m68.M68(one).check(loud), "tau_C")[0].verdict
         for one in (requested, m68.M68Settings())
     ]
     assert verdicts == ["not kept", "fail"]
@@ -241,7 +240,7 @@ def test_limit_of_a_steel_whose_strength_is_not_stated_is_to_be_verified(study, 
     for share, verdict in ((0.99, "pass"), (1.01, "not kept"), (math.nan, "not judged")):
         torque = stress([0.0, share * tau_c(400, 100, 1.0, 1.0)])
         (check,) = clauses(
-            m68.M68().check(evidence(scene, rpm, half={"line": torque}), m68.M68Settings()), "tau_C"
+            m68.M68(m68.M68Settings()).check(evidence(scene, rpm, half={"line": torque})), "tau_C"
         )
         assert (check.standing, check.verdict) == ("to be verified", verdict)
 
@@ -253,7 +252,7 @@ def test_alloy_steel_may_be_used_up_to_800(study, evidence) -> None:
         study(line(material="strong"), materials=strong), rpm, half={"line": stress([1, 1])}
     )
     carbon, alloy = (
-        clauses(m68.M68().check(seen, m68.M68Settings(alloy=names)), "tau_C")[0]
+        clauses(m68.M68(m68.M68Settings(alloy=names)).check(seen), "tau_C")[0]
         for names in ((), ("line",))
     )
     assert alloy.limit / carbon.limit == pytest.approx(960 / 760, rel=1e-12)
@@ -276,7 +275,7 @@ def test_alloy_steel_of_a_tube_shaft_may_be_used_up_to_600_whatever_its_role(
             line(role, material="strong", features=features, diameter=0.3), materials=strong
         )
         seen = evidence(scene, rpm, half={"line": stress([0, 27])}, mean={"line": [1e5, 1e5]})
-        found[role] = m68.M68().check(seen, requested)
+        found[role] = m68.M68(requested).check(seen)
     (check,) = clauses(found["intermediate"], "tau_C")
     assert check.limit == pytest.approx(
         760 / 18 * 0.8 * (0.35 + 0.93 * 300**-0.2) * 1.38, rel=1e-12
@@ -295,7 +294,7 @@ def test_cone_takes_the_smaller_end_of_each_piece_and_the_greatest_diameter(
     rpm = np.array([500.0, 1000.0])
     scene = study(line(diameter=[0.1, 0.12]))
     (check,) = clauses(
-        m68.M68().check(evidence(scene, rpm, half={"line": stress([7, 7])}), m68.M68Settings()),
+        m68.M68(m68.M68Settings()).check(evidence(scene, rpm, half={"line": stress([7, 7])})),
         "tau_C",
     )
     assert check.value == pytest.approx(7, rel=1e-12)
@@ -307,8 +306,8 @@ def test_stress_of_a_cone_follows_the_torque_of_each_piece(study, evidence) -> N
     rpm = np.array([500.0, 1000.0])
     half = {"line [1]": stress([1, 1]), "line [2]": stress([5, 5])}
     (check,) = clauses(
-        m68.M68().check(
-            evidence(study(line(diameter=[0.1, 0.12])), rpm, half=half), m68.M68Settings()
+        m68.M68(m68.M68Settings()).check(
+            evidence(study(line(diameter=[0.1, 0.12])), rpm, half=half)
         ),
         "tau_C",
     )
@@ -318,7 +317,7 @@ def test_stress_of_a_cone_follows_the_torque_of_each_piece(study, evidence) -> N
 def test_hollow_shaft_has_its_own_section_modulus(study, evidence) -> None:
     rpm = np.array([500.0, 1000.0])
     seen = evidence(study(line(bore=0.08)), rpm, half={"line": stress([7, 7])})
-    (check,) = clauses(m68.M68().check(seen, m68.M68Settings()), "tau_C")
+    (check,) = clauses(m68.M68(m68.M68Settings()).check(seen), "tau_C")
     assert check.value == pytest.approx(7 / (1 - 0.8**4), rel=1e-12)
 
 
@@ -328,16 +327,14 @@ def test_least_diameter_follows_the_rated_mean_torque_and_is_to_be_verified(
     rpm = np.array([500.0, 900.0, 1100.0])
     torque = 100e3 / (RATED * RPM)
     seen = evidence(study(line()), rpm, half={}, mean={"line": torque * (rpm / RATED) ** 2})
-    (check,) = clauses(m68.M68().check(seen, m68.M68Settings()), "minimum diameter")
+    (check,) = clauses(m68.M68(m68.M68Settings()).check(seen), "minimum diameter")
     assert check.limit == pytest.approx(least_diameter(100 / RATED, 600, 100, 1), rel=1e-12)
     assert (check.value, check.unit, check.at_least) == (pytest.approx(100), "mm", True)
     assert (check.verdict, check.standing, check.fails) == ("pass", "to be verified", False)
-    (smooth,) = clauses(
-        m68.M68().check(seen, m68.M68Settings(drive="electric")), "minimum diameter"
-    )
+    (smooth,) = clauses(m68.M68(m68.M68Settings(drive="electric")).check(seen), "minimum diameter")
     assert smooth.limit == pytest.approx(0.95 * check.limit, rel=1e-12)
     heavy = evidence(study(line()), rpm, half={}, mean={"line": [1e6, 1e6, 1e6]})
-    (thin,) = clauses(m68.M68().check(heavy, m68.M68Settings()), "minimum diameter")
+    (thin,) = clauses(m68.M68(m68.M68Settings()).check(heavy), "minimum diameter")
     assert (thin.verdict, thin.standing, thin.fails) == ("not kept", "to be verified", True)
 
 
@@ -361,7 +358,7 @@ def test_the_end_that_lacks_most_of_its_diameter_is_judged_with_its_bore(
         half={},
         mean={"line": torque * (rpm / RATED) ** 2},
     )
-    (check,) = clauses(m68.M68().check(seen, m68.M68Settings()), "minimum diameter")
+    (check,) = clauses(m68.M68(m68.M68Settings()).check(seen), "minimum diameter")
     diameter, share = worst
     assert check.value == pytest.approx(diameter)
     assert check.limit == pytest.approx(least_diameter(100 / RATED, 600, 100, 1, share), rel=1e-12)
@@ -371,9 +368,8 @@ def test_geared_shaft_counts_the_rated_speed_of_its_own(study, evidence) -> None
     parts = [("motor", {"inertia": 3.0}), ("gear", {"ratio": 2}), *line()[1:]]
     rpm = np.array([500.0, 1000.0])
     torque = 2 * 100e3 / (RATED * RPM)
-    found = m68.M68().check(
-        evidence(study(parts), rpm, half={"line": stress([1, 1])}, mean={"line": [0.0, torque]}),
-        m68.M68Settings(),
+    found = m68.M68(m68.M68Settings()).check(
+        evidence(study(parts), rpm, half={"line": stress([1, 1])}, mean={"line": [0.0, torque]})
     )
     assert clauses(found, "tau_C")[0].limit == pytest.approx(float(limit(1000.0)), rel=1e-12)
     assert clauses(found, "minimum diameter")[0].limit == pytest.approx(
@@ -408,10 +404,10 @@ def test_limits_use_the_settings_of_the_study(study, evidence) -> None:
 def test_shaft_without_a_role_is_left_out_and_said_so(study, evidence) -> None:
     parts = [*line()[:2], ("shaft", {"name": "stub", "length": 0.1, "diameter": 0.1}), SCREW]
     scene = study(parts)
-    found = m68.M68().check(
-        evidence(scene, np.array([500.0]), half={"stub": stress([9e9])}), m68.M68Settings()
+    found = m68.M68(m68.M68Settings()).check(
+        evidence(scene, np.array([500.0]), half={"stub": stress([9e9])})
     )
     assert {check.where for check in found} == {"line"}
-    assert ("iacs-m68 for stub", "the shaft has no `role`") in m68.M68().left_out(
-        scene, m68.M68Settings()
+    assert ("iacs-m68 for stub", "the shaft has no `role`") in m68.M68(m68.M68Settings()).left_out(
+        scene
     )

@@ -41,8 +41,8 @@ def judged(study, evidence):
             share[np.argmin(np.abs(rpm - speed))] = value
         half = {"line": share * tau_c(600, 100, 1.0, ratio) * 1e6 * W_P}
         requested = m68.M68Settings(**settings)
-        found = m68.M68().check(
-            evidence(study(line(), [("iacs-m68", requested)]), rpm, half=half), requested
+        found = m68.M68(requested).check(
+            evidence(study(line(), [("iacs-m68", requested)]), rpm, half=half)
         )
         return {"outside" if math.isnan(check.limit) else check.clause: check for check in found}
 
@@ -149,8 +149,8 @@ def test_least_diameter_is_that_of_the_piece_with_the_greatest_torque(
 ) -> None:
     mean = {"line [1]": 0.5 * TORQUE, "line [2]": 0.5 * TORQUE, greater: -3.0 * TORQUE}
     scene = study(line(features=["radial hole"]), load="constant")
-    found = m68.M68().check(
-        evidence(scene, [500.0, 1100.0], half={}, mean=mean), m68.M68Settings(drive=drive)
+    found = m68.M68(m68.M68Settings(drive=drive)).check(
+        evidence(scene, [500.0, 1100.0], half={}, mean=mean)
     )
     (check,) = [one for one in found if one.clause == "minimum diameter"]
     assert check.limit == pytest.approx(factor * 1.1 * (0.3 * 560 / 760) ** (1 / 3), rel=1e-12)
@@ -172,8 +172,8 @@ def test_a_shaft_of_its_least_diameter_passes(study, evidence) -> None:
     )
     for share, verdict in ((1.0, "pass"), (1 - 1e-9, "not kept")):
         scene = study(line(diameter=least / 1e3 * share), load="constant")
-        found = m68.M68().check(
-            evidence(scene, [500.0, 1100.0], half={}, mean={"line": torque}), m68.M68Settings()
+        found = m68.M68(m68.M68Settings()).check(
+            evidence(scene, [500.0, 1100.0], half={}, mean={"line": torque})
         )
         (check,) = [one for one in found if one.clause == "minimum diameter"]
         assert check.value == pytest.approx(check.limit, rel=2e-9)
@@ -182,7 +182,7 @@ def test_a_shaft_of_its_least_diameter_passes(study, evidence) -> None:
 
 def test_least_diameter_is_not_judged_without_a_mean_torque(study, evidence) -> None:
     seen = evidence(study(line(), rated={"speed": "900 rpm"}), [500.0, 700.0], half={})
-    verdicts = {check.clause: check.verdict for check in m68.M68().check(seen, m68.M68Settings())}
+    verdicts = {check.clause: check.verdict for check in m68.M68(m68.M68Settings()).check(seen)}
     assert verdicts == {"tau_C": "pass", "minimum diameter": "not judged"}
 
 
@@ -202,7 +202,7 @@ NO_ROLE = ("shaft", {"name": "stub", "length": 0.1, "diameter": 0.1})
 )
 def test_what_is_left_out_is_said(study, operation, lines) -> None:
     scene = study([line()[0], NO_ROLE, *line()[1:]], **operation)
-    assert m68.M68().left_out(scene, m68.M68Settings()) == (
+    assert m68.M68(m68.M68Settings()).left_out(scene) == (
         ("iacs-m68 for stub", "the shaft has no `role`"),
         *lines,
     )
@@ -210,7 +210,7 @@ def test_what_is_left_out_is_said(study, operation, lines) -> None:
     meshed = replace(
         scene, train=replace(scene.train, bars=(stub, replace(judged, section=object())))
     )
-    rows = m68.M68().demanded_rows(meshed, m68.M68Settings())
+    rows = m68.M68(m68.M68Settings()).demanded_rows(meshed)
     assert ("line", "not judged", m68.NOT_ROUND) in [
         (row.where, row.verdict, row.note) for row in rows
     ]

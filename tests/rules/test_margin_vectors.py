@@ -52,7 +52,7 @@ def test_all_components_together_count_as_their_half_range_or_as_the_root_of_the
         joint_error=np.zeros(shape),
         status=np.zeros(shape, dtype=np.uint8),
     )
-    _, together = CouplingMaker().check(results.having(response=several), CouplingSettings())
+    _, together = CouplingMaker(CouplingSettings()).check(results.having(response=several))
     squares = float(np.sqrt((sizes**2).sum()))
     if flip:  # cos + cos 3 / 3 + cos 5 / 5, largest at 0
         assert together.value == pytest.approx(sizes.sum(), rel=1e-9)
@@ -102,7 +102,7 @@ def test_a_mesh_endures_its_application_factor_less_one(study, evidence, case) -
     results = evidence(
         scene, [500.0, 1000.0], half={"gearbox": [given["vibratory"], 0.0]}, mean={"gearbox": mean}
     )
-    checks = {check.clause: check for check in GearHammer().check(results, GearHammerSettings())}
+    checks = {check.clause: check for check in GearHammer(GearHammerSettings()).check(results)}
     rating, reversal = checks["(K_A - 1) T_rated"], checks["torque reversal"]
     assert rating.limit == pytest.approx(expected["limit"][case], rel=1e-12, abs=1e-9)
     assert rating.value == given["vibratory"]

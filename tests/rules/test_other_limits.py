@@ -83,7 +83,7 @@ def test_type_iii_names_what_it_cannot_judge(study) -> None:
     given = settings("mil-std-167")()
     scene = study(parts, [("mil-std-167", given)], rated=None)
     assert "mil-std-167 for line" in dict(not_judged(scene))
-    (row,) = rule("mil-std-167").demanded_rows(scene, given)
+    (row,) = rule("mil-std-167", given).demanded_rows(scene)
     assert (row.where, row.clause, row.verdict) == ("box", "gears", "not judged")
     nothing = study(
         [EXCITES, ("coupling", {"stiffness": 1e4}), LOAD],

@@ -12,7 +12,7 @@ from torsion import rules
 from torsion.analyses.transient.transient_settings import TransientSettings
 from torsion.fields import Declared
 from torsion.rules import RULES, lacking, needed, not_judged, rule, settings, verdicts
-from torsion.rules.verdict_line import Rule
+from torsion.rules.verdict_line import Rule, RuleSettings
 
 SHRUNK = {
     "length": 0.03,
@@ -113,15 +113,15 @@ def test_rules_are_judged_in_the_order_of_the_file(study, evidence) -> None:
 
 
 def test_a_rule_that_says_nothing_needs_and_finds_nothing() -> None:
-    rule = Rule()
-    assert (
-        rule.needs,
-        rule.faults(None, None),
-        rule.left_out(None, None),
-        rule.speeds(None, None),
-    ) == ((), [], (), ())
-    assert rule.speeds_between(None, None).size == 0
-    assert rule.check(None, None) == ()
+    rule = Rule(RuleSettings())
+    assert (rule.needs, rule.faults(None), rule.left_out(None), rule.speeds(None)) == (
+        (),
+        [],
+        (),
+        (),
+    )
+    assert rule.speeds_between(None).size == 0
+    assert (rule.judge(None), rule.demanded_rows(None)) == ((), ())
 
 
 def test_data_of_the_rules_cannot_be_changed() -> None:

@@ -212,7 +212,7 @@ def test_gears_of_lr_carry_a_third_of_the_rated_torque(study, evidence) -> None:
         assert (check.verdict, check.limit) == (verdict, pytest.approx(300.0, rel=1e-12))
     scene = study(parts, [("lr", settings("lr")())], rated={"speed": "1000 rpm"})
     (row,) = [
-        row for row in rule("lr").demanded_rows(scene, settings("lr")()) if row.clause == "gears"
+        row for row in rule("lr", settings("lr")()).demanded_rows(scene) if row.clause == "gears"
     ]
     assert (row.where, row.verdict) == ("box", "not judged")
 
@@ -230,7 +230,7 @@ def test_states_and_other_rules_are_named_where_they_are_not_judged(study) -> No
     for name in NAMES:
         scene = study(parts, [(name, settings(name)())])
         rows = {
-            row.clause: row.verdict for row in rule(name).demanded_rows(scene, scene.rules[0][1])
+            row.clause: row.verdict for row in rule(name, scene.rules[0][1]).demanded_rows(scene)
         }
         states = (
             "misfire",

@@ -13,8 +13,6 @@ from torsion.components.material import Material
 from torsion.findings import Results
 from torsion.rules.universal_joints import JointRuleSettings, UniversalJoints, critical_speed, tubes
 
-RULE = UniversalJoints()
-
 RPM = math.pi / 30.0
 STEEL = Material(shear_modulus=80e9, youngs_modulus=210e9, density=7850.0)
 TUBE = ("shaft", {"name": "tube", "length": 1.5, "diameter": 0.12, "bore": 0.108})
@@ -28,9 +26,8 @@ def judge(study):
         scene = study(parts, materials={"steel": STEEL}, **operation)
         found = joints(scene.train, scene.operation)
         bent = lateral(scene.train, scene.operation) if scene.has_supports else None
-        lines = RULE.check(
-            Results(scene, {"system": assemble(scene.train), "joints": found, "lateral": bent}),
-            requested or JointRuleSettings(),
+        lines = UniversalJoints(requested or JointRuleSettings()).check(
+            Results(scene, {"system": assemble(scene.train), "joints": found, "lateral": bent})
         )
         return {(line.clause, line.where): line for line in lines}
 
@@ -181,7 +178,9 @@ def test_tube_on_a_support_is_not_judged_where_bending_was_not_computed(study):
     seen = Results(
         scene, {"system": assemble(scene.train), "joints": joints(scene.train, scene.operation)}
     )
-    (line,) = [line for line in RULE.check(seen, JointRuleSettings()) if line.clause == "n_crit"]
+    (line,) = [
+        line for line in UniversalJoints(JointRuleSettings()).check(seen) if line.clause == "n_crit"
+    ]
     assert (line.where, line.verdict) == ("tube", "not judged")
 
 
@@ -192,7 +191,7 @@ def test_shafts_between_joints_that_nothing_holds_beside_one_on_a_support_are_le
     between = [HELD, ("coupling", {"stiffness": 1e4}), loose, ("coupling", {"stiffness": 1e4})]
     scene = study([joint(1), *between, joint(1)], materials={"steel": STEEL})
     assert "it is not supported" in " ".join(
-        why for _, why in RULE.left_out(scene, JointRuleSettings())
+        why for _, why in UniversalJoints(JointRuleSettings()).left_out(scene)
     )
 
 
@@ -230,7 +229,7 @@ def test_what_lies_between_joints_and_is_no_tube_is_not_judged_and_said(study, b
     scene = study([joint(1), *between, joint(1)], materials={"steel": STEEL, "unknown": unknown})
     (line,) = tubes(scene.train)
     assert np.isnan(line.critical)
-    assert why in " ".join(text for _, text in RULE.left_out(scene, JointRuleSettings()))
+    assert why in " ".join(text for _, text in UniversalJoints(JointRuleSettings()).left_out(scene))
 
 
 def test_joints_without_a_shaft_between_them_and_shafts_outside_have_no_tube(study):
@@ -240,13 +239,15 @@ def test_joints_without_a_shaft_between_them_and_shafts_outside_have_no_tube(stu
 
 def test_what_the_file_lacks_is_told(study):
     parts = [joint(1), ("disc", {"inertia": 1.0})]
-    assert RULE.faults(study(parts), JointRuleSettings()) == []
+    assert UniversalJoints(JointRuleSettings()).faults(study(parts)) == []
     assert (
         "no speed"
-        in RULE.faults(study(parts, speeds=None, rated=None), JointRuleSettings())[0].message
+        in UniversalJoints(JointRuleSettings())
+        .faults(study(parts, speeds=None, rated=None))[0]
+        .message
     )
-    assert "no joint" in RULE.faults(study(parts[1:]), JointRuleSettings())[0].message
-    assert RULE.needs == ("joints",)
+    assert "no joint" in UniversalJoints(JointRuleSettings()).faults(study(parts[1:]))[0].message
+    assert UniversalJoints.needs == ("joints",)
 
 
 def test_tripod_is_judged_by_its_own_unevenness(judge):

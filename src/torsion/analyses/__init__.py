@@ -99,7 +99,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "sharp steps": Analysis(
         "steps between shafts",
-        "torsion.analyses.sharp_steps",
+        "torsion.analyses.modes.sharp_steps",
         needs=("modes",),
         results={"sharp_steps": "SharpSteps"},
         chapters=("natural_frequencies",),
@@ -108,7 +108,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "hubs": Analysis(
         "hubs on shafts",
-        "torsion.analyses.hub_moves",
+        "torsion.analyses.modes.hub_moves",
         needs=("modes",),
         results={"hubs": "HubMoves"},
         chapters=("natural_frequencies",),
@@ -126,7 +126,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "dampers": Analysis(
         "optimum of the dampers",
-        "torsion.analyses.damper_optimum",
+        "torsion.analyses.modes.damper_optimum",
         needs=("modes",),
         results={"dampers": "Dampers"},
         chapters=("dampers",),
@@ -135,7 +135,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "couplings by table": Analysis(
         "couplings by table",
-        "torsion.analyses.coupling_tables",
+        "torsion.analyses.modes.coupling_tables",
         needs=("modes",),
         results={"coupling_tables": "CouplingTables"},
         chapters=("coupling_tables",),
@@ -146,7 +146,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "frequencies over speed": Analysis(
         "frequencies over the speed",
-        "torsion.analyses.frequencies_by_torque",
+        "torsion.analyses.modes.frequencies_by_torque",
         needs=("couplings by table",),
         results={"frequencies_over_speed": "FrequenciesOverSpeed"},
         chapters=("frequencies_by_torque",),
@@ -194,7 +194,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "fillets": Analysis(
         "stress in fillets",
-        "torsion.analyses.fillet_stresses",
+        "torsion.analyses.response.fillet_stresses",
         needs=("response", "nonlinear peaks"),
         results={"fillets": "Fillets"},
         wanted=lambda study: study.train.has_fillets,
@@ -203,7 +203,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "pendulums": Analysis(
         "pendulums",
-        "torsion.analyses.pendulums",
+        "torsion.analyses.response.pendulums",
         needs=("modes", "response"),
         results={"pendulums": "Pendulums"},
         chapters=("pendulums",),
@@ -212,7 +212,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "coupling temperatures": Analysis(
         "temperatures of couplings",
-        "torsion.analyses.coupling_temperatures",
+        "torsion.analyses.response.coupling_temperatures",
         needs=("response",),
         results={"coupling_temperatures": "CouplingTemperatures"},
         chapters=("coupling_temperatures",),
@@ -221,7 +221,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "vibratory torques": Analysis(
         "vibratory torque of couplings by table",
-        "torsion.analyses.vibratory_torques",
+        "torsion.analyses.response.vibratory_torques",
         needs=("response",),
         results={"vibratory_torques": "VibratoryTorques"},
         chapters=("vibratory_torques",),
@@ -287,7 +287,7 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "tolerances": Analysis(
         "bands of the natural frequencies",
-        "torsion.analyses.tolerances",
+        "torsion.analyses.modes.tolerances",
         settings="TolerancesSettings",
         needs=("critical",),
         results={"tolerances": "Tolerances"},

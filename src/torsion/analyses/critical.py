@@ -12,7 +12,7 @@ from torsion.results import reported, result
 from torsion.study import Operation
 
 if TYPE_CHECKING:
-    from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+    from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 
 
 @reported
@@ -104,7 +104,7 @@ def run(work: Work) -> None:
     if modes is None or not any(line.order is not None for line in harmonics):
         work.log.without("critical speeds", "no modes" if modes is None else "no order excites")
     elif work.study.train.follows_speed:
-        from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+        from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 
         over_speed = work.get(FrequenciesOverSpeed)
         work.log.without("critical speeds outside the speed range", "a stiffness follows the speed")

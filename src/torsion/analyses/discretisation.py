@@ -108,7 +108,7 @@ def run_assembly(work: Work) -> None:
         step.size = _size(system)
     _ = system.condensed  # raises where the train as a whole is at fault: a loop of rigid links
     if system.tables:
-        from torsion.analyses.coupling_tables import refuse_loops
+        from torsion.analyses.modes.coupling_tables import refuse_loops
 
         refuse_loops(system)
     for part in work.study.train.parts:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from torsion.analyses.mode_nodes import nodes
+from torsion.analyses.modes.mode_nodes import nodes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
 from torsion.assembly.shafts import phase
@@ -259,7 +259,7 @@ def _in_reach(system: System, highest: float, count: int) -> System:
         bars = system.condensed_shafts
         if bars is None or not math.isfinite(bars.limit):
             break
-        from torsion.analyses.bars import above_mode, reach
+        from torsion.analyses.modes.bars import above_mode, reach
 
         tree = undamped_tree(system)
         known = reach(tree)
@@ -281,14 +281,14 @@ def modes_as_discretised(
 ) -> Modes:
     """The lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.tables_over("frequency"):
-        from torsion.analyses.tabled_modes import tabled_modes
+        from torsion.analyses.modes.tabled_modes import tabled_modes
 
         return tabled_modes(system, count, modes_as_discretised)
     if system.groups is not None:
         return condensed_modes(modes_as_discretised(system.whole, count, progress=progress), system)
     tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
-        from torsion.analyses.bars import referred_modes
+        from torsion.analyses.modes.bars import referred_modes
 
         found = referred_modes(tree, count)
         outer = found.torque if found.shafts is None else found.shafts.torque_outer

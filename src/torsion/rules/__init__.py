@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 from importlib import import_module
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from torsion.errors import Fault
+    from torsion.fields import Declared
     from torsion.findings import Results
     from torsion.rules.verdict_line import Check, Rule, RuleSettings
     from torsion.study import Study
@@ -13,13 +14,13 @@ if TYPE_CHECKING:
 RULES = {  # name in the file: class, and what it is made with
     "iacs-m68": "torsion.rules.m68:M68",
     "iacs-m53": "torsion.rules.m53:M53",
-    "kr": "torsion.rules.societies:SocietyRule:kr",
-    "lr": "torsion.rules.societies:SocietyRule:lr",
+    "kr": "torsion.rules.societies:EngineSocietyRule:kr",
+    "lr": "torsion.rules.societies:LloydsRule:lr",
     "dnv": "torsion.rules.societies:SocietyRule:dnv",
     "abs": "torsion.rules.societies:SocietyRule:abs",
     "bv": "torsion.rules.societies:SocietyRule:bv",
     "ccs": "torsion.rules.societies:SocietyRule:ccs",
-    "nk": "torsion.rules.societies:SocietyRule:nk",
+    "nk": "torsion.rules.societies:EngineSocietyRule:nk",
     "rina": "torsion.rules.societies:SocietyRule:rina",
     "api-610": "torsion.rules.separation_margins:SeparationMargins:api-610",
     "api-617": "torsion.rules.separation_margins:SeparationMargins:api-617",
@@ -43,83 +44,79 @@ STANDING = {  # result that a rule judges which needs no name in the file: class
 }
 
 
-def rule(name: str) -> "Rule":
-    """A rule by its name in the file; raises KeyError for a word that is no rule."""
-    return _made(RULES[name])
+def rule(name: str, settings: "Declared | None" = None) -> "Rule[Any]":
+    """Return a rule with its settings of the file, or with their defaults; raises KeyError for a word that is no rule."""
+    kind, words = _class(RULES[name])
+    made: Rule[Any] = kind(kind.settings_class() if settings is None else settings, *words)
+    return made
 
 
-def _made(place: str) -> "Rule":
-    module, kind, *which = place.split(":")
-    found: Rule = getattr(import_module(module), kind)(*which)
-    return found
+def _class(place: str) -> "tuple[type[Rule[Any]], list[str]]":
+    module, kind, *words = place.split(":")
+    return getattr(import_module(module), kind), words
 
 
 def settings(name: str) -> type["RuleSettings"]:
-    """The class of a rule's settings; raises KeyError for a word that is no rule."""
-    return rule(name).settings
+    """Return the class of a rule's settings; raises KeyError for a word that is no rule."""
+    return _class(RULES[name])[0].settings_class
 
 
-def of_study(study: "Study") -> "Iterator[tuple[Rule, RuleSettings]]":
-    """The rules that the study names, with their settings, in its order."""
-    return ((rule(name), cast("RuleSettings", given)) for name, given in study.rules)
+def of_study(study: "Study") -> "Iterator[Rule[Any]]":
+    """Yield the rules that the study names, with their settings, in its order."""
+    return (rule(name, settings) for name, settings in study.rules)
 
 
 def needed(study: "Study") -> frozenset[str]:
-    """The analyses that the study's rules read."""
-    return frozenset(what for one, _ in of_study(study) for what in one.needs)
+    """Return the analyses that the study's rules read."""
+    return frozenset(analysis for rule in of_study(study) for analysis in rule.needs)
 
 
 def lacking(study: "Study") -> list["Fault"]:
-    """What the file lacks for its rules."""
-    return [fault for one, given in of_study(study) for fault in one.faults(study, given)]
+    """Return what the file lacks for its rules."""
+    return [fault for rule in of_study(study) for fault in rule.faults(study)]
 
 
 def not_judged(study: "Study") -> tuple[tuple[str, str], ...]:
-    """What the study's rules do not judge, and why."""
-    found = tuple(line for one, given in of_study(study) for line in one.left_out(study, given))
+    """Return what the study's rules do not judge, and why."""
+    rows = tuple(row for rule in of_study(study) for row in rule.left_out(study))
     limited = [
         part.name
         for part in study.train.parts
         if part.ratings is not None and part.ratings.limit_anything
     ]
     if study.rules and limited and "coupling-maker" not in dict(study.rules):
-        found += (
-            ("limits of " + ", ".join(limited), "the file does not name the rule `coupling-maker`"),
-        )
-    return found
+        why = "the file does not name the rule `coupling-maker`"
+        rows += ((f"limits of {', '.join(limited)}", why),)
+    return rows
 
 
 def verdicts(evidence: "Results") -> tuple["Check", ...]:
-    """The checks of every rule that the study names, in its order."""
+    """Return the checks of every rule that the study names, in its order."""
     if evidence.study.train.has_tables_over("vibratory torque"):
         from torsion.rules.other_solutions import worst_of_solutions
 
-        return worst_of_solutions(evidence, _judged)
-    return _judged(evidence)
+        return worst_of_solutions(evidence, _judge)
+    return _judge(evidence)
 
 
 def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
-    """The checks of the rules that hold wherever there is something for them to judge."""
-    judged = [
-        _made(place) for name, place in STANDING.items() if evidence.results.get(name) is not None
+    """Return the checks of the rules that hold wherever there is something for them to judge."""
+    kinds = [
+        _class(place)[0]
+        for name, place in STANDING.items()
+        if evidence.results.get(name) is not None
     ]
-    return tuple(check for judging in judged for check in _checks(judging, evidence, None))
+    rules = (kind(kind.settings_class()) for kind in kinds)
+    return tuple(check for rule in rules for check in _checks(rule, evidence))
 
 
-def _judged(evidence: "Results") -> tuple["Check", ...]:
-    return tuple(
-        check
-        for judging, given in of_study(evidence.study)
-        for check in _checks(judging, evidence, given)
-    )
+def _judge(evidence: "Results") -> tuple["Check", ...]:
+    return tuple(check for rule in of_study(evidence.study) for check in _checks(rule, evidence))
 
 
-def _checks(
-    judging: "Rule", evidence: "Results", given: "RuleSettings | None"
-) -> "Iterator[Check]":
-    """The checks of one rule, each with the basis of its limit."""
+def _checks(rule: "Rule[Any]", evidence: "Results") -> "Iterator[Check]":
+    """Yield the checks of one rule, each with the basis of its limit."""
     from torsion.rules.verdict_line import with_basis
 
-    verified = None if given is None else given.verified
-    for check in judging.check(evidence, given):
-        yield with_basis(check, judging.edition_of(check, evidence.study), verified)
+    for check in rule.check(evidence):
+        yield with_basis(check, rule.edition_of(check, evidence.study), rule.settings.verified)

@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.synthesis import half_range as half_range_of
 from torsion.analyses.steady import Steady
-from torsion.arrays import BoolArray, FloatArray, IntArray
+from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
@@ -24,9 +25,11 @@ from torsion.rules.judgement import (
     Continuous,
     Curve,
     RuleOverSpeed,
+    UseSettings,
     curve_of,
+    within,
 )
-from torsion.rules.verdict_line import Check, RuleSettings
+from torsion.rules.verdict_line import Check
 from torsion.study import Study
 
 if TYPE_CHECKING:
@@ -35,7 +38,7 @@ if TYPE_CHECKING:
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 
 
-class CouplingSettings(RuleSettings):
+class CouplingSettings(UseSettings):
     """Settings of `coupling-maker`."""
 
     continuous: Continuous | None = given(
@@ -43,24 +46,23 @@ class CouplingSettings(RuleSettings):
     )
 
 
-class CouplingMaker(RuleOverSpeed):
+class CouplingMaker(RuleOverSpeed[CouplingSettings]):
     """The rule, as the study reads it."""
 
     name = "coupling-maker"
-    settings = CouplingSettings
+    settings_class = CouplingSettings
     is_pointwise = True
 
-    def faults(self, study: Study, settings: CouplingSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
         judged = [
             (part, ratings) for _, part, ratings in _couplings(study) if ratings.limit_anything
         ]
         if not judged:
             hint = f"give {', '.join(LIMITS)} of a coupling, or leave the rule out"
-            return [Fault(self.path(study, settings), "no coupling has a limit of its maker", hint)]
-        found = self.continuous_faults(study, settings)
-        if any(ratings.limit_vibration for _, ratings in judged):
-            found += judgement.vibration_faults(self, study, settings)
+            return [Fault(self.path(study), "no coupling has a limit of its maker", hint)]
+        is_vibration = any(ratings.limit_vibration for _, ratings in judged)
+        found = self.vibration_faults(study) if is_vibration else self.continuous_faults(study)
         found += self._lossless(study)
         means = [
             part
@@ -97,7 +99,7 @@ class CouplingMaker(RuleOverSpeed):
                     "its `psi`, or another damping; `psi: 0` if it has none",
                 )
 
-    def left_out(self, study: Study, settings: CouplingSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         silent = (part.name for _, part, ratings in _couplings(study) if not ratings.limit_anything)
         found = [(f"{self.name} for {name}", "its maker's limits are not given") for name in silent]
@@ -113,11 +115,7 @@ class CouplingMaker(RuleOverSpeed):
                 found.append((f"{self.name}: heat of {part.name} in misfire, cold and warm", words))
         return tuple(found)
 
-    def check(self, evidence: Results, settings: CouplingSettings) -> tuple[Check, ...]:
-        """With a row for each limit of the heat in misfire that no state of the train is compared with."""
-        return *super().check(evidence, settings), *self.demanded_rows(evidence.study, settings)
-
-    def demanded_rows(self, study: Study, settings: CouplingSettings) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Limits of the heat in misfire where every cylinder of an engine fires."""
         has_engine = any(part.engine is not None for part in study.train.parts)
         if (
@@ -133,7 +131,7 @@ class CouplingMaker(RuleOverSpeed):
             if ratings.heat_in_misfire is not None
         )
 
-    def clauses(self, evidence: Results, settings: CouplingSettings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Of every coupling, as far as its limits are given.
 
         Mean torque, vibratory torque and heat in continuous use, and greatest torque always.
@@ -152,34 +150,63 @@ class CouplingMaker(RuleOverSpeed):
                     np.ones(len(mean.speed), dtype=bool),
                 )
             if ratings.limit_vibration:
-                yield from _vibration(evidence, part, ratings, spans, settings)
-            yield from _warm(evidence, part, settings)
+                yield from self._vibration(evidence, part, ratings, spans)
+            yield from self._temperature(evidence, part)
 
+    def _vibration(
+        self, evidence: Results, part: Part, ratings: CouplingRatings, spans: IntArray
+    ) -> Iterator[Clause]:
+        """Yield the clauses about the vibration of one coupling; a tolerance that was not varied is noted."""
+        response, synthesis = evidence.need(Response), evidence.need(Synthesis)
+        use, always = within(self.use, response.speed), np.ones(len(response.speed), dtype=bool)
+        varied = ""
+        if ratings.tolerance:
+            varied = f"at nominal stiffness, its tolerance of {100 * ratings.tolerance:.3g} % was not varied"
 
-def _warm(evidence: Results, part: Part, settings: CouplingSettings) -> Iterator[Clause]:
-    """The highest temperature of equilibrium; one that runs away, or has no answer, never passes."""
-    if part.warming is None:
-        return
-    from torsion.analyses.coupling_temperatures import CouplingTemperatures
+        def clause(name: str, what: str, unit: str, curve: Curve, words: str = "") -> Clause:
+            notes = self.use_words, MOSTLY, words, varied
+            return Clause(name, part.name, what, "maker", curve, use, unit, notes, spans)
 
-    known, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
-    rise, why = (
-        np.full(speed.shape, np.nan),
-        "its temperatures were not solved, which is never a pass",
-    )
-    for one in known.each if known is not None else ():
-        if one.coupling == part.name:
-            speed, rise, why = one.speed, one.rise, ""
-    limit = np.full(speed.shape, part.warming.highest - part.warming.now)
-    curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
-    use, in_use = (
-        judgement.within(settings.continuous, speed),
-        judgement.in_use(settings.continuous),
-    )
-    what = "Temperature rise by its own heat"
-    yield Clause(
-        "ΔT", part.name, what, "maker", curve, use, "K", (why, in_use, MOSTLY), infinite_fails=True
-    )
+        if (limit := ratings.vibratory_torque) is not None:
+            curve = curve_of(response, synthesis.half_range[:, spans[0]], limit)
+            yield clause("T_KW", "Vibratory torque", "N m", curve)
+        if (limits := ratings.vibratory_over_frequency) is not None:
+            for curve, what, words, sizes in _over_frequency(evidence, limits, spans):
+                yield replace(clause("T_KW(f)", what, "N m", curve, words), size=sizes)
+        if (heat_limit := _heat_limit(evidence.study, ratings)) is not None:
+            name, what, limit_of_heat, words = heat_limit
+            power = raised_heat(evidence, spans)
+            limit_at = (
+                np.full(power.shape, limit_of_heat)
+                if isinstance(limit_of_heat, float)
+                else limit_of_heat.at(response.frequency)
+            )
+            # Of a limit over frequency every share counts as a share of the smallest limit.
+            smallest = float(limit_at.min())
+            weighted = np.sum(power * (smallest / limit_at), axis=1)
+            yield clause(name, what, "W", curve_of(response, weighted, smallest), words)
+        if (limit := ratings.max_torque) is not None:
+            curve = curve_of(response, synthesis.peak[:, spans[0]], limit)
+            row = clause("T_Kmax", "Greatest torque in steady operation", "N m", curve)
+            yield replace(row, within=always, notes=("", MOSTLY, "", varied))
+
+    def _temperature(self, evidence: Results, part: Part) -> Iterator[Clause]:
+        """Yield the highest temperature of equilibrium; one that runs away, or has no answer, never passes."""
+        if part.warming is None:
+            return
+        from torsion.analyses.response.coupling_temperatures import CouplingTemperatures
+
+        temperatures, speed = evidence.get(CouplingTemperatures), evidence.need(Response).speed
+        rise, reason = np.full(speed.shape, np.nan), "its temperatures were not solved"
+        reason += ", which is never a pass"
+        for coupling in () if temperatures is None else temperatures.each:
+            if coupling.coupling == part.name:
+                speed, rise, reason = coupling.speed, coupling.rise, ""
+        limit = np.full(speed.shape, part.warming.highest - part.warming.now)
+        curve = Curve(speed, rise, limit, np.zeros(speed.shape, dtype=int))
+        use, what = within(self.use, speed), "Temperature rise by its own heat"
+        notes = reason, self.use_words, MOSTLY
+        yield Clause("ΔT", part.name, what, "maker", curve, use, "K", notes, infinite_fails=True)
 
 
 def heat(response: Response, system: System, spans: IntArray) -> FloatArray:
@@ -227,75 +254,6 @@ def _couplings(study: Study) -> Iterator[tuple[int, Part, CouplingRatings]]:
         for k, part in enumerate(study.train.parts)
         if part.ratings is not None
     )
-
-
-def _vibration(
-    evidence: Results,
-    part: Part,
-    ratings: CouplingRatings,
-    spans: IntArray,
-    settings: CouplingSettings,
-) -> Iterator[Clause]:
-    """The clauses about the vibration of one coupling; that the tolerance of its stiffness was not varied is noted."""
-    response, synthesis, tolerance = (
-        evidence.need(Response),
-        evidence.need(Synthesis),
-        ratings.tolerance,
-    )
-    use, in_use = (
-        judgement.within(settings.continuous, response.speed),
-        judgement.in_use(settings.continuous),
-    )
-    half_range, peak = synthesis.half_range[:, spans[0]], synthesis.peak[:, spans[0]]
-    varied = (
-        f"at nominal stiffness, its tolerance of {100 * tolerance:.3g} % was not varied"
-        if tolerance
-        else ""
-    )
-
-    def clause(
-        name: str, what: str, unit: str, curve: Curve, judged: BoolArray, where: str, *more: Any
-    ) -> Clause:
-        words, *size = more or ("",)
-        return Clause(
-            name,
-            part.name,
-            what,
-            "maker",
-            curve,
-            judged,
-            unit,
-            (where, MOSTLY, words, varied),
-            spans,
-            *size,
-        )
-
-    if (limit := ratings.vibratory_torque) is not None:
-        yield clause(
-            "T_KW", "Vibratory torque", "N m", curve_of(response, half_range, limit), use, in_use
-        )
-    if ratings.vibratory_over_frequency is not None:
-        for curve, what, words, size in _over_frequency(
-            evidence, ratings.vibratory_over_frequency, spans
-        ):
-            yield clause("T_KW(f)", what, "N m", curve, use, in_use, words, size)
-    if (of_heat := _heat_limit(evidence.study, ratings)) is not None:
-        name, what, most, words = of_heat
-        power = raised_heat(evidence, spans)
-        at = np.full(power.shape, most) if isinstance(most, float) else most.at(response.frequency)
-        least = float(at.min())  # of a limit over frequency every share counts as one of the least
-        yield clause(
-            name,
-            what,
-            "W",
-            curve_of(response, np.sum(power * (least / at), axis=1), least),
-            use,
-            in_use,
-            words,
-        )
-    if (limit := ratings.max_torque) is not None:
-        curve = curve_of(response, peak, limit)
-        yield clause("T_Kmax", "Greatest torque in steady operation", "N m", curve, use | True, "")
 
 
 def _heat_limit(

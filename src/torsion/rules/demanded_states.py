@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 
 from torsion.analyses.sweep.sweep_settings import SweepSettings
@@ -16,34 +17,45 @@ MISFIRE, ZERO_PITCH, STIFFNESS = "misfire", "zero pitch", "other stiffness"
 
 
 def unjudged(
-    rule: str, clause: str, where: str, what: str, note: str, standing: Standing = "rule text"
+    rule: str,
+    clause: str,
+    where: str,
+    what: str,
+    note: str,
+    standing: Standing = "rule text",
+    unit: str = "",
 ) -> Check:
     """Return the row of a demand that could not be judged."""
-    return Check(
-        rule, clause, where, what, math.nan, math.nan, "", "not judged", standing, note=note
-    )
+    nan = math.nan
+    return Check(rule, clause, where, what, nan, nan, unit, "not judged", standing, note=note)
+
+
+def restriction(
+    rule: str, clause: str, where: str, what: str, words: str, standing: Standing = "rule text"
+) -> Check:
+    """Return the row of a condition under which all checks of a rule stand, without a value or a limit."""
+    row = unjudged(rule, clause, where, what, words, standing)
+    return replace(row, verdict="restricted", restrictions=(words,))
 
 
 def misfire_row(
     rule: str, study: Study, source: str, standing: Standing = "rule text"
 ) -> Iterator[Check]:
     """Yield the row about one cylinder that does not fire; nothing of a train without an engine."""
-    engines = [part for part in study.train.parts if part.engine is not None]
-    cranks = [
-        part for part in study.train.parts if part.shaft is not None and part.shaft.role == "crank"
-    ]
+    engines, cranks = list[str](), list[str]()
+    for part in study.train.parts:
+        if part.engine is not None:
+            engines.append(part.name)
+            is_motored = any(cylinder.state == "motored" for cylinder in part.engine.cylinders)
+            if part.engine.tries_all or is_motored:
+                return
+        if part.shaft is not None and part.shaft.role == "crank":
+            cranks.append(part.name)
     if not (engines or cranks) or study.covers(MISFIRE, rule):
         return
-    records = [part.engine for part in engines if part.engine is not None]
-    if any(
-        one.tries_all or any(cylinder.state == "motored" for cylinder in one.cylinders)
-        for one in records
-    ):
-        return
     note = f"{source} demands it: `misfire: worst` of the engine, or a case with a cylinder that does not fire"
-    yield unjudged(
-        rule, MISFIRE, (engines or cranks)[0].name, "Misfiring of one cylinder", note, standing
-    )
+    where = (engines or cranks)[0]
+    yield unjudged(rule, MISFIRE, where, "Misfiring of one cylinder", note, standing)
 
 
 def lacking_orders(engine: EngineRecord) -> list[Fraction]:
@@ -62,19 +74,7 @@ def order_rows(rule: str, study: Study, standing: Standing = "rule text") -> Ite
         if part.engine is None or not (lacking := lacking_orders(part.engine)):
             continue
         words = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} of {part.name} do not excite"
-        yield Check(
-            rule,
-            "orders",
-            part.name,
-            "Orders of the synthesis",
-            math.nan,
-            math.nan,
-            "",
-            "restricted",
-            standing,
-            note=words,
-            restrictions=(words,),
-        )
+        yield restriction(rule, "orders", part.name, "Orders of the synthesis", words, standing)
 
 
 def unknown_gears(rule: str, study: Study, standing: Standing) -> Iterator[Check]:
@@ -105,19 +105,7 @@ def zero_pitch_rows(
             yield unjudged(rule, ZERO_PITCH, part.name, "Zero pitch", note, standing)
         elif drives_ship:
             words = f"fixed pitch of '{part.name}' assumed: the file does not state `pitch`"
-            yield Check(
-                rule,
-                ZERO_PITCH,
-                part.name,
-                "Zero pitch",
-                math.nan,
-                math.nan,
-                "",
-                "restricted",
-                standing,
-                note=words,
-                restrictions=(words,),
-            )
+            yield restriction(rule, ZERO_PITCH, part.name, "Zero pitch", words, standing)
 
 
 def unjudged_variants(study: Study) -> Iterator[Check]:
@@ -128,7 +116,9 @@ def unjudged_variants(study: Study) -> Iterator[Check]:
     judged = sweep if isinstance(sweep, SweepSettings) and sweep.judges(study) else None
     if sweep is not None and judged is None:
         words = "variants of the sweep not judged: write `results: [checks]` of the sweep"
-        yield _restriction(study.rules[0][0], "variants", "sweep", "Variants of the sweep", words)
+        first = study.rules[0][0]
+        what = "Variants of the sweep"
+        yield restriction(first, "variants", "sweep", what, words, "by definition")
     has_corners = study.varies_tolerances or any(
         STIFFNESS in case.states for case in study.case_states
     )
@@ -141,25 +131,8 @@ def unjudged_variants(study: Study) -> Iterator[Check]:
         names = [name for name in names if judged.vary and f"{name}.stiffness" not in judged.vary]
     if names and study.has_tolerances and not has_corners:
         words = f"tolerances of {', '.join(map(repr, names))} not judged: write `cases: {{from: tolerances}}`"
-        yield _restriction(
-            study.rules[0][0], "tolerances", names[0], "Stiffness within the tolerances", words
-        )
-
-
-def _restriction(rule: str, clause: str, where: str, what: str, words: str) -> Check:
-    return Check(
-        rule,
-        clause,
-        where,
-        what,
-        math.nan,
-        math.nan,
-        "",
-        "restricted",
-        "by definition",
-        note=words,
-        restrictions=(words,),
-    )
+        first, what = study.rules[0][0], "Stiffness within the tolerances"
+        yield restriction(first, "tolerances", names[0], what, words, "by definition")
 
 
 def stiffness_row(rule: str, study: Study, standing: Standing) -> Iterator[Check]:

@@ -7,38 +7,34 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
-from torsion.rules import judgement
 from torsion.rules.demanded_states import order_rows
-from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.judgement import MOSTLY, Clause, RuleOverSpeed, UseSettings, curve_of, within
 from torsion.rules.shaft_limits import PA, nominal_stress, with_role
-from torsion.rules.verdict_line import Check, RuleSettings
+from torsion.rules.verdict_line import Check
 from torsion.study import Study
 
 Stress = Annotated[float, Quantity("Pa", above=0, usual="permissible stress")]
 
 
-class EngineMakerSettings(RuleSettings):
+class EngineMakerSettings(UseSettings):
     """Settings of `engine-maker`."""
 
     crank_stress: Stress | None = given(
         "permissible torsional stress amplitude of the crankshaft, by its maker"
     )
-    continuous: Continuous | None = given("speeds of continuous use: {from, to} (default: all)")
 
 
-class EngineMaker(RuleOverSpeed):
+class EngineMaker(RuleOverSpeed[EngineMakerSettings]):
     """The rule, as the study reads it."""
 
     name = "engine-maker"
-    settings = EngineMakerSettings
+    settings_class = EngineMakerSettings
 
-    def faults(self, study: Study, settings: EngineMakerSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
-        where = self.path(study, settings)
-        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(
-            study, settings
-        )
-        if settings.crank_stress is None:
+        where = self.path(study)
+        found = self.vibration_faults(study)
+        if self.settings.crank_stress is None:
             hint = f"- {self.name}: {{crank_stress: 40 MPa}}"
             found.append(
                 Fault(
@@ -53,32 +49,25 @@ class EngineMaker(RuleOverSpeed):
             )
         return found
 
-    def left_out(self, study: Study, settings: EngineMakerSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
         other = "the rule limits the torsional stress only"
         return ((f"{self.name}: damper, front end and bearings of the engine", other),)
 
-    def check(self, evidence: Results, settings: EngineMakerSettings) -> tuple[Check, ...]:
-        """With a restriction for orders that do not excite."""
-        return *super().check(evidence, settings), *self.demanded_rows(evidence.study, settings)
-
-    def demanded_rows(self, study: Study, settings: EngineMakerSettings) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Orders that the synthesis lacks."""
         return tuple(order_rows(self.name, study, "maker"))
 
-    def clauses(self, evidence: Results, settings: EngineMakerSettings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Of every crankshaft in continuous use."""
-        response, most = evidence.need(Response), settings.crank_stress
-        use, in_use = (
-            judgement.within(settings.continuous, response.speed),
-            judgement.in_use(settings.continuous),
-        )
-        if most is None:
+        response, limit = evidence.need(Response), self.settings.crank_stress
+        use = within(self.use, response.speed)
+        if limit is None:
             raise ValueError("the rule has no limit")
         for number, part, _ in with_role(evidence.study.train, "crank"):
             spans, stress = nominal_stress(
                 evidence.system, number, evidence.need(Synthesis).half_range
             )
-            curve, notes = curve_of(response, stress, most * PA), (in_use, MOSTLY)
+            curve, notes = curve_of(response, stress, limit * PA), (self.use_words, MOSTLY)
             what = "Nominal torsional stress amplitude of the crankshaft"
             yield Clause("tau_N", part.name, what, "maker", curve, use, "N/mm2", notes, spans)

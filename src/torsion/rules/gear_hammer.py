@@ -13,9 +13,18 @@ from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.rules import judgement
-from torsion.rules.judgement import MOSTLY, RATED, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.judgement import (
+    MOSTLY,
+    RATED,
+    Clause,
+    Continuous,
+    RuleOverSpeed,
+    UseSettings,
+    curve_of,
+    within,
+)
 from torsion.rules.reached_speeds import coverage
-from torsion.rules.verdict_line import TO_BE_VERIFIED, RuleSettings, Standing
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Standing
 from torsion.study import Study
 
 USUAL_SHARE = 0.35  # K_A - 1 with the usual application factor 1.35 (to be verified)
@@ -36,7 +45,7 @@ class Mesh:
     rated: float  # magnitude; 0 where it carries nothing
 
 
-class GearHammerSettings(RuleSettings):
+class GearHammerSettings(UseSettings):
     """Settings of `gear-hammer`."""
 
     limit: Annotated[float, Quantity("1", above=0, usual="limit of tooth separation")] | None = (
@@ -49,49 +58,43 @@ class GearHammerSettings(RuleSettings):
     )
 
 
-class GearHammer(RuleOverSpeed):
+class GearHammer(RuleOverSpeed[GearHammerSettings]):
     """The rule, as the study reads it."""
 
     name = "gear-hammer"
     edition = "application factor of ISO 6336-1"
-    settings = GearHammerSettings
+    settings_class = GearHammerSettings
     is_pointwise = True
 
-    def faults(self, study: Study, settings: GearHammerSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
         if not any(study.train.of_kind("gear")):
             return [
                 Fault(
-                    self.path(study, settings),
+                    self.path(study),
                     f"{self.name} finds no gear in the train",
                     "leave the rule out",
                 )
             ]
-        found, compares = (
-            self.continuous_faults(study, settings),
-            f"{self.name} compares with the rated torque",
-        )
+        faults = self.vibration_faults(study)
+        compares = f"{self.name} compares with the rated torque"
         if study.operation.rated is None:
-            found.append(Fault(("operation", "rated"), f"`rated` is missing; {compares}", RATED))
+            faults.append(Fault(("operation", "rated"), f"`rated` is missing; {compares}", RATED))
         elif not study.has_mean_torque:
-            found.append(
-                Fault(("operation", "rated", "power"), f"`power` is missing; {compares}", RATED)
-            )
-        return found + judgement.vibration_faults(self, study, settings)
+            path = ("operation", "rated", "power")
+            faults.append(Fault(path, f"`power` is missing; {compares}", RATED))
+        return faults
 
-    def clauses(self, evidence: Results, settings: GearHammerSettings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Of every mesh, at the driving gear's speed.
 
         Vibratory torque against (K_A - 1) T_rated over all speeds, and against the mean torque in continuous use.
         """
         response = evidence.need(Response)
-        use, in_use = (
-            judgement.within(settings.continuous, response.speed),
-            judgement.in_use(settings.continuous),
-        )
+        use = within(self.use, response.speed)
         reach = coverage(float(response.speed[-1]), judgement.rated_speed(evidence.study))
         for mesh in meshes(evidence):
-            share, origin, standing = _share(mesh.part, settings)
+            share, origin, standing = _share(mesh.part, self.settings)
             if mesh.rated > 0:
                 curve = curve_of(response, mesh.vibratory, share * mesh.rated)
                 notes = f"{share:.4g} ({origin}) x {mesh.rated:.5g} N m", reach, MOSTLY
@@ -107,7 +110,11 @@ class GearHammer(RuleOverSpeed):
                     mesh.spans,
                 )
             curve = curve_of(response, mesh.vibratory, mesh.mean)
-            notes = "" if mesh.rated > 0 else "the mesh carries no mean torque", in_use, MOSTLY
+            notes = (
+                "" if mesh.rated > 0 else "the mesh carries no mean torque",
+                self.use_words,
+                MOSTLY,
+            )
             yield Clause(
                 "torque reversal",
                 mesh.name,
@@ -124,15 +131,14 @@ class GearHammer(RuleOverSpeed):
 def meshes(evidence: Results) -> Iterator[Mesh]:
     """Every gear mesh of the train; raises ValueError where the torque at the rated speed is not known."""
     response, synthesis = evidence.need(Response), evidence.need(Synthesis)
-    every = judgement.rated_torque(evidence)
-    if every is None:
+    torque = judgement.rated_torque(evidence)
+    if torque is None:
         raise ValueError("the torque at the rated speed is not known")
-    every = every * judgement.share_of_rated(evidence.study.operation)
+    torque = torque * judgement.share_of_rated(evidence.study.operation)
     for number, part in evidence.study.train.of_kind("gear"):
         for span in judgement.spans_of(evidence.system, number):
-            rated = (
-                float(every[span]) if every[span] > NO_LOAD * np.max(every) else 0.0
-            )  # nothing but rounding
+            # A torque of a share below NO_LOAD is nothing but rounding.
+            rated = float(torque[span]) if torque[span] > NO_LOAD * np.max(torque) else 0.0
             yield Mesh(
                 part,
                 evidence.system.spans[span].name,

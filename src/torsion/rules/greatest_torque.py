@@ -12,15 +12,15 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Results
 from torsion.rules.judgement import spans_of
 from torsion.rules.reached_speeds import restricted
-from torsion.rules.verdict_line import Check, Rule, verdict_of
+from torsion.rules.verdict_line import Check, Rule, RuleSettings, verdict_of
 
 WHOLE_LIFE = 1.0  # Miner's sum at which it is used up
 
 
-class GreatestTorque(Rule):
+class GreatestTorque(Rule[RuleSettings]):
     """The rule on every motion over time that was computed; what has no rating is not judged."""
 
-    def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Of every coupling and gear with a `max_torque`, and of every part whose damage is counted.
 
         Modes that the samples do not resolve are added to a peak, and how far it scatters. A motion whose status is not

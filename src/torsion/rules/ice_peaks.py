@@ -83,21 +83,21 @@ class InIce:
         )
 
 
-class IcePeaks(Rule):
+class IcePeaks(Rule[IceSettings]):
     """The rule, as the study reads it."""
 
     name = "ice"
     edition = "Finnish-Swedish ice class rules 2017"
-    settings = IceSettings
+    settings_class = IceSettings
     needs = ("transient",)
 
-    def faults(self, study: Study, settings: IceSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
-        motions, here, found = ice_motions(study), self.path(study, settings), list[Fault]()
+        motions, here, found = ice_motions(study), self.path(study), list[Fault]()
         if not motions:
             hint = "analyses: {transient: {duration: 4 s, events: [{at: propeller-1, ice: {class: IA, case: 1}}]}}"
             return [Fault(here, "no transient response has an event `ice`", hint)]
-        if not any(_limit(study, part, settings) for part in study.train.parts):
+        if not any(_limit(study, part, self.settings) for part in study.train.parts):
             hint = "`yield_strength` of a material, or `max_torque` of a coupling or gear"
             found.append(
                 Fault(
@@ -112,11 +112,15 @@ class IcePeaks(Rule):
         hint = "initial: steady, or an event `start`"
         return found + [Fault((*one.path, "initial"), UNDRIVEN, hint) for one in undriven]
 
-    def left_out(self, study: Study, settings: IceSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         found = list[tuple[str, str]]()
         for part in study.train.parts:
-            if part.kind in LACKING and not part.is_bar and _limit(study, part, settings) is None:
+            if (
+                part.kind in LACKING
+                and not part.is_bar
+                and _limit(study, part, self.settings) is None
+            ):
                 found.append((f"ice for {part.name}", f"not judged: give `{LACKING[part.kind]}"))
         return (
             *found,
@@ -126,7 +130,7 @@ class IcePeaks(Rule):
             ),
         )
 
-    def check(self, evidence: Results, settings: IceSettings) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Of every part with a limit, at the worst of the motions in ice; where one is not ok nothing passes."""
         study, by_name = evidence.study, {one.name: one for one in evidence.need(Transients).each}
         motions = [(one, by_name.get(one.settings.name)) for one in ice_motions(study)]
@@ -139,7 +143,7 @@ class IcePeaks(Rule):
         open_cases = [f"{words} at {where} not judged" for where, words in _missing(study)]
         notes, lines = (*doubts, *open_cases, *(words for _, words, _ in resonances)), list[Check]()
         for number, part in enumerate(study.train.parts):
-            limit = _limit(study, part, settings)
+            limit = _limit(study, part, self.settings)
             if limit is not None:
                 values = {words: _value(evidence, number, part, found) for words, found in computed}
                 lines.append(_line(part, limit, values, notes, is_sound=not doubts))
@@ -155,9 +159,9 @@ class IcePeaks(Rule):
             for where, words, is_open in resonances
             if is_open
         ]
-        return (*lines, *self.demanded_rows(study, settings))
+        return tuple(lines)
 
-    def demanded_rows(self, study: Study, settings: IceSettings) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Cases of the ice rules that no motion has, and shafts without a yield strength."""
         rows = [
             unjudged(
@@ -180,7 +184,7 @@ class IcePeaks(Rule):
                 TO_BE_VERIFIED,
             )
             for part in study.train.parts
-            if part.is_bar and _limit(study, part, settings) is None
+            if part.is_bar and _limit(study, part, self.settings) is None
         ]
         return tuple(rows)
 

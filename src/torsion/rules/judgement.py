@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,14 +17,14 @@ from torsion.analyses.steady import Steady
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.errors import Fault
-from torsion.fields import Declared, required
+from torsion.fields import given, required
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
 from torsion.primitives import Torque
 from torsion.rules import needed as read_by_rules
 from torsion.rules import of_study
 from torsion.rules.reached_speeds import BARRED_BELOW, demanded_study, distinct, in_rpm, with_reach
-from torsion.rules.verdict_line import Check, Rule, Standing, verdict_of
+from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, verdict_of
 from torsion.study import Operation, Range, Study
 
 FEWEST_JUDGED = 201  # evenly spaced over the range, as many as a file has that names no number
@@ -72,63 +72,115 @@ class Clause:
     if_kept: bool = False  # a value beyond the limit is judged otherwise, as in a barred range
 
 
-class RuleOverSpeed(Rule):
+class Continuous(Range):
+    """Speeds of the component `operation.at` at which the train is run for long."""
+
+    first: fields.Speed = required("lowest speed", alias="from")
+    last: fields.Speed = required("highest speed", alias="to")
+
+
+class UseSettings(RuleSettings):
+    """Settings of a rule with a range of continuous use."""
+
+    continuous: Continuous | None = given("speeds of continuous use: {from, to} (default: all)")
+
+
+Settings = TypeVar("Settings", bound=RuleSettings)
+
+
+class RuleOverSpeed(Rule[Settings]):
     """Base of the rules whose clauses each judge the worst point of a value over speed, some in continuous use."""
 
     needs: tuple[str, ...] = ("steady", "response")
-    scope: float = 1.0  # speed ratio up to which it is to be judged
     begin: float = BARRED_BELOW  # speed ratio from which it is to be judged
     has_limits_outside_use = (
         False  # of the same values, so that continuous use at the rated speed leaves none out
     )
 
-    def clauses(self, evidence: Results, settings: Any) -> Iterator[Clause]:
-        """What it judges."""
+    @property
+    def use(self) -> Continuous | None:
+        """The speeds of continuous use; None for all."""
+        return self.settings.continuous if isinstance(self.settings, UseSettings) else None
+
+    @property
+    def use_words(self) -> str:
+        """Which speeds are judged; empty for all."""
+        if self.use is None:
+            return ""
+        return f"in continuous use, {in_rpm(self.use.first)} to {in_rpm(self.use.last)}"
+
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
+        """Yield what the rule judges."""
         return iter(())
 
-    def settling(self, evidence: Results, settings: Any) -> Iterator[Clause]:
-        """What says all of a train that keeps it, each speed by itself."""
-        return self.clauses(evidence, settings)
+    def settling(self, evidence: Results) -> Iterator[Clause]:
+        """Yield what says all of a train that keeps it, each speed by itself."""
+        return self.clauses(evidence)
 
-    def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
-        """A verdict for every clause that has a speed."""
-        found, use, rated = (
-            list[Check](),
-            getattr(settings, "continuous", None),
-            evidence.study.operation.rated,
-        )
-        has_rated = (
-            use is not None and rated is not None and bool(within(use, np.array([rated.speed]))[0])
-        )
-        for clause in self.clauses(evidence, settings):
-            line, speed = judge(self.name, clause, evidence), clause.curve.speed
-            cut = (
-                None if clause.within.all() or (self.has_limits_outside_use and has_rated) else use
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
+        """Return a check for every clause that has a speed."""
+        checks, rated = list[Check](), evidence.study.operation.rated
+        has_rated = rated is not None and bool(within(self.use, np.array([rated.speed]))[0])
+        for clause in self.clauses(evidence):
+            check = judge_clause(self.name, clause, evidence)
+            if check is None:
+                continue
+            judges_all = clause.within.all() or (self.has_limits_outside_use and has_rated)
+            checks += with_reach(
+                check,
+                evidence.study,
+                self.scope,
+                clause.curve.speed,
+                None if judges_all else self.use,
+                begin=self.begin,
             )
-            if line is not None:
-                found += with_reach(line, evidence.study, self.scope, speed, cut, begin=self.begin)
-        return distinct(found)
+        return distinct(checks)
 
-    def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
-        """rad/s: the rated speed and the ends of continuous use."""
-        rated, use = study.operation.rated, settings.continuous
-        return (
-            *(() if rated is None else (rated.speed,)),
-            *(() if use is None else (use.first, use.last)),
-        )
+    def speeds(self, study: Study) -> tuple[float, ...]:
+        """Return in rad/s the rated speed and the ends of continuous use."""
+        rated = study.operation.rated
+        speeds = () if rated is None else (rated.speed,)
+        return speeds if self.use is None else (*speeds, self.use.first, self.use.last)
 
-    def speeds_between(self, evidence: Results, settings: Any) -> FloatArray:
-        """(speeds,) rad/s between those computed at which a vibration may be worse."""
-        every = self.clauses(evidence, settings)
-        return between((clause.curve, clause.within) for clause in every if clause.spans.size)
+    def speeds_between(self, evidence: Results) -> FloatArray:
+        """Return (speeds,) rad/s between those computed at which a vibration may be worse."""
+        clauses = self.clauses(evidence)
+        return between((clause.curve, clause.within) for clause in clauses if clause.spans.size)
 
-    def continuous_faults(self, study: Study, settings: Any) -> list[Fault]:
-        """A range of continuous use that was not wholly computed cannot be judged."""
-        speeds, use = study.operation.speeds, settings.continuous
+    def vibration_faults(self, study: Study) -> list[Fault]:
+        """Return what the file lacks for any rule that reads the response over speed."""
+        faults = []
+        operation, train = study.operation, study.train
+        if operation.speeds is None:
+            message = f"`speeds` is missing; {self.name} judges a speed range"
+            hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
+            faults.append(Fault(("operation", "speeds"), message, hint))
+
+        acting = [torque for torque in train.torques if _acts(torque)]
+        if not study.excites or not (acting or any(mesh.error for mesh in train.constraints)):
+            reason = "nothing excites the train by order or at a frequency of its own"
+            if study.excites:
+                reason = "every excitation of the train is 0"
+            message = f"{reason}, so {self.name} has nothing to judge"
+            hint = "give an excitation, or leave the rule out"
+            faults.append(Fault(self.path(study), message, hint))
+
+        for torque in acting:
+            part = train.parts[train.stations[torque.station].part]
+            if part.is_opposed:
+                message = f"what acts at '{part.name}' moves the halves unlike, and {self.name} judges both by their mean"
+                hint = "leave it out of what is judged, as by a case with other `rules`, and judge its torques by hand"
+                faults.append(Fault(torque.path, message, hint))
+
+        return faults + self.continuous_faults(study)
+
+    def continuous_faults(self, study: Study) -> list[Fault]:
+        """Return the fault of a range of continuous use that was not wholly computed, and cannot be judged."""
+        speeds, use = study.operation.speeds, self.use
         if use is None or speeds is None or within(speeds, np.array([use.first, use.last])).all():
             return []
         computed = f"computed: {in_rpm(speeds.first)} to {in_rpm(speeds.last)}"
-        path = (*self.path(study, settings), self.name, "continuous")
+        path = (*self.path(study), self.name, "continuous")
         return [Fault(path, "the speeds of continuous use leave operation.speeds", computed)]
 
 
@@ -140,7 +192,7 @@ def curve_of(found: Response | Steady, value: FloatArray, limit: float | FloatAr
     return Curve(found.speed, value, np.broadcast_to(limit, value.shape), status)
 
 
-def judge(rule: str, clause: Clause, evidence: Results) -> Check | None:
+def judge_clause(rule: str, clause: Clause, evidence: Results) -> Check | None:
     """The check at the worst of the speeds that are judged; None where there is no speed.
 
     A singular response fails. A value that is missing for another reason is not judged.
@@ -247,9 +299,7 @@ def main_component(
 
 def named_speeds(study: Study) -> FloatArray:
     """(speeds,) rad/s, ascending: at which a rule of the study, or a table of torque, bends or begins."""
-    named = [
-        speed for one, settings in _vibration_rules(study) for speed in one.speeds(study, settings)
-    ]
+    named = [speed for rule in _vibration_rules(study) for speed in rule.speeds(study)]
     return np.unique([*named, *_corners(study)])
 
 
@@ -261,9 +311,9 @@ def analyses_read(study: Study) -> frozenset[str]:
 def are_pointwise(study: Study) -> bool:
     """All that the rules of the study say of a train that keeps their limits are clauses at each speed by itself."""
     rules = list(of_study(study))
-    rows = (row for rule, settings in rules for row in rule.demanded_rows(study, settings))
+    rows = (row for rule in rules for row in rule.demanded_rows(study))
     return (
-        all(rule.is_pointwise for rule, _ in rules)
+        all(rule.is_pointwise for rule in rules)
         and all(row.verdict in ("pass", "restricted") for row in rows)
         and (not study.operation.load.table or demanded_study(study) is None)
     )
@@ -286,18 +336,18 @@ def pointwise(evidence: Results) -> Iterator[tuple[str, Clause]]:
     """Every such clause with the name of its rule."""
     above, speeds = demanded_study(evidence.study), evidence.study.operation.speeds
     demanding = set() if above is None else {name for name, _ in above.rules}
-    for one, settings in of_study(evidence.study):
-        if not isinstance(one, RuleOverSpeed):
+    for rule in of_study(evidence.study):
+        if not isinstance(rule, RuleOverSpeed):
             continue
-        for clause in one.settling(evidence, settings):
+        for clause in rule.settling(evidence):
             # what another rule demands above the operation is no speed of this one
             judged = (
                 clause.within
-                if one.name in demanding
+                if rule.name in demanding
                 else clause.within & within(speeds, clause.curve.speed)
             )
             if np.any(judged):
-                yield one.name, replace(clause, within=judged)
+                yield rule.name, replace(clause, within=judged)
 
 
 def judged_speeds(study: Study) -> FloatArray:
@@ -314,19 +364,15 @@ def judged_speeds(study: Study) -> FloatArray:
 
 def speeds_between(evidence: Results) -> FloatArray:
     """(speeds,) rad/s, ascending, not yet computed, at which a rule may find more than at those beside them."""
-    found = (
-        one.speeds_between(evidence, settings) for one, settings in _vibration_rules(evidence.study)
-    )
-    speed, more = (
-        evidence.need(Response).speed,
-        np.unique([place for places in found for place in places]),
-    )
-    return apart(speed, more[(more > speed[0]) & (more < speed[-1])])
+    speed = evidence.need(Response).speed
+    between = [rule.speeds_between(evidence) for rule in _vibration_rules(evidence.study)]
+    further = np.unique(np.concatenate([np.empty(0), *between]))
+    return apart(speed, further[(further > speed[0]) & (further < speed[-1])])
 
 
-def _vibration_rules(study: Study) -> Iterator[tuple[Rule, Declared]]:
-    """The study's rules that read the response over speed, with their settings."""
-    return ((one, settings) for one, settings in of_study(study) if "response" in one.needs)
+def _vibration_rules(study: Study) -> Iterator[Rule[Any]]:
+    """Yield the study's rules that read the response over speed."""
+    return (rule for rule in of_study(study) if "response" in rule.needs)
 
 
 def _corners(study: Study) -> list[float]:
@@ -342,23 +388,11 @@ def _corners(study: Study) -> list[float]:
     )
 
 
-class Continuous(Range):
-    """Speeds of the component `operation.at` at which the train is run for long."""
-
-    first: fields.Speed = required("lowest speed", alias="from")
-    last: fields.Speed = required("highest speed", alias="to")
-
-
 def within(use: Range | None, speed: FloatArray) -> BoolArray:
     """(speeds,) which speeds lie in a range, but for rounding; all where there is none."""
     if use is None:
         return np.ones(len(speed), dtype=bool)
     return (speed >= use.first * (1 - SAME_SPEED)) & (speed <= use.last * (1 + SAME_SPEED))
-
-
-def in_use(use: Continuous | None) -> str:
-    """Which speeds were judged; empty for the whole range."""
-    return "" if use is None else f"in continuous use, {in_rpm(use.first)} to {in_rpm(use.last)}"
 
 
 def spans_of(system: System, part: int) -> IntArray:
@@ -427,39 +461,6 @@ def rated_speed(study: Study) -> float:
     if study.operation.rated is None:
         raise ValueError("the rule needs the rated speed")
     return study.operation.rated.speed
-
-
-def vibration_faults(rule: Rule, study: Study, settings: Declared) -> list[Fault]:
-    """What the file lacks for any rule that reads the response over speed."""
-    found = []
-    if study.operation.speeds is None:
-        hint = "speeds: {from: 300 rpm, to: 1800 rpm}"
-        found.append(
-            Fault(
-                ("operation", "speeds"),
-                f"`speeds` is missing; {rule.name} judges a speed range",
-                hint,
-            )
-        )
-    if not study.excites or not (
-        any(map(_acts, study.train.torques)) or any(m.error for m in study.train.constraints)
-    ):
-        what = (
-            "every excitation of the train is 0"
-            if study.excites
-            else "nothing excites the train by order or at a "
-        )
-        what += "" if study.excites else "frequency of its own"
-        message = f"{what}, so {rule.name} has nothing to judge"
-        found.append(
-            Fault(rule.path(study, settings), message, "give an excitation, or leave the rule out")
-        )
-    for torque in filter(_acts, study.train.torques):
-        if (part := study.train.parts[study.train.stations[torque.station].part]).is_opposed:
-            message = f"what acts at '{part.name}' moves the halves unlike, and {rule.name} judges both by their mean"
-            hint = "leave it out of what is judged, as by a case with other `rules`, and judge its torques by hand"
-            found.append(Fault(torque.path, message, hint))
-    return found
 
 
 def _acts(torque: Torque) -> bool:

@@ -42,20 +42,18 @@ EXAMPLE = (
 )
 
 
-class M53(RuleOverSpeed):
+class M53(RuleOverSpeed[M53Settings]):
     """The rule, as the study reads it."""
 
     name = "iacs-m53"
     edition = "IACS UR M53 as in KR Guidance 2025 Pt 5 Annex 5-3"
-    settings = M53Settings
+    settings_class = M53Settings
     begin = START
 
-    def faults(self, study: Study, settings: M53Settings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
-        where = self.path(study, settings)
-        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(
-            study, settings
-        )
+        where = self.path(study)
+        found = self.vibration_faults(study)
         cranks = list(with_role(study.train, "crank"))
         if not cranks:
             found.append(
@@ -66,49 +64,48 @@ class M53(RuleOverSpeed):
                 message = f"`tensile_strength` of '{shaft.material}' is not given, and {self.name} needs it"
                 hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 800 MPa}}}}"
                 found.append(Fault((*part.path, "material"), message, hint))
-        missing = [key for key in SIZES if getattr(settings, key) is None]
-        if settings.oil_bore and settings.bore_bending is None:
+        missing = [key for key in SIZES if getattr(self.settings, key) is None]
+        if self.settings.oil_bore and self.settings.bore_bending is None:
             missing.append("bore_bending")
         if missing:
             words = ", ".join(f"`{key}`" for key in missing)
             message = f"{words} of {self.name} {'is' if len(missing) == 1 else 'are'} missing"
             found.append(Fault(where, message, EXAMPLE))
-        return [*dict.fromkeys(found), *contradictions(study, settings, (*where, self.name))]
+        return [*dict.fromkeys(found), *contradictions(study, self.settings, (*where, self.name))]
 
-    def clauses(self, evidence: Results, settings: M53Settings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Equivalent stress against fatigue strength / 1.15, of every crank span at both fillets and the oil bore."""
         response, train = evidence.need(Response), evidence.study.train
-        use, in_use = (
-            judgement.within(settings.continuous, response.speed),
-            judgement.in_use(settings.continuous),
-        )
+        use = judgement.within(self.use, response.speed)
         for number, part, shaft in with_role(train, "crank"):
             spans = judgement.spans_of(evidence.system, number)
             torque = evidence.need(Synthesis).half_range[:, spans].max(axis=1)
             strength = (train.materials[shaft.material].tensile_strength or 0.0) * PA
-            for place, stress, fatigue in _places(settings, torque, strength):
-                if place not in _stated_places(settings) or any(_doubts(settings, place, strength)):
+            for place, stress, fatigue in _places(self.settings, torque, strength):
+                if place not in _stated_places(self.settings) or any(
+                    _doubts(self.settings, place, strength)
+                ):
                     continue
                 curve = curve_of(response, stress, fatigue / LEAST_Q)
                 notes = (
                     f"sigma_DW {fatigue:.5g} N/mm2 / {LEAST_Q:g}",
-                    in_use,
+                    self.use_words,
                     MOSTLY,
-                    *_notes(settings, place),
+                    *_notes(self.settings, place),
                 )
                 what = f"Equivalent alternating stress, {place}"
                 yield Clause(
                     place, part.name, what, TO_BE_VERIFIED, curve, use, "N/mm2", notes, spans
                 )
 
-    def check(self, evidence: Results, settings: M53Settings) -> tuple[Check, ...]:
-        """With the acceptability factor of each, its restrictions, and rows NOT JUDGED of what the rule demands."""
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
+        """Return the checks, each with its acceptability factor and its restrictions."""
         train = evidence.study.train
         sections = {
             part.name: diameters(train, number)[0] for number, part, _ in with_role(train, "crank")
         }
         checks = list[Check]()
-        for line in super().check(evidence, settings):
+        for line in super().judge(evidence):
             factor = (
                 f"Q = {LEAST_Q * line.limit / line.value:.4g}"
                 if line.value and math.isfinite(line.limit)
@@ -116,20 +113,22 @@ class M53(RuleOverSpeed):
             )
             checks.append(replace(line, note="; ".join(filter(None, (factor, line.note)))))
             if line.verdict in ("pass", "restricted"):
-                for words in _restrictions(settings, line.clause, sections[line.where][0] * MM):
+                for words in _restrictions(
+                    self.settings, line.clause, sections[line.where][0] * MM
+                ):
                     checks[-1] = restricted(checks[-1], words)
-        return (*checks, *self.demanded_rows(evidence.study, settings))
+        return tuple(checks)
 
-    def demanded_rows(self, study: Study, settings: M53Settings) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Places without factors, shrink fits, orders that nothing excites, and a misfire that no case has."""
         rows = list[Check]()
         for number, part, shaft in with_role(study.train, "crank"):
             strength = (study.train.materials[shaft.material].tensile_strength or 0.0) * PA
-            for place in _stated_places(settings):
-                if doubts := tuple(_doubts(settings, place, strength)):
+            for place in _stated_places(self.settings):
+                if doubts := tuple(_doubts(self.settings, place, strength)):
                     what = f"Equivalent alternating stress, {place}"
                     rows.append(unjudged(self.name, place, part.name, what, "; ".join(doubts)))
-            if settings.built == "semi-built":
+            if self.settings.built == "semi-built":
                 note = (
                     "section 8 of the rule: the program does not judge shrink fits of crankshafts"
                 )
@@ -138,7 +137,7 @@ class M53(RuleOverSpeed):
                         self.name, "shrink fits", part.name, "Shrink fits of the crankshaft", note
                     )
                 )
-            if lacking := _lacking(study, settings, number, part):
+            if lacking := _lacking(study, self.settings, number, part):
                 note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
                 rows.append(
                     unjudged(self.name, "orders", part.name, "Orders of the synthesis", note)

@@ -9,10 +9,9 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given, refuse
-from torsion.rules.judgement import Continuous
+from torsion.rules.judgement import Continuous, UseSettings
 from torsion.rules.m53_factors import Throw
 from torsion.rules.shaft_limits import MM, PA
-from torsion.rules.verdict_line import RuleSettings
 from torsion.study import Study
 
 AXIAL, MISALIGNMENT = (
@@ -53,7 +52,7 @@ Manufacture = Annotated[Any, BeforeValidator(_read_manufacture, float | str)]
 OilBore = Annotated[float, BeforeValidator(_read_bore, float | str)]
 
 
-class M53Settings(RuleSettings):
+class M53Settings(UseSettings):
     """Settings of `iacs-m53`: a throw, with bores and recesses."""
 
     pin: fields.Across | None = given("diameter D of the crank pin")

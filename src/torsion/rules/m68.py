@@ -46,17 +46,17 @@ class M68(ShaftStress):
     name = "iacs-m68"
     edition = "IACS UR M68 as in KR Rules 2025 Pt 5 Ch 4"
     is_pointwise = True
-    settings: type[M68Settings] = M68Settings
+    settings_class: type[M68Settings] = M68Settings
     title = "IACS UR M68"
     scope = LAST_CONTINUOUS  # speed ratio to which speeds are demanded
     source = "IACS UR M68 as in KR 2025 Pt 5 Ch 4, 206.1"  # of the states that it demands
     has_limits_of: tuple[str, ...] = m68_shafts.ROLES
 
-    def faults(self, study: Study, settings: M68Settings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
         every, where = (
             m68_shafts.judged(study.train, self.has_limits_of),
-            self.path(study, settings),
+            self.path(study),
         )
         if not every:
             roles = ", ".join(self.has_limits_of[:-1]) + f" or {self.has_limits_of[-1]}"
@@ -66,7 +66,7 @@ class M68(ShaftStress):
                     where, f"no round shaft has a `role`, so {self.name} has nothing to judge", hint
                 )
             ]
-        found, classed = super().faults(study, settings), m68_shafts.judged(study.train)
+        found, classed = super().faults(study), m68_shafts.judged(study.train)
         for part, shaft in classed:
             made_of = study.train.materials[shaft.material]
             if made_of.tensile_strength is None and made_of != STEEL:
@@ -75,10 +75,10 @@ class M68(ShaftStress):
                 hint = f"materials: {{{shaft.material}: {{..., tensile_strength: 600 MPa}}}}"
                 found.append(Fault((*part.path, "material"), message, hint))
         return found + self._settings_faults(
-            study, settings, {part.name: shaft for part, shaft in every}, where
+            study, {part.name: shaft for part, shaft in every}, where
         )
 
-    def left_out(self, study: Study, settings: M68Settings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         found, others = [], []
         for part in study.train.parts:
@@ -98,21 +98,21 @@ class M68(ShaftStress):
             )
         return tuple(found)
 
-    def shafts(self, study: Study, settings: M68Settings) -> Iterator[LimitedShaft]:
+    def shafts(self, study: Study) -> Iterator[LimitedShaft]:
         """Every round line shaft that has a role."""
-        return map(_limited, m68_shafts.classed_shafts(study, settings))
+        return map(_limited, m68_shafts.classed_shafts(study, self.settings))
 
-    def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Stress in continuous use, while barred ranges are passed, and above 1.05; least diameter; of every shaft."""
-        found = list(super().check(evidence, settings))
-        for shaft in m68_shafts.classed_shafts(evidence.study, settings):
-            if (least := self._diameter(evidence, shaft, settings)) is not None:
+        found = list(super().judge(evidence))
+        for shaft in m68_shafts.classed_shafts(evidence.study, self.settings):
+            if (least := self._diameter(evidence, shaft)) is not None:
                 last = max(place for place, line in enumerate(found) if line.where == shaft.name)
                 found.insert(last + 1, least)  # behind its stresses
-            found += _in_barred_range(self.name, shaft, found, settings)
-        return (*found, *self.demanded_rows(evidence.study, settings))
+            found += _in_barred_range(self.name, shaft, found, self.settings)
+        return tuple(found)
 
-    def demanded_rows(self, study: Study, settings: M68Settings) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Strengths below the least one, and states of the train that neither the file nor a case of it has."""
         rows = [
             Check(
@@ -127,7 +127,7 @@ class M68(ShaftStress):
                 "rule text",
                 at_least=True,
             )
-            for shaft in m68_shafts.classed_shafts(study, settings)
+            for shaft in m68_shafts.classed_shafts(study, self.settings)
             if shaft.stated is not None and shaft.stated < LEAST_STRENGTH * (1 - ROUNDING)
         ]
         if not study.has_mean_torque and not _is_generator_set(study):
@@ -135,7 +135,7 @@ class M68(ShaftStress):
                 unjudged(
                     self.name, "minimum diameter", shaft.name, DIAMETER, NO_POWER, TO_BE_VERIFIED
                 )
-                for shaft in m68_shafts.classed_shafts(study, settings)
+                for shaft in m68_shafts.classed_shafts(study, self.settings)
             ]
         round_shafts = {part.name for part, _ in m68_shafts.judged(study.train, self.has_limits_of)}
         rows += [
@@ -150,11 +150,11 @@ class M68(ShaftStress):
             rows += misfire_row(self.name, study, self.source)
         return (*rows, *zero_pitch_rows(self.name, study, self.source))
 
-    def settling(self, evidence: Results, settings: M68Settings) -> Iterator[Clause]:
+    def settling(self, evidence: Results) -> Iterator[Clause]:
         """Stress in continuous use, and least diameters."""
-        yield from super().settling(evidence, settings)
-        for shaft in m68_shafts.classed_shafts(evidence.study, settings):
-            if (least := self._diameter(evidence, shaft, settings)) is not None:
+        yield from super().settling(evidence)
+        for shaft in m68_shafts.classed_shafts(evidence.study, self.settings):
+            if (least := self._diameter(evidence, shaft)) is not None:
                 share = np.array([least.limit / least.value])
                 curve = Curve(np.array([least.speed]), share, np.ones(1), np.full(1, Status.OK))
                 yield Clause(
@@ -167,16 +167,16 @@ class M68(ShaftStress):
                 )
 
     def _settings_faults(
-        self, study: Study, settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path
+        self, study: Study, shafts: Mapping[str, ShaftRecord], where: Path
     ) -> list[Fault]:
         """Settings that name a shaft which the rule does not judge, or a slot that is no feature of it."""
         found, names = [], f"there is {', '.join(shafts)}"
         wholes = {part.whole for part in study.train.parts if part.name in shafts}
-        for position, name in enumerate(settings.alloy):
+        for position, name in enumerate(self.settings.alloy):
             if name not in shafts and name not in wholes:
                 path = (*where, self.name, "alloy", position)
                 found.append(Fault(path, f"no shaft with a role is called '{name}'", names))
-        for name in settings.slots:
+        for name in self.settings.slots:
             if name not in shafts or "slot" not in shafts[name].features:
                 path = (*where, self.name, "slots", name)
                 found.append(
@@ -189,14 +189,12 @@ class M68(ShaftStress):
                 )
         return found
 
-    def _diameter(
-        self, evidence: Results, shaft: ClassedShaft, settings: M68Settings
-    ) -> Check | None:
+    def _diameter(self, evidence: Results, shaft: ClassedShaft) -> Check | None:
         """The less favourable end against its least diameter, for the rated mean torque."""
         every = judgement.full_torque(evidence)
         if every is None:
             return None
-        factor = m68_shafts.drive_factor(shaft.role, smooth=settings.drive != "other")
+        factor = m68_shafts.drive_factor(shaft.role, smooth=self.settings.drive != "other")
         engines = [part.engine for part in evidence.study.train.parts if part.engine is not None]
         firing = min(
             (sum(share for _, share in one.drives) for one in engines if one.drives), default=1.0
@@ -208,7 +206,7 @@ class M68(ShaftStress):
             for outer, bore in shaft.ends
         ]
         diameter, least = max(ends, key=lambda end: end[1] / end[0])
-        used = f"F {factor:g} (drive: {settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
+        used = f"F {factor:g} (drive: {self.settings.drive}), k {shaft.k:g}, {load:.5g} kW per rpm"
         return Check(
             self.name,
             "minimum diameter",

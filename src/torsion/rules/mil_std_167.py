@@ -18,11 +18,11 @@ from torsion.findings import Results
 from torsion.rules import judgement
 from torsion.rules.demanded_states import unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
-from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
+from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, UseSettings, curve_of
 from torsion.rules.m68_shafts import LEAST_STRENGTH
 from torsion.rules.reached_speeds import START, in_rpm
 from torsion.rules.shaft_limits import PA, nominal_stress, with_role
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
 
 SHARE_OF_STRENGTH = 1.0 / 25.0
@@ -30,32 +30,30 @@ BELOW = 1.75  # times the limit, below the operating range
 MESH_OF_MEAN, MESH_OF_RATED = 0.75, 0.25
 
 
-class MilSettings(RuleSettings):
+class MilSettings(UseSettings):
     """Settings of `mil-std-167`."""
 
     continuous: Continuous | None = given("operating range: {from, to} (default: all speeds)")
 
 
-class MilStd167(RuleOverSpeed):
+class MilStd167(RuleOverSpeed[MilSettings]):
     """The rule, as the study reads it."""
 
     name = "mil-std-167"
     edition = "MIL-STD-167 type III"
-    settings = MilSettings
+    settings_class = MilSettings
     begin = START
     has_limits_outside_use = True
 
-    def faults(self, study: Study, settings: MilSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
-        every, where = list(with_role(study.train, *ROLES)), self.path(study, settings)
-        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(
-            study, settings
-        )
-        if not every and not any(study.train.of_kind("gear")):
+        shafts = list(with_role(study.train, *ROLES))
+        found = self.vibration_faults(study)
+        if not shafts and not any(study.train.of_kind("gear")):
             hint = f"role: {', '.join(ROLES[:-1])} or {ROLES[-1]}"
             message = f"no round shaft has a `role` and there is no gear, so {self.name} has nothing to judge"
-            found.append(Fault(where, message, hint))
-        for _, part, shaft in every:
+            found.append(Fault(self.path(study), message, hint))
+        for _, part, shaft in shafts:
             made_of = study.train.materials[shaft.material]
             if made_of.tensile_strength is None and made_of != STEEL:
                 message = f"`tensile_strength` of '{shaft.material}' is not given"
@@ -65,7 +63,7 @@ class MilStd167(RuleOverSpeed):
                 )
         return found
 
-    def left_out(self, study: Study, settings: MilSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What was not judged, and why."""
         judged = {number for number, _, _ in with_role(study.train, *ROLES)}
         found = [
@@ -78,23 +76,17 @@ class MilStd167(RuleOverSpeed):
             (f"{self.name}: propulsion shafts of other metals", "the limit is for steel"),
         )
 
-    def check(self, evidence: Results, settings: MilSettings) -> tuple[Check, ...]:
-        """With a row for each gear of unknown torque."""
-        return *super().check(evidence, settings), *self.demanded_rows(evidence.study, settings)
-
-    def demanded_rows(self, study: Study, settings: MilSettings) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Gears of unknown torque."""
         return tuple(unknown_gears(self.name, study, TO_BE_VERIFIED))
 
-    def clauses(self, evidence: Results, settings: MilSettings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Of every shaft with a role in the operating range and below it, and of every gear mesh in it."""
         response, train = evidence.need(Response), evidence.study.train
         below, in_use = np.zeros(len(response.speed), dtype=bool), ""
-        if settings.continuous is not None:  # what is above the range is judged as what is in it
-            below = ~judgement.within(settings.continuous, response.speed) & (
-                response.speed < settings.continuous.first
-            )
-            in_use = f"operating range from {in_rpm(settings.continuous.first)}"
+        if self.use is not None:  # what is above the range is judged as what is in it
+            below = ~judgement.within(self.use, response.speed) & (response.speed < self.use.first)
+            in_use = f"operating range from {in_rpm(self.use.first)}"
         for number, part, shaft in with_role(train, *ROLES):
             spans, stress = nominal_stress(
                 evidence.system, number, evidence.need(Synthesis).half_range

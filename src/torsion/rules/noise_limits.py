@@ -18,15 +18,21 @@ from torsion.components.lowering import Part
 from torsion.errors import Fault, nearest
 from torsion.fields import Quantity, given
 from torsion.findings import Results
-from torsion.rules import judgement
-from torsion.rules.judgement import MOSTLY, Clause, Continuous, RuleOverSpeed, curve_of
-from torsion.rules.verdict_line import RuleSettings
+from torsion.rules.judgement import (
+    MOSTLY,
+    Clause,
+    Continuous,
+    RuleOverSpeed,
+    UseSettings,
+    curve_of,
+    within,
+)
 from torsion.study import Study
 
 RPM = 30.0 / math.pi
 
 
-class NoiseSettings(RuleSettings):
+class NoiseSettings(UseSettings):
     """Settings of `nvh`."""
 
     at: str | None = given(
@@ -44,23 +50,21 @@ class NoiseSettings(RuleSettings):
     continuous: Continuous | None = given("speeds that are judged: {from, to} (default: all)")
 
 
-class NoiseLimits(RuleOverSpeed):
+class NoiseLimits(RuleOverSpeed[NoiseSettings]):
     """The rule, as the study reads it."""
 
     name = "nvh"
-    settings = NoiseSettings
+    settings_class = NoiseSettings
 
-    def faults(self, study: Study, settings: NoiseSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
-        where = (*self.path(study, settings), self.name)
-        found = judgement.vibration_faults(self, study, settings) + self.continuous_faults(
-            study, settings
-        )
+        where = (*self.path(study), self.name)
+        found = self.vibration_faults(study)
         example = f"- {self.name}: {{at: gearbox, acceleration: 300 rad/s**2, fluctuation: 15 rpm}}"
-        if settings.acceleration is None and settings.fluctuation is None:
+        if self.settings.acceleration is None and self.settings.fluctuation is None:
             message = f"{self.name} has no limit: `acceleration` and `fluctuation` are missing"
             found.append(Fault(where[:-1], message, example))
-        if settings.at is None:
+        if self.settings.at is None:
             return [
                 *found,
                 Fault(
@@ -70,70 +74,80 @@ class NoiseLimits(RuleOverSpeed):
                 ),
             ]
         names = [part.name for part in study.train.parts]
-        if settings.at not in names:
-            near = nearest(settings.at, names)
+        if self.settings.at not in names:
+            near = nearest(self.settings.at, names)
             hint = f"did you mean '{near}'?" if near else f"there is {', '.join(names)}"
-            return [*found, Fault((*where, "at"), f"no component is called '{settings.at}'", hint)]
-        if not study.train.part(settings.at).stations:
+            return [
+                *found,
+                Fault((*where, "at"), f"no component is called '{self.settings.at}'", hint),
+            ]
+        if not study.train.part(self.settings.at).stations:
             points = ", ".join(part.name for part in study.train.parts if part.is_point)
             return [
                 *found,
-                Fault((*where, "at"), f"'{settings.at}' has no one speed", f"points: {points}"),
+                Fault(
+                    (*where, "at"), f"'{self.settings.at}' has no one speed", f"points: {points}"
+                ),
             ]
         ratio, excited = (
-            study.train.stations[_station(study, settings)].ratio,
+            study.train.stations[_station(study, self.settings)].ratio,
             excited_orders(study.train),
         )
-        if settings.order is not None and settings.order * ratio not in excited:
+        if self.settings.order is not None and self.settings.order * ratio not in excited:
             own = ", ".join(str(order / ratio) for order in excited)
-            message = f"nothing excites the train by order {settings.order} of '{settings.at}'"
+            message = (
+                f"nothing excites the train by order {self.settings.order} of '{self.settings.at}'"
+            )
             found.append(Fault((*where, "order"), message, f"of its own speed there is {own}"))
         return found
 
-    def left_out(self, study: Study, settings: NoiseSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
-        limits = ("acceleration", settings.acceleration), ("fluctuation", settings.fluctuation)
+        limits = (
+            ("acceleration", self.settings.acceleration),
+            ("fluctuation", self.settings.fluctuation),
+        )
         return tuple(
             (f"{self.name}: {key}", "the file gives no limit")
             for key, limit in limits
             if limit is None
         )
 
-    def clauses(self, evidence: Results, settings: NoiseSettings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
         """At the component, over the speeds that are judged."""
-        response, station = evidence.need(Response), _station(evidence.study, settings)
+        response, station = evidence.need(Response), _station(evidence.study, self.settings)
         system, circular = response.system, 2.0 * math.pi * response.frequency
         spans = np.flatnonzero((system.driving == station) | (system.driven == station))
         velocity = 1j * circular * response.angle[:, :, station]
         acceleration, words, ratio = 1j * circular * velocity, "", system.stations[station].ratio
-        if settings.order is not None:
+        if self.settings.order is not None:
             alone = np.array(
-                [line.order == settings.order * ratio for line in response.lines], dtype=bool
+                [line.order == self.settings.order * ratio for line in response.lines], dtype=bool
             )
             acceleration, words = (
                 np.where(alone, acceleration, 0.0),
-                f", order {settings.order} of its own speed",
+                f", order {self.settings.order} of its own speed",
             )
-        use, in_use = (
-            judgement.within(settings.continuous, response.speed),
-            judgement.in_use(settings.continuous),
-        )
+        use = within(self.use, response.speed)
         rows: tuple[tuple[str, str, ComplexArray, float | None, float, str], ...] = (
             (
                 "acceleration",
                 f"Angular acceleration{words}",
                 acceleration,
-                settings.acceleration,
+                self.settings.acceleration,
                 1.0,
                 "rad/s2",
             ),
-            ("fluctuation", "Speed fluctuation", velocity, settings.fluctuation, RPM, "rpm"),
+            ("fluctuation", "Speed fluctuation", velocity, self.settings.fluctuation, RPM, "rpm"),
         )
         for clause, what, phasors, limit, unit, name in rows:
             if limit is not None:
                 value = half_range(response, phasors) * _surplus(evidence, spans)
-                curve, notes = curve_of(response, value * unit, limit * unit), (in_use, MOSTLY)
-                at, size = settings.at or "", np.abs(phasors)
+                curve, notes = (
+                    curve_of(response, value * unit, limit * unit),
+                    (self.use_words, MOSTLY),
+                )
+                at, size = self.settings.at or "", np.abs(phasors)
                 yield Clause(clause, at, what, "setting", curve, use, name, notes, spans, size)
 
 

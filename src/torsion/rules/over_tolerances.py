@@ -15,14 +15,14 @@ from torsion.rules.shaft_limits import barred_range
 from torsion.rules.verdict_line import BarredRange
 
 if TYPE_CHECKING:
-    from torsion.analyses.tolerances import Tolerances
+    from torsion.analyses.modes.tolerances import Tolerances
 
 
 def tolerances_of(evidence: Results) -> "Tolerances | None":
     """Bands over the tolerances; None where the file has none, or a variant of it is solved."""
     if not evidence.study.has_tolerances:
         return None
-    from torsion.analyses.tolerances import Tolerances
+    from torsion.analyses.modes.tolerances import Tolerances
 
     return evidence.get(Tolerances)
 

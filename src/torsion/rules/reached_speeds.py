@@ -133,10 +133,7 @@ def demanded_study(study: Study) -> Study | None:
         return None
     if speeds.first > rated.speed * (1 + SAME_SPEED) or coverage(speeds.last, rated.speed):
         return None
-    ends = {
-        name: demanded_speed(study, getattr(rule, "scope", 1.0))[0]
-        for (name, _), (rule, _) in zip(study.rules, of_study(study), strict=True)
-    }
+    ends = {rule.name: demanded_speed(study, rule.scope)[0] for rule in of_study(study)}
     short = {name: end for name, end in ends.items() if coverage(speeds.last, end)}
     if not short:
         return None

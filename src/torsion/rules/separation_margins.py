@@ -21,10 +21,10 @@ from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Results
-from torsion.rules.judgement import Continuous
+from torsion.rules.judgement import Continuous, UseSettings
 from torsion.rules.over_tolerances import margin_words
 from torsion.rules.reached_speeds import distinct, in_rpm, with_reach
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, RuleSettings, rank, verdict_of
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Rule, rank, verdict_of
 from torsion.study import Study
 from torsion.train import Train
 
@@ -77,7 +77,7 @@ def _read_line_frequency(value: Any) -> Any:
 Grid = Annotated[LineFrequency, BeforeValidator(_read_line_frequency, float | str | LineFrequency)]
 
 
-class MarginSettings(RuleSettings):
+class MarginSettings(UseSettings):
     """Settings of the separation margins."""
 
     continuous: Continuous | None = given(
@@ -105,17 +105,18 @@ class Excitation:
         return (1.0 + self.margin) * self.highest
 
 
-class SeparationMargins(Rule):
+class SeparationMargins(Rule[MarginSettings]):
     """The rule of one standard."""
 
-    settings = MarginSettings
+    settings_class = MarginSettings
     needs = ("modes",)
 
-    def __init__(self, name: str) -> None:
-        self.name, self.standard = name, STANDARDS[name]
+    def __init__(self, settings: MarginSettings, name: str) -> None:
+        super().__init__(settings, name)
+        self.standard = STANDARDS[name]
         self.edition = self.standard.edition
 
-    def faults(self, study: Study, settings: MarginSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
         following = next(
             (
@@ -131,13 +132,13 @@ class SeparationMargins(Rule):
             return [
                 Fault((*study.train.parts[following.part].path, following.table.key), message, hint)
             ]
-        if settings.continuous is not None or study.operation.speeds is not None:
+        if self.settings.continuous is not None or study.operation.speeds is not None:
             return []
         hint = f"speeds: {{from: 300 rpm, to: 1800 rpm}}, or `continuous` of `{self.name}`"
         message = f"`speeds` is missing; {self.name} judges an operating range"
         return [Fault(("operation", "speeds"), message, hint)]
 
-    def left_out(self, study: Study, settings: MarginSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
         other = "judged where the file excites the train by their orders, and not otherwise"
         stress = "it is the rules' about stress"
@@ -146,9 +147,9 @@ class SeparationMargins(Rule):
             (f"{self.name}: stress analysis of what is not apart", stress),
         )
 
-    def check(self, evidence: Results, settings: MarginSettings) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return the worst mode of every order and fixed frequency."""
-        excitations = tuple(list_excitations(evidence, settings, self.standard))
+        excitations = tuple(list_excitations(evidence, self.settings, self.standard))
         requested = evidence.study.analyses.get("modes")
         count = (requested if isinstance(requested, ModesSettings) else ModesSettings()).count
         highest = max((excitation.reach for excitation in excitations), default=0.0)
@@ -161,10 +162,10 @@ class SeparationMargins(Rule):
             words = margin_words(evidence, excitation.lowest, excitation.highest)
             check = self._judge(excitation, frequency, known_to, words)
             worst[check.what] = max(worst.get(check.what, check), check, key=rank)
-        study, use = evidence.study, settings.continuous
+        study, use = evidence.study, self.settings.continuous
         checks = [
             *worst.values(),
-            *self._missing_line(study.train, settings),
+            *self._missing_line(study.train),
             *self._uncounted(study.train),
         ]
         return distinct(
@@ -224,10 +225,10 @@ class SeparationMargins(Rule):
             at_least=True,
         )
 
-    def _missing_line(self, train: Train, settings: MarginSettings) -> Iterator[Check]:
+    def _missing_line(self, train: Train) -> Iterator[Check]:
         """Yield a row that is not judged where an electric machine turns and the file says nothing of its grid."""
         machines = [part.name for part in train.parts if _is_electric(part)]
-        if machines and settings.line_frequency is None:
+        if machines and self.settings.line_frequency is None:
             note = f"the line frequency of {in_runs(machines)} is not stated: {STATE_LINE}"
             yield Check(
                 self.name,

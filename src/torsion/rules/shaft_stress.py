@@ -6,7 +6,7 @@ The stress amplitude is the half range of the synthesis of all orders, nominal o
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,11 +21,13 @@ from torsion.rules.judgement import (
     Clause,
     Curve,
     RuleOverSpeed,
+    UseSettings,
     curve_of,
-    judge,
+    judge_clause,
     rated_speed,
     worst_of,
 )
+from torsion.rules.m68_shafts import M68Settings
 from torsion.rules.over_tolerances import over_tolerances
 from torsion.rules.reached_speeds import (
     BARRED_BELOW,
@@ -85,74 +87,72 @@ class Stressed:
         return np.isfinite(self.curve.limit)
 
 
-class ShaftStress(RuleOverSpeed):
+class ShaftStress(RuleOverSpeed[M68Settings]):
     """Base of the rules that limit the stress of shafts over the speed ratio."""
 
     title = ""  # as reports cite it
     mark: Mark = "rule text"  # of where its limits end
     begin = START
 
-    def shafts(self, study: Study, settings: Any) -> Iterator[LimitedShaft]:
+    def shafts(self, study: Study) -> Iterator[LimitedShaft]:
         """Every shaft that is judged, with its limits."""
         return iter(())
 
-    def faults(self, study: Study, settings: Any) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for any of them."""
-        found = judgement.vibration_faults(self, study, settings)
+        found = self.vibration_faults(study)
         if study.operation.rated is None:
             message = f"`rated` is missing; the limits of {self.name} count from it"
             found.append(Fault(("operation", "rated"), message, RATED))
         return found
 
-    def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
+    def speeds(self, study: Study) -> tuple[float, ...]:
         """rad/s: the rated speed, and those at which the limits bend or end."""
-        corners = {
-            share: None for shaft in self.shafts(study, settings) for share in shaft.curve.corners
-        }
+        corners = {share: None for shaft in self.shafts(study) for share in shaft.curve.corners}
         return tuple(share * rated_speed(study) for share in sorted(corners))
 
-    def speeds_between(self, evidence: Results, settings: Any) -> FloatArray:
+    def speeds_between(self, evidence: Results) -> FloatArray:
         """(speeds,) rad/s between those computed: where a shaft may be worse, and the ends of its barred ranges."""
         found, ends = [], list[float]()
-        for one in self.stressed(evidence, settings):
+        for one in self.stressed(evidence):
             found += [(one.curve, one.is_ruled), (one.curve, one.is_ruled & ~one.barred.passed)]
             ends += [end for band in one.barred.permitted for end in (band.lower, band.upper)]
         return np.union1d(
-            np.union1d(judgement.between(found), ends), super().speeds_between(evidence, settings)
+            np.union1d(judgement.between(found), ends), super().speeds_between(evidence)
         )
 
-    def stressed(self, evidence: Results, settings: Any) -> Iterator[Stressed]:
+    def stressed(self, evidence: Results) -> Iterator[Stressed]:
         """Every shaft against its limits."""
-        rated, tolerance = rated_speed(evidence.study), settings.tachometer
-        for shaft, curve, ruled in self._curves(evidence, settings):
+        rated, tolerance = rated_speed(evidence.study), self.settings.tachometer
+        for shaft, curve, ruled in self._curves(evidence):
             barred = Barring((), (), np.zeros(len(curve.speed), dtype=bool))
             if shaft.curve.passing is not None:
                 barred = barring(curve, rated, shaft.name, tolerance)
             yield Stressed(shaft, curve, barred, ruled)
 
     def _curves(
-        self, evidence: Results, settings: Any
+        self, evidence: Results
     ) -> Iterator[tuple[LimitedShaft, Curve, dict[str, BoolArray]]]:
         """Every shaft, its stress against the limit of continuous use, and by clause (speeds,) where it holds."""
-        for shaft in self.shafts(evidence.study, settings):
+        for shaft in self.shafts(evidence.study):
             speed, tau_c, _, tau = limits_of(evidence, shaft)
             curve = curve_of(evidence.need(Response), tau, tau_c)
             yield shaft, curve, shaft.curve.ranges(speed / rated_speed(evidence.study))
 
-    def settling(self, evidence: Results, settings: Any) -> Iterator[Clause]:
+    def settling(self, evidence: Results) -> Iterator[Clause]:
         """The stress against the limit of continuous use; nothing is barred where that is kept."""
-        for shaft, curve, ruled in self._curves(evidence, settings):
+        for shaft, curve, ruled in self._curves(evidence):
             spans = judgement.spans_of(evidence.system, shaft.part)
             for clause, within in ruled.items():
                 about = clause, shaft.name, STRESS, shaft.standing, curve, within, "N/mm2"
                 yield Clause(*about, spans=spans, if_kept=True)
-        yield from self.clauses(evidence, settings)
+        yield from self.clauses(evidence)
 
-    def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Stress in continuous use, while barred ranges are passed, and above the last limit; of every shaft."""
         found = list[Check]()
-        for one in self.stressed(evidence, settings):
-            for line in self.stresses(evidence, one, settings):
+        for one in self.stressed(evidence):
+            for line in self.stresses(evidence, one):
                 found += with_reach(
                     conditioned(line, one.shaft),
                     evidence.study,
@@ -160,9 +160,9 @@ class ShaftStress(RuleOverSpeed):
                     subject=SUBJECT,
                     begin=self.begin,
                 )
-        return distinct((*found, *super().check(evidence, settings)))
+        return distinct((*found, *super().judge(evidence)))
 
-    def stresses(self, evidence: Results, one: Stressed, settings: Any) -> Iterator[Check]:
+    def stresses(self, evidence: Results, one: Stressed) -> Iterator[Check]:
         """The clauses about the stress amplitude of one shaft.
 
         Outside the permitted barred ranges it is at most the limit of continuous use, in them that of passing, which
@@ -175,7 +175,7 @@ class ShaftStress(RuleOverSpeed):
             clause: str, what: str, limit: FloatArray, within: BoolArray, *notes: str
         ) -> Check | None:
             about = replace(one.curve, limit=limit)
-            return judge(
+            return judge_clause(
                 self.name,
                 Clause(
                     clause, shaft.name, what, shaft.standing, about, within, "N/mm2", notes, spans
@@ -190,7 +190,7 @@ class ShaftStress(RuleOverSpeed):
             line = judged(clause, STRESS, one.curve.limit, within & ~barred.passed, *notes)
             if line is not None:
                 yield line
-        line = self._passing(evidence, one, settings, judged)
+        line = self._passing(evidence, one, judged)
         if line is not None:
             yield line
         what = "Torsional stress amplitude above the last speed with a limit"
@@ -207,18 +207,21 @@ class ShaftStress(RuleOverSpeed):
 
     def _above(self, study: Study, last: float) -> Verdict:
         """Verdict above the last limit: a restriction, or NOT JUDGED if a rule has continuous use there."""
-        ranges = (getattr(settings, "continuous", None) for _, settings in study.rules)
-        stated = [use.last for use in ranges if use is not None]
-        highest = max([*stated, study.operation.highest or 0.0])
+        ranges = [
+            settings.continuous for _, settings in study.rules if isinstance(settings, UseSettings)
+        ]
+        highest = max(
+            [*(use.last for use in ranges if use is not None), study.operation.highest or 0.0]
+        )
         return (
             "not judged" if highest > last * rated_speed(study) * (1 + ROUNDING) else "restricted"
         )
 
     def _passing(
-        self, evidence: Results, one: Stressed, settings: Any, judged: Callable[..., Check | None]
+        self, evidence: Results, one: Stressed, judged: Callable[..., Check | None]
     ) -> Check | None:
         """The stress while the barred ranges are passed; None where nothing is barred."""
-        shaft, barred, meter = one.shaft, one.barred, settings.tachometer
+        shaft, barred, meter = one.shaft, one.barred, self.settings.tachometer
         if shaft.curve.passing is None:
             return None
         reasons = [
@@ -271,11 +274,11 @@ def limits_of(evidence: Results, shaft: LimitedShaft) -> Limits:
 
 def judging(evidence: Results, shaft: str) -> tuple[ShaftStress, LimitedShaft]:
     """The first rule of the file that limits the stress of a shaft, and its limits. Raises KeyError where none does."""
-    for rule, settings in of_study(evidence.study):
+    for rule in of_study(evidence.study):
         if isinstance(rule, ShaftStress):
-            for one in rule.shafts(evidence.study, settings):
-                if one.name == shaft:
-                    return rule, one
+            for limited in rule.shafts(evidence.study):
+                if limited.name == shaft:
+                    return rule, limited
     raise KeyError(shaft)
 
 

@@ -33,43 +33,34 @@ class ShrinkFitSettings(RuleSettings):
     )
 
 
-class ShrinkFits(RuleOverSpeed):
+class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
     """The rule, as the study reads it."""
 
     name = "shrink-fits"
     edition = "usual safety of class rules for shrink fits"
-    settings = ShrinkFitSettings
+    settings_class = ShrinkFitSettings
 
-    def speeds(self, study: Study, settings: ShrinkFitSettings) -> tuple[float, ...]:
-        """rad/s: the rated speed."""
-        return () if study.operation.rated is None else (study.operation.rated.speed,)
-
-    def faults(self, study: Study, settings: ShrinkFitSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
         if not any(fits(study.train)):
             hint = (
                 "give `pressure` and `friction` of a hub with `fit: shrink`, or leave the rule out"
             )
-            return [
-                Fault(
-                    self.path(study, settings), f"{self.name} finds no hub with a `pressure`", hint
-                )
-            ]
-        found = judgement.vibration_faults(self, study, settings)
+            return [Fault(self.path(study), f"{self.name} finds no hub with a `pressure`", hint)]
+        found = self.vibration_faults(study)
         if not study.has_mean_torque:
             message = f"the mean torque is not known, and {self.name} compares it"
             found.append(Fault(("operation", "rated", "power"), message, RATED))
         return found
 
-    def check(self, evidence: Results, settings: ShrinkFitSettings) -> tuple[Check, ...]:
-        """With what a pass stands on, and rows of hubs that the file does not say enough of."""
-        checks = super().check(evidence, settings)
-        kept = (
-            restricted(check, UNLOADED) if check.clause == "slip" else check for check in checks
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
+        """Return the checks with what a pass stands on."""
+        return tuple(
+            restricted(check, UNLOADED) if check.clause == "slip" else check
+            for check in super().judge(evidence)
         )
-        return (*kept, *self.demanded_rows(evidence.study, settings))
 
-    def demanded_rows(self, study: Study, settings: ShrinkFitSettings) -> tuple[Check, ...]:
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Shrunk hubs of which the file does not say what they carry."""
         note = "its `pressure` and `friction` are not given"
         return tuple(
@@ -80,10 +71,10 @@ class ShrinkFits(RuleOverSpeed):
             if hub.fit == "shrink" and (hub.pressure is None or hub.friction is None)
         )
 
-    def clauses(self, evidence: Results, settings: ShrinkFitSettings) -> Iterator[Clause]:
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
         """Mean torque and vibration, true to phase, of the shaft at every speed, over all of its length."""
         response, peak = evidence.need(Response), evidence.need(Synthesis).peak
-        safety = settings.safety or USUAL_SAFETY
+        safety = self.settings.safety or USUAL_SAFETY
         for bar, hub, capacity in fits(evidence.study.train):
             spans = judgement.spans_of(evidence.system, bar.part)
             torque = np.max(peak[:, spans], axis=1)
@@ -93,7 +84,7 @@ class ShrinkFits(RuleOverSpeed):
                 f"slip reaches over at most {min(reach, 1e3 * hub.length):.3g} of {1e3 * hub.length:g} mm of the seat",
                 MOSTLY,
             )
-            standing = TO_BE_VERIFIED if settings.safety is None else "setting"
+            standing = TO_BE_VERIFIED if self.settings.safety is None else "setting"
             yield Clause(
                 "slip",
                 bar.name,

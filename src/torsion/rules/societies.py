@@ -15,7 +15,7 @@ from pydantic import Field
 from torsion import fields
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
-from torsion.components.lowering import ShaftRecord
+from torsion.components.lowering import Part, ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.fields import given
 from torsion.findings import Results
@@ -79,264 +79,257 @@ class CrankSettings(SocietySettings):
     )
     duty: Duty = given("what the engine drives", "propulsion")
 
+    @property
+    def engine(self) -> tuple[str, bool]:
+        """The engine in words, and whether the higher limits hold: four strokes, in line or a V of 45 or 60 degrees."""
+        if self.strokes == 2 or self.arrangement == "other V":
+            return "two-stroke, or another V than of 45 or 60 degrees", False
+        values = {"strokes": self.strokes, "arrangement": self.arrangement}
+        missing = " and ".join(key for key, value in values.items() if value is None)
+        if missing:
+            return f"{missing} of the engine not given, the less favourable taken", False
+        return f"four-stroke, {self.arrangement}", True
+
 
 class SocietyRule(M68):
-    """The rule set of one society."""
+    """The rule set of one society that has M68 for line shafts, and at most a table by diameter for crankshafts."""
 
-    def __init__(self, name: str) -> None:
-        self.name, self.society = name, society_limits.SOCIETIES[name]
-        self.title, self.mark = self.society.title, self.society.mark
-        self.scope = self.society.scope
-        self.has_limits_of, self.is_pointwise = M68.has_limits_of, not self.society.has_majors
-        self.settings: type[M68Settings] = LrSettings if name == "lr" else SocietySettings
-        if self.society.crank == "kr":
-            self.has_limits_of, self.needs = (
-                (*M68.has_limits_of, *OTHER_ROLES),
-                (*M68.needs, "modes"),
-            )
-            self.settings = CrankSettings
-        elif self.society.crank:
+    settings_class = SocietySettings
+
+    def __init__(self, settings: M68Settings, name: str) -> None:
+        super().__init__(settings, name)
+        self.society = society_limits.SOCIETIES[name]
+        self.title, self.mark, self.scope = (
+            self.society.title,
+            self.society.mark,
+            self.society.scope,
+        )
+        self.is_pointwise = not self.society.has_majors
+        if self.society.crank == "ccs":
             self.has_limits_of = (*M68.has_limits_of, "crank")
 
     def edition_of(self, check: Check, study: Study) -> str:
         """Return the text of the society that limits line shafts, or that of crankshafts and generator shafts."""
-        others = {
-            study.train.parts[part].name for part, _, _ in with_role(study.train, *OTHER_ROLES)
-        }
+        others = {part.name for _, part, _ in with_role(study.train, *OTHER_ROLES)}
         is_other = check.where in others or check.clause == MAJOR
-        return (
-            self.society.crank_edition
-            if is_other and self.society.crank_edition
-            else self.society.edition
-        )
+        return (is_other and self.society.crank_edition) or self.society.edition
 
-    def shafts(self, study: Study, settings: M68Settings) -> Iterator[LimitedShaft]:
-        """Line shafts by the formulas of M68, others by the society's own table."""
-        for shaft in super().shafts(study, settings):
+    def shafts(self, study: Study) -> Iterator[LimitedShaft]:
+        """Yield line shafts by the formulas of M68, others by the society's own table."""
+        drive = _drive(study, self.settings)
+        agreed = () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
+        for shaft in super().shafts(study):
             standing = shaft.standing if self.society.mark == "rule text" else self.society.mark
-            drive = _drive(study, settings)
-            by_agreement = (
-                () if drive == "other" or self.name != "kr" else (AGREEMENT.format(drive),)
-            )
             yield replace(
                 shaft,
                 curve=_in_letters(shaft.curve, self.society),
                 standing=standing,
-                restrictions=(*shaft.restrictions, *by_agreement),
+                restrictions=(*shaft.restrictions, *agreed),
             )
-        for part, _, record in with_role(study.train, *OTHER_ROLES):
+        for number, part, record in with_role(study.train, *OTHER_ROLES):
             if record.role in self.has_limits_of:
-                yield self._other(study, settings, part, record)
+                yield self._limit_other(study, number, part, record)
 
-    def _other(
-        self, study: Study, settings: M68Settings, part: int, record: ShaftRecord
+    def _limit_other(
+        self, study: Study, number: int, part: Part, record: ShaftRecord
     ) -> LimitedShaft:
-        """A crankshaft or generator shaft."""
-        name, whole, society = (
-            study.train.parts[part].name,
-            study.train.parts[part].whole,
-            self.society,
-        )
-        ends = diameters(study.train, part)
-        if not isinstance(
-            settings, CrankSettings
-        ):  # a table by diameter alone, which the greatest limits most
-            diameter = max(outer for outer, _ in ends) * MM
-            curve = society_limits.crank_curve(society_limits.CCS_CRANK, society.letters, diameter)
-            return LimitedShaft(
-                part, name, curve, society.crank_mark, (f"diameter {diameter:.4g} mm",)
-            )
-        material = study.train.materials[record.material]
-        known = [
-            None if one is None else one * PA
-            for one in (material.tensile_strength, material.yield_strength)
-        ]
-        is_alloy = not {name, whole}.isdisjoint(settings.alloy)
-        strength = society_limits.strength_factor(known[0], alloy=is_alloy)
-        most = society_limits.ALLOY_CAP if is_alloy else society_limits.CARBON_CAP
-        agreed = tuple[str, ...]()
-        if (known[0] or 0.0) > most * (1 + ROUNDING):
-            agreed = (f"strength above {most:g} N/mm2 by agreement with {society.title}",)
-        yields = society_limits.yield_factor(known[1])
-        engine, is_better = _engine(settings)
-        if record.role == "crank" and settings.duty == "propulsion":
-            table = society_limits.KR_IN_LINE if is_better else society_limits.KR_OTHER
-            curve = society_limits.crank_curve(table, society.letters, 0.0, strength, yields)
-            notes = (
-                engine,
-                f"f_m {strength:.4g}, of tau_2 {yields:.4g}",
-                "without a calculation by IACS UR M53",
-            )
-            return LimitedShaft(part, name, curve, society.crank_mark, notes, restrictions=agreed)
-        rows = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
-        rows, about = (
-            (rows, engine)
-            if record.role == "crank"
-            else (society_limits.KR_SET_SHAFT, "generator shaft")
-        )
-        factor = min(strength, yields)
-        curve = society_limits.set_curve(rows, factor)
-        about_set = about, f"f_m {factor:.4g}"
-        return LimitedShaft(part, name, curve, society.crank_mark, about_set, restrictions=agreed)
+        """Return a crankshaft with the limits of a table by diameter, of which the greatest limits most."""
+        diameter = max(outer for outer, _ in diameters(study.train, number)) * MM
+        table = society_limits.CCS_CRANK
+        curve = society_limits.crank_curve(table, self.society.letters, diameter)
+        notes = (f"diameter {diameter:.4g} mm",)
+        return LimitedShaft(number, part.name, curve, self.society.crank_mark, notes)
 
-    def _settings_faults(
-        self, study: Study, settings: M68Settings, shafts: Mapping[str, ShaftRecord], where: Path
-    ) -> list[Fault]:
-        """Those of M68, and settings of an engine that no engine of the file has."""
-        found = super()._settings_faults(study, settings, shafts, where)
-        engines = [part.engine for part in study.train.parts if part.engine is not None]
-        if not isinstance(settings, CrankSettings):
-            return found
-        roles = {shaft.role for shaft in shafts.values()}
-        driven = roles & {"propeller", "generator"}
-        right = DUTIES[next(iter(driven))] if len(driven) == 1 else settings.duty
-        if "crank" in roles and settings.duty != right:
-            message = f"`duty` {settings.duty} of {self.name} contradicts the shaft of role {listed(map(str, driven))}"
-            found.append(Fault(where, message, f"duty: {right}, or another `role` of the shaft"))
-        if not engines:
-            return found
-        stated = {
-            "strokes": (settings.strokes, [2 * engine.revolutions for engine in engines]),
-            "cylinders": (settings.cylinders, [len(engine.cylinders) for engine in engines]),
-        }
-        for key, (value, values) in stated.items():
-            if value is not None and value not in values:
-                message = f"`{key}` {value} of {self.name} contradicts the engine of the file, which has {values[0]}"
-                found.append(
-                    Fault((*where, self.name, key), message, f"{key}: {values[0]}, or leave it out")
-                )
-        return found
-
-    def clauses(self, evidence: Results, settings: M68Settings) -> Iterator[Clause]:
-        """Vibratory torque of gears, where the society limits it."""
-        if self.society.mesh is None or judgement.rated_torque(evidence) is None:
+    def clauses(self, evidence: Results) -> Iterator[Clause]:
+        """Yield the vibratory torque of gears, where the society limits it."""
+        share = self.society.mesh
+        if share is None or judgement.rated_torque(evidence) is None:
             return
         response = evidence.need(Response)
         reach = coverage(float(response.speed[-1]), rated_speed(evidence.study))
         for mesh in meshes(evidence):
             if mesh.rated > 0:
-                curve = curve_of(response, mesh.vibratory, self.society.mesh * mesh.rated)
-                notes = f"{self.society.mesh:.4g} x {mesh.rated:.5g} N m", reach, MOSTLY
+                curve = curve_of(response, mesh.vibratory, share * mesh.rated)
                 within = np.ones(len(curve.speed), dtype=bool)
-                yield Clause(
-                    "gears",
-                    mesh.name,
-                    VIBRATORY,
-                    TO_BE_VERIFIED,
-                    curve,
-                    within,
-                    "N m",
-                    notes,
-                    mesh.spans,
-                )
+                notes = f"{share:.4g} x {mesh.rated:.5g} N m", reach, MOSTLY
+                about = "gears", mesh.name, VIBRATORY, TO_BE_VERIFIED, curve, within
+                yield Clause(*about, notes=notes, spans=mesh.spans)
 
-    def left_out(self, study: Study, settings: M68Settings) -> tuple[tuple[str, str], ...]:
-        """What was not judged, and why; nothing is skipped silently."""
-        found = [
-            *super().left_out(study, settings),
-            *((f"{self.name}: {what}", why) for what, why in self._open(study)),
-        ]
-        return tuple(found)
-
-    def _open(self, study: Study) -> Iterator[tuple[str, str]]:
-        """What the society wants besides, with where it is to be had."""
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
+        """Return what was not judged, and why; nothing is skipped silently."""
         train, named = study.train, {name for name, _ in study.rules}
-        yield from self.society.not_judged
-        has_gears, limits = (
-            any(train.of_kind("gear")),
-            [part.ratings for part in train.parts if part.ratings is not None],
-        )
-        if has_gears and self.society.mesh is None and "gear-hammer" not in named:
-            yield "gears", "the rule `gear-hammer` judges them, and the file does not name it"
-        if limits and "coupling-maker" not in named:
-            yield (
-                "couplings",
-                "the rule `coupling-maker` judges their torque and heat, and the file does not name it",
-            )
+        rows = list(self.society.not_judged)
+        if any(train.of_kind("gear")) and self.society.mesh is None and "gear-hammer" not in named:
+            why = "the rule `gear-hammer` judges them, and the file does not name it"
+            rows.append(("gears", why))
+        if any(part.ratings is not None for part in train.parts) and "coupling-maker" not in named:
+            judges = "the rule `coupling-maker` judges their torque and heat"
+            rows.append(("couplings", f"{judges}, and the file does not name it"))
+        return *super().left_out(study), *((f"{self.name}: {what}", why) for what, why in rows)
 
-    def demanded_rows(self, study: Study, settings: M68Settings) -> tuple[Check, ...]:
-        """Those of M68, and couplings at another stiffness; a generator set has no propulsion to misfire."""
-        rows = super().demanded_rows(study, settings)
-        if isinstance(settings, CrankSettings) and settings.duty == "generator set":
-            rows = tuple(row for row in rows if row.clause != MISFIRE)
-        rows = (*rows, *self._unknown_cranks(study), *self._missing_majors(study, settings))
-        gears = (
-            unknown_gears(self.name, study, TO_BE_VERIFIED) if self.society.mesh is not None else ()
-        )
-        return (*rows, *gears, *stiffness_row(self.name, study, self.society.mark))
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
+        """Return the rows of M68, of crankshafts and gears of unknown size or torque, and of other stiffnesses."""
+        rows = [*super().demanded_rows(study), *self._missing_cranks(study)]
+        if self.society.mesh is not None:
+            rows += unknown_gears(self.name, study, TO_BE_VERIFIED)
+        return (*rows, *stiffness_row(self.name, study, self.society.mark))
 
-    def _unknown_cranks(self, study: Study) -> Iterator[Check]:
+    def _missing_cranks(self, study: Study) -> Iterator[Check]:
         """Yield a row for each engine without the diameter of its journals, where the society limits crankshafts."""
-        if not self.society.crank:
+        if not self.society.crank or any(with_role(study.train, "crank")):
             return
-        known = {number for number, _, _ in with_role(study.train, "crank")}
         for part in study.train.parts:
-            if part.engine is not None and not known:
-                note = "`journal` of the engine is not given"
+            if part.engine is not None:
                 what = "Torsional stress amplitude of the crankshaft"
-                yield unjudged(
-                    self.name, "crankshaft", part.name, what, note, self.society.crank_mark
-                )
+                note, mark = "`journal` of the engine is not given", self.society.crank_mark
+                yield unjudged(self.name, "crankshaft", part.name, what, note, mark)
 
-    def _missing_majors(self, study: Study, settings: M68Settings) -> Iterator[Check]:
-        """Yield the row about major critical speeds of an engine, in line as far as is known, of unknown cylinders."""
-        if not (self.society.has_majors and isinstance(settings, CrankSettings)) or _cylinders(
-            study, settings
-        ):
+
+class LloydsRule(SocietyRule):
+    """The rule set of LR, with a tolerance of the tachometer of its own."""
+
+    settings_class = LrSettings
+
+
+class EngineSocietyRule(SocietyRule):
+    """The rule set of a society with tables of crankshafts and generator shafts by the engine, those of KR."""
+
+    settings: CrankSettings
+    settings_class = CrankSettings
+    needs = (*M68.needs, "modes")
+    has_limits_of = (*M68.has_limits_of, *OTHER_ROLES)
+
+    def _limit_other(
+        self, study: Study, number: int, part: Part, record: ShaftRecord
+    ) -> LimitedShaft:
+        """Return a crankshaft or generator shaft with the limits of KR for its engine, material and duty."""
+        material = study.train.materials[record.material]
+        tensile, yielding = (
+            None if strength is None else strength * PA
+            for strength in (material.tensile_strength, material.yield_strength)
+        )
+        is_alloy = not {part.name, part.whole}.isdisjoint(self.settings.alloy)
+        strength = society_limits.strength_factor(tensile, alloy=is_alloy)
+        yields = society_limits.yield_factor(yielding)
+        cap = society_limits.ALLOY_CAP if is_alloy else society_limits.CARBON_CAP
+        agreed = tuple[str, ...]()
+        if (tensile or 0.0) > cap * (1 + ROUNDING):
+            agreed = (f"strength above {cap:g} N/mm2 by agreement with {self.society.title}",)
+
+        engine, is_better = self.settings.engine
+        if record.role == "crank" and self.settings.duty == "propulsion":
+            table = society_limits.KR_IN_LINE if is_better else society_limits.KR_OTHER
+            curve = society_limits.crank_curve(table, self.society.letters, 0.0, strength, yields)
+            factors = f"f_m {strength:.4g}, of tau_2 {yields:.4g}"
+            notes: tuple[str, ...] = engine, factors, "without a calculation by IACS UR M53"
+        else:
+            factor = min(strength, yields)
+            limits, words = society_limits.KR_SET_SHAFT, "generator shaft"
+            if record.role == "crank":
+                limits = society_limits.KR_SET_CRANK["in-line" if is_better else "other"]
+                words = engine
+            curve = society_limits.set_curve(limits, factor)
+            notes = words, f"f_m {factor:.4g}"
+        mark = self.society.crank_mark
+        return LimitedShaft(number, part.name, curve, mark, notes, restrictions=agreed)
+
+    def _settings_faults(
+        self, study: Study, shafts: Mapping[str, ShaftRecord], where: Path
+    ) -> list[Fault]:
+        """Return the faults of M68, and settings of an engine that no engine of the file has."""
+        faults, settings = super()._settings_faults(study, shafts, where), self.settings
+        roles = {shaft.role for shaft in shafts.values()}
+        driven = roles & {"propeller", "generator"}
+        right = DUTIES[next(iter(driven))] if len(driven) == 1 else settings.duty
+        if "crank" in roles and settings.duty != right:
+            message = f"`duty` {settings.duty} of {self.name} contradicts the shaft of role {listed(map(str, driven))}"
+            faults.append(Fault(where, message, f"duty: {right}, or another `role` of the shaft"))
+
+        engines = [part.engine for part in study.train.parts if part.engine is not None]
+        stated = {
+            "strokes": (settings.strokes, [2 * engine.revolutions for engine in engines]),
+            "cylinders": (settings.cylinders, [len(engine.cylinders) for engine in engines]),
+        }
+        for key, (value, values) in stated.items():
+            if value is not None and values and value not in values:
+                message = f"`{key}` {value} of {self.name} contradicts the engine of the file, which has {values[0]}"
+                hint = f"{key}: {values[0]}, or leave it out"
+                faults.append(Fault((*where, self.name, key), message, hint))
+        return faults
+
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
+        """Return the rows of a society; a generator set has no propulsion to misfire."""
+        rows = super().demanded_rows(study)
+        if self.settings.duty == "generator set":
+            rows = tuple(row for row in rows if row.clause != MISFIRE)
+        return rows
+
+    def _missing_cranks(self, study: Study) -> Iterator[Check]:
+        """Yield also the row about major critical speeds of an engine, in line as far as is known, of unknown cylinders."""
+        yield from super()._missing_cranks(study)
+        if not self.society.has_majors or self._cylinders(study):
             return
         cranks = [part.name for _, part, _ in with_role(study.train, "crank")]
-        if cranks and settings.arrangement in (None, "in-line"):
+        if cranks and self.settings.arrangement in (None, "in-line"):
             note, mark = "`cylinders` of the engine is not given", self.society.crank_mark
-            yield unjudged(
-                self.name, "major critical speed", cranks[0], "Major critical speeds", note, mark
-            )
+            yield unjudged(self.name, MAJOR, cranks[0], "Major critical speeds", note, mark)
 
-    def check(self, evidence: Results, settings: M68Settings) -> tuple[Check, ...]:
-        """Stresses and least diameters, and where major critical speeds lie."""
-        majors = self._majors(evidence, settings) if self.society.has_majors else ()
-        return (*super().check(evidence, settings), *majors)
+    def check(self, evidence: Results) -> tuple[Check, ...]:
+        """Return all checks, and last where major critical speeds lie."""
+        majors = self._majors(evidence) if self.society.has_majors else ()
+        return (*super().check(evidence), *majors)
 
-    def _majors(self, evidence: Results, settings: M68Settings) -> Iterator[Check]:
-        """Of every mode with one node, the order of the number of cylinders, and half of it of four strokes.
+    def _majors(self, evidence: Results) -> Iterator[Check]:
+        """Yield of every mode with one node the order of the number of cylinders, and half of it of four strokes.
 
         Where the strokes are not given both orders are judged; without a crankshaft those of the reference's speed.
         """
-        cylinders = _cylinders(evidence.study, settings)
-        if not isinstance(settings, CrankSettings) or not cylinders:
+        cylinders = self._cylinders(evidence.study)
+        if not cylinders:
             return
-        first, rated = MAJORS_FROM[settings.duty], rated_speed(evidence.study)
-        modes = evidence.need(Modes)
-        cranks = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")} or {
-            Fraction(1)
+        first, rated = MAJORS_FROM[self.settings.duty], rated_speed(evidence.study)
+        ratios = {part.ratio for _, part, _ in with_role(evidence.study.train, "crank")}
+        divisors = (1,) if self.settings.strokes == 2 else (1, 2)
+        orders = {
+            Fraction(cylinders, divisor) * ratio
+            for ratio in ratios or {Fraction(1)}
+            for divisor in divisors
         }
-        parts = (1,) if settings.strokes == 2 else (1, 2)
-        orders = {Fraction(cylinders, part) * ratio for ratio in cranks for part in parts}
+        modes, mark = evidence.need(Modes), self.society.crank_mark
         for mode in np.flatnonzero(modes.nodes == 1).tolist():
             for order in sorted(orders, reverse=True):
                 speed = 2.0 * math.pi * float(modes.frequency[mode]) / float(order)
                 is_above = speed / rated > (first + MAJORS_TO) / 2.0
                 limit = MAJORS_TO if is_above else first
-                is_kept = speed / rated >= limit if is_above else speed / rated <= limit
-                what = f"Major critical speed of order {order} / rated speed"
+                is_met = speed / rated >= limit if is_above else speed / rated <= limit
                 yield Check(
                     self.name,
                     MAJOR,
                     f"mode {mode + 1}",
-                    what,
+                    f"Major critical speed of order {order} / rated speed",
                     speed / rated,
                     limit,
                     "1",
-                    verdict_of(is_kept, self.society.crank_mark),
-                    self.society.crank_mark,
+                    verdict_of(is_met, mark),
+                    mark,
                     speed,
                     order,
                     f"not within {first:g} to {MAJORS_TO:g}",
                     at_least=is_above,
                 )
 
+    def _cylinders(self, study: Study) -> int:
+        """Return the cylinders by the setting, else of an engine in line, the only one of the file; 0 if not known."""
+        if self.settings.cylinders is not None:
+            return self.settings.cylinders
+        engines = [part.engine for part in study.train.parts if part.engine is not None]
+        if len(engines) != 1 or len(engines[0].throws) != len(engines[0].cylinders):
+            return 0
+        return len(engines[0].cylinders)
+
 
 def _drive(study: Study, settings: M68Settings) -> str:
-    """What drives, as the rule states it, else of a train without an engine a motor or turbine of the file."""
+    """Return what drives, as the rule states it, else of a train without an engine a motor or turbine of the file."""
     kinds = {part.kind for part in study.train.parts}
     has_engine = "engine" in kinds or any(True for _ in with_role(study.train, "crank"))
     if settings.drive != "other" or has_engine:
@@ -348,28 +341,3 @@ def _in_letters(curve: LimitCurve, society: Society) -> LimitCurve:
     """The limits of M68 under the names that a society gives them."""
     pieces = tuple(replace(piece, clause=society.letters[0]) for piece in curve.pieces)
     return LimitCurve(pieces, curve.passing and replace(curve.passing, clause=society.letters[1]))
-
-
-def _cylinders(study: Study, settings: M68Settings) -> int:
-    """Cylinders of the engine by the rule, else by an engine in line, the only one of the file; 0 where not known."""
-    if isinstance(settings, CrankSettings) and settings.cylinders is not None:
-        return settings.cylinders
-    engines = [part.engine for part in study.train.parts if part.engine is not None]
-    sizes = {
-        len(engine.cylinders) for engine in engines if len(engine.throws) == len(engine.cylinders)
-    }
-    return sizes.pop() if len(sizes) == 1 == len(engines) else 0
-
-
-def _engine(settings: CrankSettings) -> tuple[str, bool]:
-    """The engine in words, and whether the higher limits are its: four strokes, in line or a V of 45 or 60 degrees."""
-    lacks = [
-        word
-        for word, value in (("strokes", settings.strokes), ("arrangement", settings.arrangement))
-        if value is None
-    ]
-    if settings.strokes == 2 or settings.arrangement == "other V":
-        return "two-stroke, or another V than of 45 or 60 degrees", False
-    if lacks:
-        return f"{' and '.join(lacks)} of the engine not given, the less favourable taken", False
-    return f"four-stroke, {settings.arrangement}", True

@@ -19,7 +19,7 @@ from torsion.findings import Results
 from torsion.rules.barred_time import barred_times, unstable_words
 from torsion.rules.judgement import within
 from torsion.rules.reached_speeds import distinct, with_reach
-from torsion.rules.verdict_line import BarredRange, Check, Rule
+from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings
 from torsion.study import Operation, Study
 
 NOTHING_DAMPS = "nothing in the train damps, so that a growth of 0 is the best there is"
@@ -33,10 +33,10 @@ NOT_DISTINGUISHED = "a drift of the mean speed and an instability were not disti
 PART = "only a part of the operation's speeds was looked at"
 
 
-class StableMotion(Rule):
+class StableMotion(Rule[RuleSettings]):
     """The rule on whatever stability was computed."""
 
-    def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Of the whole train."""
         found = evidence.need(Stability)
         line = stability_check(found, evidence.study.operation)
@@ -241,10 +241,10 @@ def _nearest(found: Stability, first: float, last: float) -> list[str]:
     return said
 
 
-class StableBending(Rule):
+class StableBending(Rule[RuleSettings]):
     """The rule on whatever bending was computed."""
 
-    def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Of every shaft that bends."""
         found = bending_checks(evidence.need(Lateral), evidence.study.operation)
         return distinct(row for line in found for row in with_reach(line, evidence.study))

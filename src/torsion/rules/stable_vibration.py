@@ -10,7 +10,7 @@ from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Results
 from torsion.rules.reached_speeds import in_rpm
-from torsion.rules.verdict_line import Check, Rule, Verdict
+from torsion.rules.verdict_line import Check, Rule, RuleSettings, Verdict
 from torsion.study import Study
 
 WHOLE = "whole train"
@@ -18,10 +18,10 @@ SPEEDS = 41  # over the operation, at which the eigenvalues are computed
 ROUNDING = 1e-9  # of an eigenvalue: a smaller growth is none
 
 
-class StableVibration(Rule):
+class StableVibration(Rule[RuleSettings]):
     """The rule on a train in which a damping to ground is negative."""
 
-    def check(self, evidence: Results, settings: None) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Return one check of the whole train; none where no damping is negative."""
         study, system = evidence.study, evidence.system
         speeds = operated_speeds(study)

@@ -150,20 +150,20 @@ class JointRuleSettings(RuleSettings):
     )
 
 
-class UniversalJoints(Rule):
+class UniversalJoints(Rule[JointRuleSettings]):
     """The rule, as the study reads it."""
 
     name = RULE
     edition = "published practice of joint makers (Elbe, Spicer, Dana)"
-    settings = JointRuleSettings
+    settings_class = JointRuleSettings
     needs = ("joints",)
 
-    def faults(self, study: Study, settings: JointRuleSettings) -> list[Fault]:
+    def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""
         if not study.has_joints:
             return [
                 Fault(
-                    self.path(study, settings),
+                    self.path(study),
                     f"{RULE} finds no joint in the train",
                     "leave the rule out",
                 )
@@ -177,14 +177,14 @@ class UniversalJoints(Rule):
             ]
         return []
 
-    def left_out(self, study: Study, settings: JointRuleSettings) -> tuple[tuple[str, str], ...]:
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """What it does not judge, and why."""
         found = [
             (f"{RULE}: bending of {tube.name}", tube.lacks)
             for tube in tubes(study.train)
             if tube.lacks
         ]
-        if settings.speed_angle is None:
+        if self.settings.speed_angle is None:
             found.append(
                 (
                     f"{RULE}: speed times angle",
@@ -193,15 +193,15 @@ class UniversalJoints(Rule):
             )
         return tuple(found)
 
-    def check(self, evidence: Results, settings: JointRuleSettings) -> tuple[Check, ...]:
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
         """Every line of joints, every shaft between joints and, where requested, every joint, at the highest speed."""
         found, speed = evidence.get(Joints), _speed(evidence.study)
         if found is None or speed is None:
             raise ValueError("a rule about joints needs them and a speed")
-        rows = [row for line in found.lines for row in _of_line(found, line, settings, speed)]
-        rows += _between(found, settings, speed).values()
-        if settings.speed_angle is not None:
-            limit: Limit = settings.speed_angle, "setting", "setting `speed_angle`"
+        rows = [row for line in found.lines for row in _of_line(found, line, self.settings, speed)]
+        rows += _between(found, self.settings, speed).values()
+        if self.settings.speed_angle is not None:
+            limit: Limit = self.settings.speed_angle, "setting", "setting `speed_angle`"
             for joint in found.joints:
                 value = (
                     speed * float(joint.ratio) * RPM * math.degrees(joint.angle)
@@ -222,7 +222,7 @@ class UniversalJoints(Rule):
             if tube.lacks:
                 rows.append(_unjudged_bending(tube, tube.lacks))
             else:
-                rows += _bending(tube, evidence.get(Lateral), settings.critical_share, speed)
+                rows += _bending(tube, evidence.get(Lateral), self.settings.critical_share, speed)
         return tuple(rows)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from datetime import date
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Generic, Literal, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -144,6 +144,9 @@ class RuleSettings(Declared):
     verified: Verified | None = given(
         "the limits were compared with an edition of the rule: {edition, by, on, clauses}; changes no limit"
     )
+
+
+Settings = TypeVar("Settings", bound=RuleSettings)
 
 
 @reported
@@ -328,53 +331,61 @@ class Checks:
         return any(check.verdict == "not judged" for check in self.lines)
 
 
-class Rule:
-    """Base of all rules, which need nothing, leave nothing out and judge nothing until they say so.
+class Rule(Generic[Settings]):
+    """Base of all rules: the settings of the file, what they demand of it, and the checks of its results.
 
-    `settings` are the settings of the file, of the class `settings`.
+    A rule overrides what it has to say. Without that it demands nothing, leaves nothing out and judges nothing.
     """
 
     name: str = ""  # in the file
-    settings: type[RuleSettings] = RuleSettings
+    settings_class: type[RuleSettings] = RuleSettings
     edition: str = ""  # of the text that its limits follow
     needs: tuple[str, ...] = ()  # analyses that it reads
+    scope: float = 1.0  # speed ratio up to which it is to be judged
     is_pointwise = (
         False  # its clauses judge each speed by itself, and it says nothing else of what keeps them
     )
+
+    def __init__(self, settings: Settings, name: str = "") -> None:
+        """name: the name in the file, of a class that serves several rules."""
+        self.settings = settings
+        self.name = name or self.name
 
     def edition_of(self, check: Check, study: Study) -> str:
         """Return rule and edition of the text that the limit of a check follows."""
         return self.edition or self.name
 
-    def path(self, study: Study, settings: Any) -> Path:
-        """Where the rule with these settings stands in the file."""
-        places = (
-            ("rules", position)
-            for position, (_, given) in enumerate(study.rules)
-            if given is settings
-        )
-        return next(places, ("rules",))
+    def path(self, study: Study) -> Path:
+        """Return where the rule with these settings stands in the file."""
+        for position, (_, settings) in enumerate(study.rules):
+            if settings is self.settings:
+                return "rules", position
+        return ("rules",)
 
-    def faults(self, study: Study, settings: Any) -> list[Fault]:
-        """What the file lacks."""
+    def faults(self, study: Study) -> list[Fault]:
+        """Return what the file lacks for this rule."""
         return []
 
-    def left_out(self, study: Study, settings: Any) -> tuple[tuple[str, str], ...]:
-        """What it does not judge, and why."""
+    def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
+        """Return what the rule does not judge, and why."""
         return ()
 
-    def demanded_rows(self, study: Study, settings: Any) -> tuple[Check, ...]:
-        """Rows that follow from the file alone: demands that it, or a part of it, does not meet."""
+    def demanded_rows(self, study: Study) -> tuple[Check, ...]:
+        """Return rows that follow from the file alone: demands that it, or a part of it, does not meet."""
         return ()
 
-    def speeds(self, study: Study, settings: Any) -> tuple[float, ...]:
-        """Speeds (rad/s of the reference station) that must be computed, where they lie in the range."""
+    def speeds(self, study: Study) -> tuple[float, ...]:
+        """Return speeds (rad/s of the reference station) that must be computed, where they lie in the range."""
         return ()
 
-    def speeds_between(self, evidence: Results, settings: Any) -> FloatArray:
-        """(speeds,) rad/s between those computed at which it may find more."""
+    def speeds_between(self, evidence: Results) -> FloatArray:
+        """Return (speeds,) rad/s between those computed at which the rule may find more."""
         return np.empty(0)
 
-    def check(self, evidence: Results, settings: Any) -> tuple[Check, ...]:
-        """Its verdicts."""
+    def judge(self, evidence: Results) -> tuple[Check, ...]:
+        """Return the checks of what was computed: one for each clause and component."""
         return ()
+
+    def check(self, evidence: Results) -> tuple[Check, ...]:
+        """Return all checks: those of the results, then the rows that follow from the file alone."""
+        return *self.judge(evidence), *self.demanded_rows(evidence.study)

@@ -141,7 +141,7 @@ def _study(source: Source) -> Study:
     if faults or study is None:
         raise input_error(faults, source)
     if study.train.follows_speed:
-        from torsion.analyses.frequencies_by_torque import at_operating_point
+        from torsion.analyses.modes.frequencies_by_torque import at_operating_point
 
         try:
             study = at_operating_point(study)

@@ -205,7 +205,9 @@ _lateral_faults = _of_analysis(
     lambda study: "lateral" in study.analyses or study.has_supports,
     lambda study: (study.train, study.analyses.get("lateral")),
 )
-_table_faults = _of_analysis("coupling_tables:table_faults", lambda study: study.train.has_tables)
+_table_faults = _of_analysis(
+    "modes.coupling_tables:table_faults", lambda study: study.train.has_tables
+)
 _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
     (lambda study: fixed_point_faults(study.train), ("train", "links")),
     (_model_faults, ("train", "links", "analyses")),

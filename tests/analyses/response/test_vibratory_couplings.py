@@ -11,7 +11,7 @@ import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.response.synthesis import half_range, synthesis
-from torsion.analyses.vibratory_torques import VibratoryTorques
+from torsion.analyses.response.vibratory_torques import VibratoryTorques
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError

@@ -7,10 +7,10 @@ import pytest
 from scipy.special import jn_zeros
 
 import torsion
-from torsion.analyses.fillet_stresses import Fillets
-from torsion.analyses.hub_moves import HubMoves
+from torsion.analyses.modes.hub_moves import HubMoves
+from torsion.analyses.modes.sharp_steps import SharpSteps
 from torsion.analyses.response.amplitudes import Synthesis
-from torsion.analyses.sharp_steps import SharpSteps
+from torsion.analyses.response.fillet_stresses import Fillets
 from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly import assemble
 from torsion.assembly.junction.hubs import bonded

@@ -8,9 +8,9 @@ from tests.assembly.junction.test_stepped_shafts import frequencies, scene
 from tests.contracts.frozen import solved
 
 import torsion
-from torsion.analyses.fillet_stresses import Fillets
+from torsion.analyses.modes.sharp_steps import SharpSteps
 from torsion.analyses.response.amplitudes import Synthesis
-from torsion.analyses.sharp_steps import SharpSteps
+from torsion.analyses.response.fillet_stresses import Fillets
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.junction.stepped_shafts import with_steps

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from torsion.analyses.fillet_stresses import hole_factor, keyway_fit
+from torsion.analyses.response.fillet_stresses import hole_factor, keyway_fit
 from torsion.assembly.section.grooved_sections import (
     WIDEST,
     Grooved,

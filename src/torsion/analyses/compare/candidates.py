@@ -121,7 +121,7 @@ def reference(study: Study, highest: float, count: int | None) -> tuple[Modes, M
     if count is None:
         count = COUNT
         if highest > 0.0 and system.condensed_shafts is not None:
-            from torsion.analyses.bars import reach
+            from torsion.analyses.modes.bars import reach
 
             count = max(1, reach(undamped_tree(system), 2.0 * math.pi * highest).count)
     found = modes(system, count)

@@ -365,7 +365,7 @@ def _count_below(found: Modes, highest: float) -> int:
         from torsion.kernels.sturm import count_below
 
         return int(count_below(tree, w)[0]) - found.rigid
-    from torsion.analyses.bars import reach
+    from torsion.analyses.modes.bars import reach
 
     known = reach(tree, w)
     return known.count if known.frequency >= w else int(np.count_nonzero(found.frequency < highest))

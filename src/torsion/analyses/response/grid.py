@@ -96,7 +96,7 @@ def _modes_up_to(system: System, highest: float, known: Modes | None) -> Modes:
         return condensed_modes(_modes_up_to(system.whole, highest, None), system)
     condensed = system.condensed
     if system.condensed_shafts is not None:
-        from torsion.analyses.bars import reach
+        from torsion.analyses.modes.bars import reach
 
         return modes_as_discretised(system, max(reach(undamped_tree(system), highest).count, 1))
     if condensed.extra.size or np.isinf(condensed.tree.flexibility).any():

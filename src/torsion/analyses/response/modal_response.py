@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from torsion.analyses.modal_basis import beside_modes, rigid_shapes
+from torsion.analyses.modes.modal_basis import beside_modes, rigid_shapes
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.arrays import ComplexArray, FloatArray

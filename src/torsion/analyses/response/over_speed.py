@@ -326,7 +326,7 @@ def run(work: Work) -> None:
 
 def _met_over_speed(work: Work) -> list[float]:
     """rad/s at which an order meets a mode whose frequency follows the speed."""
-    from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed, reaching
+    from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed, reaching
 
     orders = [line.order for line in lines(work.system) if line.order]
     if not orders or work.study.operation.speeds is None:

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from torsion.analyses.modal_basis import beside_modes
+from torsion.analyses.modes.modal_basis import beside_modes
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.response.solver import swept, undamped
 from torsion.analyses.undamped_modes import Modes

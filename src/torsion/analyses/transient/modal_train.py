@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from torsion.analyses.modal_basis import massless, rigid_shapes
+from torsion.analyses.modes.modal_basis import massless, rigid_shapes
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.transient.direct_torques import direct_torques
 from torsion.analyses.transient.state_before import State

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsion.analyses.modal_basis import massless
+from torsion.analyses.modes.modal_basis import massless
 from torsion.analyses.transient.events import Clutch, ramps
 from torsion.analyses.transient.transient_settings import PATH, TransientSettings
 from torsion.arrays import FloatArray

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.coupling_tables import CouplingTables, Table
+from torsion.analyses.modes.coupling_tables import CouplingTables, Table
 from torsion.findings import Findings
 from torsion.output import blocks
 from torsion.output.blocks import Block, Heading, Paragraph, table

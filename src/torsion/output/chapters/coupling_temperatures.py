@@ -4,7 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.coupling_temperatures import CouplingTemperature, CouplingTemperatures
+from torsion.analyses.response.coupling_temperatures import (
+    CouplingTemperature,
+    CouplingTemperatures,
+)
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Axis, Figure, Level, Line, Panel

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
-from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.modes.tolerances import Tolerances
 from torsion.analyses.sweep.sweep_results import Sweep
-from torsion.analyses.tolerances import Tolerances
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table

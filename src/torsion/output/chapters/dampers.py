@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from torsion.analyses.damper_optimum import Dampers
+from torsion.analyses.modes.damper_optimum import Dampers
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import given, number

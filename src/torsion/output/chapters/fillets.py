@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from torsion.analyses.fillet_stresses import Fillet, Fillets
+from torsion.analyses.response.fillet_stresses import Fillet, Fillets
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import NONE, number, rpm

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.frequencies_by_torque import FrequenciesOverSpeed
+from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import number, rpm, scale

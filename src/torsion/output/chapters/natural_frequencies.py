@@ -7,10 +7,10 @@ from itertools import islice
 import numpy as np
 
 from torsion.analyses.damped_modes import DampedModes
-from torsion.analyses.holzer import HolzerTable, holzer
-from torsion.analyses.hub_moves import HubMoves
+from torsion.analyses.modes.holzer import HolzerTable, holzer
+from torsion.analyses.modes.hub_moves import HubMoves
+from torsion.analyses.modes.sharp_steps import SharpSteps
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response
-from torsion.analyses.sharp_steps import SharpSteps
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly.system import segment_groups
 from torsion.findings import Findings

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from torsion.analyses.pendulums import Pendulums
+from torsion.analyses.response.pendulums import Pendulums
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import NONE, given, number, order, rpm

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from torsion.analyses.hub_moves import HubMoves
-from torsion.analyses.sharp_steps import SharpSteps
+from torsion.analyses.modes.hub_moves import HubMoves
+from torsion.analyses.modes.sharp_steps import SharpSteps
 from torsion.output.blocks import Block, Heading, Paragraph, Points, table
 from torsion.output.numbers import NONE, number, symbols
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from torsion.analyses.modes.tolerances import Tolerances
 from torsion.analyses.sweep.sweep_results import Sweep, SweptCheck
-from torsion.analyses.tolerances import Tolerances
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from torsion.analyses.critical import CriticalSpeeds
-from torsion.analyses.tolerances import CouplingReach, Tolerances
+from torsion.analyses.modes.tolerances import CouplingReach, Tolerances
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import given_rpm, number, order, rpm

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.vibratory_torques import VibratoryTorque, VibratoryTorques
+from torsion.analyses.response.vibratory_torques import VibratoryTorque, VibratoryTorques
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Axis, Figure, Line, Panel

@@ -139,7 +139,7 @@ def has_judged(train: Train) -> bool:
     )
 
 
-def unjudged(train: Train) -> Iterator[tuple[Bar, str]]:
+def unknown_fillets(train: Train) -> Iterator[tuple[Bar, str]]:
     """The shaft that ends at a corner of no known K_t, one of whose shafts states an endurance; what it is."""
     from torsion.assembly.junction.stepped_shafts import unrounded
 

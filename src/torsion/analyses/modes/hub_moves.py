@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.sharp_steps import frequencies_of
+from torsion.analyses.modes.sharp_steps import frequencies_of
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Work

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsion.analyses.mode_nodes import TINY
+from torsion.analyses.modes.mode_nodes import TINY
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System

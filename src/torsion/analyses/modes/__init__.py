@@ -1,0 +1,1 @@
+"""Frequencies, shapes and critical speeds of the undamped train, and what tables, hubs and tolerances do to them."""
