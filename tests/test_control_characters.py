@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from tests.contracts.frozen import SCENES
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 import torsion
@@ -34,10 +35,8 @@ SIGNS = (
 posix = pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes")
 
 
-@pytest.mark.parametrize("sign", SIGNS)
-@pytest.mark.parametrize(
-    "given", ["name: pair", "name: rubber", "disc:"], ids=["scene", "component", "key"]
-)
+@for_all("sign", SIGNS)
+@for_all("given", ["name: pair", "name: rubber", "disc:"])
 def test_an_escape_for_a_control_character_is_refused_where_it_stands(
     given: str, sign: str
 ) -> None:
@@ -134,8 +133,8 @@ REORDERING = (
 )
 
 
-@pytest.mark.parametrize("sign", REORDERING)
-@pytest.mark.parametrize("old", ["name: pair", "name: rubber", "disc:", "train:"])
+@for_all("sign", REORDERING)
+@for_all("old", ["name: pair", "name: rubber", "disc:", "train:"])
 def test_a_character_that_reorders_or_hides_text_is_refused_where_it_stands(
     old: str, sign: str
 ) -> None:

@@ -7,6 +7,7 @@ from types import ModuleType
 
 import pytest
 import yaml
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 import torsion
@@ -118,7 +119,7 @@ def test_groups_of_keys_have_every_key_of_the_kind_once(kind: str) -> None:
     assert sorted(grouped) == sorted(keys_of(component(kind)).keys() - keys_of(Component).keys())
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("kind", "example"),
     [(kind, example) for kind, text in EXAMPLES.items() for example in re.split(r"\n(?=- )", text)],
 )
@@ -157,7 +158,7 @@ def test_equations_are_numbered_once_and_without_gaps() -> None:
         assert letters == list("abcdefghijklmnop"[: len(letters)]), number
 
 
-@pytest.mark.parametrize("feature", DETAILS)
+@for_all("feature", DETAILS)
 def test_the_factors_of_a_feature_are_those_of_the_rule(feature: str) -> None:
     row = next(
         line for line in THEORY.splitlines() if line.startswith("| ") and f"`{feature}`" in line
@@ -186,7 +187,7 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
-@pytest.mark.parametrize("path", LINKED, ids=lambda path: path.relative_to(ROOT).as_posix())
+@for_all("path", LINKED)
 def test_a_link_in_a_document_leads_to_a_file_and_a_heading(path: Path) -> None:
     for target, anchor in re.findall(
         r"\]\(([^)#:\s]*)(?:#([^)]*))?\)", path.read_text(encoding="utf-8")
@@ -205,7 +206,7 @@ def help_of(command: str) -> str:
     return shown.output
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+@for_all("path", PAGES)
 def test_every_command_and_option_of_a_document_exists(path: Path) -> None:
     text = path.read_text(encoding="utf-8").replace(
         "\\\n", " "

@@ -4,7 +4,7 @@ import doctest
 from importlib import import_module
 from pathlib import Path
 
-import pytest
+from tests.for_all import for_all
 
 import torsion
 
@@ -16,7 +16,7 @@ MODULES = [
 ]
 
 
-@pytest.mark.parametrize("name", MODULES)
+@for_all("name", MODULES)
 def test_examples_of_a_module_hold(name: str) -> None:
     module = import_module(name)
     names = {one: getattr(torsion, one) for one in torsion.__all__} if module is torsion else {}

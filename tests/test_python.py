@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 import yaml
 from tests import notebook_example
+from tests.for_all import for_all
 
 import torsion
 from torsion import formulas
@@ -352,7 +353,7 @@ def test_there_is_a_constructor_for_every_kind_with_the_keys_of_the_file() -> No
         torsion.build("pair", [torsion.disc(inertia=2), torsion.coupling(stifness=1)])
 
 
-@pytest.mark.parametrize("kind", EXAMPLES)
+@for_all("kind", EXAMPLES)
 def test_every_example_of_a_kind_is_written_by_its_constructor(kind: str) -> None:
     for entry in yaml.safe_load(EXAMPLES[kind]):
         body = dict(entry[kind])
@@ -427,7 +428,7 @@ def test_a_wrong_path_has_the_fault_of_a_case(path: str, message: str) -> None:
     assert message in str(raised.value)
 
 
-@pytest.mark.parametrize("name", formulas.__all__)
+@for_all("name", formulas.__all__)
 def test_a_formula_takes_keywords_states_its_source_and_is_worked_by_hand(name: str) -> None:
     function = getattr(formulas, name)
     assert all(

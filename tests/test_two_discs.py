@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
@@ -114,7 +115,7 @@ def _words(text: str) -> str:
     return text.replace("-", "−").replace("e−0", "e-0")
 
 
-@pytest.mark.parametrize("form", STATED, ids=lambda form: form.strip().replace("\n", " "))
+@for_all("form", STATED)
 def test_a_number_of_the_tutorial_is_that_of_the_closed_form(form: str) -> None:
     words = re.sub(r"−(?=\d)", "-", form).format(STATED[form])
     pattern = r"\s+".join(map(re.escape, _words(words).split(" ")))

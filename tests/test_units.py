@@ -8,6 +8,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.for_all import for_all
 
 from torsion import units
 from torsion.units import UnitFault, needs_unit, speak, to_si
@@ -94,7 +95,7 @@ QUANTITIES = [
 ]
 
 
-@pytest.mark.parametrize(("text", "unit", "expected"), QUANTITIES)
+@for_all(("text", "unit", "expected"), QUANTITIES)
 def test_a_quantity_is_the_number_that_the_definitions_of_its_units_give(
     text: str, unit: str, expected: float
 ) -> None:
@@ -115,7 +116,7 @@ def test_a_conversion_is_rounded_once(text: str, unit: str, exact: Fraction) -> 
     assert to_si(text, unit) == float(exact)
 
 
-@pytest.mark.parametrize("unit", units._COMMON)
+@for_all("unit", units._COMMON)
 def test_the_short_way_gives_what_the_definitions_give(unit: str) -> None:
     for spelling in units._COMMON[unit]:
         number = Fraction("7.3")
@@ -123,14 +124,14 @@ def test_the_short_way_gives_what_the_definitions_give(unit: str) -> None:
         assert to_si(f"7.3 {spelling}", unit) == float(exact)
 
 
-@pytest.mark.parametrize("unit", units._KINDS)
+@for_all("unit", units._KINDS)
 def test_every_kind_has_words_and_an_example_that_can_be_read(unit: str) -> None:
     assert speak(unit).split()[0] in {"a", "an"}
     assert math.isfinite(to_si(units._KINDS[unit][1], unit))
     assert needs_unit(unit) or to_si("2.5", unit) == 2.5
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "unit", "message", "hint"),
     [
         (

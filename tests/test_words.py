@@ -7,7 +7,7 @@ import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
+from tests.for_all import for_all
 
 ROOT = Path(__file__).parents[1]
 CHECKED = (  # files; folders of *.md and *.py
@@ -141,7 +141,7 @@ def test_the_roots_that_are_checked_exist() -> None:
     assert all((ROOT / name).exists() for name in CHECKED)
 
 
-@pytest.mark.parametrize(
+@for_all(
     "text",
     [
         "The value is told.",
@@ -160,7 +160,7 @@ def test_a_private_word_is_found(text: str) -> None:
     assert len(private_words(text)) == 1
 
 
-@pytest.mark.parametrize(
+@for_all(
     "text",
     [
         "`held: true` grounds it",

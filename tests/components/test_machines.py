@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.components import component
@@ -82,7 +83,7 @@ def test_power_and_torque_state_the_rated_torque_at_the_stated_speed() -> None:
     assert record("fan: {inertia: 2}").rated_torque(10.0) is None
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("entry", "message", "hint", "place"),
     [
         (

@@ -4,6 +4,7 @@ import ast
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.components import KINDS
@@ -97,7 +98,7 @@ def test_a_bar_finds_its_shaft_and_no_other_component(train: Train) -> None:
         train.shaft(Bar("m", 0, 0, 1, 1.0, (1.0, 1.0), (0.0, 0.0), 1.0, 1.0))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@for_all("kind", KINDS)
 def test_the_parts_of_a_kind_stand_at_their_positions(train: Train, kind: str) -> None:
     found = dict(train.of_kind(kind))
     assert found

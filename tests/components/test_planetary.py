@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import yaml
+from tests.for_all import for_all
 
 import torsion
 from torsion.components.planetary import Planetary
@@ -280,7 +281,7 @@ def test_soft_ring_beside_a_rigid_sun_is_refused_only_for_planets_with_inertia()
     train_of(stage(ring_mesh=4.8e7, planet_inertia=0))
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("given", "gear", "words"),
     [
         ({"fixed": "sun"}, {}, "the sun is fixed and cannot drive"),
@@ -316,9 +317,7 @@ def test_stage_is_a_plain_gear_with_the_planets_at_the_carrier(tmp_path: Any) ->
     np.testing.assert_allclose(found.torque, plain.torque, rtol=1e-11)
 
 
-@pytest.mark.parametrize(
-    "changes", [*ELASTIC, {"sun_mesh": 3e6, "ring_mesh": 9e7, "planet_inertia": 0.0}]
-)
+@for_all("changes", [*ELASTIC, {"sun_mesh": 3e6, "ring_mesh": 9e7, "planet_inertia": 0.0}])
 def test_error_of_the_teeth_moves_a_stage_as_its_planets_one_by_one(
     tmp_path: Any, changes: dict[str, Any]
 ) -> None:

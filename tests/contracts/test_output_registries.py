@@ -3,6 +3,7 @@
 from importlib import import_module
 
 import pytest
+from tests.for_all import for_all
 
 from torsion.analyses import ANALYSES
 from torsion.output.renderers import OUTPUTS
@@ -28,7 +29,7 @@ PLACES = [
 ]
 
 
-@pytest.mark.parametrize("place", PLACES)
+@for_all("place", PLACES)
 def test_what_a_registry_names_is_a_function(place: str) -> None:
     module, _, name = place.partition(":")
     assert callable(getattr(import_module(module), name))

@@ -1,7 +1,7 @@
 """Every fault of a damper or pendulum is refused where it stands; faulty_dampers.txt has one line for each."""
 
-import pytest
 from tests.faults.test_faulty_files import HERE, faults_of, rows
+from tests.for_all import for_all
 
 from torsion.schema.scene_reader import parse
 
@@ -18,7 +18,7 @@ def test_good_file_has_dampers_of_every_law_and_a_pendulum() -> None:
     ]
 
 
-@pytest.mark.parametrize(("place", "good", "bad", "words"), rows("faulty_dampers.txt"))
+@for_all(("place", "good", "bad", "words"), rows("faulty_dampers.txt"))
 def test_a_faulty_damper_is_refused_at_the_fault_and_only_there(
     place: str, good: str, bad: str, words: str
 ) -> None:

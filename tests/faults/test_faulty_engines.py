@@ -1,7 +1,7 @@
 """Every fault of an engine is refused where it stands; faulty_engines.txt has one line for each."""
 
-import pytest
 from tests.faults.test_faulty_files import HERE, faults_of, rows
+from tests.for_all import for_all
 
 from torsion.schema.scene_reader import parse
 
@@ -17,7 +17,7 @@ def test_good_file_has_throws_and_crank_spans() -> None:
     ]
 
 
-@pytest.mark.parametrize(("place", "good", "bad", "words"), rows("faulty_engines.txt"))
+@for_all(("place", "good", "bad", "words"), rows("faulty_engines.txt"))
 def test_a_faulty_engine_is_refused_at_the_fault_and_only_there(
     place: str, good: str, bad: str, words: str
 ) -> None:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 from torsion.components import KINDS
 from torsion.errors import InputError
@@ -47,7 +48,7 @@ def test_good_file_of_the_table_is_good_and_has_every_kind():
     } - MACHINES
 
 
-@pytest.mark.parametrize(("place", "good", "bad", "words"), rows())
+@for_all(("place", "good", "bad", "words"), rows())
 def test_faulty_file_is_refused_at_the_fault_and_only_there(place, good, bad, words):
     assert GOOD.count(good) == 1
     text = GOOD.replace(good, bad)
@@ -103,7 +104,7 @@ def test_several_faults_of_one_component_are_told_at_once():
     ] == []
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "words"),
     [
         ("", "empty"),

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 from torsion.errors import InputError
 from torsion.schema.scene_reader import read
@@ -56,7 +57,7 @@ def test_a_scene_that_is_no_file_or_too_large_is_refused_with_the_size(
     assert word != "at most" or "at most 10 MB" in refusal(path)
 
 
-@pytest.mark.parametrize("use", NAMED)
+@for_all("use", NAMED)
 def test_a_file_of_a_scene_that_is_none_is_refused_where_it_is_named(
     unreadable: tuple[Path, str], use: str, tmp_path: Path
 ) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 from torsion.live.server import MOST, Server
 from torsion.live.session import Session
@@ -79,8 +80,8 @@ def test_a_token_has_256_bits_and_stands_in_the_fragment_alone(server: Server) -
     assert before == f"http://127.0.0.1:{server.server_port}/"
 
 
-@pytest.mark.parametrize("method", ["GET", "POST"])
-@pytest.mark.parametrize(
+@for_all("method", ["GET", "POST"])
+@for_all(
     "changed",
     [
         {"Host": "evil.example"},
@@ -95,7 +96,6 @@ def test_a_token_has_256_bits_and_stands_in_the_fragment_alone(server: Server) -
         {"Sec_Fetch_Site": "cross-site"},
         {"Sec_Fetch_Site": "same-site"},
     ],
-    ids=str,
 )
 def test_a_foreign_page_is_refused(send: Send, method: str, changed: dict[str, str | None]) -> None:
     assert send(method, "/" if method == "GET" else "/next", **changed)[0] == FORBIDDEN
@@ -158,7 +158,7 @@ def test_what_is_no_short_json_is_refused_unread(
     assert send("POST", "/next", **changed)[0] == status
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("path", "body"),
     [
         ("/next", "{"),

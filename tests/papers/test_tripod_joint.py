@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 from torsion.errors import SolveError
 from torsion.kinematics import tripod
@@ -26,8 +27,8 @@ def close(found: object, expected: object, relative: float = 1e-13) -> None:
     )
 
 
-@pytest.mark.parametrize("turned", [0, 15, 30, 90])
-@pytest.mark.parametrize("degrees", ANGLES)
+@for_all("turned", [0, 15, 30, 90])
+@for_all("degrees", ANGLES)
 def test_first_order_statics_agree_with_the_reference_values(
     degrees: int, turned: int, paper
 ) -> None:
@@ -88,8 +89,8 @@ def shafts(bend: float, yaw: float) -> np.ndarray:
     return np.array([np.sin(bend) * np.sin(yaw), -np.sin(bend) * np.cos(yaw), np.cos(bend)])
 
 
-@pytest.mark.parametrize("degrees", [0.0, 1e-5, 10.0, 40.0, 60.0])
-@pytest.mark.parametrize("share", [1e-6, 0.05, 0.2])
+@for_all("degrees", [0.0, 1e-5, 10.0, 40.0, 60.0])
+@for_all("share", [1e-6, 0.05, 0.2])
 def test_every_arm_meets_its_line_in_space(degrees: float, share: float) -> None:
     """Axes n, d x n, d: the driven body is turned about its pivot by three rotations from the driving one."""
     angle, axis = np.radians(degrees), np.array([0.0, 0.0, 1.0])

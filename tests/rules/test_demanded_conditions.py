@@ -5,6 +5,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.output.headline import headline
@@ -83,8 +84,8 @@ rules: [RULE: {line_frequency: none}]
 """
 
 
-@pytest.mark.parametrize("rule", ["api-610", "api-617", "api-618", "api-684"])
-@pytest.mark.parametrize(
+@for_all("rule", ["api-610", "api-617", "api-618", "api-684"])
+@for_all(
     ("ratio", "machine", "words"),
     [
         (

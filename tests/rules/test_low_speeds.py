@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.output.headline import headline
@@ -95,12 +96,12 @@ def test_a_limit_of_continuous_use_lacks_speeds_only_if_none_is_below_the_usual_
     assert [one.verdict for one in lines] == [verdict]
 
 
-@pytest.mark.parametrize(
+@for_all(
     "rule",
     [f"{name}: {GRID}" for name in ("api-610", "api-617", "api-618", "api-684")]
     + [THROW.replace("CONTINUOUS", ", continuous: {from: FROM rpm, to: TO rpm}")],
 )
-@pytest.mark.parametrize(("first", "last"), [(120, 126), (12, 110), (121, 126), (60, 125)])
+@for_all(("first", "last"), [(120, 126), (12, 110), (121, 126), (60, 125)])
 def test_continuous_use_that_leaves_out_speeds_of_the_operation_is_a_restriction(
     rule, first, last
 ) -> None:

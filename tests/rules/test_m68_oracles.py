@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 from typer.testing import CliRunner
 
 import torsion
@@ -41,7 +42,7 @@ def close(value: object) -> object:
     return pytest.approx(value, rel=1e-6)
 
 
-@pytest.mark.parametrize("vector", LIMITS.values(), ids=LIMITS)
+@for_all("vector", LIMITS.values())
 def test_limits_and_utilisations(vector: dict) -> None:
     given, expected = vector["input"], vector["expected"]
     strength = used_strength(given["sigma_B"], given["role"], alloy=given["alloy"])

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from tests.for_all import for_all
 
 from torsion.components.shaft import Feature
 from torsion.rules import m68_shafts as m68
@@ -87,7 +88,7 @@ def test_strength_is_capped_by_steel_and_role(role, alloy, given, used) -> None:
     assert m68.used_strength(given, role, alloy=alloy) == used
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("feature", "c_k", "k"),
     [
         ("flange", 1.0, 1.0),

@@ -6,6 +6,7 @@ from pkgutil import iter_modules
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 from torsion import rules
 from torsion.analyses.transient.transient_settings import TransientSettings
@@ -72,7 +73,7 @@ def stated(name):
     return settings(name).model_validate(NEEDED.get(name, {}))
 
 
-@pytest.mark.parametrize("name", RULES)
+@for_all("name", RULES)
 def test_every_rule_has_settings_with_defaults(name) -> None:
     assert rule(name).name == name
     assert issubclass(settings(name), Declared)
@@ -80,7 +81,7 @@ def test_every_rule_has_settings_with_defaults(name) -> None:
     assert settings(name).model_json_schema()["type"] == "object"
 
 
-@pytest.mark.parametrize("name", RULES)
+@for_all("name", RULES)
 def test_every_rule_needs_analyses_and_finds_nothing_missing_in_a_whole_file(study, name) -> None:
     scene = study(PARTS, [(name, stated(name))], analyses=IN_ICE)
     assert needed(scene) <= {"modes", "steady", "response", "joints", "transient"}
@@ -88,7 +89,7 @@ def test_every_rule_needs_analyses_and_finds_nothing_missing_in_a_whole_file(stu
     assert all(len(line) == 2 for line in not_judged(scene))
 
 
-@pytest.mark.parametrize("name", RULES)
+@for_all("name", RULES)
 def test_every_check_of_a_rule_carries_its_name(study, evidence, name) -> None:
     scene = study(PARTS, [(name, stated(name))], analyses=IN_ICE)
     found = verdicts(

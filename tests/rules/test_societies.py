@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 from torsion.components.material import Material
 from torsion.rules import lacking, not_judged, rule, settings, verdicts
@@ -61,7 +62,7 @@ def test_a_line_shaft_has_the_limit_of_m68_and_the_standing_of_the_society(
         assert rule(name).title in check.basis.words
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("name", "given", "ratio", "limit", "clause"),
     [
         ("kr", {"strokes": 4, "arrangement": "in-line"}, 1.0, 21.0, "tau_1"),

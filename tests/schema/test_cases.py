@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from tests.for_all import for_all
 
 import torsion
 from torsion.analyses.undamped_modes import ModesSettings
@@ -177,7 +178,7 @@ analyses: {{modes: {{count: 3}}, response: {{}}}}
 """
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("case", "pair"),
     [
         ("{set: {excitations.2.torque: 11}}", ("torque: 9}", "torque: 11}")),
@@ -317,7 +318,7 @@ def test_the_two_corners_enclose_the_frequencies_of_every_combination_of_toleran
         assert np.all((soft <= between * (1 + 1e-13)) & (between <= stiff * (1 + 1e-13)))
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("value", "factor", "made"),
     [
         ("180 kN*m/rad", "1.15", "207 kN*m/rad"),
@@ -354,7 +355,7 @@ def rows() -> list[tuple[str, str, str]]:
     return [tuple(line.split(" | ")) for line in lines]  # type: ignore[misc]
 
 
-@pytest.mark.parametrize(("place", "text", "words"), rows())
+@for_all(("place", "text", "words"), rows())
 def test_a_faulty_case_is_refused_at_the_fault_and_only_there(
     place: str, text: str, words: str
 ) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from tests.faults.test_faulty_files import HERE
+from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
@@ -115,7 +116,7 @@ FAULTS = {  # file; line and column; words
 }
 
 
-@pytest.mark.parametrize("case", FAULTS)
+@for_all("case", FAULTS)
 def test_a_fault_stands_at_its_line_and_column_of_the_file(case: str, read) -> None:
     text, place, words = FAULTS[case]
     with pytest.raises(InputError) as error:

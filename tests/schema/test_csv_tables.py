@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.contracts.frozen import SCENES
+from tests.for_all import for_all
 
 import torsion
 from torsion.errors import Fault, InputError
@@ -123,8 +124,8 @@ def in_table(scene: str, dialect: str, folder: Path, text: str) -> Study:
     return torsion.read(folder / f"{scene}.yaml")
 
 
-@pytest.mark.parametrize("dialect", DIALECTS)
-@pytest.mark.parametrize("scene", [name for name in SCENES if name not in BESIDE])
+@for_all("dialect", DIALECTS)
+@for_all("scene", [name for name in SCENES if name not in BESIDE])
 def test_every_scene_as_a_table_is_the_same_train(scene: str, dialect: str, tmp_path: Path) -> None:
     text = SCENES[scene].read_text(encoding="utf-8")
     written, table = (
@@ -249,7 +250,7 @@ def test_torques_and_loads_are_tables_too(tmp_path: Path) -> None:
     assert [name for name, _ in one.tables] == ["load.csv", "ripple.csv"]
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("good", "bad", "expected"),
     [
         (

@@ -6,6 +6,7 @@ from base64 import b64decode
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.schema.logo import MOST
@@ -39,7 +40,7 @@ def test_the_imo_numbers_of_ships_that_sail_are_taken(number: int | str) -> None
     assert found.imo_number == str(number)[-7:]
 
 
-@pytest.mark.parametrize("last", range(10))
+@for_all("last", range(10))
 def test_of_ten_last_digits_one_is_right(last: int) -> None:
     """9 * 7 + 0 * 6 + 7 * 5 + 4 * 4 + 7 * 3 + 2 * 2 = 139."""
     if last == 9:
@@ -48,7 +49,7 @@ def test_of_ten_last_digits_one_is_right(last: int) -> None:
         assert "after 907472 it is 9" in faults(f"imo_number: 907472{last}")
 
 
-@pytest.mark.parametrize(
+@for_all(
     "text",
     [
         "907472",
@@ -100,7 +101,7 @@ def test_a_logo_is_found_beside_the_scene_and_kept_byte_for_byte(
     assert b64decode(packed) == content
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("content", "words"),
     [
         (PNG[:-1], "damaged PNG"),
@@ -114,7 +115,6 @@ def test_a_logo_is_found_beside_the_scene_and_kept_byte_for_byte(
         (SVG[:-3], "not a readable picture"),
         (b"x" * (MOST + 1), "at most 300 kB"),
     ],
-    ids=range(10),
 )
 def test_a_picture_that_is_none_is_refused_at_its_place(
     content: bytes, words: str, tmp_path: Path
@@ -128,7 +128,7 @@ def test_a_picture_that_is_none_is_refused_at_its_place(
 OUTSIDE = "the picture refers to"
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("inside", "words"),
     [
         (

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 from torsion.analyses import settings_classes
 from torsion.components import KINDS, component
@@ -37,7 +38,7 @@ def refusals(validator, text: str) -> list[str]:
     return [error.message for error in validator.iter_errors(parse_source(text, "train.yaml").data)]
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@for_all("path", SCENES)
 def test_every_scene_of_the_repository_is_valid(validator, path):
     assert refusals(validator, path.read_text(encoding="utf-8")) == []
 
@@ -49,7 +50,7 @@ def test_scene_with_every_sort_of_value_is_valid(validator, text):
     assert refusals(validator, text) == []
 
 
-@pytest.mark.parametrize("name", RULES)
+@for_all("name", RULES)
 def test_a_rule_and_its_settings_may_be_left_empty_where_the_reader_takes_it(validator, name):
     for entry in (name, f"{{{name}: }}", f"{{{name}: {{}}}}"):
         text = f"name: x\ntrain: [disc: {{inertia: 1}}, shaft: {{length: 1, diameter: 0.1}}]\nrules: [{entry}]\n"
@@ -62,7 +63,7 @@ def test_a_rule_and_its_settings_may_be_left_empty_where_the_reader_takes_it(val
             assert refusals(validator, text) == []
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("good", "bad"),
     [
         ("name: A train", "nam: A train"),

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 import torsion
 from torsion.study import Study
@@ -24,8 +25,8 @@ def refused(folder: Path, rows: str, separator: str = ";") -> str:
     return str(caught.value).removeprefix(f"{folder}/").split("\n")[0]
 
 
-@pytest.mark.parametrize("separator", [";", "\t"])
-@pytest.mark.parametrize(
+@for_all("separator", [";", "\t"])
+@for_all(
     ("rows", "words"),
     [
         (
@@ -49,7 +50,7 @@ def test_numbers_of_which_none_shows_what_its_mark_is_are_refused(
     )
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("rows", "stiffness"),
     [
         ("coupling;;;1.250;;\ncoupling;;;12.75;;\n", 1.25),
@@ -62,7 +63,7 @@ def test_numbers_of_which_none_shows_what_its_mark_is_are_refused(
         ("coupling;1.250;;40;;\n", 40.0),
     ],
 )
-@pytest.mark.parametrize("separator", [";", "\t"])
+@for_all("separator", [";", "\t"])
 def test_one_number_that_can_only_be_a_decimal_tells_what_all_are(
     tmp_path: Path, rows: str, stiffness: float, separator: str
 ) -> None:
@@ -109,7 +110,7 @@ def test_lists_in_brackets_are_read_by_the_decimal_sign_of_their_table(
     assert [one.given for one in study(tmp_path, rows).train.inertias] == given
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("cell", "words"),
     [
         ("1'234.5", "has a mark between its thousands (write 1234.5)"),

@@ -2,6 +2,7 @@
 
 import pytest
 import yaml
+from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
@@ -28,7 +29,7 @@ def fault(*lines: str):
     return one
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("lines", "place", "message", "hint"),
     [
         (
@@ -147,8 +148,8 @@ def test_a_slip_is_answered_at_its_place_with_what_is_right(lines, place, messag
     assert ((found.line, found.column), found.message, found.hint) == (place, message, hint)
 
 
-@pytest.mark.parametrize("loader", ["libyaml", "python"])
-@pytest.mark.parametrize(
+@for_all("loader", ["libyaml", "python"])
+@for_all(
     ("lines", "place", "message", "hint"),
     [
         ([MOTOR, "- coupling {stiffness: 5, psi: 1}", END], (4, 3), COLON, WRITE),

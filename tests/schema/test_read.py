@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from tests.for_all import for_all
 
 from torsion.errors import Fault, InputError
 from torsion.fields import Amount
@@ -23,7 +24,7 @@ def train_of(entries: str):
     return parse("name: scene\ntrain:\n" + entries).train
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@for_all("path", SCENES)
 def test_every_scene_of_the_repository_reads(path):
     study = read(path)
     assert study.file == str(path)

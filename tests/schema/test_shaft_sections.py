@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.for_all import for_all
 
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
@@ -109,7 +110,7 @@ def test_the_table_may_be_a_file(tmp_path: Path, said: str) -> None:
         read(tmp_path / "scene.yaml")
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("body", "fault"),
     [
         ("{name: l, sections: []}", "5:32: there is no section"),

@@ -8,6 +8,7 @@ import pytest
 import yaml
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from tests.for_all import for_all
 
 from torsion.errors import InputError
 from torsion.schema import yaml_source as source
@@ -42,7 +43,7 @@ def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
     )
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("text", "value"),
     [
         ("1e6", 1e6),
@@ -92,7 +93,7 @@ def test_not_a_number_is_read_and_left_to_the_limits_of_its_key(text: str) -> No
     assert math.isnan(resolved(text))  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(
+@for_all(
     "text",
     [
         "no",
@@ -156,7 +157,7 @@ def test_a_scene_is_plain_data() -> None:
 
 
 @pytest.mark.usefixtures("parser")
-@pytest.mark.parametrize(
+@for_all(
     ("path", "value", "key"),
     [
         ((), (2, 1), (2, 1)),
@@ -203,7 +204,7 @@ def test_what_is_missing_has_the_place_of_the_nearest_parent(path: Any, parent: 
 
 
 @pytest.mark.usefixtures("parser")
-@pytest.mark.parametrize(
+@for_all(
     ("text", "path", "place"),
     [
         ("a: 1\r\nb: 2\r\n", ("b",), (2, 4)),
@@ -223,7 +224,7 @@ def test_columns_count_characters(text: str, path: Any, place: Any) -> None:
 
 
 @pytest.mark.usefixtures("parser")
-@pytest.mark.parametrize(
+@for_all(
     ("text", "place", "words"),
     [
         ("a: 1\nb: 2\na: 3", (3, 1), "the key 'a' is already in line 1"),

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.for_all import for_all
 from tests.test_units import QUANTITIES
 
 from torsion import units
@@ -73,12 +74,12 @@ def validator():
     return pytest.importorskip("jsonschema").Draft202012Validator(json_schema())
 
 
-@pytest.mark.parametrize(("text", "unit", "expected"), QUANTITIES)
+@for_all(("text", "unit", "expected"), QUANTITIES)
 def test_a_quantity_that_is_read_fulfils_its_pattern(text: str, unit: str, expected: float) -> None:
     assert re.search(pattern(unit), text)
 
 
-@pytest.mark.parametrize("unit", KNOWN)
+@for_all("unit", KNOWN)
 def test_the_example_of_a_quantity_fulfils_its_pattern_and_no_other(unit: str) -> None:
     fulfilled = [other for other in KNOWN if re.search(pattern(other), units.example(unit))]
     assert fulfilled == [other for other in KNOWN if other == unit or (unit, other) in TWOFOLD]
@@ -116,7 +117,7 @@ def expanded(body: Any) -> list[str]:
     return texts
 
 
-@pytest.mark.parametrize("unit", KNOWN)
+@for_all("unit", KNOWN)
 def test_no_usual_spelling_of_one_quantity_is_read_as_another(unit: str) -> None:
     """Every one without signs between its units: `kgfs`, which names kgf in the plural, is none of `kgf s`."""
     for text in expanded(re._parser.parse(spellings(unit))):  # type: ignore[attr-defined]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
+from tests.for_all import for_all
 
 from torsion.components import KINDS, component
 from torsion.components.coupling import Coupling
@@ -114,7 +115,7 @@ def test_a_gear_does_not_speak_for_the_components_of_its_branches():
     assert "on the coupling" in fault.hint
 
 
-@pytest.mark.parametrize(
+@for_all(
     ("lowest", "highest", "build"),
     [
         (None, 3.0, lambda value, **meant: Shaft(length=1.0, diameter=value, **meant)),
@@ -278,7 +279,7 @@ def test_the_sound_train_of_the_nonsense_is_read():
     assert len(parse(TRAIN.format(**SOUND)).train.bars) == 1
 
 
-@pytest.mark.parametrize(("key", "value", "line", "words"), NONSENSE)
+@for_all(("key", "value", "line", "words"), NONSENSE)
 def test_nonsense_is_refused_where_it_stands(key, value, line, words):
     (fault,) = faults_of(TRAIN.format(**SOUND | {key: value}))
     assert fault.line == line
@@ -324,7 +325,7 @@ def test_as_many_planets_are_possible_as_have_room_on_their_circle(teeth, room):
         Planetary(sun=sun, ring=ring, planets=room + 1)
 
 
-@pytest.mark.parametrize("row", USUAL)
+@for_all("row", USUAL)
 def test_every_range_has_its_ends_in_order_and_holds_nothing_beyond_what_can_be_computed(row):
     usual = USUAL[row]
     assert usual.low < usual.high
