@@ -21,9 +21,9 @@ from torsion.findings import Findings
 from torsion.output.blocks import Paragraph, Verbatim
 from torsion.output.chapters.provenance import input_file
 from torsion.output.results_json import results
-from torsion.schema.csv_columns import MAPPINGS, PAIRS
-from torsion.schema.csv_tables import with_tables
 from torsion.schema.scene_reader import located
+from torsion.schema.scene_tables import with_tables
+from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.yaml_source import parse_source
 from torsion.study import Study
 

@@ -5,16 +5,16 @@ first mass; a gear stands between two rows with different ratios.
 """
 
 import json
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
 from torsion import units
 from torsion.errors import Fault, printable, refusal, without_controls
-from torsion.schema.csv_numbers import is_number, numbers_of, unit_fault
-from torsion.schema.csv_text import Cell, rows_of, table_text
 from torsion.schema.fault_text import Source, input_error
+from torsion.schema.yaml_source import is_number
+from torsion.tables import Cell, Table, head_of, table_text, unit_fault
 
 # fmt: off
 TITLES = {  # title of a column in small letters: what it states
@@ -61,19 +61,6 @@ class Mass:
     unread: tuple[str, ...] = ()  # columns that the model file has no key for, with their values
 
 
-@dataclass
-class _Reading:
-    """A table as it is read, with all faults met so far."""
-
-    source: Source
-    faults: list[Fault] = field(default_factory=list)
-
-    def fault(self, cell: Cell, message: str, hint: str = "") -> None:
-        self.faults.append(
-            Fault((), printable(message, 200), hint, line=cell.line, column=cell.column)
-        )
-
-
 def import_table(path: str | Path, *, referred: bool = False) -> str:
     """Return the model file of a table (CSV) or of an openTorsion-Editor file (JSON); raises InputError.
 
@@ -93,31 +80,27 @@ def import_table(path: str | Path, *, referred: bool = False) -> str:
 
 def _table_masses(source: Source) -> list[Mass]:
     """Read the rows of a CSV table; every fault of the table at once."""
-    reading = _Reading(source)
-    separator, rows = rows_of(source, reading.faults)
+    table = Table(source.text)
+    rows = table.rows
     if len(rows) < 2:
         place = rows[0][0] if rows else Cell("", 1, 1)
-        reading.fault(
-            place, "the table has no masses", "write a row of titles, then a row for each mass"
-        )
-        raise input_error(reading.faults, source)
-    columns = [_column(cell, reading) for cell in rows[0]]
-    numbers, slip = numbers_of(separator, (cell for row in rows[1:] for cell in row))
-    if slip is not None:
-        reading.fault(*slip)
-    masses = [_mass(row, columns, numbers.plain, reading) for row in rows[1:]]
-    _check_links(masses, rows[1:], reading)
-    if reading.faults:
-        raise input_error(reading.faults, source)
+        hint = "write a row of titles, then a row for each mass"
+        table.fault(place, "the table has no masses", hint)
+        raise input_error(table.faults, source)
+    columns = [_column(cell, table) for cell in rows[0]]
+    table.read_signs(cell for row in rows[1:] for cell in row)
+    masses = [_mass(row, columns, table) for row in rows[1:]]
+    _check_links(masses, rows[1:], table)
+    if table.faults:
+        raise input_error(table.faults, source)
     return masses
 
 
-def _column(cell: Cell, reading: _Reading) -> tuple[str, str, str]:
+def _column(cell: Cell, table: Table) -> tuple[str, str, str]:
     """Return the key of a column ('' for one that is not read), its unit as text, and its title."""
-    title, bracket, unit = cell.text.replace("(", "[").replace(")", "]").partition(" [")
-    key = TITLES.get(title.strip().casefold(), "")
-    spelled = unit.rstrip("] ").strip()
-    spelled = SPELLINGS.get(spelled, spelled)
+    title, unit = head_of(cell.text)
+    key = TITLES.get(title.casefold(), "")
+    spelled = SPELLINGS.get(unit, unit)
     if key in UNITS:
         fault = unit_fault(spelled, UNITS[key]) if spelled else None
         weight = spelled.replace("kgf", "kg").replace(
@@ -126,26 +109,17 @@ def _column(cell: Cell, reading: _Reading) -> tuple[str, str, str]:
         if fault is not None and key == "gd2" and unit_fault(weight, UNITS[key]) is None:
             fault, spelled = None, weight
         if fault is not None:
-            reading.fault(cell, fault.message, fault.hint)
-    elif (
-        bracket
-        and key in ("psi", "loss_factor", "magnifier", "ratio")
-        and spelled not in ("", "1", "%")
-    ):
-        reading.fault(cell, f"`{title}` has no unit", f"write `{title}`")
-    return key, spelled or UNITS.get(key, ""), title.strip()
+            table.fault(cell, fault.message, fault.hint)
+    elif key in ("psi", "loss_factor", "magnifier", "ratio") and spelled not in ("", "1", "%"):
+        table.fault(cell, f"`{title}` has no unit", f"write `{title}`")
+    return key, spelled or UNITS.get(key, ""), title
 
 
-def _mass(
-    row: list[Cell],
-    columns: list[tuple[str, str, str]],
-    plain: Callable[[str], str],
-    reading: _Reading,
-) -> Mass:
+def _mass(row: list[Cell], columns: list[tuple[str, str, str]], table: Table) -> Mass:
     """Read one row."""
     values, unread, ratio = dict[str, str](), list[str](), Fraction(1)
     if len(row) > len(columns) and any(cell.text for cell in row[len(columns) :]):
-        reading.fault(row[len(columns)], "the row has more cells than there are titles")
+        table.fault(row[len(columns)], "the row has more cells than there are titles")
     for cell, (key, unit, title) in zip(row, columns, strict=False):
         if cell.text in EMPTY:
             continue
@@ -154,30 +128,30 @@ def _mass(
         elif not key:
             unread.append(f"{title or 'column without title'}: {cell.text}")
         elif key == "ratio":
-            ratio = _ratio(cell, plain(cell.text), reading)
-        elif not is_number(plain(cell.text)):
-            reading.fault(
+            ratio = _ratio(cell, table.plain(cell.text), table)
+        elif not is_number(table.plain(cell.text)):
+            table.fault(
                 cell, f"`{cell.text}` is not a number", "write a number, or leave the cell empty"
             )
         else:
-            values[key] = f"{plain(cell.text)} {unit}".strip()
+            values[key] = f"{table.plain(cell.text)} {unit}".strip()
     name = values.pop("name", "") or (f"mass {values['no']}" if "no" in values else "")
     if not name:
-        reading.fault(
+        table.fault(
             row[0], "the row has neither a name nor a number", "add a column `name` or `no`"
         )
     values.pop("no", None)
     return Mass(name, row[0].line, values, ratio, tuple(unread))
 
 
-def _ratio(cell: Cell, text: str, reading: _Reading) -> Fraction:
+def _ratio(cell: Cell, text: str, table: Table) -> Fraction:
     """Read `23/71`, `0.324` or `1`."""
     try:
         ratio = Fraction(text.replace(" ", ""))
     except (ValueError, ZeroDivisionError):
         ratio = Fraction(0)
     if ratio <= 0:
-        reading.fault(
+        table.fault(
             cell,
             f"`{cell.text}` is not a speed ratio",
             "write speed of the mass / speed of the first: 23/71",
@@ -186,28 +160,28 @@ def _ratio(cell: Cell, text: str, reading: _Reading) -> Fraction:
     return ratio
 
 
-def _check_links(masses: list[Mass], rows: list[list[Cell]], reading: _Reading) -> None:
+def _check_links(masses: list[Mass], rows: list[list[Cell]], table: Table) -> None:
     """Note every mass that nothing connects to the next, a stiffness after the last, and inertias stated twice."""
     for place, (mass, row) in enumerate(zip(masses, rows, strict=True)):
         elastic = [key for key in ("stiffness", "flexibility") if key in mass.values]
         is_last = place + 1 == len(masses)
         if len(elastic) > 1:
-            reading.fault(
+            table.fault(
                 row[0],
                 f"'{mass.name}' has a stiffness and a flexibility",
                 "leave one of them empty",
             )
         if is_last and any(key in mass.values for key in LINK):
-            reading.fault(
+            table.fault(
                 row[0],
                 f"'{mass.name}' is the last mass and has a shaft to the next",
                 "leave its cells empty",
             )
         if not is_last and not elastic and masses[place + 1].ratio == mass.ratio:
             hint = "write it, or 0 in a column `flexibility` for a rigid connection"
-            reading.fault(row[0], f"'{mass.name}' has no stiffness to the next mass", hint)
+            table.fault(row[0], f"'{mass.name}' has no stiffness to the next mass", hint)
         if len([key for key in ("inertia", "gd2", "wr2") if key in mass.values]) > 1:
-            reading.fault(
+            table.fault(
                 row[0], f"'{mass.name}' states its inertia twice", "leave one of the cells empty"
             )
 

@@ -4,7 +4,7 @@ from torsion.analyses.design.design_results import Design
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.table_text import one_line
-from torsion.schema.csv_tables import with_tables
+from torsion.schema.scene_tables import with_tables
 from torsion.schema.yaml_source import parse_source
 
 

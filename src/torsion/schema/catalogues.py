@@ -6,9 +6,8 @@ from dataclasses import replace
 from torsion import units
 from torsion.components.lowering import Part
 from torsion.errors import Fault
-from torsion.schema.csv_columns import CATALOGUE, LABEL, SAID
-from torsion.schema.csv_rows import Reading, Rows
 from torsion.schema.fault_text import Source
+from torsion.schema.table_rows import CATALOGUE, LABEL, STATED, Reading, Rows
 from torsion.schema.varied_figure import Row
 
 
@@ -17,7 +16,7 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
     reading = Reading(source, None, dict(source.tables), [])
     for row in Rows(reading.tables[name], CATALOGUE + part.kind).nodes(reading):
         label, said = str(row.value[LABEL]), {}
-        for key in SAID.keys() & row.parts.keys():
+        for key in STATED.keys() & row.parts.keys():
             try:
                 said[key] = _number(row.parts[key].value, key)
                 if said[key] < 0.0:
@@ -36,7 +35,7 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
                         file=reading.tables[name].name,
                     )
                 )
-        puts = {key: node for key, node in row.parts.items() if key not in (LABEL, *SAID)}
+        puts = {key: node for key, node in row.parts.items() if key not in (LABEL, *STATED)}
         origin = row.parts.get("source", row.parts[LABEL])
         puts["source"] = replace(
             origin, value=f"{name}, {label}" + (f": {origin.value}" if "source" in puts else "")
@@ -47,6 +46,6 @@ def alternatives(name: str, part: Part, source: Source, faults: list[Fault]) -> 
 
 def _number(value: object, key: str) -> float:
     """A mass in kg, or a cost in whatever it is counted."""
-    if SAID[key]:
-        return units.to_si(str(value), SAID[key][0])
+    if STATED[key]:
+        return units.to_si(str(value), STATED[key][0])
     return float(units.amount(str(value).partition(" ")[0])[0])

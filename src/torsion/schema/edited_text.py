@@ -6,9 +6,9 @@ from typing import Any
 
 from torsion.analyses import VARYING
 from torsion.errors import InputError, Path
-from torsion.schema.csv_tables import with_tables
 from torsion.schema.fault_text import Node, Source, line_starts
 from torsion.schema.overlay import node_at
+from torsion.schema.scene_tables import with_tables
 from torsion.schema.yaml_source import Extents, extents, in_brackets, parse_source, yaml_text
 
 Edit = tuple[int, int, str]  # from, to, what stands there instead

@@ -15,11 +15,11 @@ from torsion.fields import Declared, OneOrMany
 from torsion.rules import RULES
 from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import FROM, TOLERANCES
-from torsion.schema.csv_columns import MAPPINGS, PAIRS
 from torsion.schema.declaration_reader import keys_of, mappings_of
 from torsion.schema.kind_texts import EXAMPLES, SETTINGS
 from torsion.schema.manual import declarations
 from torsion.schema.scene_reader import LINKS, Scene
+from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source
 from torsion.study import Operation, ShaftModel

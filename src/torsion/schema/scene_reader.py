@@ -103,7 +103,7 @@ def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source
         word in source.text for word in ("table", "size", "torsiogram", "catalogue", "sections")
     ):
         return source
-    from torsion.schema.csv_tables import with_tables
+    from torsion.schema.scene_tables import with_tables
 
     return with_tables(source, tables)
 

@@ -343,6 +343,12 @@ def resolved(text: str) -> str | int | float | bool | None:
     return text
 
 
+def is_number(text: str) -> bool:
+    """Whether a plain scalar, or the cell of a table, says a number."""
+    value = resolved(text)
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
     """The fault in plain words, where the text cannot be read on or where the piece that is not closed begins."""
     line, column = source.within(_place(error.problem_mark))

@@ -12,19 +12,22 @@ from pathlib import Path as FilePath
 
 from torsion.errors import Fault, nearest
 from torsion.fields import shown
-from torsion.schema.csv_columns import (
+from torsion.schema.fault_text import Node, Source, input_error
+from torsion.schema.shaft_sections import SECTIONS, has_sections, sections
+from torsion.schema.table_rows import (
     BY_LOAD,
     HARMONICS,
     LIBRARY,
     MAPPINGS,
     PAIRS,
+    ROW,
     TORSIOGRAM,
+    TRAIN,
+    Reading,
+    Rows,
+    list_node,
 )
-from torsion.schema.csv_harmonics import list_node
-from torsion.schema.csv_rows import ROW, Reading, Rows
-from torsion.schema.csv_text import MOST_ROWS, first_comment, table_text
-from torsion.schema.fault_text import Node, Source, input_error
-from torsion.schema.shaft_sections import SECTIONS, has_sections, sections
+from torsion.tables import MOST_ROWS, first_comment, table_text
 
 BY_NAME = {  # what may be the name of a file, by the key before it and its own
     ("gas", "table"): HARMONICS,
@@ -60,44 +63,40 @@ def table_name(value: object) -> str | None:
 
 def _spliced(node: Node, key: str, reading: Reading) -> Node:
     """The node with every table below it replaced; the node itself where there is none. `key` is what it stands at."""
-    is_listed = key == "train" or key in MAPPINGS
-    if table_name(node.value) and (is_listed or key in PAIRS):
+    if table_name(node.value) and (key == TRAIN or key in MAPPINGS or key in PAIRS):
         return list_node(node, _table(node, key, reading))
     if isinstance(node.value, list):
-        parts: list[Node] = []
-        for part in node.parts.values():
-            is_table = key == "train" and table_name(part.value)
-            if key == "train" and has_sections(part):
-                parts += _sections(part, reading)
-            else:
-                parts += (
-                    _table(part, key, reading)
-                    if is_table
-                    else [_spliced(part, key * (key in INNER), reading)]
-                )
+        parts = [part for item in node.parts.values() for part in _items(item, key, reading)]
         return node if parts == list(node.parts.values()) else list_node(node, parts)
-    if key == LIBRARY and isinstance(node.value, dict) and {"from", ROW} <= node.value.keys():
+    if not isinstance(node.value, dict):
+        return node
+    if key == LIBRARY and {"from", ROW} <= node.value.keys():
         return _from_library(node, reading)
-    if key == "shaft" and isinstance(node.value, dict) and SECTIONS in node.value:
+    if key == "shaft" and SECTIONS in node.value:
         hint = "in a link, a case or the table of a train give one shaft a section"
         _end(node.parts[SECTIONS], "`sections` belong only in the list of a train", hint, reading)
         return node
-    if isinstance(node.value, dict):
-        inner, named = {}, node.parts.get("catalogue")
-        if named is not None and isinstance(named.value, str):
-            _opened(named.value, named, reading)
-        for step, part in node.parts.items():
-            before, last = f"{key}.{step}".split(".")[-2:]  # a case writes `operation.load`
-            name = BY_NAME.get((before, last)) if isinstance(part.value, str) else None
-            inner[step] = (
-                list_node(part, _table(part, name, reading))
-                if name
-                else _spliced(part, last, reading)
-            )
-        if inner != node.parts:
-            value = node.value | {step: part.value for step, part in inner.items()}
-            return replace(node, value=value, parts=inner)
-    return node
+    inner, catalogue = {}, node.parts.get("catalogue")
+    if catalogue is not None and isinstance(catalogue.value, str):
+        _opened(catalogue.value, catalogue, reading)
+    for step, part in node.parts.items():
+        before, last = f"{key}.{step}".split(".")[-2:]  # a case writes `operation.load`
+        name = BY_NAME.get((before, last)) if isinstance(part.value, str) else None
+        rows = None if name is None else _table(part, name, reading)
+        inner[step] = _spliced(part, last, reading) if rows is None else list_node(part, rows)
+    if inner == node.parts:
+        return node
+    value = node.value | {step: part.value for step, part in inner.items()}
+    return replace(node, value=value, parts=inner)
+
+
+def _items(item: Node, key: str, reading: Reading) -> list[Node]:
+    """What stands for an item of a list: rows of a table or sections of a shaft in a train, else the item itself."""
+    if key == TRAIN and has_sections(item):
+        return _sections(item, reading)
+    if key == TRAIN and table_name(item.value):
+        return _table(item, key, reading)
+    return [_spliced(item, key * (key in INNER), reading)]
 
 
 def _sections(entry: Node, reading: Reading) -> list[Node]:
@@ -118,12 +117,9 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
     """The rows of the table that a node names, as entries of the list at `key`."""
     where = node if isinstance(node.value, str) else node.parts["table"]
     if where.value in reading.opened or len(reading.opened) >= DEEPEST:
-        beyond = f"more than {DEEPEST} tables are nested"
-        what = (
-            f"the table {shown(where.value)} contains itself"
-            if where.value in reading.opened
-            else beyond
-        )
+        what = f"more than {DEEPEST} tables are nested"
+        if where.value in reading.opened:
+            what = f"the table {shown(where.value)} contains itself"
         _end(where, what, "write its rows out", reading)
         return []
     table = _opened(where.value, where, reading)
@@ -143,27 +139,24 @@ def _table(node: Node, key: str, reading: Reading) -> list[Node]:
 
 def _opened(name: str, where: Node, reading: Reading) -> Source | None:
     """The text of the file that is named there; None, and the reading ended, where there is none."""
-    if name not in reading.tables:
-        file = FilePath(reading.source.name).parent / name
-        fault: Fault | None = None
-        try:
-            text, fault = table_text(file) if reading.texts is None else (reading.texts[name], None)
-        except (OSError, ValueError) as error:
-            is_there = not isinstance(error, FileNotFoundError)
-            why = (
-                f"cannot be read: {getattr(error, 'strerror', None) or error}"
-                if is_there
-                else "does not exist"
-            )
-            hint = f"its path counts from the folder of this file, {file.parent.absolute()}"
-            _end(where, f"the table {shown(name)} {why}", hint, reading)
-            return None
-        reading.tables[name] = Source(str(file), text)
-        if fault is not None:
-            reading.faults.append(replace(fault, file=str(file)))
-            reading.is_ended = True
-            return None
-    return reading.tables[name]
+    if name in reading.tables:
+        return reading.tables[name]
+    file, fault = FilePath(reading.source.name).parent / name, None
+    try:
+        text, fault = table_text(file) if reading.texts is None else (reading.texts[name], None)
+    except (OSError, ValueError) as error:
+        why = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+        if isinstance(error, FileNotFoundError):
+            why = "does not exist"
+        hint = f"its path counts from the folder of this file, {file.parent.absolute()}"
+        _end(where, f"the table {shown(name)} {why}", hint, reading)
+        return None
+    table = reading.tables[name] = Source(str(file), text)
+    if fault is None:
+        return table
+    reading.faults.append(replace(fault, file=str(file)))
+    reading.is_ended = True
+    return None
 
 
 def _end(where: Node, message: str, hint: str, reading: Reading) -> None:
@@ -193,19 +186,11 @@ def _from_library(node: Node, reading: Reading) -> Node:
     for key in node.parts.keys() & row.parts.keys() - {ROW, "source"}:
         line, column = node.keys.get(str(key), (size.line, size.column))
         message = f"`{key}` is given here, and as {shown(row.value[key])} by size {wanted} of {name.value}"
-        _end(
-            Node(None, line, column, source=node.source),
-            message,
-            "keep one; a case may `set` another value",
-            reading,
-        )
-    said = row.parts.get("source")
-    origin = f"{name.value}, size {wanted}: {said.value if said else first_comment(table.text) or 'no source stated'}"
-    origin_node = replace(said or row.parts[ROW], value=origin)
-    parts = row.parts | {"source": origin_node} | node.parts | {ROW: replace(size, value=wanted)}
-    return replace(
-        node,
-        value={str(step): part.value for step, part in parts.items()},
-        parts=parts,
-        keys=row.keys | node.keys,
-    )
+        where = Node(None, line, column, source=node.source)
+        _end(where, message, "keep one; a case may `set` another value", reading)
+    stated = row.parts.get("source")
+    origin = stated.value if stated else first_comment(table.text) or "no source stated"
+    source = replace(stated or row.parts[ROW], value=f"{name.value}, size {wanted}: {origin}")
+    parts = row.parts | {"source": source} | node.parts | {ROW: replace(size, value=wanted)}
+    value = {str(step): part.value for step, part in parts.items()}
+    return replace(node, value=value, parts=parts, keys=row.keys | node.keys)

@@ -1,0 +1,249 @@
+"""The one reader of tables that users hand in: cells with line and column, a head with units, and decimal signs.
+
+Columns are parted by tabs, semicolons or commas, which the first line shows or says (`sep=;`). Empty lines, and lines
+that begin with `#`, say nothing. Cells in double quotes may hold separators, breaks of lines, and quotes written twice.
+
+A table whose cells are parted by semicolons or tabs may have decimal points or decimal commas. `40.000` is 40 in one
+language and 40 000 in another: what the other numbers of the table do not decide is refused.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from operator import itemgetter
+from pathlib import Path
+from typing import NamedTuple
+
+from torsion import units
+from torsion.errors import REORDERING, Fault, printable
+from torsion.user_files import LARGEST_TABLE, read_file
+
+MOST_ROWS = 100_000
+_NO_VALUE = r"#(?:[A-Z]+[!?]|DIV/0!|N/A|NV)"  # what a spreadsheet writes for a formula without one
+FORMULA_ERROR = re.compile(rf"{_NO_VALUE}|Err:\d+|##+")
+_COMMENT = re.compile(rf' *"?#(?!(?:{_NO_VALUE[1:]})"?[ \t]*(?:[\t;,\r\n]|$))')
+_STATED = re.compile(r'"?sep=(.)"?[ \t]*(?:\r\n?|\n)', re.IGNORECASE)
+_QUOTED = re.compile(r' *"((?:[^"]|"")*)" *')
+_BREAK = re.compile(r"\r\n?|\n")
+_NUL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
+_HEAD = re.compile(r"(.*?)\s*[\[(](.+)[\])]")  # inertia [kg*m**2]
+
+_COMMA = re.compile(r"([-+]?[0-9]*),([0-9]+(?:[eE][-+]?[0-9]+)?)(?![0-9,.])")  # a number begins
+_POINT = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[eE][-+]?[0-9]+)?(?![0-9,.])")
+_THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}[.,][0-9]{3}")
+_FIGURE = re.compile(r"(?<![\w.,])[-+]?[0-9.,]*[0-9](?:[eE][-+]?[0-9]+)?")
+_JOINED = re.compile(r"(?<=[0-9]),(?=[0-9])")  # no blank shows whether it parts two numbers or one
+
+
+class Cell(NamedTuple):
+    """The text between two separators without blanks around it, and where it begins (from 1)."""
+
+    text: str
+    line: int
+    column: int
+
+
+Mark = tuple[Cell, str]  # a number with a decimal or thousands mark, and its cell
+
+
+def table_text(file: Path, largest: int = LARGEST_TABLE) -> tuple[str, Fault | None]:
+    """The text of a file without a byte order mark, and what is wrong with its encoding; raises OSError."""
+    content = read_file(file, largest)
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return "", _fault("the file is UTF-16 text", "save it as `CSV UTF-8`", "")
+    try:
+        text = content.decode().removeprefix("\ufeff")
+    except UnicodeDecodeError as error:
+        before = content[: error.start].decode()
+        fault = _fault("the file is not UTF-8 text", "save it as `CSV UTF-8`", before)
+        return content.decode(errors="replace"), fault
+    if sign := _NUL.search(text) or REORDERING.search(text):
+        message = f"the character U+{ord(sign[0]):04X} is not allowed"
+        hint = "save the sheet as CSV, not as a workbook"
+        return text, _fault(message, hint, text[: sign.start()])
+    return text, None
+
+
+def first_comment(text: str) -> str:
+    """What the first line says that begins with `#`; empty where none does."""
+    comment = next((line for line in _BREAK.split(text) if _COMMENT.match(line)), "")
+    return comment.strip(' "#\t,;').strip()
+
+
+def head_of(text: str) -> tuple[str, str]:
+    """The name and the unit of a column from the text of its first cell; empty where it has none.
+
+    >>> head_of("stiffness [kN*m/rad]"), head_of("torque (N*m)"), head_of("name")
+    (('stiffness', 'kN*m/rad'), ('torque', 'N*m'), ('name', ''))
+    """
+    head = _HEAD.fullmatch(text)
+    return (head[1].strip(), head[2].strip()) if head else (text.strip(), "")
+
+
+def unit_fault(written: str, unit: str) -> units.UnitFault | None:
+    """What is wrong with a unit of a column where one of `unit` is expected."""
+    try:
+        units.to_si(f"1 {written}", unit)
+    except units.UnitFault as fault:
+        return fault
+    return None
+
+
+class Table:
+    """The rows of a table that say something, with every fault of its text located; quotes are resolved.
+
+    >>> table = Table("time [s];torque [kN*m]\\n0,5;1,25\\n")
+    >>> table.read_signs(table.rows[1])
+    >>> table.separator, [table.plain(cell.text) for cell in table.rows[1]]
+    (';', ['0.5', '1.25'])
+    """
+
+    def __init__(self, text: str, most: int = MOST_ROWS) -> None:
+        self.faults: list[Fault] = []
+        self.has_commas = False  # no comma parts the cells, so that it may be a decimal sign
+        self._has_points = False  # some number has a decimal point
+        stated = _STATED.match(text)
+        self.separator = stated[1] if stated else _separator(text)
+        self._plain = re.compile(rf"[^{re.escape(self.separator)}\r\n]*")
+        self.rows: list[list[Cell]] = []
+        for row in self._rows(text, stated.end() if stated else 0):
+            if any(map(itemgetter(0), row)):
+                self.rows.append(row)
+            if len(self.rows) > most:
+                self.fault(Cell("", 1, 1), f"the table has more than {most} rows")
+                break
+
+    def fault(self, cell: Cell, message: str, hint: str = "") -> None:
+        """Note what is wrong with a cell, and what would be right."""
+        fault = Fault((), printable(message, 200), hint, line=cell.line, column=cell.column)
+        self.faults.append(fault)
+
+    def _rows(self, text: str, start: int) -> Iterator[list[Cell]]:
+        """Every row with its cells, from a position in the text on; a comment has none."""
+        line = 1 + len(_BREAK.findall(text, 0, start))
+        ends = [ending.span() for ending in _BREAK.finditer(text, start)]
+        for end, following in (*ends, (len(text), len(text) + 1)):
+            words, row = text[start:end], list[Cell]()
+            if end < start:  # a break of lines within quotes
+                continue
+            is_comment = "#" in words and _COMMENT.match(words)
+            if '"' in words and not is_comment:
+                row, start, line = self._quoted_row(text, start, line)
+            else:  # a measured signal of millions of rows would take half a minute cell by cell
+                column = 1
+                for part in [] if is_comment else words.split(self.separator):
+                    row.append(Cell(part.strip(), line, column + len(part) - len(part.lstrip())))
+                    column += len(part) + 1
+                start = following
+            yield row
+            line += 1
+
+    def _quoted_row(self, text: str, start: int, line: int) -> tuple[list[Cell], int, int]:
+        """A row of which cells stand in quotes, where the row behind it begins, and the line in which it ends."""
+        row, place = list[Cell](), start
+        while True:
+            at = line, place - start + 1
+            quoted = _QUOTED.match(text, place)
+            if quoted:
+                row.append(Cell(_BREAK.sub(" ", quoted[1].replace('""', '"')).strip(), *at))
+                for ending in _BREAK.finditer(text, place, quoted.end()):
+                    line, start = line + 1, ending.end()
+                place = quoted.end()
+            words = self._plain.match(text, place)
+            rest = words[0] if words else ""
+            place += len(rest)
+            if quoted and rest:
+                hint = "quotes within a cell are doubled"
+                self.fault(Cell("", *at), "text follows the closing quote", hint)
+            elif not quoted:
+                if rest.lstrip().startswith('"'):
+                    self.fault(Cell("", *at), "this quote is not closed")
+                row.append(Cell(rest.strip(), at[0], at[1] + len(rest) - len(rest.lstrip())))
+            if text[place : place + 1] != self.separator:
+                behind = _BREAK.match(text, place)
+                return row, behind.end() if behind else len(text) + 1, line
+            place += 1
+
+    def plain(self, text: str) -> str:
+        """A number with a decimal point for its decimal comma; of a list in brackets every number."""
+        if not self.has_commas:
+            return text
+        if text[:1] in ("[", "{"):
+            return _JOINED.sub(".", text).replace(";", ",") if ";" in text else text
+        return _COMMA.sub(r"\1.\2", text, count=1) if _COMMA.match(text) else text
+
+    def read_signs(self, cells: Iterable[Cell]) -> None:
+        """Find the decimal sign of the table from the cells that may hold numbers; note what leaves it open."""
+        self.has_commas = self.separator != ","
+        if not self.has_commas:
+            return
+        cells = list(cells)
+        has_both = all(any(sign in cell.text for cell in cells) for sign in ".,")
+        points, commas, marked = list[Mark](), list[Mark](), list[Mark]()
+        for cell in cells:
+            for figure in _figures(cell.text):
+                if _POINT.fullmatch(figure):
+                    points.append((cell, figure))
+                elif _COMMA.fullmatch(figure):
+                    commas.append((cell, figure))
+                if figure.count(".") + figure.count(",") == 1:
+                    marked.append((cell, figure))
+            # Of one sign alone the first number that is no thousands decides: signals have millions.
+            if not has_both and marked and not _THOUSANDS.fullmatch(marked[-1][1]):
+                break
+        self._has_points = bool(points)
+        if commas and points:
+            rarer, usual = sorted((points, commas), key=len)
+            (cell, figure), (other, sign) = rarer[0], usual[0]
+            message = f"`{figure}` here, and `{sign}` in line {other.line}: two decimal signs in one table"
+            hint = "write all numbers with one of them, and no marks between thousands"
+            self.fault(cell, message, hint)
+        elif marked and all(_THOUSANDS.fullmatch(figure) for _, figure in marked):
+            cell, figure = marked[0]
+            message = "may be thousands or decimals: every such number of this table has three digits after its mark"
+            self.fault(cell, f"`{figure}` {message}", f"write {_both_ways(figure)}")
+
+    def refuse_joined(self, cell: Cell) -> bool:
+        """Note a list of which a comma may part two numbers, or be the decimal sign of one."""
+        is_plain = (
+            not self.has_commas or self._has_points or any(sign in cell.text for sign in ".;")
+        )
+        if is_plain or cell.text[:1] != "[" or not _JOINED.search(cell.text):
+            return False
+        inner = cell.text.strip("[] ")
+        parts = re.split(r",\s+", inner) if re.search(r",\s", inner) else inner.split(",")
+        is_pair = len(parts) == 2 and ", " not in inner
+        number = f"{inner} for a number, " if is_pair else ""
+        ways = "one number or a list" if is_pair else "read in two ways"
+        hint = f'write {number}"[{"; ".join(parts)}]" for a list'
+        self.fault(cell, f"`{cell.text}` may be {ways}", hint)
+        return True
+
+
+def _fault(message: str, hint: str, before: str) -> Fault:
+    """The fault of what stands behind a text."""
+    lines = _BREAK.split(before)
+    return Fault((), message, hint, line=len(lines), column=len(lines[-1]) + 1)
+
+
+def _separator(text: str) -> str:
+    """Of the first line that says something: a tab, else a semicolon, else a comma."""
+    for line in _BREAK.split(text):
+        plain = re.sub(r'"[^"]*"', "", line)
+        if plain.strip(" \t,;") and not _COMMENT.match(line):
+            return next((sign for sign in "\t;" if sign in plain), ",")
+    return ","
+
+
+def _both_ways(text: str) -> str:
+    """A number like 40.000 without a mark between thousands, and in a way that it can only be a decimal."""
+    short = text.rstrip("0")
+    decimal = f"{short}0" if short[-1] in ".," or short == text else short
+    return f"{re.sub('[.,]', '', text)} or {decimal}"
+
+
+def _figures(text: str) -> Iterator[str]:
+    """The numbers of a cell: the one that it begins with, or those in its brackets, where semicolons part them."""
+    if text[:1] not in ("[", "{"):
+        yield from (figure[0] for figure in [_FIGURE.match(text)] if figure)
+    elif ";" in text:
+        yield from (figure[0] for figure in _FIGURE.finditer(text))
