@@ -62,4 +62,4 @@ def with_cell(table: Table, row: int, column: int, text: str) -> Table:
     """The table with another text in one cell."""
     cells = [list(one) for one in table.rows]
     cells[row][column] = text
-    return replace(table, rows=tuple(map(tuple, cells)))
+    return replace(table, values=tuple(map(tuple, cells)))

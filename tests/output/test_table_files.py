@@ -14,7 +14,7 @@ from torsion.output.chapters import chapters
 from torsion.output.csv_table import one_line
 from torsion.output.document import document
 from torsion.output.table_files import archive
-from torsion.output.table_text import plain_figure
+from torsion.output.table_text import figures, plain_figure
 from torsion.output.write import write
 
 TEXT = """
@@ -42,7 +42,7 @@ def test_every_table_with_a_number_is_a_file_with_its_rows(tmp_path: Path) -> No
             assert caption == f"# {name}: {table.caption}"
             head, *rows = csv.reader(lines)
             assert len(head) == len(table.columns)
-            assert rows == [[plain_figure(cell) for cell in row] for row in table.rows]
+            assert rows == figures(table)
     inertias = next(table for table in stated.values() if table.caption.startswith("Inertias"))
     assert (inertias.rows[0][0], plain_figure(inertias.rows[0][2])) == ("a, b", "1.5e-9")
     assert archive(made) == archive(made)
@@ -63,6 +63,4 @@ def test_the_archive_of_a_report_holds_all_of_its_tables_and_all_of_their_cells(
     assert len(tables) == len(written) > 15
     for table, (caption, _, *lines) in zip(tables, written, strict=True):
         assert caption.endswith(f": {one_line(table.caption)}")
-        assert list(csv.reader(lines)) == [
-            [plain_figure(cell) for cell in row] for row in table.rows
-        ]
+        assert list(csv.reader(lines)) == figures(table)

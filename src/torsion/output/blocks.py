@@ -3,13 +3,48 @@
 Texts may hold `_{x}` for a subscript; names and values of the scene stand in cells, where nothing is interpreted.
 """
 
+import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from enum import Enum
+from fractions import Fraction
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 
+import numpy as np
+
 from torsion.output.figures.figure import Figure
-from torsion.output.numbers import NONE, cell
+from torsion.output.numbers import (
+    DIGITS,
+    NONE,
+    cell,
+    distinct_texts,
+    given,
+    number,
+    order,
+    scale,
+    unit_words,
+)
+from torsion.results import quantities
+
+HEAD = re.compile(
+    r"(?:(?P<name>\w+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"
+    r"(?::(?P<digits>\d*)(?P<form>[gdo+]*))?"
+)
+SHOWN = {  # unit of a column: the unit of its values, and the factor between them
+    "rpm": ("rad/s", 30.0 / math.pi),
+    "deg": ("rad", 180.0 / math.pi),
+    "%": ("", 100.0),
+    "N/mm²": ("Pa", 1e-6),
+    "bar": ("Pa", 1e-5),
+    "µm": ("m", 1e6),
+    "mm": ("m", 1e3),
+    "cm²": ("m**2", 1e4),
+    "ms": ("s", 1e3),
+    "kW": ("W", 1e-3),
+}
+Value = str | int | float | None  # of a cell; a truth value is an int
 
 
 @dataclass(frozen=True)
@@ -40,21 +75,44 @@ class Points:
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: what stands in it and its unit."""
+    """A column of a table: what stands in it, its unit, and how its values are written."""
 
     title: str
     unit: str = ""
     align: Literal["left", "right", "center"] = "right"
     short: str = ""  # its title on the terminal; '' where it is left out there
     is_files: bool = False  # its cells name files beside the report, to which they lead on a page
+    digits: int = DIGITS  # significant ones of a number
+    form: str = (
+        ""  # "g" a figure of the input, "+" with its sign, "d" digits that keep values apart
+    )
+    factor: float = 1.0  # from a value in SI units to the unit
+    name: str = ""  # of the declared quantity that stands in it
+
+    def texts(self, values: Sequence[Value]) -> list[str]:
+        """Return the values as a page shows them."""
+        if "d" in self.form and all(isinstance(value, float) for value in values):
+            sizes = [value * self.factor for value in values if isinstance(value, float)]
+            return distinct_texts(sizes, self.digits)
+        return [self.text(value) for value in values]
+
+    def text(self, value: Value) -> str:
+        """Return a number in the unit to its digits; anything else in words."""
+        if not isinstance(value, float):
+            return cell(value)
+        size = value * self.factor
+        sign = "+" if "+" in self.form and size > 0 else ""
+        return sign + (given if "g" in self.form else number)(size, self.digits)
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of texts; `marks` says of every row how it stands out ('' is plain)."""
+    """A table of values; `marks` says of every row how it stands out ('' is plain)."""
 
     columns: tuple[Column, ...]
-    rows: tuple[tuple[str, ...], ...]
+    values: tuple[
+        tuple[Value, ...], ...
+    ]  # (rows, columns); numbers in SI units, words as they stand
     caption: str = ""
     marks: tuple[str, ...] = ()  # "", "note" or a verdict
     short: str = ""  # its title on the terminal; '' where it does not stand there
@@ -62,10 +120,16 @@ class Table:
     summary: str = ""  # sentence on the terminal without `-v`, in place of rows
 
     def __post_init__(self) -> None:
-        if any(len(row) != len(self.columns) for row in self.rows):
+        if any(len(row) != len(self.columns) for row in self.values):
             raise ValueError(
                 f"a row of the table '{self.caption}' does not have {len(self.columns)} cells"
             )
+
+    @cached_property
+    def rows(self) -> tuple[tuple[str, ...], ...]:
+        """The texts that a page shows, (rows, columns)."""
+        columns = zip(self.columns, zip(*self.values, strict=True), strict=False)
+        return tuple(zip(*(column.texts(values) for column, values in columns), strict=True))
 
 
 @dataclass(frozen=True)
@@ -102,45 +166,134 @@ Block = Box | PageEnd | Heading | Paragraph | Points | Table | KeyValues | Figur
 
 @lru_cache
 def head(titles: str) -> tuple[Column, ...]:
-    """Columns of a table: '< Shaft -> | Critical speed [rpm] -> rpm'; '<' marks words, which stand to the left.
+    """Return the columns of a table: 'mode: Mode | < Shaft -> | Critical speed [rpm]:6 -> rpm'.
 
-    Behind '->' is the title on the terminal, by itself the same in small letters.
+    'mode:' names the quantity of a record, '<' marks words, which stand to the left, and ':6' are digits, behind them
+    a form of `Column`. A value in SI units is shown in [rpm], one that is in rpm already in [=rpm]; in [~N m] with the
+    largest prefix that leaves no such column of the table below 1. Behind '->' is the title on the terminal, by itself
+    the same in small letters, with '~' for that unit, as in `short`.
 
-    >>> head("< Shaft | Critical speed [rpm] -> rpm")[1]
-    Column(title='Critical speed', unit='rpm', align='right', short='rpm', is_files=False)
+    >>> head("< Shaft | Critical speed [rpm]:6 -> rpm")[1].text(math.pi)
+    '30.0000'
     """
-    found = []
-    for words in titles.split("|"):
-        full, arrow, short = words.strip().partition(" ->")
-        title, _, unit = full.removesuffix("]").partition(" [")
-        name = title.removeprefix("<").strip()
-        align: Literal["left", "right"] = "left" if title.startswith("<") else "right"
-        found.append(Column(name, unit, align, short.strip() or (name.lower() if arrow else "")))
-    return tuple(found)
+    return tuple(_column(words.strip()) for words in titles.split("|"))
 
 
 def table(
     titles: str | tuple[Column, ...],
-    rows: Iterable[Sequence[Any]],
+    rows: Iterable[Any],
     caption: str = "",
     *,
     marks: Iterable[str] = (),
+    most: int | None = None,
     short: str = "",
     rows_in_summary: int = 0,
     summary: str = "",
 ) -> Table:
-    """A table of values, which stand in it as `cell` shows them, under the titles of `head` or columns.
+    """Return a table of values in SI units under the titles of `head`, at `most` so many of its rows.
 
-    >>> table("< Mode | Frequency [Hz] | Nodes", [("first", 12.5, 1), ("second", None, 2)]).rows
-    (('first', '12.500', '1'), ('second', '–', '2'))
+    Where the titles name quantities, a row is a result that declares them, or a tuple of results, one in the other.
+
+    >>> table("< Mode | Frequency [Hz] | Damping [%]:2", [("first", 12.5, 0.01), ("second", None, 1)]).rows
+    (('first', '12.500', '1.0'), ('second', '–', '1'))
     """
-    columns = head(titles) if isinstance(titles, str) else titles
-    cells = tuple(tuple(map(cell, row)) for row in rows)
-    return Table(columns, cells, caption, tuple(marks), short, rows_in_summary, summary)
+    columns, records = head(titles) if isinstance(titles, str) else titles, list(rows)
+    if most is not None and len(records) > most:
+        caption, records = f"{caption}; the first {most} of {len(records)}", records[:most]
+    if records and columns[0].name:
+        columns, records = _from_records(columns, records)
+    values: list[list[Any]] = [
+        [_plain(value, column) for value, column in zip(row, columns, strict=True)]
+        for row in records
+    ]
+    for unit in {column.unit for column in columns if column.unit.startswith("~")}:
+        places = [k for k, column in enumerate(columns) if column.unit == unit]
+        sizes = [[abs(row[k]) for row in values if isinstance(row[k], float)] for k in places]
+        tops = [top for column in sizes if (top := max(column, default=0.0))]
+        chosen = scale(unit[1:], [min(tops, default=0.0)])
+        short = short.replace("~", chosen.unit)
+        columns = tuple(
+            column
+            if k not in places
+            else replace(
+                column,
+                unit=chosen.unit,
+                factor=chosen.factor,
+                short=column.short.replace("~", chosen.unit),
+            )
+            for k, column in enumerate(columns)
+        )
+    return Table(
+        columns,
+        tuple(map(tuple, values)),
+        caption,
+        tuple(marks)[:most],
+        short,
+        rows_in_summary,
+        summary,
+    )
+
+
+def _column(words: str) -> Column:
+    """Return the column of one title with its marks."""
+    full, arrow, short = words.partition(" ->")
+    pieces = HEAD.fullmatch(full)
+    assert pieces is not None  # every part of it may be missing
+    name, unit = pieces["name"] or "", pieces["unit"] or ""
+    title = pieces["title"] or name.replace("_", " ").capitalize()
+    return Column(
+        title,
+        unit.lstrip("="),
+        "left" if pieces["left"] else "right",
+        short.strip() or (title.lower() if arrow else ""),
+        digits=int(pieces["digits"] or DIGITS),
+        form=pieces["form"] or "",
+        factor=SHOWN[unit][1] if unit in SHOWN else 1.0,
+        name=name,
+    )
+
+
+def _from_records(
+    columns: Sequence[Column], records: Sequence[Any]
+) -> tuple[tuple[Column, ...], list[Any]]:
+    """Return the columns in units of what the records declare, and the values of every record.
+
+    Raises ValueError where a quantity is not declared, or declared in a unit that the column cannot show.
+    """
+    nested = [record if isinstance(record, tuple) else (record,) for record in records]
+    declared = {
+        quantity.name: (level, quantity.unit.removeprefix("1"))
+        for level, part in enumerate(nested[0])
+        for quantity in quantities(type(part))
+    }
+    completed = []
+    for column in columns:
+        if column.name not in declared:
+            raise ValueError(f"{type(nested[0][-1]).__name__} declares no '{column.name}'")
+        unit = declared[column.name][1]
+        shown = column.unit or unit_words(unit)
+        if SHOWN.get(shown, (unit if unit_words(unit) == shown.lstrip("~") else None,))[0] != unit:
+            raise ValueError(f"'{column.name}' is declared in {unit}, not in what {shown} shows")
+        completed.append(replace(column, unit=shown))
+    levels = [(declared[column.name][0], column.name) for column in columns]
+    return tuple(completed), [
+        [getattr(row[level], name) for level, name in levels] for row in nested
+    ]
+
+
+def _plain(value: Any, column: Column) -> Value:
+    """Return a value as a table keeps it: a finite number, a word, or None."""
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None if math.isnan(value) else number(value)
+    if isinstance(value, Fraction) and "o" in column.form:
+        return order(value)
+    is_kept = isinstance(value, str | int | None) and not isinstance(value, Enum)
+    return value if is_kept else cell(value)
 
 
 def filled(made: Table) -> Table:
-    """The same table without the columns that have no value in any row.
+    """Return the same table without the columns that have no value in any row.
 
     >>> filled(table("< Mode | Frequency [Hz] | Cost", [("first", 12.5, None), ("second", 13.0, None)])).rows
     (('first', '12.500'), ('second', '13.000'))
@@ -148,10 +301,10 @@ def filled(made: Table) -> Table:
     kept = [
         k
         for k in range(len(made.columns))
-        if not made.rows or any(row[k] != NONE for row in made.rows)
+        if not made.values or any(row[k] not in (None, NONE) for row in made.values)
     ]
-    rows = tuple(tuple(row[k] for k in kept) for row in made.rows)
-    return replace(made, columns=tuple(made.columns[k] for k in kept), rows=rows)
+    values = tuple(tuple(row[k] for k in kept) for row in made.values)
+    return replace(made, columns=tuple(made.columns[k] for k in kept), values=values)
 
 
 def texts(title: str, short: str = "") -> Column:

@@ -18,6 +18,7 @@ from torsion.output.drawing.text import SUBSCRIPT
 from torsion.output.figures.figure import Figure
 from torsion.output.numbers import NONE
 from torsion.output.page_files import TEMPLATES, script, style
+from torsion.output.table_text import figures
 
 LONG_WORD = 20  # characters
 
@@ -87,7 +88,7 @@ def environment() -> Environment:
     made.filters.update(
         words=words, css_text=css_text, anchor=anchor, has_long_word=has_long_word, linked=linked
     )
-    made.filters.update(kind=lambda block: type(block).__name__)
+    made.filters.update(kind=lambda block: type(block).__name__, figures=figures)
     return made
 
 

@@ -146,7 +146,7 @@ def _modes(modes: Modes) -> Iterator[Block]:
         rest = (
             f"; the first {MOST_MODES} of {len(found.rows)}" if len(found.rows) > MOST_MODES else ""
         )
-        yield replace(found, rows=found.rows[:MOST_MODES], caption=found.caption + rest)
+        yield replace(found, values=found.values[:MOST_MODES], caption=found.caption + rest)
         yield from natural_frequencies.plots(_alone(modes), modes, (0,))
     else:
         yield Paragraph("no elastic modes")

@@ -12,7 +12,7 @@ from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.spans import SegmentGroups
 from torsion.assembly.system import MOST_GROUPS, System, segment_groups
 from torsion.components.shaft_details import STEP
-from torsion.output.numbers import NONE, SI, Scale, rpm, scale
+from torsion.output.numbers import Scale, scale
 from torsion.results import Quantity
 
 
@@ -187,10 +187,10 @@ def highest(values: FloatArray) -> float:
     return float(np.nanmax(np.append(values, 0.0)))
 
 
-def worst(values: FloatArray, speed: FloatArray, unit: Scale = SI) -> tuple[str, str]:
-    """The largest of values (speeds,) over speeds in rad/s, and its speed in rpm, as cells of a table."""
+def worst(values: FloatArray, speed: FloatArray) -> tuple[float | str, float | None]:
+    """Return the largest of values (speeds,) and its speed, rad/s; words where it is not known."""
     at = largest(values)
-    return (NO_VALUE, NONE) if at is None else (unit.text(float(values[at])), rpm(float(speed[at])))
+    return (NO_VALUE, None) if at is None else (float(values[at]), float(speed[at]))
 
 
 def torques(curves: Iterable[FloatArray]) -> Scale:

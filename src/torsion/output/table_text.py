@@ -5,6 +5,7 @@ import io
 import re
 
 from torsion.output.blocks import Column, Table
+from torsion.output.numbers import NONE, cell
 
 PLAIN = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
 _NUMBER = r"[+-]?(?:\d[\d.]*(?:e[+-]?\d+)?|inf)\s*(?:[,;\t]|$)"
@@ -20,8 +21,26 @@ def table_text(number: str, table: Table) -> str:
     target.write(f"# {number}: {inert(one_line(table.caption))}\n")
     rows = csv.writer(target, lineterminator="\n")
     rows.writerow([inert(_title(column)) for column in table.columns])
-    rows.writerows([inert(plain_figure(cell)) for cell in row] for row in table.rows)
+    rows.writerows([inert(cell) for cell in row] for row in figures(table))
     return target.getvalue()
+
+
+def figures(table: Table) -> list[list[str]]:
+    """Return the cells of every row as programs read them: numbers in the unit of their column, with all digits.
+
+    >>> from torsion.output.blocks import table
+    >>> figures(table("Speed [rpm] | < Remark", [(0.5, None)]))
+    [['4.7746482927568605', '']]
+    """
+    return [
+        [
+            repr(value * column.factor)
+            if isinstance(value, float)
+            else plain_figure(NONE if value is None else cell(value))
+            for column, value in zip(table.columns, row, strict=True)
+        ]
+        for row in table.values
+    ]
 
 
 def file_name(number: str) -> str:
@@ -34,17 +53,17 @@ def _title(column: Column) -> str:
     return f"{title} [{column.unit}]" if column.unit else title
 
 
-def plain_figure(cell: str) -> str:
+def plain_figure(text: str) -> str:
     """A cell with its number as programs write it, 1.2346e-07; words as they stand, and nothing for '–'.
 
     >>> plain_figure("−1.2346·10⁻⁷"), plain_figure("–"), plain_figure("5 × screw")
     ('-1.2346e-7', '', '5 × screw')
     """
-    if cell.isascii():
-        return one_line(cell)
-    if cell == "–":
+    if text.isascii():
+        return one_line(text)
+    if text == NONE:
         return ""
-    return cell.translate(PLAIN).replace("·10", "e") if FIGURE.fullmatch(cell) else one_line(cell)
+    return text.translate(PLAIN).replace("·10", "e") if FIGURE.fullmatch(text) else one_line(text)
 
 
 def inert(text: str) -> str:

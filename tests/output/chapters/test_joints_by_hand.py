@@ -24,7 +24,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table
 from torsion.output.chapters import joint_motion, joint_tables
 from torsion.output.chapters.joint_motion import alone, chapter, summary
-from torsion.output.numbers import NONE
+from torsion.output.numbers import NONE, number
 from torsion.rules.verdict_line import Checks
 
 DEG, RPM = math.pi / 180.0, 30.0 / math.pi
@@ -228,8 +228,8 @@ def test_couples_without_bearings_and_force() -> None:
     """Torques of less than 1 kN m beside couples of more; neither column of newtons."""
     small = joint("a", torque=-900.0, couples=(couple("driven"),))
     made = joint_tables.couples(together((small, EVEN)))
-    assert rows(made) == [("a", "driven", "−900.00", "5.0000", "2", "1.0000", "1.5000", "7.6540")]
-    assert [made.columns[2].unit, made.columns[3].unit] == ["N m", "kN m"]
+    assert rows(made) == [("a", "driven", "−900.00", "5000.0", "2", "1000.0", "1500.0", "7654.0")]
+    assert [made.columns[2].unit, made.columns[3].unit] == ["N m", "N m"]
 
 
 @pytest.mark.parametrize(
@@ -502,8 +502,8 @@ def test_response_to_the_order_of_a_joint() -> None:
         (
             "hooke",
             "order 5",
-            joint_motion.number(size[at]),
-            joint_motion.number(response.speed[at] * RPM),
+            number(size[at]),
+            number(response.speed[at] * RPM),
             "9.5",
         ),
     )

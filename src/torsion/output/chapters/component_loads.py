@@ -15,7 +15,7 @@ from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.figures import curves_over_speed
 from torsion.output.figures.figure import Figure
 from torsion.output.nearest_criticals import of_torsion
-from torsion.output.numbers import NONE, RPM, number, rpm
+from torsion.output.numbers import RPM, number, rpm
 from torsion.output.reported_values import (
     barred,
     barred_rpm,
@@ -41,11 +41,11 @@ from torsion.output.selection import (
 from torsion.primitives import Bar
 from torsion.rules.verdict_line import Checks
 
-PA = 1e-6  # N/mm2 of 1 Pa
+PA = 1e-6  # N/mm² of 1 Pa
 MOST_FIGURES = 3  # of shafts
 MOST_ORDERS = 3  # of a shaft, in the table of stress by order
 SMALLEST = 0.01  # of the shaft's largest stress of one order; less is not listed
-LIMITS = "| τ_{C} [N/mm²] | τ_{T} [N/mm²] | Maximum τ / τ_{C} | Speed [rpm]"
+LIMITS = " | τ_{C} [=N/mm²] | τ_{T} [=N/mm²] | Maximum τ / τ_{C}:4 | Speed [rpm]"
 
 
 @dataclass(frozen=True)
@@ -142,25 +142,19 @@ def _stresses(findings: Findings, curves: dict[str, Curves]) -> Table:
     rows = []
     for name, curve in curves.items():
         shaft = findings.study.train.part(name).shaft
-        at, there, share = largest(curve.stress), (NONE, NONE), (NONE, NONE)
+        at, limits = largest(curve.stress), [None] * 4
         if at is not None and curve.continuous is not None and curve.transient is not None:
-            there = number(float(curve.continuous[at])), number(float(curve.transient[at]))
+            limits[:2] = curve.continuous[at], curve.transient[at]
             shares = np.where(np.isnan(curve.continuous), -np.inf, curve.stress / curve.continuous)
             if (most := largest(shares)) is not None:
-                share = number(float(shares[most]), 4), rpm(float(curve.speed[most]))
-        own = worst(curve.stress, curve.speed)
-        rows.append(
-            (
-                name,
-                None if shaft is None else shaft.role,
-                *own,
-                *((*there, *share) if limited else ()),
-            )
-        )
-    columns = "< Shaft | < Role | Maximum stress [N/mm²] | Speed [rpm] " + (
-        LIMITS if limited else ""
+                limits[2:] = shares[most], curve.speed[most]
+        role = None if shaft is None else shaft.role
+        rows.append((name, role, *worst(curve.stress, curve.speed), *limits[: 4 * limited]))
+    return table(
+        f"< Shaft | < Role | Maximum stress [=N/mm²] | Speed [rpm]{LIMITS if limited else ''}",
+        rows,
+        "Maximum stress amplitude of every shaft over the speed range",
     )
-    return table(columns, rows, "Maximum stress amplitude of every shaft over the speed range")
 
 
 def _weakest(findings: Findings, curves: dict[str, Curves]) -> Iterator[str]:
@@ -170,7 +164,10 @@ def _weakest(findings: Findings, curves: dict[str, Curves]) -> Iterator[str]:
         if not highest(curves[name].stress):
             continue
         stress, speed = worst(curves[name].stress, curves[name].speed)
-        yield f"{name} has the highest stress of the {len(bars)} sections of {whole}: {stress} N/mm² at {speed} rpm."
+        yield (
+            f"{name} has the highest stress of the {len(bars)} sections of {whole}: "
+            f"{stress if isinstance(stress, str) else number(stress)} N/mm² at {rpm(speed)} rpm."
+        )
 
 
 def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
@@ -184,17 +181,10 @@ def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
             if at is not None and stress[at] >= SMALLEST * top:
                 frequency = float(response.frequency[at, line])
                 component = response.lines[line].named(reference(findings))
-                rows.append(
-                    (
-                        name,
-                        component,
-                        *worst(stress, curve.speed),
-                        frequency,
-                        mode_near(findings, frequency),
-                    )
-                )
+                stated = *worst(stress, curve.speed), frequency, mode_near(findings, frequency)
+                rows.append((name, component, *stated))
     return table(
-        "< Shaft | < Order | Maximum stress [N/mm²] | Speed [rpm] | Frequency [Hz] | Mode",
+        "< Shaft | < Order | Maximum stress [=N/mm²] | Speed [rpm] | Frequency [Hz] | Mode",
         rows,
         f"Maximum stress amplitude of single orders (the {MOST_ORDERS} largest of each shaft)",
     )
@@ -220,17 +210,15 @@ def gears(findings: Findings) -> Iterator[Block]:
         )
         for mesh in meshes
     ]
-    unit, rows = torques(values for _, values, _ in found), []
+    rows = []
     for mesh, values, own in found:
         at = largest(values)
-        there = None if at is None or own is None else unit.text(float(own[at]))
-        reversal = (
-            (None, None, "not known") if at is None else _reversal(response.speed, values, own)
-        )
-        rows.append((mesh.name, *worst(values, response.speed, unit), there, *reversal))
+        mean = None if at is None or own is None else own[at]
+        reversal = _reversal(response.speed, values, None if at is None else own)
+        rows.append((mesh.name, *worst(values, response.speed), mean, *reversal))
     yield table(
-        f"< Mesh | Maximum vibratory torque [{unit.unit}] | Speed [rpm] | Mean torque [{unit.unit}] | "
-        "Maximum vibratory / mean | Speed [rpm] | < Torque reversal",
+        "< Mesh | Maximum vibratory torque [~N m] | Speed [rpm] | Mean torque [~N m] | "
+        "Maximum vibratory / mean:4 | Speed [rpm] | < Torque reversal",
         rows,
         f"Vibratory torque ({orders_together(findings)}) and mean torque in the meshes",
         marks=["fail" if row[-1].startswith("yes") else "" for row in rows],
@@ -241,10 +229,10 @@ def gears(findings: Findings) -> Iterator[Block]:
 
 def _reversal(
     speed: FloatArray, values: FloatArray, mean: FloatArray | None
-) -> tuple[str, str, str]:
+) -> tuple[float | None, float | None, str]:
     """The largest vibratory / mean torque, its speed, and where the load reverses; a share is infinite without mean."""
     if mean is None:
-        return NONE, NONE, "not known"
+        return None, None, "not known"
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(values == 0, 0.0, values / mean)
     most, over, where = int(np.argmax(share)), np.flatnonzero(share > 1.0), "no"
@@ -255,11 +243,7 @@ def _reversal(
             if len(over) == len(share)
             else "yes, between {} and {} rpm".format(*ends)
         )
-    return (
-        number(float(share[most]), 4),
-        NONE if np.isinf(share[most]) else rpm(float(speed[most])),
-        where,
-    )
+    return share[most], None if np.isinf(share[most]) else speed[most], where
 
 
 def _mesh(findings: Findings, mesh: Element, values: FloatArray, mean: FloatArray | None) -> Figure:
@@ -298,24 +282,22 @@ def couplings(findings: Findings) -> Iterator[Block]:
     ]
     if not found:
         return
-    unit = torques(values for _, _, values in found)
     speed, steady, rows = findings.need(Response).speed, findings.get(Steady), []
     for element, limits, values in found:
         spans = list(element.spans)
         peak = element.largest(findings.need(Synthesis).peak)
         peak = np.where(unreliable(findings) | ~np.isfinite(peak), np.nan, peak)
-        mean = None if steady is None else unit.text(float(np.abs(steady.torque[spans]).max()))
         rows.append(
             (
                 element.name,
-                *worst(values, speed, unit),
-                unit.text(limits.vibratory_torque),
-                mean,
-                unit.text(limits.rated_torque),
-                worst(peak, speed, unit)[0],
-                unit.text(limits.max_torque),
+                *worst(values, speed),
+                limits.vibratory_torque,
+                None if steady is None else np.abs(steady.torque[spans]).max(),
+                limits.rated_torque,
+                worst(peak, speed)[0],
+                limits.max_torque,
                 *worst(_heat(findings, spans), speed),
-                number(limits.heat_limit),
+                limits.heat_limit,
             )
         )
     yield Heading("Couplings")
@@ -324,8 +306,8 @@ def couplings(findings: Findings) -> Iterator[Block]:
         "Each value is a maximum over the speed range."
     )
     yield table(
-        f"< Coupling | Vibratory torque [{unit.unit}] | Speed [rpm] | T_{{KW}} [{unit.unit}] | "
-        f"Mean torque [{unit.unit}] | T_{{KN}} [{unit.unit}] | Peak torque [{unit.unit}] | T_{{Kmax}} [{unit.unit}] | "
+        "< Coupling | Vibratory torque [~N m] | Speed [rpm] | T_{KW} [~N m] | "
+        "Mean torque [~N m] | T_{KN} [~N m] | Peak torque [~N m] | T_{Kmax} [~N m] | "
         "Power loss [W] | Speed [rpm] | P_{KW} [W]",
         rows,
         "Torque and power loss of the couplings with the manufacturer's limits",

@@ -1,5 +1,6 @@
 """Chapter: reciprocating compressors: data sheet, balance of torque, pressures of their ends, harmonics of throws."""
 
+import cmath
 import math
 from collections.abc import Iterator
 
@@ -10,7 +11,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Table, table
 from torsion.output.chapters.engine import varying
 from torsion.output.figures import compressor_curves
-from torsion.output.numbers import degrees, given, number, rpm, scale, settled
+from torsion.output.numbers import given, rpm, scale, settled
 
 BAR = 1e-5  # of 1 Pa
 SAME_LOAD = 0.05  # relative: how far the torque of the pressures may be from that of the operation
@@ -35,9 +36,33 @@ def _one(found: CompressorFound, place: int) -> Iterator[Block]:
         ("Mechanical efficiency", f"{given(100 * found.efficiency)} %"),
     )
     yield KeyValues(words)
-    yield _throws(found)
+    yield table(
+        "number: < Throw | station: < Station | angle: Outer dead centre at [deg]:g | "
+        "inertia: Moving masses, mean inertia [kg m²] | mean_torque: Mean gas torque [N m]",
+        found.throws,
+        f"Throws of {found.name}; the gas absorbs the mean torque",
+    )
     if any(one.ends for one in found.throws):
-        yield _ends(found)
+        yield table(
+            "< Throw | < End | < Pressures | Area [cm²] | Clearance [%] | Lowest [bar] | Highest [bar] | imep [bar] | "
+            "Indicated power [kW]",
+            [
+                (
+                    one.number,
+                    end.end,
+                    end.given,
+                    end.area,
+                    end.clearance,
+                    end.pressure.min(),
+                    end.pressure.max(),
+                    end.imep,
+                    end.power,
+                )
+                for one in found.throws
+                for end in one.ends
+            ],
+            f"Ends of the cylinders of {found.name}; absolute pressures; positive imep: the gas absorbs work",
+        )
         yield from _balance(found)
         yield compressor_curves.pressures(
             f"compressor-{place + 1}-pressure",
@@ -63,43 +88,6 @@ def _one(found: CompressorFound, place: int) -> Iterator[Block]:
 
 def _at(found: CompressorFound) -> str:
     return "" if found.speed is None else f" at {rpm(found.speed)} rpm"
-
-
-def _throws(found: CompressorFound) -> Table:
-    rows = [
-        (one.number, one.station, degrees(one.angle), one.inertia, one.mean_torque)
-        for one in found.throws
-    ]
-    return table(
-        "< Throw | < Station | Outer dead centre at [deg] | Moving masses, mean inertia [kg m²] | "
-        "Mean gas torque [N m]",
-        rows,
-        f"Throws of {found.name}; the gas absorbs the mean torque",
-    )
-
-
-def _ends(found: CompressorFound) -> Table:
-    rows = [
-        (
-            one.number,
-            end.end,
-            end.given,
-            end.area * 1e4,
-            None if end.clearance is None else 100 * end.clearance,
-            float(end.pressure.min()) * BAR,
-            float(end.pressure.max()) * BAR,
-            end.imep * BAR,
-            None if end.power is None else end.power / 1e3,
-        )
-        for one in found.throws
-        for end in one.ends
-    ]
-    return table(
-        "< Throw | < End | < Pressures | Area [cm²] | Clearance [%] | Lowest [bar] | Highest [bar] | imep [bar] | "
-        "Indicated power [kW]",
-        rows,
-        f"Ends of the cylinders of {found.name}; absolute pressures; positive imep: the gas absorbs work",
-    )
 
 
 def _balance(found: CompressorFound) -> Iterator[Block]:
@@ -141,13 +129,13 @@ def _harmonics(found: CompressorFound) -> Table:
             settled(abs(part), largest) for one in each for part in (one.gas, one.masses, one.total)
         ]
         size = settled(abs(rigid), largest)
-        phase = degrees(float(np.angle(rigid)), 5) if size else "–"
-        rows.append((order, *map(number, sizes), *([number(size), phase] if several else [])))
+        phase = cmath.phase(rigid) if size else None
+        rows.append((order, *sizes, *([size, phase] if several else [])))
     titles = "Order" + "".join(
         f" | Throw {one.number}, gas [N m] | Throw {one.number}, masses [N m] | Throw {one.number}, both [N m]"
         for one in found.throws
     )
-    whole = " | All throws [N m] | Phase [deg]" if several else ""
+    whole = " | All throws [N m] | Phase [deg]:g" if several else ""
     caption = f"Harmonics of {found.name}{_at(found)}: amplitudes by throw"
     return table(
         titles + whole,

@@ -20,7 +20,7 @@ from torsion.output.chapters import closing, joint_tables
 from torsion.output.chapters.joint_tables import STILL, names
 from torsion.output.figures import joint_curves
 from torsion.output.figures.figure import Figure
-from torsion.output.numbers import NONE, RPM, number, order, scale
+from torsion.output.numbers import RPM, order, scale
 from torsion.output.reported_values import amplitude, joint_model
 from torsion.output.selection import largest, worst
 from torsion.rules.verdict_line import Checks
@@ -108,12 +108,12 @@ def _response(findings: Findings, found: Joints) -> Iterator[Block]:
         )
         for place in (k for k, line in enumerate(response.lines) if line.order == wanted):
             at = largest(size[:, place])
-            error = NONE if at is None else number(100 * float(response.joint_error[at, place]), 2)
+            error = None if at is None else response.joint_error[at, place]
             torque = worst(size[:, place], response.speed)
             rows.append((joint.name, f"order {order(wanted)}", *torque, error))
     yield Heading("Excitation of the train", 2)
     yield table(
-        "< Joint | < Order | Maximum torque in the joint [N m] | Speed [rpm] | Estimated model error [%]",
+        "< Joint | < Order | Maximum torque in the joint [N m] | Speed [rpm] | Estimated model error [%]:2",
         rows,
         "Response of the train to the order of each joint",
     )

@@ -11,15 +11,11 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Paragraph, Table, table
 from torsion.output.numbers import (
-    NONE,
     RPM,
     below_right,
     degrees,
     given,
-    given_rpm,
     number,
-    order,
-    scale,
     settled,
 )
 
@@ -32,22 +28,21 @@ ASSEMBLY = "1 deg"  # of error, for which the sensitivity is stated
 def geometry(joints: Joints) -> Table:
     """Kind, angle, plane and phase of every joint."""
     leading = {line.joints[0] for line in joints.lines}
-    rows = [
-        (
-            joint.name,
-            joint.kind,
-            degrees(joint.angle, below_right(joint.angle)),
-            NONE if k in leading else degrees(joint.plane),
-            degrees(joint.phase),
-            degrees(settled(math.remainder(joint.yoke, math.tau), math.tau)),
-            math.tan(joint.angle / 2) ** 2 if joint.kind == "cross" else NONE,
-        )
-        for k, joint in enumerate(joints.joints)
-    ]
     return table(
-        "< Joint -> | < Kind -> | Angle β [deg] -> angle | Plane against the previous joint [deg] -> plane | "
-        "Phase of the yokes [deg] -> phase | Driving yoke from the plane at angle zero [deg] | q = tan²(β/2)",
-        rows,
+        "< Joint -> | < Kind -> | Angle β [deg]:g -> angle | Plane against the previous joint [deg]:g -> plane | "
+        "Phase of the yokes [deg]:g -> phase | Driving yoke from the plane at angle zero [deg]:g | q = tan²(β/2)",
+        [
+            (
+                joint.name,
+                joint.kind,
+                degrees(joint.angle, below_right(joint.angle)),
+                None if k in leading else joint.plane,
+                joint.phase,
+                settled(math.remainder(joint.yoke, math.tau), math.tau),
+                math.tan(joint.angle / 2) ** 2 if joint.kind == "cross" else None,
+            )
+            for k, joint in enumerate(joints.joints)
+        ],
         "Angles of the joints",
         short="Universal joints, angles in deg",
     )
@@ -58,18 +53,12 @@ def alone(joints: Joints) -> Table:
     rows = []
     for joint in joints.joints:
         size = abs(joint.amplitude)
-        orders = (
-            (str(joint.order), order(joint.order * joint.ratio))
-            if joint.order and size
-            else (NONE, NONE)
-        )
-        phase = degrees(settled(cmath.phase(joint.amplitude), math.tau)) if size else NONE
-        rows.append(
-            (joint.name, *orders, size, math.degrees(size), phase, _percent(joint.unevenness))
-        )
+        orders = (joint.order, joint.order * joint.ratio) if joint.order and size else (None, None)
+        phase = settled(cmath.phase(joint.amplitude), math.tau) if size else None
+        rows.append((joint.name, *orders, size, size, phase, still(joint.unevenness)))
     return table(
-        "< Joint -> | Order, own shaft -> order | Order, reference | Error amplitude [rad] | "
-        "Error amplitude [deg] -> error, deg | Phase [deg] | Speed fluctuation [%]",
+        "< Joint -> | Order, own shaft -> order | Order, reference:o | Error amplitude [rad] | "
+        "Error amplitude [deg] -> error, deg | Phase [deg]:g | Speed fluctuation [%]",
         rows,
         "Single joints: transmission error and speed fluctuation (maximum − minimum driven speed) / mean",
         short="Single joints: transmission error",
@@ -82,7 +71,7 @@ def lines(joints: Joints) -> Table:
     for line in joints.lines:
         varies = line.index > STILL
         ends = [
-            (number(end.speed_ratio, 7), degrees(settled(end.at, math.tau)) if varies else NONE)
+            (end.speed_ratio, settled(end.at, math.tau) if varies else None)
             for end in (line.greatest, line.least)
         ]
         rows.append(
@@ -90,15 +79,15 @@ def lines(joints: Joints) -> Table:
                 names(joints, line),
                 _angle(line.resultant),
                 _angle(line.classical),
-                degrees(settled(line.phase, math.tau)) if varies else NONE,
+                settled(line.phase, math.tau) if varies else None,
                 *ends[0],
                 *ends[1],
-                _percent(line.index),
+                still(line.index),
             )
         )
     return table(
-        "< Joints -> | Resultant angle [deg] -> resultant, deg | Small-angle sum [deg] -> small-angle | Phase [deg] | "
-        "Maximum speed ratio -> maximum | at [deg] | Minimum -> | at [deg] | Degree of non-uniformity [%] -> "
+        "< Joints -> | Resultant angle [deg] -> resultant, deg | Small-angle sum [deg] -> small-angle | Phase [deg]:g | "
+        "Maximum speed ratio:7 -> maximum | at [deg]:g | Minimum:7 -> | at [deg]:g | Degree of non-uniformity [%] -> "
         "non-uniformity, %",
         rows,
         "Joints of one shaft line as one cross joint, rigid between them; angles of the first shaft",
@@ -111,18 +100,18 @@ def at_speed(joints: Joints) -> Iterator[Table]:
     rows = [
         (
             joint.name,
-            given_rpm(joint.speed),
-            number(joint.speed * RPM * float(joint.speed_ratio.max()), 6),
-            number(joint.speed * RPM * float(joint.speed_ratio.min()), 6),
-            number(joint.speed**2 * joint.steepest) if joint.steepest > STILL else "0",
-            number(joint.speed * RPM * math.degrees(joint.angle)),
+            joint.speed,
+            joint.speed * joint.speed_ratio.max(),
+            joint.speed * joint.speed_ratio.min(),
+            joint.speed**2 * still(joint.steepest),
+            joint.speed * RPM * math.degrees(joint.angle),
         )
         for joint in joints.joints
         if joint.speed is not None
     ]
     if rows:
         yield table(
-            "< Joint -> | Mean speed [rpm] -> rpm | Maximum downstream [rpm] | Minimum [rpm] | "
+            "< Joint -> | Mean speed [rpm]:6g -> rpm | Maximum downstream [rpm]:6 | Minimum [rpm]:6 | "
             "Maximum acceleration downstream [rad/s²] -> rad/s² | Speed × angle [deg/min]",
             rows,
             "Speed and acceleration of the shaft downstream of each joint; the first shaft rotates uniformly",
@@ -136,39 +125,32 @@ def couples(joints: Joints) -> Table:
     held, pushed = (
         any(one) for one in ([c.bearing is not None for _, c in known], [j.force for j, _ in known])
     )
-    unit = scale("N m", [couple.largest for _, couple in known])
-    torque = scale("N m", [joint.torque for joint, _ in known if joint.torque is not None])
-    rows = []
-    for joint, couple in known:
-        mean, normal, plane = (
-            unit.text(abs(one)) for one in (math.hypot(*couple.mean), *couple.amplitude)
+    rows = [
+        (
+            joint.name,
+            couple.shaft,
+            joint.torque,
+            math.hypot(*couple.mean),
+            couple.order or None,
+            *map(abs, couple.amplitude),
+            couple.largest,
+            *[couple.bearing] * held,
+            *[joint.force or None] * pushed,
         )
-        rows.append(
-            (
-                joint.name,
-                couple.shaft,
-                torque.text(joint.torque),
-                mean,
-                couple.order or NONE,
-                normal,
-                plane,
-                unit.text(couple.largest),
-                *([number(couple.bearing)] if held else []),
-                *([number(joint.force) if joint.force else NONE] if pushed else []),
-            )
-        )
+        for joint, couple in known
+    ]
     bearings, force = (
         " | Bearings [N] -> bearing, N" if held else "",
         " | Force across [N]" if pushed else "",
     )
     return table(
-        f"< Joint -> | < Shaft -> on the shaft | Torque [{torque.unit}] | Mean [{unit.unit}] -> mean | Order -> | "
-        f"Amplitude, normal [{unit.unit}] -> normal | Amplitude, in plane [{unit.unit}] -> in plane | "
-        f"Maximum [{unit.unit}] -> maximum{bearings}{force}",
+        "< Joint -> | < Shaft -> on the shaft | Torque [~N m] | Mean [~N m] -> mean | Order -> | "
+        "Amplitude, normal [~N m] -> normal | Amplitude, in plane [~N m] -> in plane | "
+        f"Maximum [~N m] -> maximum{bearings}{force}",
         rows,
         "Secondary couples on the shafts for the mean torque in the driving shaft: amplitudes of one order, zero to "
         "peak; bearing and transverse forces are maxima over the revolution",
-        short=f"Secondary couples, {unit.unit}",
+        short="Secondary couples, ~",
     )
 
 
@@ -178,22 +160,24 @@ def optimum(joints: Joints, line: LineFound) -> Iterator[Block]:
     if found is not None:
         title = f"Optimum {found.variable} of {names(joints, line)}"
         yield table(
-            f"< Joint -> | {found.variable.capitalize()} now [deg] -> now | Optimum [deg] -> optimum | "
+            f"< Joint -> | {found.variable.capitalize()} now [deg]:g -> now | Optimum [deg]:g -> optimum | "
             f"Non-uniformity with an error of {ASSEMBLY} [%] -> with {ASSEMBLY} error, %",
-            [
-                (name, degrees(before), _best(best), _percent(off))
-                for name, before, best, off in zip(
-                    found.names, found.before, found.best, found.sensitivity, strict=True
-                )
-            ],
+            zip(
+                found.names,
+                found.before,
+                map(still, found.best),
+                map(still, found.sensitivity),
+                strict=True,
+            ),
             title,
             short=f"{title}, deg",
         )
         yield Paragraph(_gained(found), brief=True)
 
 
-def _best(value: float) -> str:
-    return degrees(value) if abs(value) > STILL else "0"
+def still(value: float) -> float:
+    """Return a value, or 0 where it is rounding of angles of order one."""
+    return value if abs(value) > STILL else 0.0
 
 
 def _gained(found: OptimumFound) -> str:
@@ -215,7 +199,7 @@ def in_short(joints: Joints, line: LineFound) -> Iterator[str]:
     yield f"The line of {names(joints, line)} {made}."
     if found is not None:
         best = ", ".join(
-            f"{name} {_best(value)} deg"
+            f"{name} {degrees(still(value))} deg"
             for name, value in zip(found.names, found.best, strict=True)
         )
         yield f"Optimum {found.variable}: {best}. {_gained(found)}"
@@ -227,7 +211,7 @@ def names(joints: Joints, line: LineFound) -> str:
 
 
 def _percent(value: float) -> str:
-    return number(100.0 * value) if abs(value) > STILL else "0"
+    return number(100.0 * still(value))
 
 
 def _angle(value: float) -> str:

@@ -66,12 +66,9 @@ const cells = (piece) => {
 };
 const figureCsv = (data) => data.csv.map((piece) => typeof piece === "string" ? piece
   : Array.isArray(piece) ? columns(piece.map(numbers)) : cells(piece)).join("");
-const POWERS = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", FIGURE = /^−?\d[\d.]*(·10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?$/;
 const FORMULA = /(^|[,;\t])(\s*)(?=[=+\-@])(?![+-]?(?:\d[\d.]*(?:e[+-]?\d+)?|inf)\s*(?:[,;\t]|$))/g;
 const inert = (text) => text.replace(FORMULA, "$1$2'"); // no spreadsheet runs it
 const oneLine = (text) => text.trim().split(/\s+/).join(" ");
-const plainFigure = (text) => text === "–" ? "" : !FIGURE.test(text) ? oneLine(text)
-  : text.replace("−", "-").replace("·10", "e").replace(/[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]/g, (sign) => "-0123456789"[POWERS.indexOf(sign)]);
 const source = (node, left = "_{", right = "}") => { // the text of an element, with its subscripts as they were given
   const copy = node.cloneNode(true);
   copy.querySelectorAll("button, b").forEach((one) => one.remove());
@@ -87,6 +84,6 @@ const title = (head) => {
 const tableCsv = (table) => {
   const number = table.querySelector("caption b").textContent, caption = oneLine(source(table.caption));
   const rows = [...table.tBodies[0].rows].filter((row) => !row.querySelector("[colspan]"));
-  const lines = [[...table.tHead.rows[0].cells].map(title), ...rows.map((row) => [...row.cells].map((cell) => plainFigure(cell.textContent)))];
+  const lines = [[...table.tHead.rows[0].cells].map(title), ...rows.map((row) => [...row.cells].map((cell) => cell.dataset.value ?? oneLine(cell.textContent)))];
   return `# ${number}: ${inert(caption)}\n${lines.map((line) => `${line.map(inert).map(quoted).join(",")}\n`).join("")}`;
 };
