@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.accuracy_methods import PEER
+from benchmarks.error_curves import error_over_time
 from benchmarks.page_file import verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.compare.timing import TimedRow, fastest, unbeaten
 from torsion.output.drawing.svg import svg
-from torsion.output.figures.error_curves import error_over_time
 from torsion.output.figures.figure import Axis, Figure
-from torsion.output.run_time_study import cells, curves
+from torsion.output.run_time_study import cells
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 FASTER, MORE_ACCURATE, SHARE_OF_ERROR = 50.0, 1e10, 1e-10
@@ -86,9 +86,7 @@ def figure(study: Study) -> str:
     """SVG: error over time of both quantities, one curve a method."""
     x = Axis("assembly and solution (median)", "ms", is_log=True)
     both = ((study.modes, "ten frequencies"), (study.torques, "torque at mid-shaft"))
-    panels = tuple(
-        error_over_time(x, f"{what}, largest error", curves(rows)) for rows, what in both
-    )
+    panels = tuple(error_over_time(x, f"{what}, largest error", rows) for rows, what in both)
     times = [line.x for panel in panels for line in panel.lines]
     ends = min(float(np.nanmin(one)) for one in times), max(float(np.nanmax(one)) for one in times)
     x = Axis(x.quantity, x.unit, ends[0] / 1.5, ends[1] * 1.5, is_log=True)

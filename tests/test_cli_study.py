@@ -1,6 +1,5 @@
 """The command `torsion study`."""
 
-import csv
 import json
 from itertools import pairwise
 from pathlib import Path
@@ -26,7 +25,7 @@ excitations: [{at: right, order: 6, torque: 100 N*m}]
 DISCS = SCENE.replace(
     "shaft: {length: 1.5 m, diameter: 60 mm, loss_factor: 0.01}", "coupling: {stiffness: 20000}"
 )
-FILES = ["study.csv", "study.html", "study.json"]
+FILES = ["study.html", "study.json"]
 
 
 def call(*words: str):
@@ -49,16 +48,10 @@ def test_the_study_is_printed_and_written(scene: Path, tmp_path: Path) -> None:
     assert "For 0.1 % up to 300 Hz:" in done.output
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == FILES
     page = (tmp_path / "out" / "study.html").read_text(encoding="utf-8")
-    assert page.count("<figure") == 2
     stated = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))
-    rows = list(
-        csv.DictReader((tmp_path / "out" / "study.csv").read_text(encoding="utf-8").splitlines())
-    )
-    assert len(rows) == sum(len(one["rows"]) for one in stated["quantities"])
-    worst = [row["error"] for one in stated["quantities"] for row in one["rows"]]
-    assert [float(row["error [1]"]) for row in rows] == [
-        float("inf") if error is None else error for error in worst
-    ]
+    rows = [row for quantity in stated["quantities"] for row in quantity["rows"]]
+    assert page.count("<tr") >= len(rows) > 4
+    assert page.count("error and run time of every method") >= len(stated["quantities"]) == 2
 
 
 def test_json_is_printed_alone_and_nothing_is_written(scene: Path, tmp_path: Path) -> None:

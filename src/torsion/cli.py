@@ -236,7 +236,7 @@ def study(
         bool, typer.Option("--quick", help="Fewer elements and runs: seconds, not minutes.")
     ] = False,
 ) -> None:
-    """Time every model and method on this train against its error; write study.html, study.json and study.csv.
+    """Time every model and method on this train against its error; write study.html and study.json.
 
     Exit status: 0 done, 2 and 3 as of `solve`.
     """

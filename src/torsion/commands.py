@@ -297,7 +297,7 @@ def _tolerance(given: str | float) -> float:
 
 
 def write_study(findings: Findings, timings: "Timings", folder: Path) -> "Document":
-    """Write study.html, study.json and study.csv; the report. Raises InputError where the folder cannot be written."""
+    """Write study.html and study.json; return the report. Raises InputError where the folder cannot be written."""
     from torsion.output.run_time_study import write_study as write_pages
 
     with _writing(findings.study, "the report", folder, OTHER_FOLDER):

@@ -37,7 +37,7 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Every CSV file of every command that writes such files."""
     folder = tmp_path_factory.mktemp("formulas")
     (folder / "=scene.yaml").write_text(SCENE, encoding="utf-8")
-    for command in (["sweep", "--csv"], ["solve", "--csv"], ["joint"], ["study", "--quick"]):
+    for command in (["sweep", "--csv"], ["solve", "--csv"], ["joint"]):
         done = CliRunner().invoke(
             app, [*command[:1], str(folder / "=scene.yaml"), "-o", str(folder), *command[1:]]
         )
@@ -49,7 +49,6 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         "variants.csv",
         "motion.csv",
         "joints.csv",
-        "study.csv",
         "table-2.1.csv",
     } <= texts.keys()
     return texts

@@ -1,16 +1,12 @@
-"""The study of error against run time: its report in sentences, tables and figures, its JSON and its CSV."""
+"""The study of error against run time: a sentence and a table for each quantity, and every run as JSON."""
 
-import csv
-import io
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import asdict
 from datetime import date
 from pathlib import Path
-from typing import Any, Literal
-
-import numpy as np
+from typing import Any
 
 import torsion
 from torsion.analyses.compare.timing import (
@@ -31,12 +27,11 @@ from torsion.output.blocks import (
     Paragraph,
     Points,
     Table,
-    head,
     on_terminal,
+    table,
 )
 from torsion.output.document import Document, document
-from torsion.output.figures import error_curves
-from torsion.output.figures.figure import Figure
+from torsion.output.html import html
 from torsion.output.numbers import given, number
 from torsion.output.plain import finite
 from torsion.output.reports import REPORTS
@@ -44,170 +39,94 @@ from torsion.output.scene import checksum
 from torsion.output.write import inputs, write_texts
 
 FORMAT = 1
-TITLES = (
-    "quantity",
-    "method",
-    "division",
-    "size",
-    "error [1]",
-    "least [s]",
-    "quarter [s]",
-    "median [s]",
-    "three quarters [s]",
-    "median assembly [s]",
-    "median solve [s]",
-    "runs",
-)
 DIGITS = 3
-MOST_AS_FAST = 3
 LEAST_SHARE = 1e-4  # from which an error is given in per cent
-SHORTER = "modal superposition, static correction", "modal, static corr."  # in the figure
-FAMILIES = (  # start of a method's name, and how it is drawn
-    ("modal superposition, static", "corrected"),
-    ("modal superposition", "modal"),
-    ("lumped, dense", "dense"),
-    ("dense", "dense"),
-    ("lumped", "lumped"),
-    ("fem", "fem"),
-    ("exact", "exact"),
-    ("two-sided", "exact"),
-    ("", "peer"),
-)
 MODAL = (
     "The superpositions take modes of the exact model, so that they have no discretisation error. Each mode is damped "
     "by itself: where damping couples the modes, that error stays, however many modes there are."
 )
-PARETO = "Methods that no other beats: none is both faster and more accurate"
+HOW = (
+    (
+        "Every method is run once before, which warms up, gives its error and is no sample. Then all methods run one after "
+        "another in {rounds} rounds, a fast one several times a round, one slower than {slow:g} s in {slow_rounds} of "
+        "them, so that a slow minute of the machine falls on all alike."
+    ),
+    (
+        "Every run assembles the train anew and solves it; the two are timed apart. Assembly: from the train as it was "
+        "read to the system with its tree and the laws of its shafts, in the response also sources and matrices. Not "
+        "counted: reading the file, finding out how fine the exact model must be, writing a report."
+    ),
+    "Times are given by median and middle half of the runs; garbage is not collected during a run.",
+    "All times are of this program in Python; another program has others.",
+)
 
 
 def write_study(
     findings: Findings, timings: Timings, folder: str | Path, *, today: date | None = None
 ) -> Document:
-    """Write study.html, study.json and study.csv, all or none; raises OSError where the folder cannot be written."""
-    from torsion.output.html import html
-
+    """Write study.html and study.json, both or none; raises OSError where the folder cannot be written."""
     report = REPORTS["study"]
-    made = document(findings, today or date.today(), report=report, before=blocks(timings))
-    texts = {"html": html(made), "json": json_text(findings, timings), "csv": csv_text(timings)}
-    contents = {f"{report.stem}.{suffix}": content for suffix, content in texts.items()}
+    study = document(findings, today or date.today(), report=report, before=[*blocks(timings)])
+    contents = {
+        f"{report.stem}.html": html(study),
+        f"{report.stem}.json": json_text(findings, timings),
+    }
     write_texts(contents, folder, inputs(findings.study))
-    return made
+    return study
 
 
-def blocks(timings: Timings) -> list[Block]:
+def blocks(timings: Timings) -> Iterator[Block]:
     """The whole report but for cover and source."""
-    made: list[Block] = [Heading("What to take", at_end=True), *on_terminal(_summary(timings))]
+    summary: list[Block] = []
     for quantity in timings.quantities:
-        made += _chapter(quantity, timings.tolerance)
-    made += [Heading("How the times were taken"), Points(_how(timings)), KeyValues(timings.machine)]
-    if timings.quantities:
-        made.append(Heading("All runs"))
-        made += [_all(quantity) for quantity in timings.quantities]
-    return made
-
-
-def _summary(timings: Timings) -> list[Block]:
-    made: list[Block] = []
-    for quantity in timings.quantities:
-        kind: Literal["pass", "fail"] = (
-            "pass" if fastest(quantity.rows, timings.tolerance) is not None else "fail"
-        )
-        made.append(
-            Paragraph(f"{quantity.title}. {recommendation(quantity, timings.tolerance)}", kind)
-        )
+        best = fastest(quantity.rows, timings.tolerance)
+        sentence = f"{quantity.title}. {recommendation(quantity, timings.tolerance)}"
+        summary.append(Paragraph(sentence, "fail" if best is None else "pass"))
     if timings.remarks:
-        made.append(Points(timings.remarks))
-    return made
+        summary.append(Points(timings.remarks))
+    yield Heading("What to take", at_end=True)
+    yield from on_terminal(summary)
+
+    for quantity in timings.quantities:
+        yield Heading(quantity.title)
+        yield Paragraph(quantity.meaning)
+        yield Paragraph(f"{quantity.reference} Here it is {share(quantity.bound)}.")
+        yield methods(quantity, timings.tolerance)
+        if quantity.bound > timings.tolerance / 10.0:
+            yield Paragraph(
+                f"The bound of the reference, {share(quantity.bound)}, is not a tenth of the tolerance: take more "
+                "than that.",
+                "note",
+            )
+        if any(row.curve.startswith("modal") for row in quantity.rows):
+            yield Paragraph(MODAL)
+        if quantity.remarks:
+            yield Points(quantity.remarks)
+
+    yield Heading("How the times were taken")
+    numbers = {"rounds": timings.rounds, "slow": FULL.slow, "slow_rounds": FULL.slow_rounds}
+    yield Points(tuple(sentence.format(**numbers) for sentence in HOW))
+    yield KeyValues(timings.machine)
 
 
-def _chapter(quantity: TimedQuantity, tolerance: float) -> list[Block]:
-    made: list[Block] = [
-        Heading(quantity.title),
-        Paragraph(quantity.meaning),
-        Paragraph(f"{quantity.reference} Here it is {share(quantity.bound)}."),
-        _figure(quantity, tolerance),
-        best(quantity, tolerance),
-    ]
-    sentences = (alternatives(quantity, tolerance), doubt(quantity, tolerance))
-    made += [Paragraph(text, "note") for text in sentences if text]
-    if any(row.curve.startswith("modal") for row in quantity.rows):
-        made.append(Paragraph(MODAL))
-    if quantity.remarks:
-        made.append(Points(quantity.remarks))
-    return made
-
-
-def best(quantity: TimedQuantity, tolerance: float) -> Table:
-    """The methods that no other beats, and which of them is recommended."""
-    rows, recommended = unbeaten(quantity.rows, quantity.bound), fastest(quantity.rows, tolerance)
-    columns = "< Method -> | < Discretisation -> | Error -> | Median [ms] -> ms | Assembly [ms] -> | Solve [ms] -> | <"
-    lines = tuple((*cells(row), "recommended" if row is recommended else "") for row in rows)
-    marks = tuple("pass" if line[-1] else "" for line in lines)
-    return Table(
-        head(columns),
-        lines,
-        PARETO,
-        marks,
-        f"{quantity.title}: no other method is both faster and more accurate",
-    )
-
-
-def _figure(quantity: TimedQuantity, tolerance: float) -> Figure:
-    best = fastest(quantity.rows, tolerance)
-    point = None if best is None else (1e3 * best.total.median, best.error)
-    caption = f"{quantity.title}: largest relative error against run time, one curve a method, finer ones below"
-    return error_curves.run_times(
-        f"study-{quantity.key}",
-        caption,
-        curves=curves(quantity.rows),
-        tolerance=tolerance,
-        bound=quantity.bound,
-        best=point,
-    )
-
-
-def curves(rows: Sequence[TimedRow]) -> list[tuple[Any, ...]]:
-    """What the figure draws of every method: label, family, degree, medians and quartiles in ms, errors."""
-    made = list[tuple[Any, ...]]()
-    for name in dict.fromkeys(row.curve for row in rows):
-        own = [row for row in rows if row.curve == name and math.isfinite(row.error)]
-        if own:
-            totals = [
-                (one.median, one.quarter, one.three_quarters) for one in (row.total for row in own)
-            ]
-            times = 1e3 * np.array(totals).T
-            label = name.replace(", elimination", "").replace(*SHORTER)
-            family = next(family for start, family in FAMILIES if name.startswith(start))
-            degree = int(name.split()[2].rstrip(",")) if family == "fem" else 0
-            made.append((label, family, degree, *times, np.array([row.error for row in own])))
-    return made
-
-
-def _all(quantity: TimedQuantity) -> Table:
-    times = "Least [ms] | Quarter [ms] | Median [ms] | Three quarters [ms] | Assembly [ms] | Solve [ms] | Runs"
-    columns = head(f"< Method -> | < Discretisation -> | Error -> | {times}")
-    of = ("least", "quarter", "median", "three_quarters")
-    rows = tuple((*cells(row, of), str(row.total.runs)) for row in quantity.rows)
-    return Table(columns, rows, f"{quantity.title}: every method, every run")
-
-
-def _how(timings: Timings) -> tuple[str, ...]:
-    rounds = (
-        "Every method is run once before, which warms up, gives its error and is no sample. Then all methods run "
-        f"one after another in {timings.rounds} rounds, a fast one several times a round, one slower than "
-        f"{FULL.slow:g} s in {FULL.slow_rounds} of them, so that a slow minute of the machine falls on all alike."
-    )
-    steps = (
-        "Every run assembles the train anew and solves it; the two are timed apart. Assembly: from the train as it "
-        "was read to the system with its tree and the laws of its shafts, in the response also sources and matrices. "
-        "Not counted: reading the file, finding out how fine the exact model must be, writing a report."
-    )
-    spread = "Times are given by median and middle half of the runs; garbage is not collected during a run."
-    return (
-        rounds,
-        steps,
-        spread,
-        "All times are of this program in Python; another program has others.",
+def methods(quantity: TimedQuantity, tolerance: float) -> Table:
+    """Every method and discretisation with its error and run times, and what makes it worth taking."""
+    best, rivals = fastest(quantity.rows, tolerance), as_fast(quantity.rows, tolerance)
+    rows = []
+    for row in quantity.rows:
+        remark = "as fast" if row in rivals else ""
+        if row in unbeaten(quantity.rows, quantity.bound):
+            remark = "recommended" if row is best else remark or "not beaten"
+        quartiles = [milliseconds(getattr(row.total, key)) for key in ("quarter", "three_quarters")]
+        rows.append((*cells(row), *quartiles, row.total.runs, remark))
+    return table(
+        "< Method -> | < Discretisation -> | Error -> | Median [ms] -> ms | Assembly [ms] | Solve [ms] | "
+        "Quarter [ms] | Three quarters [ms] | Runs | < Remark ->",
+        rows,
+        f"{quantity.title}: error and run time of every method. Not beaten: no other is faster and more accurate. As "
+        "fast: within the spread of the runs",
+        marks=["pass" if row[-1] == "recommended" else "" for row in rows],
+        short=f"{quantity.title}: error and run time",
     )
 
 
@@ -215,81 +134,29 @@ def recommendation(quantity: TimedQuantity, tolerance: float) -> str:
     """Which method to take, in one sentence: 'For 0.1 % up to 120 Hz: lumped, 8 segments, 0.4 ms (error 0.03 %).'"""
     best = fastest(quantity.rows, tolerance)
     goal = f"{share(tolerance)} up to {given(quantity.highest, DIGITS)} Hz"
+    row = best or min(quantity.rows, key=lambda row: row.error)
+    words = f"{row.curve}, {row.division}, {milliseconds(row.total.median)} ms (error {share(row.error)})."
     if best is None:
-        nearest = min(quantity.rows, key=lambda row: row.error)
-        return (
-            f"For {goal}: no method that was run is as accurate; the nearest is {_words(nearest)}."
-        )
-    return f"For {goal}: {_words(best)}."
-
-
-def alternatives(quantity: TimedQuantity, tolerance: float) -> str:
-    """Which methods the runs do not distinguish from the recommended one; '' where none."""
-    others = sorted(as_fast(quantity.rows, tolerance), key=lambda row: row.total.median)
-    if not others:
-        return ""
-    more = f" and {len(others) - MOST_AS_FAST} more" if len(others) > MOST_AS_FAST else ""
-    return f"As fast within the spread of the runs: {'; '.join(_words(row) for row in others[:MOST_AS_FAST])}{more}."
-
-
-def doubt(quantity: TimedQuantity, tolerance: float) -> str:
-    """A warning where the reference is not much better than the tolerance; '' where it is."""
-    if quantity.bound <= tolerance / 10.0:
-        return ""
-    return f"The bound of the reference, {share(quantity.bound)}, is not a tenth of the tolerance: take more than that."
+        words = f"no method that was run is as accurate; the nearest is {words}"
+    return f"For {goal}: {words}"
 
 
 def share(error: float) -> str:
-    """A relative error: '0.1 %', '2.3·10⁻⁹', 'none'."""
+    """A relative error: '0.1 %', '2.3·10⁻⁹', 'no value'."""
     if math.isinf(error):
         return "no value"
     return f"{given(100.0 * error, DIGITS)} %" if error >= LEAST_SHARE else number(error, 2)
 
 
 def milliseconds(seconds: float) -> str:
-    """A time in ms."""
+    """A time in ms, with three digits."""
     return number(1e3 * seconds, DIGITS)
 
 
-def _words(row: TimedRow) -> str:
-    return f"{row.curve}, {row.division}, {milliseconds(row.total.median)} ms (error {share(row.error)})"
-
-
-def cells(row: TimedRow, of: Sequence[str] = ("median",)) -> tuple[str, ...]:
-    """Method, discretisation, error, times `of` the whole, medians of assembly and of solve."""
-    times = (
-        *(getattr(row.total, name) for name in of),
-        row.assembly_spread.median,
-        row.solve_spread.median,
-    )
-    return (row.curve, row.division, share(row.error), *map(milliseconds, times))
-
-
-def csv_text(timings: Timings) -> str:
-    """One row a method and discretisation; numbers come back to the last digit, an infinite error is 'inf'."""
-    target = io.StringIO()
-    rows = csv.writer(target, lineterminator="\n")
-    rows.writerow(TITLES)
-    for quantity in timings.quantities:
-        for row in quantity.rows:
-            total = row.total
-            rows.writerow(
-                [
-                    quantity.key,
-                    row.curve,
-                    row.division,
-                    row.size,
-                    row.error,
-                    total.least,
-                    total.quarter,
-                    total.median,
-                    total.three_quarters,
-                    row.assembly_spread.median,
-                    row.solve_spread.median,
-                    total.runs,
-                ]
-            )
-    return target.getvalue()
+def cells(row: TimedRow) -> tuple[str, ...]:
+    """Method, discretisation, error, and the medians of the whole, of assembly and of solve in ms."""
+    times = row.total, row.assembly_spread, row.solve_spread
+    return (row.curve, row.division, share(row.error), *(milliseconds(t.median) for t in times))
 
 
 def json_text(findings: Findings, timings: Timings) -> str:
@@ -302,45 +169,44 @@ def json_text(findings: Findings, timings: Timings) -> str:
         "tolerance": timings.tolerance,
         "rounds": timings.rounds,
         "machine": dict(timings.machine),
-        "remarks": list(timings.remarks),
-        "quantities": [_quantity(one, timings.tolerance) for one in timings.quantities],
+        "remarks": timings.remarks,
+        "quantities": [_quantity(quantity, timings.tolerance) for quantity in timings.quantities],
     }
     return json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _quantity(quantity: TimedQuantity, tolerance: float) -> dict[str, Any]:
-    best = fastest(quantity.rows, tolerance)
+    rows, best = quantity.rows, fastest(quantity.rows, tolerance)
     return {
         "key": quantity.key,
         "title": quantity.title,
         "meaning": quantity.meaning,
         "reference": {"what": quantity.reference, "bound": finite(quantity.bound)},
         "highest_Hz": quantity.highest,
-        "errors_are_of": list(quantity.columns),
+        "errors_are_of": quantity.columns,
         "recommendation": recommendation(quantity, tolerance),
-        "recommended_row": None if best is None else quantity.rows.index(best),
-        "unbeaten_rows": [
-            quantity.rows.index(row) for row in unbeaten(quantity.rows, quantity.bound)
-        ],
-        "remarks": list(quantity.remarks),
-        "rows": [_row_as_data(row) for row in quantity.rows],
+        "recommended_row": None if best is None else rows.index(best),
+        "unbeaten_rows": [rows.index(row) for row in unbeaten(rows, quantity.bound)],
+        "remarks": quantity.remarks,
+        "rows": [_row_as_data(row) for row in rows],
     }
 
 
 def _row_as_data(row: TimedRow) -> dict[str, Any]:
+    def in_seconds(spread: Spread) -> dict[str, Any]:
+        return {
+            key if key == "runs" else f"{key}_s": value for key, value in asdict(spread).items()
+        }
+
     return {
         "method": row.curve,
         "division": row.division,
         "size": row.size,
         "error": finite(row.error),
         "errors": [finite(error) for error in row.errors],
-        "total": _spread(row.total),
-        "assembly": _spread(row.assembly_spread),
-        "solve": _spread(row.solve_spread),
-        "assembly_s": list(row.assembly),
-        "solve_s": list(row.solve),
+        "total": in_seconds(row.total),
+        "assembly": in_seconds(row.assembly_spread),
+        "solve": in_seconds(row.solve_spread),
+        "assembly_s": row.assembly,
+        "solve_s": row.solve,
     }
-
-
-def _spread(spread: Spread) -> dict[str, Any]:
-    return {key if key == "runs" else f"{key}_s": value for key, value in asdict(spread).items()}

@@ -22,7 +22,7 @@ from torsion.analyses.joints.joint_results import (
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Points, Table
-from torsion.output.chapters import joint_motion, joint_tables
+from torsion.output.chapters import joint_tables
 from torsion.output.chapters.joint_motion import alone, chapter, summary
 from torsion.output.numbers import NONE, number
 from torsion.rules.verdict_line import Checks

@@ -217,15 +217,4 @@ KINDS: dict[str, Figure] = {
         reference="<a> & $x$",
         unit="N m",
     ),
-    "run times": error_curves.run_times(
-        "study",
-        "c",
-        tolerance=1e-3,
-        bound=1e-13,
-        best=(300.0, 1e-3),
-        curves=[
-            ("lumped <a>", "lumped", 0, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e4),
-            ("Bathe", "integration", 6, SPEED, 0.9 * SPEED, 1.1 * SPEED, BUMP / 1e5),
-        ],
-    ),
 }
