@@ -4,7 +4,7 @@ import time
 from pathlib import Path
 
 import torsion
-from torsion.analyses.design.design_results import Design
+from torsion.what_if.design.design_results import Design
 
 ROOT = Path(__file__).parents[1]
 SCENE = ROOT / "shafting_specs" / "design_coupling.yaml"

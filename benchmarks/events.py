@@ -11,12 +11,12 @@ from time import process_time
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from tests.kernels.transient.extended_precision import ten_stations
+from tests.kernels.motion.extended_precision import ten_stations
 
 from benchmarks.page_file import Report, verdict
 from torsion.arrays import FloatArray
-from torsion.kernels.transient.energy_balance import energy_balance
-from torsion.kernels.transient.event_driven_motion import (
+from torsion.kernels.motion.energy_balance import energy_balance
+from torsion.kernels.motion.event_driven_motion import (
     EventDrivenMotion,
     PiecewiseTrain,
     event_driven,

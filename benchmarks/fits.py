@@ -10,9 +10,9 @@ import numpy as np
 
 import torsion
 from benchmarks.page_file import Report, verdict
-from torsion.analyses.fit.fit_results import Fit
 from torsion.analyses.response.over_speed import response_of_orders
 from torsion.study import Study
+from torsion.what_if.fit.fit_results import Fit
 
 SCENE = """\
 name: Drive with a gear

@@ -16,17 +16,17 @@ from benchmarks.integrator_methods import METHODS, marching, quality, stable_to
 from benchmarks.page_file import Report, verdict
 from benchmarks.papers.writing import table
 from torsion.analyses.modes.modal_basis import rigid_shapes
-from torsion.analyses.transient.events import ramps
-from torsion.analyses.transient.motion_from_events import transient
-from torsion.analyses.transient.transient_settings import TransientSettings
+from torsion.analyses.motion.events import ramps
+from torsion.analyses.motion.motion_from_events import transient
+from torsion.analyses.motion.transient_settings import TransientSettings
 from torsion.analyses.undamped_modes import Modes, modes_as_discretised
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.assembly.system import System
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.shaft import Shaft
-from torsion.kernels.transient.damped_motion import ModalTrain, motion
+from torsion.kernels.motion.damped_motion import ModalTrain, motion
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.shaft import Shaft
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.error_curves import SYMBOLS
 from torsion.output.figures.figure import Axis, Figure, Line, Panel

@@ -11,8 +11,8 @@ import numpy as np
 from mpmath import mp, mpf
 
 from benchmarks.page_file import Report, verdict
-from torsion.kinematics.cross import Transfer
-from torsion.kinematics.line import Line, line_of, motion
+from torsion.kernels.joints.cross import Transfer
+from torsion.kernels.joints.line import Line, line_of, motion
 
 ANGLES, JOINTS, TARGET = 1_000_000, 6, 2.0  # the last in s
 CHECKED = 200  # angles composed again

@@ -15,13 +15,13 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.page_file import Report
 from torsion.arrays import FloatArray
+from torsion.kernels.motion import torque_laws as laws
+from torsion.kernels.motion.collocation import Scheme, march
+from torsion.kernels.motion.damped_motion import ModalTrain, motion
+from torsion.kernels.motion.driven_motion import driven
+from torsion.kernels.motion.interface_motion import interfaces
+from torsion.kernels.motion.torque_history import Piece
 from torsion.kernels.natural_modes import tree_modes
-from torsion.kernels.transient import torque_laws as laws
-from torsion.kernels.transient.collocation import Scheme, march
-from torsion.kernels.transient.damped_motion import ModalTrain, motion
-from torsion.kernels.transient.driven_motion import driven
-from torsion.kernels.transient.interface_motion import interfaces
-from torsion.kernels.transient.torque_history import Piece
 from torsion.kernels.tree import Tree
 
 DURATION, PATIENCE = 2.0, 60.0  # s of the motion; s after which a run is given up

@@ -9,12 +9,12 @@ from time import perf_counter, process_time
 import numpy as np
 
 from benchmarks.page_file import Report, verdict
-from torsion.analyses.motion.stability_map import StabilityMap, stability_map
+from torsion.analyses.stability.stability_map import StabilityMap, stability_map
 from torsion.assembly import assemble
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.joint import Joint
-from torsion.components.motor import Motor
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.joint import Joint
+from torsion.model.motor import Motor
 from torsion.study import Operation, Study
 from torsion.train import train
 

@@ -8,9 +8,9 @@ from torsion.assembly import assemble
 from torsion.assembly.junction.axisymmetric import dynamic_matrices, solved
 from torsion.assembly.junction.profile import Corner, Length, Profile
 from torsion.assembly.junction.stepped_shafts import with_steps
-from torsion.components.material import Material
-from torsion.components.shaft import Shaft
-from torsion.components.shaft_details import Step
+from torsion.model.material import Material
+from torsion.model.shaft import Shaft
+from torsion.model.shaft_details import Step
 from torsion.train import train
 
 DIAMETERS = (0.10, 0.12, 0.20, 0.14, 0.28, 0.16, 0.12, 0.10)  # m

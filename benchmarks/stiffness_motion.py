@@ -11,7 +11,7 @@ from benchmarks.cases import Case, condensed
 from benchmarks.extremes import Sweep
 from benchmarks.stiffness_frequencies import PEER, line
 from torsion.kernels.damping.damped_tree_modes import damped_modes
-from torsion.kinematics.cross import transfer
+from torsion.kernels.joints.cross import transfer
 
 DAMPED, JOINT, TEXTBOOK = (
     "torsion damped_modes",

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 import torsion
 from torsion.cli import app
-from torsion.components import KINDS, component
-from torsion.components.component import Component
+from torsion.model import KINDS, component
+from torsion.model.component import Component
 from torsion.output import results_manual
 from torsion.rules import RULES
 from torsion.rules.m68_shafts import DETAILS

@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 
 from torsion.analyses import ANALYSES
 from torsion.cli import app
-from torsion.components import KINDS
+from torsion.model import KINDS
 from torsion.output.renderers import OUTPUTS
 from torsion.rules import RULES
 

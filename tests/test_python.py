@@ -23,7 +23,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion import formulas
-from torsion.components import KINDS
+from torsion.model import KINDS
 from torsion.output.results_json import results
 from torsion.results import is_declared, quantities
 from torsion.schema.kind_texts import EXAMPLES

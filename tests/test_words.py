@@ -17,7 +17,7 @@ CHECKED = (  # files; folders of *.md and *.py
     "reports",
     "benchmarks",
     "src/torsion",
-    "tests/kinematics",
+    "tests/kernels/joints",
     *(f"tests/kernels/{name}" for name in ("damping", "distributed", "long_chain")),
 )
 WORDS = (

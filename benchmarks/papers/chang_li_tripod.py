@@ -12,7 +12,7 @@ from benchmarks.papers.scenes import joints
 from benchmarks.papers.tripod_space import Tripod
 from benchmarks.papers.tripod_space import tripod as in_space
 from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, stated
-from torsion.kinematics import tripod
+from torsion.kernels.joints import tripod
 
 NAME = "chang_li_tripod"
 TORQUE, RADIUS, ARM = 200.0, 0.03, 0.6  # N m, m, m

@@ -11,7 +11,7 @@ from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
 from benchmarks.papers.writing import Misprint, Page, Picture, apart, bound, compared, stated
 from torsion.analyses.joints.joint_results import Joints
-from torsion.kinematics import couples, cross, line
+from torsion.kernels.joints import couples, cross, line
 
 NAME = "liu_2023"
 SPEED, TORQUE = 60.0, 800.0  # rad/s, N m

@@ -11,7 +11,7 @@ from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import joints
 from benchmarks.papers.writing import Misprint, Page, Picture, bound, compared, stated
 from torsion.analyses.joints.joint_results import Joints, LineFound
-from torsion.kinematics import line
+from torsion.kernels.joints import line
 
 NAME = "ma_2011"
 SPEED = 60.0  # degrees a second

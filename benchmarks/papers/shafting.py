@@ -13,8 +13,8 @@ from benchmarks.integrator_methods import METHODS
 from benchmarks.papers.drawing import Panel, curves
 from benchmarks.papers.scenes import SCENES, solved
 from benchmarks.papers.writing import Misprint, Page, Picture, stated, table
+from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.findings import Findings
 
 NAME = "shafting"

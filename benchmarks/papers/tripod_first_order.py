@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsion.kinematics.tripod import TripodMotion, TripodStatics, error_size
+from torsion.kernels.joints.tripod import TripodMotion, TripodStatics, error_size
 
 
 def first_order_motion(

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import torsion
-from torsion.components import KINDS, component
+from torsion.model import KINDS, component
 from torsion.results import Keyed
 
 if TYPE_CHECKING:

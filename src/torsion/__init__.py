@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from torsion import formulas
     from torsion.analyses.damped_modes import damped as damped_modes
     from torsion.analyses.joints.joint_analysis import joints
-    from torsion.analyses.motion.stability_over_speed import stability
+    from torsion.analyses.motion.motion_from_events import transient
     from torsion.analyses.response.over_frequency import frequency_response
     from torsion.analyses.response.over_speed import response
-    from torsion.analyses.transient.motion_from_events import transient
+    from torsion.analyses.stability.stability_over_speed import stability
     from torsion.analyses.undamped_modes import modes
     from torsion.assembly import assemble
     from torsion.commands import check, report, solve
@@ -74,8 +74,8 @@ _PLACES = {
     "response": "torsion.analyses.response.over_speed:response",
     "run": "torsion.runner:run",
     "solve": "torsion.commands:solve",
-    "stability": "torsion.analyses.motion.stability_over_speed:stability",
-    "transient": "torsion.analyses.transient.motion_from_events:transient",
+    "stability": "torsion.analyses.stability.stability_over_speed:stability",
+    "transient": "torsion.analyses.motion.motion_from_events:transient",
 }
 _KINDS = (
     "branch",

@@ -18,8 +18,6 @@ from torsion.analyses.discretisation import (
 )
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.harmonic_components import lines
-from torsion.analyses.sweep.sweep_points import Points
-from torsion.analyses.sweep.sweep_settings import SweepSettings
 from torsion.analyses.undamped_modes import ModesSettings, modes_settings
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, nearest, printable
@@ -28,6 +26,8 @@ from torsion.rules import needed, not_judged
 from torsion.runner import run
 from torsion.schema.scene_reader import located, read
 from torsion.study import Case, Study
+from torsion.what_if.sweep.sweep_points import Points
+from torsion.what_if.sweep.sweep_settings import SweepSettings
 
 if TYPE_CHECKING:
     from torsion.analyses.compare.timing import Timings
@@ -415,8 +415,8 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         assert isinstance(settings, SweepSettings)
         sizes["sweep"] = Points.of(study, settings, variation.figures).words
     if "transient" in study.analyses:
-        from torsion.analyses.transient.acting_torques import acting_torques, expected_steps
-        from torsion.analyses.transient.transient_settings import cases
+        from torsion.analyses.motion.acting_torques import acting_torques, expected_steps
+        from torsion.analyses.motion.transient_settings import cases
 
         sizes["transient"] = " ".join(
             f"{one.name}: {acting_torques(study, one).words}{expected_steps(study, system, one)}".removeprefix(

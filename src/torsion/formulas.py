@@ -13,8 +13,8 @@ from torsion.arrays import FloatArray
 from torsion.kernels.damping import ring_damper
 from torsion.kernels.engine import crank_throw
 from torsion.kernels.engine.crank_slider import CrankSlider
+from torsion.kernels.joints import cross
 from torsion.kernels.round_sections import polar_area_moment, section_modulus
-from torsion.kinematics import cross
 from torsion.rules import m68_shafts, shrink_fits
 
 __all__ = [

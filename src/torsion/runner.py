@@ -97,7 +97,7 @@ def _misfires(
     """
     if not any(part.engine is not None and part.engine.tries_all for part in study.train.parts):
         return _one(study, only, progress, answered)
-    from torsion.components.engine.misfire_cases import misfire_cases
+    from torsion.model.engine.misfire_cases import misfire_cases
 
     each = list(misfire_cases(study.train.parts, study.train.torques))
     return _worst(

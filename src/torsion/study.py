@@ -12,9 +12,9 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from torsion import fields
 from torsion.arrays import FloatArray, IntArray
-from torsion.components.load_law import Load
 from torsion.errors import Fault, InputError, without_controls
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, refuse, required
+from torsion.model.load_law import Load
 from torsion.results import RPM, Displayed, listed, one_line
 from torsion.study_actions import StudyActions
 from torsion.train import Train

@@ -7,12 +7,12 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from torsion.components.component import Component, lower_line
-from torsion.components.harmonic_torques import Excitation
-from torsion.components.lowering import Arrival, Lowering, Part, ShaftRecord
-from torsion.components.material import STEEL, Material
-from torsion.components.shaft_details import StepForm
 from torsion.errors import Fault, InputError, Path, nearest
+from torsion.model.component import Component, lower_line
+from torsion.model.harmonic_torques import Excitation
+from torsion.model.lowering import Arrival, Lowering, Part, ShaftRecord
+from torsion.model.material import STEEL, Material
+from torsion.model.shaft_details import StepForm
 from torsion.primitives import (
     Bar,
     Constraint,
@@ -252,7 +252,7 @@ def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
     )
     mesh = next((one for one in made if build.parts[one.part].kind == "gear"), None)
     if mesh is not None:
-        from torsion.components.mesh_excitation import mesh_torque
+        from torsion.model.mesh_excitation import mesh_torque
 
         if isinstance(found := mesh_torque(excitation, mesh, path), Fault):
             build.faults.append(found)

@@ -8,10 +8,10 @@ import pytest
 
 from torsion.assembly import assemble
 from torsion.assembly.system import System
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
 from torsion.study import Operation, Study
 from torsion.train import train
 

@@ -10,9 +10,9 @@ import torsion
 from torsion.analyses.critical import critical_speeds
 from torsion.analyses.response.harmonic_components import Line, lines
 from torsion.analyses.undamped_modes import modes
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.harmonic_torques import Excitation
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.harmonic_torques import Excitation
 from torsion.study import Operation
 
 LINES = (

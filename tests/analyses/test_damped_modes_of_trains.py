@@ -7,13 +7,13 @@ import pytest
 
 from torsion.analyses.damped_modes import damped
 from torsion.analyses.steady import steady_if_known
-from torsion.components.coupling import Coupling
-from torsion.components.damper import RingDamper
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
-from torsion.components.motor import Motor
-from torsion.components.propeller import Propeller
 from torsion.errors import SolveError
+from torsion.model.coupling import Coupling
+from torsion.model.damper import RingDamper
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
+from torsion.model.motor import Motor
+from torsion.model.propeller import Propeller
 from torsion.train import Link
 
 

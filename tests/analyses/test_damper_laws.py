@@ -12,8 +12,8 @@ from torsion.analyses.modes.coupling_tables import CouplingTables
 from torsion.analyses.modes.damper_optimum import Dampers
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
-from torsion.components.silicone import Silicone
 from torsion.errors import InputError, SolveError
+from torsion.model.silicone import Silicone
 from torsion.rules.coupling_maker import heat
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study

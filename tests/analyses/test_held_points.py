@@ -6,20 +6,20 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.periodic_orbits import PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.stability.periodic_orbits import PeriodicResponse
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
-from torsion.components.harmonic_torques import Excitation
-from torsion.components.joint import Joint
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
+from torsion.model.harmonic_torques import Excitation
+from torsion.model.joint import Joint
 from torsion.runner import run
 from torsion.schema.scene_reader import parse
 from torsion.train import fixed_point_faults, train

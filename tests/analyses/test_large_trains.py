@@ -9,8 +9,8 @@ import pytest
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.system import System
-from torsion.components.disc import Disc
-from torsion.components.shaft import Shaft
+from torsion.model.disc import Disc
+from torsion.model.shaft import Shaft
 from torsion.train import train
 
 SEGMENTS, COUNT = 20_000, 20

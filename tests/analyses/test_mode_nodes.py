@@ -6,9 +6,9 @@ import pytest
 
 import torsion
 from torsion.analyses.undamped_modes import modes
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
 
 SHAFTS = """
 name: two shafts with next to nothing between them

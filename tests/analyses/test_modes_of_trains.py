@@ -7,12 +7,12 @@ import pytest
 
 from torsion.analyses.modes.holzer import holzer
 from torsion.analyses.undamped_modes import modes
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.damper import RingDamper
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
 from torsion.errors import InputError
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.damper import RingDamper
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
 from torsion.train import Link
 
 

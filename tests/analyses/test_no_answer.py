@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import torsion
 from torsion.analyses import ANALYSES, Analysis
-from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.undamped_modes import Modes
 from torsion.cli import app
 from torsion.errors import Fault, InputError, SolveError

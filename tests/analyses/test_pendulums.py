@@ -16,8 +16,8 @@ from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.response.amplitudes import Synthesis
 from torsion.analyses.response.pendulums import Pendulums, deflections, effective_inertia
 from torsion.assembly import assemble
-from torsion.components.lowering import PendulumRecord
 from torsion.errors import InputError
+from torsion.model.lowering import PendulumRecord
 from torsion.rules.coupling_maker import heat
 from torsion.study import Study
 

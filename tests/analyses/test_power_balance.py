@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.motion.following_torques import _size
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import amplitude
 from torsion.analyses.steady import PowerBalance, steady
-from torsion.analyses.transient.following_torques import _size
 from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.findings import Findings

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from torsion.analyses.steady import statics, steady
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.damper import RingDamper
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear, GearBranch
-from torsion.components.motor import Motor
-from torsion.components.propeller import Propeller
 from torsion.errors import InputError, SolveError
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.damper import RingDamper
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear, GearBranch
+from torsion.model.motor import Motor
+from torsion.model.propeller import Propeller
 from torsion.train import Link
 
 RATED = (100.0, 50e3)  # rad/s, W: 500 N m

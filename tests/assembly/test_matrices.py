@@ -7,11 +7,11 @@ from scipy.linalg import eigh
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
 from torsion.errors import InputError
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
 from torsion.train import train
 
 

@@ -6,9 +6,9 @@ import pytest
 from torsion.assembly import assemble
 from torsion.assembly.shafts import BLOCK, bar_segments
 from torsion.assembly.system import System
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
-from torsion.components.shaft import Shaft
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
+from torsion.model.shaft import Shaft
 from torsion.train import train
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from tests.for_all import for_all
 
-from torsion.components import KINDS
 from torsion.errors import InputError
+from torsion.model import KINDS
 from torsion.schema.scene_reader import parse
 
 HERE = Path(__file__).parent
@@ -36,7 +36,7 @@ def faults_of(text: str):
     return caught.value.faults, str(caught.value)
 
 
-MACHINES = {"turbine", "generator", "pump", "fan", "machine"}  # tests/components/test_machines.py
+MACHINES = {"turbine", "generator", "pump", "fan", "machine"}  # tests/model/test_machines.py
 
 
 def test_good_file_of_the_table_is_good_and_has_every_kind():

@@ -9,11 +9,11 @@ import pytest
 from rich.console import Console
 
 import torsion
-from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
-from torsion.analyses.motion.stability_map import StabilityMap
-from torsion.analyses.motion.stability_over_speed import Stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
+from torsion.analyses.stability.stability_map import StabilityMap
+from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Box, Figure, Paragraph, Table
 from torsion.output.chapters import closing, verdict

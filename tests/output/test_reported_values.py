@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.motion.stability_over_speed import Stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output import reported_values as reported

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kinematics import tripod
+from torsion.kernels.joints import tripod
 
 TORQUE, RADIUS, ARM = 200.0, 0.03, 0.6
 SHARE, FORTY = RADIUS / ARM, np.radians(40.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kinematics import couples, cross
+from torsion.kernels.joints import couples, cross
 
 SPEED, TORQUE, EIGHT = 60.0, 800.0, np.radians(8.0)
 TURN = np.linspace(0.0, 2.0 * np.pi, 97)

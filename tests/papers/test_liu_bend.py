@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from torsion.kinematics import couples
+from torsion.kernels.joints import couples
 
 PAGES = Path(__file__).parents[2] / "reports" / "papers"
 

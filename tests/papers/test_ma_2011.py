@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsion.kinematics import line
+from torsion.kernels.joints import line
 
 SPEED = 60.0  # degrees a second
 FIRST, SECOND, PLANE = np.radians([15.0, 20.0, 10.0])

@@ -8,7 +8,7 @@ import pytest
 from tests.for_all import for_all
 
 from torsion.errors import SolveError
-from torsion.kinematics import tripod
+from torsion.kernels.joints import tripod
 
 ORACLES = json.loads((Path(__file__).parents[1] / "kinematics" / "oracles.json").read_text())
 RADIUS, ARM, TORQUE = 0.03, 0.6, 200.0

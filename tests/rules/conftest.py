@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from torsion.analyses.joints.joint_analysis import joints
+from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.steady import Steady
-from torsion.analyses.transient.transient_motion import TransientMotion, Transients
 from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.assembly import assemble
-from torsion.components import component
-from torsion.components.material import Material
 from torsion.fields import Declared
 from torsion.findings import Results
+from torsion.model import component
+from torsion.model.material import Material
 from torsion.rules import needed
 from torsion.study import Operation, Study
 from torsion.train import train

@@ -9,9 +9,9 @@ import pytest
 
 import torsion
 from torsion import rules
+from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
+from torsion.analyses.motion.raised_synthesis import raised_synthesis
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
-from torsion.analyses.transient.raised_synthesis import raised_synthesis
 from torsion.findings import Findings
 from torsion.output.blocks import Table
 from torsion.output.chapters.component_loads import couplings

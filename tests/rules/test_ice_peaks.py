@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import torsion
-from torsion.analyses.transient.transient_motion import TransientMotion, Transients
+from torsion.analyses.motion.transient_motion import TransientMotion, Transients
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.rules import standing_verdicts, verdicts

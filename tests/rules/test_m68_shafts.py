@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 from tests.for_all import for_all
 
-from torsion.components.shaft import Feature
+from torsion.model.shaft import Feature
 from torsion.rules import m68_shafts as m68
 from torsion.rules import shaft_limits
 

@@ -8,7 +8,7 @@ import pytest
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import half_range
-from torsion.components.lowering import ShaftRecord
+from torsion.model.lowering import ShaftRecord
 from torsion.rules import lacking, not_judged, rule, settings, verdicts
 from torsion.rules.shaft_limits import nominal_stress, with_role
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsion.analyses.motion.stability_over_speed import Stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange
+from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.rules.stable_motion import stability_check
 from torsion.study import Operation
 

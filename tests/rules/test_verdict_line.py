@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.analyses.lateral.shaft_bending import Lateral
-from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.findings import Results
 from torsion.rules import standing_verdicts
 from torsion.rules.verdict_line import Check, Checks, verdict_of

@@ -12,10 +12,10 @@ from tests.contracts.frozen import terminal as lines_of
 
 import torsion
 from torsion.analyses.joints.joint_results import Joints
+from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.tooth_forces import ToothForces
-from torsion.analyses.transient.transient_motion import Transients
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status

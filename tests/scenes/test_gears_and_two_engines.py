@@ -18,9 +18,9 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.synthesis import half_range
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.components.material import STEEL
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
+from torsion.model.material import STEEL
 from torsion.rules.verdict_line import Checks
 from torsion.units import to_si
 

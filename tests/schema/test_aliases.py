@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 import torsion
-from torsion.components import KINDS, component
 from torsion.errors import InputError
+from torsion.model import KINDS, component
 from torsion.schema.aliases import KEYS_BY_ALIAS, KINDS_BY_ALIAS, SECTIONS_BY_ALIAS
 from torsion.schema.declaration_reader import keys_of
 from torsion.schema.json_schema import json_schema

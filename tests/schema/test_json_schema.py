@@ -10,8 +10,8 @@ import pytest
 from tests.for_all import for_all
 
 from torsion.analyses import settings_classes
-from torsion.components import KINDS, component
 from torsion.errors import InputError
+from torsion.model import KINDS, component
 from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of

@@ -7,8 +7,8 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from torsion.components import KINDS, component
 from torsion.errors import InputError
+from torsion.model import KINDS, component
 from torsion.schema import template
 from torsion.schema.scene_reader import parse
 from torsion.study import Study

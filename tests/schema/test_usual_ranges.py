@@ -7,15 +7,15 @@ import pytest
 from pydantic import ValidationError
 from tests.for_all import for_all
 
-from torsion.components import KINDS, component
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.harmonic_torques import Excitation
-from torsion.components.material import Material
-from torsion.components.planetary import Planetary
-from torsion.components.propeller import Propeller
-from torsion.components.shaft import Shaft
 from torsion.errors import InputError
+from torsion.model import KINDS, component
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.harmonic_torques import Excitation
+from torsion.model.material import Material
+from torsion.model.planetary import Planetary
+from torsion.model.propeller import Propeller
+from torsion.model.shaft import Shaft
 from torsion.schema.json_schema import json_schema
 from torsion.schema.manual import pages
 from torsion.schema.scene_reader import parse

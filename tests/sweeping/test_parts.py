@@ -12,16 +12,16 @@ import pytest
 from typer.testing import CliRunner
 
 import torsion
-from torsion.analyses.sweep import sweep_run
-from torsion.analyses.sweep.sweep_results import Sweep
-from torsion.analyses.variants import side_by_side
-from torsion.analyses.variants.chunks import chunks
 from torsion.cli import app
 from torsion.errors import BAD_INPUT, Fault, InputError, SolveError
 from torsion.sweeping import cluster, parts, sweeper, worker_task
 from torsion.sweeping.cluster import Scheduler, checked, unprotected
 from torsion.sweeping.sweep_folder import SweepFolder
 from torsion.sweeping.sweeper import Stopped, Sweeper
+from torsion.what_if.sweep import sweep_run
+from torsion.what_if.sweep.sweep_results import Sweep
+from torsion.what_if.variants import side_by_side
+from torsion.what_if.variants.chunks import chunks
 
 pytest.importorskip("pyarrow", reason="parts need pip install -e '.[sweep]'")
 SCENE = """name: drive

@@ -12,8 +12,8 @@ import pytest
 from tests.contracts.frozen import SCENES
 
 import torsion
-from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.sweeping.sweeper import Sweeper
+from torsion.what_if.sweep.sweep_results import Sweep
 
 pytest.importorskip("distributed", reason="workers need pip install -e '.[sweep]'")
 NAME = "toleranced_drive"

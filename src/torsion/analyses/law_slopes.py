@@ -9,9 +9,9 @@ from torsion.analyses.loads_and_drivers import Balance
 from torsion.analyses.power_balance import power_balance
 from torsion.analyses.speed_tables import interpolated, uncovered
 from torsion.arrays import FloatArray
-from torsion.components.drive_law import DriveLaw
-from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
+from torsion.model.drive_law import DriveLaw
+from torsion.model.lowering import Part
 from torsion.study import Operation, Study
 from torsion.train import Train
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from torsion.analyses.speed_tables import interpolated, uncovered
 from torsion.arrays import FloatArray
-from torsion.components.load_law import LoadLaw
-from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
+from torsion.model.load_law import LoadLaw
+from torsion.model.lowering import Part
 
 Shares = list[Fraction]
 Shared = list[tuple[int, Fraction]]  # stations with their shares of a torque

@@ -6,10 +6,10 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.analyses.loads_and_drivers import OF_OPERATION, Balance, Driver, Load, Shared
-from torsion.components.load_law import LoadLaw
-from torsion.components.lowering import Part
-from torsion.components.machine_records import MachineRecord
 from torsion.errors import Fault, InputError
+from torsion.model.load_law import LoadLaw
+from torsion.model.lowering import Part
+from torsion.model.machine_records import MachineRecord
 from torsion.study import Operation, Study
 from torsion.train import Train
 

@@ -16,10 +16,10 @@ from torsion.analyses.power_balance import power_balance
 from torsion.analyses.speed_tables import uncovered
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
 from torsion.kernels.spanning_forest import Walk, closing_no_loop, walk
+from torsion.model.lowering import Part
 from torsion.results import reported, result
 from torsion.study import Operation, Study
 from torsion.train import Train

@@ -1,11 +1,11 @@
 """The scene with the values that its design chose, as a file that is solved like any other."""
 
-from torsion.analyses.design.design_results import Design
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.table_text import one_line
 from torsion.schema.scene_tables import with_tables
 from torsion.schema.yaml_source import parse_source
+from torsion.what_if.design.design_results import Design
 
 
 def designed(document: Document, findings: Findings) -> str | None:

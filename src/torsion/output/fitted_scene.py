@@ -1,9 +1,9 @@
 """The scene with its fitted figures, as a file to solve."""
 
-from torsion.analyses.fit.fit_results import Fit
 from torsion.findings import Findings
 from torsion.output.document import Document
 from torsion.output.table_text import one_line
+from torsion.what_if.fit.fit_results import Fit
 
 
 def fitted(document: Document, findings: Findings) -> str | None:

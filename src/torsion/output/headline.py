@@ -6,7 +6,6 @@ from typing import Literal
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
-from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output import check_words
@@ -25,6 +24,7 @@ from torsion.output.reported_values import (
 )
 from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks, Verdict, worst_verdict
+from torsion.what_if.sweep.sweep_results import Sweep
 
 Head = tuple[str, str]  # sign, words
 Kind = Literal["pass", "fail", "note"]

@@ -15,7 +15,7 @@ from torsion.output.selection import elements
 from torsion.output.table_text import inert, one_line
 
 if TYPE_CHECKING:
-    from torsion.analyses.transient.transient_motion import TransientMotion
+    from torsion.analyses.motion.transient_motion import TransientMotion
 
 
 def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path]] | None:
@@ -23,7 +23,7 @@ def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path
     found = findings.results.get("transient")
     if found is None:
         return None
-    from torsion.analyses.transient.transient_settings import cases
+    from torsion.analyses.motion.transient_settings import cases
 
     forms = {one.name: one.export for one, _ in cases(findings.study)}
     each = [one for one in found.each if forms[one.name]]

@@ -21,7 +21,7 @@ from torsion.rules.verdict_line import BarredRange, Check, Checks
 if TYPE_CHECKING:
     from torsion.analyses.lateral.shaft_bending import Lateral
     from torsion.analyses.lateral.tilt_stability import Tilting
-    from torsion.analyses.motion.stability_over_speed import Stability
+    from torsion.analyses.stability.stability_over_speed import Stability
 
 Band = tuple[float, float]
 NOTHING = 1e-10  # of the largest torque of the train, mean or vibratory: what cancels to less is printed as 0

@@ -8,9 +8,9 @@ import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.components.lowering import Part
-from torsion.components.shaft_details import STEP
 from torsion.errors import Path
+from torsion.model.lowering import Part
+from torsion.model.shaft_details import STEP
 from torsion.output.selection import by_part
 
 WIDTH = {"shaft": 1.6, "gear": 0.45, "joint": 0.8}  # of a link in the sketch; of any other 1

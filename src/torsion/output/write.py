@@ -142,7 +142,7 @@ def inputs(study: Study) -> list[Path]:
     if study.document is not None and study.document.logo:
         names.append(study.document.logo)
     if "transient" in study.analyses:
-        from torsion.analyses.transient.transient_settings import cases
+        from torsion.analyses.motion.transient_settings import cases
 
         tables = (getattr(event, "table", None) for one, _ in cases(study) for event in one.events)
         names += [table.file for table in tables if table is not None and table.file]

@@ -10,7 +10,7 @@ from torsion.findings import Results
 from torsion.rules.verdict_line import BarredRange, BarredTime
 
 if TYPE_CHECKING:
-    from torsion.analyses.transient.transient_motion import Transients
+    from torsion.analyses.motion.transient_motion import Transients
 
 
 def barred_times(evidence: Results, ranges: tuple[BarredRange, ...]) -> tuple[BarredTime, ...]:
@@ -24,7 +24,7 @@ def barred_times(evidence: Results, ranges: tuple[BarredRange, ...]) -> tuple[Ba
 def _times(
     evidence: Results, found: "Transients", ranges: tuple[BarredRange, ...]
 ) -> Iterator[BarredTime]:
-    from torsion.analyses.transient.resonances_passed import mean_speed
+    from torsion.analyses.motion.resonances_passed import mean_speed
 
     for motion in found.each:
         speed = np.abs(mean_speed(evidence.system, motion.speed))

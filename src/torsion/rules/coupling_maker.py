@@ -12,10 +12,10 @@ from torsion.analyses.response.synthesis import half_range as half_range_of
 from torsion.analyses.steady import Steady
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.components.lowering import CouplingRatings, Part
 from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
+from torsion.model.lowering import CouplingRatings, Part
 from torsion.rules import judgement
 from torsion.rules.demanded_states import MISFIRE, unjudged
 from torsion.rules.judgement import (
@@ -33,7 +33,7 @@ from torsion.rules.verdict_line import Check
 from torsion.study import Study
 
 if TYPE_CHECKING:
-    from torsion.components.coupling_limits import OverFrequency
+    from torsion.model.coupling_limits import OverFrequency
 
 LIMITS = ("rated_torque", "vibratory_torque", "max_torque", "heat_limit")
 
@@ -313,7 +313,7 @@ def _nonlinear(
     """Values (speeds, ...) of a torque to that power, as large as exact motions beside harmonic balance have them."""
     if not evidence.study.train.has_nonlinear_couplings:
         return values
-    from torsion.analyses.transient.raised_synthesis import surplus
+    from torsion.analyses.motion.raised_synthesis import surplus
 
     factor = surplus(evidence)[0][:, spans].max(axis=1) ** power
     unknown = ~np.isfinite(

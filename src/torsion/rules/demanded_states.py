@@ -5,11 +5,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
-from torsion.analyses.sweep.sweep_settings import SweepSettings
-from torsion.components.engine.record import EngineRecord
+from torsion.model.engine.record import EngineRecord
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Standing
 from torsion.study import Study
+from torsion.what_if.sweep.sweep_settings import SweepSettings
 
 LAST_ORDER = {4: 12, 2: 15}  # of the crankshaft, up to which UR M53 has the synthesis; by strokes
 MOST_ORDERS = 6  # stated one by one

@@ -8,10 +8,10 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import FloatArray, IntArray
-from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
+from torsion.model.lowering import Part
 from torsion.rules import judgement
 from torsion.rules.judgement import (
     MOSTLY,

@@ -5,9 +5,9 @@ Where damage is counted, a life that is used up fails too.
 
 import numpy as np
 
-from torsion.analyses.transient.acting_torques import LEFT_OUT
-from torsion.analyses.transient.transient_motion import TransientMotion, Transients
-from torsion.analyses.transient.transient_settings import cases
+from torsion.analyses.motion.acting_torques import LEFT_OUT
+from torsion.analyses.motion.transient_motion import TransientMotion, Transients
+from torsion.analyses.motion.transient_settings import cases
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Results
 from torsion.rules.judgement import spans_of

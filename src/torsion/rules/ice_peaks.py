@@ -10,15 +10,15 @@ from typing import Annotated
 
 import numpy as np
 
-from torsion.analyses.transient.following_events import Start
-from torsion.analyses.transient.milling_ice import CASES, Ice
-from torsion.analyses.transient.transient_motion import TransientMotion, Transients
-from torsion.analyses.transient.transient_settings import TransientSettings, cases
+from torsion.analyses.motion.following_events import Start
+from torsion.analyses.motion.milling_ice import CASES, Ice
+from torsion.analyses.motion.transient_motion import TransientMotion, Transients
+from torsion.analyses.motion.transient_settings import TransientSettings, cases
 from torsion.analyses.undamped_modes import Modes
-from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given
 from torsion.findings import Results
+from torsion.model.lowering import Part
 from torsion.rules.demanded_states import unjudged
 from torsion.rules.judgement import RATED, spans_of
 from torsion.rules.reached_speeds import in_rpm

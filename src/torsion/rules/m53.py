@@ -12,10 +12,10 @@ from fractions import Fraction
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import excited_orders
 from torsion.arrays import FloatArray
-from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
+from torsion.model.lowering import Part
 from torsion.results import listed
 from torsion.rules import judgement, m53_factors
 from torsion.rules.demanded_states import LAST_ORDER, MOST_ORDERS, misfire_row, unjudged

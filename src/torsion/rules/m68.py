@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from torsion.components.lowering import ShaftRecord
-from torsion.components.material import STEEL
 from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.kernels.tree_response import Status
+from torsion.model.lowering import ShaftRecord
+from torsion.model.material import STEEL
 from torsion.rules import judgement, m68_shafts
 from torsion.rules.demanded_states import misfire_row, order_rows, unjudged, zero_pitch_rows
 from torsion.rules.judgement import Clause, Curve, rated_speed

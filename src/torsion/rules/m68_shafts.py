@@ -14,8 +14,8 @@ from pydantic import Field, model_validator
 
 from torsion import fields
 from torsion.arrays import FloatArray
-from torsion.components.lowering import Part, ShaftRecord
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required
+from torsion.model.lowering import Part, ShaftRecord
 from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.rules.shaft_limits import MM, PA, ROUNDING, Mark, diameters, with_role
 from torsion.rules.verdict_line import RuleSettings, refuse_blank

@@ -10,11 +10,11 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import FloatArray
-from torsion.components.lowering import ROLES
-from torsion.components.material import STEEL
 from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
+from torsion.model.lowering import ROLES
+from torsion.model.material import STEEL
 from torsion.rules import judgement
 from torsion.rules.demanded_states import unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes

@@ -14,10 +14,10 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import excited_orders
 from torsion.analyses.response.synthesis import half_range
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.components.lowering import Part
 from torsion.errors import Fault, nearest
 from torsion.fields import Quantity, given
 from torsion.findings import Results
+from torsion.model.lowering import Part
 from torsion.rules.judgement import (
     MOSTLY,
     Clause,
@@ -160,6 +160,6 @@ def _surplus(evidence: Results, spans: IntArray) -> FloatArray | float:
     """By which the exact motion of nonlinear couplings exceeds the torques about the station; 1 without them."""
     if not evidence.study.train.has_nonlinear_couplings or not spans.size:
         return 1.0
-    from torsion.analyses.transient.raised_synthesis import surplus
+    from torsion.analyses.motion.raised_synthesis import surplus
 
     return np.asarray(surplus(evidence)[0][:, spans].max(axis=1))

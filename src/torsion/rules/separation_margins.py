@@ -17,10 +17,10 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.analyses.response.harmonic_components import Line, in_runs, lines
 from torsion.analyses.undamped_modes import Modes, ModesSettings, modes_up_to
-from torsion.components.lowering import Part
 from torsion.errors import Fault
 from torsion.fields import Declared, Quantity, given, required
 from torsion.findings import Results
+from torsion.model.lowering import Part
 from torsion.rules.judgement import Continuous, UseSettings
 from torsion.rules.over_tolerances import margin_words
 from torsion.rules.reached_speeds import distinct, in_rpm, with_reach

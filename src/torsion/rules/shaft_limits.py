@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.components.lowering import Part, ShaftRecord
 from torsion.kernels.round_sections import section_modulus
+from torsion.model.lowering import Part, ShaftRecord
 from torsion.rules.judgement import spans_of
 from torsion.rules.reached_speeds import BARRED_BELOW
 from torsion.train import Train

@@ -7,10 +7,10 @@ from typing import Annotated
 import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.components.shaft_details import Hub
 from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
+from torsion.model.shaft_details import Hub
 from torsion.primitives import Bar
 from torsion.rules import judgement
 from torsion.rules.demanded_states import unjudged

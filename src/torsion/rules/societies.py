@@ -15,10 +15,10 @@ from pydantic import Field
 from torsion import fields
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
-from torsion.components.lowering import Part, ShaftRecord
 from torsion.errors import Fault, Path
 from torsion.fields import given
 from torsion.findings import Results
+from torsion.model.lowering import Part, ShaftRecord
 from torsion.results import listed
 from torsion.rules import judgement, society_limits
 from torsion.rules.demanded_states import MISFIRE, stiffness_row, unjudged, unknown_gears

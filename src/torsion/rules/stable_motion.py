@@ -11,11 +11,11 @@ import numpy as np
 from torsion.analyses.lateral.shaft_bending import Lateral
 from torsion.analyses.lateral.tilt_stability import Tilting
 from torsion.analyses.law_slopes import mean_speed_slopes
-from torsion.analyses.motion.mean_speed import SLOW
-from torsion.analyses.motion.stability_over_speed import Stability
+from torsion.analyses.stability.mean_speed import SLOW
+from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.arrays import FloatArray
-from torsion.components.drive_law import DriveLaw
 from torsion.findings import Results
+from torsion.model.drive_law import DriveLaw
 from torsion.rules.barred_time import barred_times, unstable_words
 from torsion.rules.judgement import within
 from torsion.rules.reached_speeds import distinct, with_reach

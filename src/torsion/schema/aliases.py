@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from torsion.components import KINDS, component
 from torsion.errors import Fault
+from torsion.model import KINDS, component
 from torsion.schema.declaration_reader import keys_of, mappings_of
 from torsion.schema.fault_text import Node, Source
 

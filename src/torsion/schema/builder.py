@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from torsion.components import component
 from torsion.errors import refusal
+from torsion.model import component
 from torsion.schema.scene_reader import parse
 from torsion.schema.yaml_source import in_brackets
 from torsion.study import Study

@@ -8,10 +8,10 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel
 
-from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError, Path, nearest, printable
 from torsion.fields import Declared, OneOrMany, Quantity, given, shown
 from torsion.findings import NORMAL
+from torsion.model.lowering import Part
 from torsion.schema.declaration_reader import declared, entries_of
 from torsion.schema.fault_text import Node, Source, input_error
 from torsion.schema.overlay import Overlay, in_words, multiplied, node_at

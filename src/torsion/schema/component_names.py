@@ -3,8 +3,8 @@
 from collections import Counter
 from collections.abc import Iterator
 
-from torsion.components import KINDS, component
 from torsion.errors import Fault, Path
+from torsion.model import KINDS, component
 from torsion.schema.declaration_reader import entries_of
 from torsion.train import taken
 

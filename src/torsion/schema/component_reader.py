@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from torsion.components import KINDS, component
-from torsion.components.component import Component
 from torsion.errors import Fault, Path
 from torsion.fields import shown
+from torsion.model import KINDS, component
+from torsion.model.component import Component
 from torsion.schema.declaration_reader import declared, entries_of, unknown
 from torsion.schema.missing_marks import without_mark
 from torsion.schema.other_words import KIND_FOR

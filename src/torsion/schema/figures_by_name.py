@@ -7,15 +7,15 @@ from fractions import Fraction
 import numpy as np
 
 from torsion import units
-from torsion.analyses.variants.laws import Choice, Law
-from torsion.components.lowering import Part
 from torsion.errors import Fault, Path
+from torsion.model.lowering import Part
 from torsion.schema.cases import stiffness_paths
 from torsion.schema.catalogues import alternatives
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.overlay import Overlay, in_words, multiplied, node_at
 from torsion.schema.varied_figure import Figure, Row, amount_of
 from torsion.study import Study
+from torsion.what_if.variants.laws import Choice, Law
 
 EXACT = "ratio", "order", "blade_order"  # keys of exact ratios and orders
 

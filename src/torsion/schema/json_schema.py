@@ -9,9 +9,9 @@ from pydantic_core import core_schema
 
 from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
-from torsion.components import KINDS, component
-from torsion.components.component import Component
 from torsion.fields import Declared, OneOrMany
+from torsion.model import KINDS, component
+from torsion.model.component import Component
 from torsion.rules import RULES
 from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import FROM, TOLERANCES

@@ -10,8 +10,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from torsion import units
-from torsion.components.component import Component
 from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
+from torsion.model.component import Component
 from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
 
 PLAIN = {

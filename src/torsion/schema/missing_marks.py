@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable
 from itertools import takewhile
 
-from torsion.components import KINDS
 from torsion.errors import Fault, printable
+from torsion.model import KINDS
 from torsion.rules import RULES
 
 _WORD = r"([^\W\d][\w-]*)"

@@ -6,11 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from torsion.analyses.variants.laws import Choice
 from torsion.arrays import FloatArray, IntArray
 from torsion.errors import Path
 from torsion.schema.overlay import in_words
 from torsion.schema.varied_figure import Figure, amount_of
+from torsion.what_if.variants.laws import Choice
 
 WORDS = "source", "note"  # keys that no result depends on
 

@@ -9,12 +9,12 @@ from pathlib import Path as FilePath
 from typing import Any, TypeVar
 
 from torsion.analyses import ANALYSES, UNBUILT, VARYING
-from torsion.components import KINDS
-from torsion.components.harmonic_torques import Excitation
-from torsion.components.material import STEEL, Material
-from torsion.components.shaft_details import StepForm
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, given, required, shown
+from torsion.model import KINDS
+from torsion.model.harmonic_torques import Excitation
+from torsion.model.material import STEEL, Material
+from torsion.model.shaft_details import StepForm
 from torsion.primitives import SectionMesh
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings

@@ -7,8 +7,8 @@ after the other in its place; so every model, rule and table takes each section,
 from collections.abc import Callable
 from dataclasses import replace
 
-from torsion.components.component import section_name
 from torsion.fields import shown
+from torsion.model.component import section_name
 from torsion.schema.fault_text import Node, Source
 
 SECTIONS = "sections"

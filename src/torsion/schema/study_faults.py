@@ -159,7 +159,7 @@ def _of_analysis(
         if not applies(study):
             return ()
         module, name = place.split(":")
-        found: Iterable[Fault] = getattr(import_module(f"torsion.analyses.{module}"), name)(
+        found: Iterable[Fault] = getattr(import_module(f"torsion.{module}"), name)(
             *arguments(study)
         )
         return found
@@ -168,45 +168,48 @@ def _of_analysis(
 
 
 _order_faults = _of_analysis(
-    "response.over_speed:order_faults", lambda study: "response" in study.analyses
+    "analyses.response.over_speed:order_faults", lambda study: "response" in study.analyses
 )
-_power_faults = _of_analysis("steady:power_faults", lambda study: study.has_mean_torque)
+_power_faults = _of_analysis("analyses.steady:power_faults", lambda study: study.has_mean_torque)
 _drive_faults = _of_analysis(
-    "law_slopes:drive_faults",
+    "analyses.law_slopes:drive_faults",
     lambda study: any(part.machine and part.machine.drive for part in study.train.parts),
 )
 _check_faults = _of_analysis(
-    "compare.candidates:loop_faults",
+    "analyses.compare.candidates:loop_faults",
     lambda study: "check" in study.analyses,
     lambda study: (study, ("analyses", "check")),
 )
 _joint_faults = _of_analysis(
-    "joints.joint_analysis:settings_faults",
+    "analyses.joints.joint_analysis:settings_faults",
     lambda study: "joints" in study.analyses,
     lambda study: (study.train, study.analyses["joints"]),
 )
 _motion_faults = _of_analysis(
-    "motion.requested_motion:requested_motion_faults",
+    "analyses.stability.requested_motion:requested_motion_faults",
     lambda study: (
         "stability" in study.analyses
         or study.setting("analyses", "response", "method") == "harmonic-balance"
     ),
 )
 _engine_faults = _of_analysis(
-    "engine.engine_analysis:engine_faults",
+    "analyses.engine.engine_analysis:engine_faults",
     lambda study: any(part.engine is not None for part in study.train.parts),
 )
 _transient_faults = _of_analysis(
-    "transient.transient_settings:transient_faults", lambda study: "transient" in study.analyses
+    "analyses.motion.transient_settings:transient_faults",
+    lambda study: "transient" in study.analyses,
 )
-_fit_faults = _of_analysis("fit.fit_faults:fit_faults", lambda study: "fit" in study.analyses)
+_fit_faults = _of_analysis(
+    "what_if.fit.fit_faults:fit_faults", lambda study: "fit" in study.analyses
+)
 _lateral_faults = _of_analysis(
-    "lateral.shaft_bending:lateral_faults",
+    "analyses.lateral.shaft_bending:lateral_faults",
     lambda study: "lateral" in study.analyses or study.has_supports,
     lambda study: (study.train, study.analyses.get("lateral")),
 )
 _table_faults = _of_analysis(
-    "modes.coupling_tables:table_faults", lambda study: study.train.has_tables
+    "analyses.modes.coupling_tables:table_faults", lambda study: study.train.has_tables
 )
 _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (  # with the sections that each reads
     (lambda study: fixed_point_faults(study.train), ("train", "links")),

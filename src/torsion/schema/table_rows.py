@@ -12,9 +12,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from torsion import units
-from torsion.components import KINDS, component
 from torsion.errors import Fault, InputError, nearest, printable
 from torsion.fields import Amount, Quantity, shown
+from torsion.model import KINDS, component
 from torsion.schema.aliases import KINDS_BY_ALIAS, canonical_column
 from torsion.schema.declaration_reader import items_of, keys_of
 from torsion.schema.fault_text import Node, Source
@@ -66,11 +66,11 @@ _PAIR = ListKind(
     "`speed [rpm]`, `torque [N*m]`", figures=SPEED_AND_TORQUE, needed=("speed", "torque")
 )
 _RIPPLE, _BLADES = (
-    "torsion.components.harmonic_torques:Ripple",
-    "torsion.components.propeller:BladeTorque",
+    "torsion.model.harmonic_torques:Ripple",
+    "torsion.model.propeller:BladeTorque",
 )
 MAPPINGS = {  # lists of mappings
-    "excitations": ListKind(_TORQUES, ("torsion.components.harmonic_torques:Excitation",)),
+    "excitations": ListKind(_TORQUES, ("torsion.model.harmonic_torques:Excitation",)),
     "ripple": ListKind(_TORQUES, (_RIPPLE,)),
     "excitation": ListKind(_TORQUES, (_BLADES, _RIPPLE)),
     SECTIONS: ListKind("`length [mm]`, `diameter [mm]`, ...", (KINDS["shaft"],)),

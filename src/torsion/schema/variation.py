@@ -8,10 +8,9 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from torsion.analyses import VARYING
-from torsion.analyses.variants.laws import Choice
 from torsion.arrays import FloatArray, IntArray
-from torsion.components import KINDS
 from torsion.errors import Fault, InputError, Path, nearest
+from torsion.model import KINDS
 from torsion.schema.component_reader import one_component
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.figures_by_name import named, overlay_of, with_tolerance
@@ -19,6 +18,7 @@ from torsion.schema.numbered_figures import Numbered
 from torsion.schema.overlay import in_words, node_at
 from torsion.schema.varied_figure import Figure
 from torsion.study import Group, Study
+from torsion.what_if.variants.laws import Choice
 
 FEW = 100  # rows of a list or a catalogue, of which the whole file is read with each
 MOST_TRIALS = 500  # readings of the file for one figure

@@ -7,12 +7,12 @@ from fractions import Fraction
 import numpy as np
 
 from torsion import units
-from torsion.analyses.variants.laws import Choice, Law
-from torsion.analyses.variants.sampling import factors
 from torsion.arrays import FloatArray
 from torsion.errors import Path
 from torsion.schema.fault_text import Node, Source
 from torsion.schema.overlay import multiplied, node_at
+from torsion.what_if.variants.laws import Choice, Law
+from torsion.what_if.variants.sampling import factors
 
 ENDS = np.array([1e-4, 1.0 - 1e-4])  # of a law without ends, where the file is read as a trial
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from torsion.analyses.variants.chunks import Chunk, Part
 from torsion.errors import Fault, InputError, SolveError
 from torsion.sweeping.worker_task import Errand, answered, others
+from torsion.what_if.variants.chunks import Chunk, Part
 
 ENVIRONMENT = {  # of the workers of this machine
     "MALLOC_TRIM_THRESHOLD_": str(

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.variants.chunks import Chunk, Part
-from torsion.analyses.variants.one_by_one import Answers
 from torsion.errors import Fault, InputError
 from torsion.study import Variation
+from torsion.what_if.variants.chunks import Chunk, Part
+from torsion.what_if.variants.one_by_one import Answers
 
 SUFFIX = ".parquet"
 ABOUT = "torsion"  # key of what a part says of its columns, in JSON

@@ -13,8 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from torsion.analyses.sweep.sweep_settings import SweepSettings
-from torsion.analyses.variants.chunks import Chunk, Part
 from torsion.errors import Fault, InputError, printable
 from torsion.findings import Work, version
 from torsion.output.table_text import inert
@@ -22,6 +20,8 @@ from torsion.output.write import inputs
 from torsion.study import Study, Variation
 from torsion.sweeping.parts import SUFFIX, columns, part_of, read_part, write_part
 from torsion.user_files import LARGEST_SIGNAL, read_file
+from torsion.what_if.sweep.sweep_settings import SweepSettings
+from torsion.what_if.variants.chunks import Chunk, Part
 
 OF = "sweep.json"  # what the parts are of
 SUMS = "SHA256SUMS"  # of the parts, beside them; `sha256sum -c` reads it

@@ -4,8 +4,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from torsion.analyses.sweep.sweep_run import answered
-from torsion.analyses.variants.chunks import Chunk, Pace, Part
 from torsion.errors import InputError, SolveError
 from torsion.findings import Work
 from torsion.study import Variation
@@ -13,6 +11,8 @@ from torsion.sweeping.cluster import Workers
 from torsion.sweeping.folder_lock import alone
 from torsion.sweeping.sweep_folder import SweepFolder, identity
 from torsion.sweeping.worker_task import errand
+from torsion.what_if.sweep.sweep_run import answered
+from torsion.what_if.variants.chunks import Chunk, Pace, Part
 
 
 class Stopped(Exception):

@@ -7,14 +7,14 @@ from functools import lru_cache
 from pathlib import Path
 from threading import Lock
 
-from torsion.analyses.sweep import sweep_run
-from torsion.analyses.variants.chunks import Chunk, Part
 from torsion.errors import Fault, InputError
 from torsion.findings import Work, version
 from torsion.rules import judgement
 from torsion.runner import run
 from torsion.study import Variation
 from torsion.sweeping.sweep_folder import LIBRARIES, digest, digests
+from torsion.what_if.sweep import sweep_run
+from torsion.what_if.variants.chunks import Chunk, Part
 
 _ALONE = Lock()  # threads of a worker take turns
 

@@ -388,7 +388,7 @@ analyses:
 
 
 def test_a_run_up_with_an_engine_is_that_with_its_torques_written_out() -> None:
-    from torsion.analyses.transient.transient_motion import Transients
+    from torsion.analyses.motion.transient_motion import Transients
 
     rows = "[[0.5, 7 N*m, 0 deg], [1, 10 N*m, 20 deg], [3, 4 N*m, -50 deg]]"
     engine = f"engine: {{name: e, cylinders: 1, strokes: 4, inertia: 0.1, gas: {{table: {rows}}}}}"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import torsion
+from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.amplitudes import Response, Synthesis
-from torsion.analyses.transient.transient_motion import Transients
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.rules.verdict_line import Checks

@@ -10,14 +10,14 @@ from torsion.analyses.response.harmonic_components import excitations, sources
 from torsion.analyses.response.over_speed import response
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
-from torsion.components.harmonic_torques import Excitation
-from torsion.components.joint import Joint
-from torsion.components.motor import Motor
-from torsion.components.propeller import Propeller
-from torsion.kinematics.cross import error_amplitude
+from torsion.kernels.joints.cross import error_amplitude
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
+from torsion.model.harmonic_torques import Excitation
+from torsion.model.joint import Joint
+from torsion.model.motor import Motor
+from torsion.model.propeller import Propeller
 from torsion.study import Operation
 from torsion.train import Link
 

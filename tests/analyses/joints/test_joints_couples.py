@@ -10,13 +10,13 @@ import pytest
 from torsion.analyses.joints.joint_analysis import JointsSettings, joints
 from torsion.analyses.steady import steady
 from torsion.assembly import assemble
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
-from torsion.components.joint import Joint
-from torsion.components.motor import Motor
-from torsion.components.propeller import Propeller
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
+from torsion.model.joint import Joint
+from torsion.model.motor import Motor
+from torsion.model.propeller import Propeller
 from torsion.study import Operation
 from torsion.train import train
 

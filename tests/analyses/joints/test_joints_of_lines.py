@@ -12,15 +12,15 @@ from torsion.analyses.joints.joint_results import Joints
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.assembly import assemble
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
-from torsion.components.joint import Joint
-from torsion.components.motor import Motor
-from torsion.components.propeller import Propeller
-from torsion.components.shaft import Shaft
 from torsion.errors import InputError
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
+from torsion.model.joint import Joint
+from torsion.model.motor import Motor
+from torsion.model.propeller import Propeller
+from torsion.model.shaft import Shaft
 from torsion.study import Operation
 from torsion.train import train
 

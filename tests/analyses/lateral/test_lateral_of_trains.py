@@ -10,16 +10,16 @@ from torsion.analyses.joints.joint_lines import placed
 from torsion.analyses.lateral.bending_shafts import bending_shafts
 from torsion.analyses.lateral.couple_response import couples_at
 from torsion.analyses.lateral.shaft_bending import LateralSettings, lateral
-from torsion.components.coupling import Coupling
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
-from torsion.components.joint import Joint
-from torsion.components.lowering import Support
-from torsion.components.material import Material
-from torsion.components.shaft import Shaft
 from torsion.errors import InputError
+from torsion.kernels.joints.couples import couple_harmonics
 from torsion.kernels.tree_response import Status
-from torsion.kinematics.couples import couple_harmonics
+from torsion.model.coupling import Coupling
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
+from torsion.model.joint import Joint
+from torsion.model.lowering import Support
+from torsion.model.material import Material
+from torsion.model.shaft import Shaft
 from torsion.schema.scene_reader import parse
 from torsion.study import Operation, Rated, SpeedRange
 from torsion.train import train

@@ -8,9 +8,9 @@ import pytest
 
 import torsion
 from torsion.analyses.damped_modes import DampedModes
+from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.harmonic_components import sources, sweeping
 from torsion.analyses.response.solver import answer
-from torsion.analyses.transient.transient_motion import Transients
 from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError

@@ -14,16 +14,16 @@ from torsion.analyses.response.over_speed import ResponseSettings, response
 from torsion.analyses.response.solver import answer, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import modes
-from torsion.components.branch import Branch
-from torsion.components.coupling import Coupling
-from torsion.components.damper import RingDamper
-from torsion.components.disc import Disc
-from torsion.components.gear import Gear
-from torsion.components.harmonic_torques import Excitation
-from torsion.components.motor import Motor
-from torsion.components.propeller import Propeller
 from torsion.errors import InputError
 from torsion.kernels.tree_response import Status
+from torsion.model.branch import Branch
+from torsion.model.coupling import Coupling
+from torsion.model.damper import RingDamper
+from torsion.model.disc import Disc
+from torsion.model.gear import Gear
+from torsion.model.harmonic_torques import Excitation
+from torsion.model.motor import Motor
+from torsion.model.propeller import Propeller
 from torsion.train import Link
 
 RATED = (100.0, 50e3)  # rad/s, W: 500 N m

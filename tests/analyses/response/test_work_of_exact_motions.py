@@ -3,10 +3,10 @@
 import pytest
 
 import torsion
+from torsion.analyses.motion import compared_band
+from torsion.analyses.motion.event_driven_train import Built
+from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak
 from torsion.analyses.response.synthesis import Synthesis
-from torsion.analyses.transient import compared_band
-from torsion.analyses.transient.event_driven_train import Built
-from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak
 from torsion.findings import Findings
 from torsion.output.chapters.nonlinear_at_peaks import chapter
 

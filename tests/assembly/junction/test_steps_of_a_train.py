@@ -14,11 +14,11 @@ from torsion.analyses.response.fillet_stresses import Fillets
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.junction.stepped_shafts import with_steps
-from torsion.components.disc import Disc
-from torsion.components.shaft import Shaft
-from torsion.components.shaft_details import Flange, Step, Undercut
 from torsion.errors import InputError
 from torsion.kernels.round_sections import polar_area_moment
+from torsion.model.disc import Disc
+from torsion.model.shaft import Shaft
+from torsion.model.shaft_details import Flange, Step, Undercut
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import parse
 from torsion.train import Train, train

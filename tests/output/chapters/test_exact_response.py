@@ -10,9 +10,9 @@ import pytest
 from tests.output.drawn import bands, levels, marks, unit
 
 import torsion
-from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import Line
+from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 import torsion
-from torsion.analyses.transient.transient_motion import Transients
+from torsion.analyses.motion.transient_motion import Transients
 from torsion.output.blocks import Table
 from torsion.output.chapters.motion_over_time import chapter
 

@@ -15,9 +15,9 @@ import torsion
 from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
 from torsion.analyses.lateral.shaft_bending import InPlanes, ShaftFound
 from torsion.analyses.lateral.tilt_stability import Tilting, Zone
-from torsion.analyses.motion.stability_map import StabilityMap
-from torsion.analyses.motion.stability_over_speed import Stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange
+from torsion.analyses.stability.stability_map import StabilityMap
+from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters.stability_ranges import MODEL, chapter, restrictions, tilt_section

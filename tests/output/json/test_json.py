@@ -51,7 +51,7 @@ LIGHT = """
 import sys, torsion
 from torsion.output.results_json import text
 text(torsion.run(torsion.parse({scene!r})))
-heavy = ("matplotlib", "jinja2", "typst", "rich", "torsion.kinematics")
+heavy = ("matplotlib", "jinja2", "typst", "rich", "torsion.kernels.joints")
 print([name for name in sys.modules if name.split(".")[0] in heavy or name in heavy])
 """
 

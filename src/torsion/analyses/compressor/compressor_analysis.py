@@ -15,9 +15,9 @@ from torsion.analyses.compressor.compressor_results import (
 from torsion.analyses.engine.engine_analysis import VARYING, varying_inertia
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
-from torsion.components.compressor.record import CompressorRecord, ThrowRecord
-from torsion.components.lowering import Part
 from torsion.findings import Work
+from torsion.model.compressor.record import CompressorRecord, ThrowRecord
+from torsion.model.lowering import Part
 
 DRAWN = 361  # points of the effort over a revolution
 

@@ -24,10 +24,10 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import ComplexArray, FloatArray
-from torsion.components.engine.record import EngineRecord
-from torsion.components.lowering import Part
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
+from torsion.model.engine.record import EngineRecord
+from torsion.model.lowering import Part
 from torsion.study import Study
 
 MOST_MODES = 3  # of the sums of phasors: the lowest

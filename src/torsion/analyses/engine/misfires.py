@@ -16,8 +16,8 @@ from torsion.analyses.response.solver import answers, ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.components.engine.record import EngineRecord
 from torsion.kernels.engine.gas_law import CylinderOrder, State
+from torsion.model.engine.record import EngineRecord
 from torsion.primitives import Torque
 from torsion.study import Study
 

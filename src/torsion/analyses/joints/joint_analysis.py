@@ -18,8 +18,8 @@ from torsion.assembly import assemble
 from torsion.errors import Fault, InputError, Path
 from torsion.fields import Declared, Quantity, given
 from torsion.findings import Work
-from torsion.kinematics.cross import fluctuation
-from torsion.kinematics.line import Variable
+from torsion.kernels.joints.cross import fluctuation
+from torsion.kernels.joints.line import Variable
 from torsion.study import Operation, states_mean_torque
 from torsion.train import Train
 

@@ -8,9 +8,9 @@ import numpy as np
 from torsion.analyses.joints.joint_lines import Placed
 from torsion.analyses.joints.joint_results import CoupleFound
 from torsion.arrays import FloatArray
-from torsion.kinematics.couples import Carrier, couple_harmonics, couples
-from torsion.kinematics.cross import transfer
-from torsion.kinematics.tripod import constant_velocity_couple, exact_motion, exact_statics
+from torsion.kernels.joints.couples import Carrier, couple_harmonics, couples
+from torsion.kernels.joints.cross import transfer
+from torsion.kernels.joints.tripod import constant_velocity_couple, exact_motion, exact_statics
 
 Pair = tuple[CoupleFound, ...]  # on the driving and on the driven shaft
 SHAFTS: tuple[Carrier, Carrier] = ("driving", "driven")

@@ -10,10 +10,17 @@ from scipy.optimize import brentq
 
 from torsion.analyses.joints.joint_results import Extreme, LineFound, OptimumFound
 from torsion.arrays import FloatArray
-from torsion.components.lowering import JointRecord
-from torsion.kinematics.cross import Transfer, behind, greatest_curvature, transfer
-from torsion.kinematics.line import Line, Variable, classical_angle, index_over, optimise, resultant
-from torsion.kinematics.tripod import exact_motion
+from torsion.kernels.joints.cross import Transfer, behind, greatest_curvature, transfer
+from torsion.kernels.joints.line import (
+    Line,
+    Variable,
+    classical_angle,
+    index_over,
+    optimise,
+    resultant,
+)
+from torsion.kernels.joints.tripod import exact_motion
+from torsion.model.lowering import JointRecord
 from torsion.train import Train
 
 _SAMPLES = 256  # of a third of a revolution; harmonics of a tripod that can turn fall below rounding long before the 128th

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import FloatArray
+from torsion.kernels.joints.cross import transfer
 from torsion.kernels.periodic.monodromy import ANGLE_PER_STEP, FEWEST_STEPS, radau, through_steps
-from torsion.kinematics.cross import transfer
 from torsion.sources import source
 
 NEUTRAL = (

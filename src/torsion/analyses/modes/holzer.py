@@ -20,7 +20,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import taken_at
-from torsion.components.shaft_details import STEP
+from torsion.model.shaft_details import STEP
 
 MOST_TIMES_FIRST = (
     1e3  # an amplitude larger than so many times the first: then the largest of a table is 1

@@ -1,1 +1,1 @@
-"""Trains with joints by their full equations of motion: periodic response, stability, and its map."""
+"""Motion over time: starts, shocks, short circuits, ice."""

@@ -17,11 +17,11 @@ from torsion.analyses.response.amplitudes import Balanced
 from torsion.analyses.response.solver import Answer
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
-from torsion.components.lowering import NonlinearRecord
 from torsion.errors import SolveError
 from torsion.kernels.amplitude_equation import LARGEST, Amplitudes, Ratio, amplitudes
 from torsion.kernels.describing_functions import PiecewiseCoupling, Secant, Slider
 from torsion.kernels.tree_response import complex_compliance
+from torsion.model.lowering import NonlinearRecord
 
 Solved = Callable[[Mapping[int, Secant]], Sequence[Answer]]
 ROUNDS = 181  # over several couplings, whose amplitudes depend on each other, until they change by SETTLED

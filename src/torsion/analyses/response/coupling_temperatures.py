@@ -13,10 +13,10 @@ from torsion.analyses.steady import steady_if_known
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import complex_stiffness
-from torsion.components.lowering import Part
 from torsion.errors import SolveError
 from torsion.findings import Work
 from torsion.kernels.warming import Warming, equilibria
+from torsion.model.lowering import Part
 from torsion.results import reported, result
 from torsion.study import Study
 

@@ -10,11 +10,11 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.components.shaft_details import Keyway, Notch
 from torsion.errors import Path, SolveError
 from torsion.findings import Work
 from torsion.kernels.round_sections import section_modulus
 from torsion.kernels.tree_response import Status
+from torsion.model.shaft_details import Keyway, Notch
 from torsion.primitives import Bar
 from torsion.results import reported, result
 from torsion.sources import source

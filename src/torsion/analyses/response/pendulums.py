@@ -9,9 +9,9 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import lines
 from torsion.arrays import FloatArray
 from torsion.assembly.system import System
-from torsion.components.lowering import PendulumRecord
 from torsion.errors import SolveError
 from torsion.findings import Work
+from torsion.model.lowering import PendulumRecord
 from torsion.results import reported, result
 
 MOST = math.pi / 2.0  # rad of deflection from which no torque of a linear pendulum is an answer

@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Literal
 
-from torsion.components.shaft_details import Hub
+from torsion.model.shaft_details import Hub
 from torsion.primitives import Bar
 from torsion.train import Train
 

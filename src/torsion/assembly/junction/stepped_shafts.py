@@ -15,10 +15,10 @@ from torsion.assembly.junction.profile import (
     junction,
     mirrored,
 )
-from torsion.components.shaft_details import STEP, Step, StepForm
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.junction_table import junction_table
 from torsion.kernels.round_sections import polar_area_moment
+from torsion.model.shaft_details import STEP, Step, StepForm
 from torsion.primitives import Bar, Inertia, Spring, Station
 from torsion.train import ENDS, Train
 

@@ -8,7 +8,6 @@ import numpy as np
 from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.modes.frequencies_by_torque import FrequenciesOverSpeed
 from torsion.analyses.modes.tolerances import Tolerances
-from torsion.analyses.sweep.sweep_results import Sweep
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
@@ -16,6 +15,7 @@ from torsion.output.figures import frequencies_over_speed
 from torsion.output.nearest_criticals import of_torsion
 from torsion.output.numbers import NONE, RPM, counted, given_rpm, number, order, rpm
 from torsion.output.reported_values import barred_rpm, rated, rated_rpm, reference, tolerated_rpm
+from torsion.what_if.sweep.sweep_results import Sweep
 
 MOST_IN_SUMMARY = 3  # on the terminal without `-v`
 MOST_ORDERS = 12  # in the figure

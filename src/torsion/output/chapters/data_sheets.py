@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from torsion.analyses.tooth_forces import ToothForces
-from torsion.components.lowering import Part
 from torsion.findings import Findings
+from torsion.model.lowering import Part
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.numbers import NONE, exact, given, given_rpm, number, scale
 from torsion.output.reported_values import mean_torque_at_rated, rated

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.design.design_results import Candidate, Design
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, filled, table
 from torsion.output.figures.contours import level_line
@@ -21,6 +20,7 @@ from torsion.output.figures.figure import (
 )
 from torsion.output.numbers import counted, number
 from torsion.results import listed
+from torsion.what_if.design.design_results import Candidate, Design
 
 FILE = "designed.yaml"
 WHAT = (

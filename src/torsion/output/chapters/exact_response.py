@@ -7,9 +7,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsion.analyses.motion.periodic_orbits import Found, PeriodicResponse
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import common_cycle, extremes
+from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.arrays import BoolArray, FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table

@@ -5,12 +5,12 @@ from itertools import combinations
 
 import numpy as np
 
-from torsion.analyses.fit.fit_results import Fit, FittedCurve
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Axis, Figure, Line, Marks, Panel
 from torsion.output.numbers import RPM, Scale, counted, given, number, order, rpm, scale
 from torsion.output.reported_values import reference
+from torsion.what_if.fit.fit_results import Fit, FittedCurve
 
 MOST_POINTS, MOST_PAIRS = 60, 20
 WHAT = (

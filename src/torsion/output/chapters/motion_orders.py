@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsion.analyses.transient.order_tracking import TURNS, OrderTracking, TrackedTorque
+from torsion.analyses.motion.order_tracking import TURNS, OrderTracking, TrackedTorque
 from torsion.output.blocks import Block, Paragraph, table
 from torsion.output.figures import orders_over_speed
 from torsion.output.figures.figure import Axis

@@ -5,12 +5,12 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from torsion.analyses.transient.acting_torques import ActingTorques
-from torsion.analyses.transient.event_driven_curves import Switching
-from torsion.analyses.transient.milling_ice import Ice
-from torsion.analyses.transient.short_circuit import ShortCircuit
-from torsion.analyses.transient.transient_motion import TransientMotion, Transients
-from torsion.analyses.transient.transient_settings import TransientSettings, cases
+from torsion.analyses.motion.acting_torques import ActingTorques
+from torsion.analyses.motion.event_driven_curves import Switching
+from torsion.analyses.motion.milling_ice import Ice
+from torsion.analyses.motion.short_circuit import ShortCircuit
+from torsion.analyses.motion.transient_motion import TransientMotion, Transients
+from torsion.analyses.motion.transient_settings import TransientSettings, cases
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table
 from torsion.output.chapters.motion_orders import orders

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from torsion.analyses.transient.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
+from torsion.analyses.motion.nonlinear_peaks import NonlinearPeak, NonlinearPeaks
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.numbers import NONE, number, rpm

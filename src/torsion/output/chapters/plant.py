@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.components.lowering import Part
 from torsion.findings import Findings
+from torsion.model.lowering import Part
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.figures.figure import Disc, Link, Sketch
 from torsion.output.joined_sketch import joined

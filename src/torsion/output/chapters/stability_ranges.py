@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsion.analyses.motion.stability_map import StabilityMap
-from torsion.analyses.motion.stability_over_speed import Stability
-from torsion.analyses.motion.unstable_ranges import UnstableRange
+from torsion.analyses.stability.stability_map import StabilityMap
+from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Table, table

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsion.analyses.modes.tolerances import Tolerances
-from torsion.analyses.sweep.sweep_results import Sweep, SweptCheck
 from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, table
@@ -13,6 +12,7 @@ from torsion.output.chapters import sweep_grid
 from torsion.output.figures import variants
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel, Role
 from torsion.output.numbers import counted, number, unit_words
+from torsion.what_if.sweep.sweep_results import Sweep, SweptCheck
 
 MOST_LINES, MOST_CHECKS, MOST_MODES = 6, 60, 3
 MOST_THROUGH = 60  # variants of a kind in parallel coordinates

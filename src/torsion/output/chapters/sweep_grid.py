@@ -4,12 +4,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from torsion.analyses.sweep.sweep_results import Grid, Sweep, SweptCheck
 from torsion.arrays import FloatArray
 from torsion.output.blocks import Block, Column, Paragraph, head, table, texts
 from torsion.output.figures import variants
 from torsion.output.figures.figure import Role
 from torsion.output.numbers import counted, number, unit_words
+from torsion.what_if.sweep.sweep_results import Grid, Sweep, SweptCheck
 
 MOST_LINES, MOST_CHECKS = 6, 60
 MOST_ROWS, ENDS = 40, 10  # variants in the table: all, or those that use limits least and most

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsion.analyses.sweep.sweep_results import Grid, GridAxis
 from torsion.arrays import BoolArray, FloatArray
 from torsion.output.figures.contours import level_line
 from torsion.output.figures.figure import (
@@ -22,6 +21,7 @@ from torsion.output.figures.figure import (
     runs,
 )
 from torsion.output.numbers import number, unit_words
+from torsion.what_if.sweep.sweep_results import Grid, GridAxis
 
 MOST_MODES = 3  # in one figure
 MOST_BINS = 40

@@ -1,0 +1,94 @@
+"""How many modes exact motions beside a response have, and how much work they may be.
+
+A band holds all modes up to some multiple of what is excited and of the couplings' own frequencies, and as many more as
+cost little; the others are a compliance (T114). Work is counted and not timed, so that a result is the same on
+every machine.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsion.analyses.motion.event_driven_train import Built
+from torsion.analyses.response.amplitudes import Balanced, Response
+from torsion.analyses.undamped_modes import modes_as_discretised
+from torsion.arrays import FloatArray
+from torsion.findings import Progress
+from torsion.kernels.motion.event_driven_motion import NEWS
+
+MULTIPLE = (
+    8.0  # of the highest frequency of excitation, and of the modes of which the couplings have most
+)
+CHEAP = 2e5  # rad of the fastest mode in the first windows, up to which modes are kept anyway
+MOST_WORK = 2.5e5  # blocks of a small train in all comparisons: about 25 s
+ALONE = 3.0  # one motion has this share of what is left: 1/ALONE
+LARGE = 60.0  # states of a train, whose blocks are twice the work
+
+
+class WorkEnds(Exception):
+    """The work that a comparison may be is done."""
+
+
+@dataclass
+class Band:
+    """The modes that are kept, and the work that is left."""
+
+    found: Response
+    balanced: Balanced
+    progress: Progress
+    modes: int = 0  # 0: not known yet
+    change: float | None = (
+        None  # largest of an amplitude or a peak on doubling the band; None: not known yet
+    )
+    is_whole: bool = False
+    left: float = field(default_factory=lambda: MOST_WORK)
+    own: float = math.inf  # of the motion under way
+    cost: float = 1.0  # of a block
+    share: tuple[float, int] = field(
+        default=(0.0, 1)
+    )  # of the comparisons that are done, and their number
+
+    def begin(self, done: float, number: int) -> None:
+        """The next comparison."""
+        self.share = done, number
+
+    def limit(self, duration: float) -> int:
+        """Number of modes, of motions whose first windows last so long (s)."""
+        if not self.modes:
+            modes = modes_as_discretised(self.found.system, None)
+            w = 2.0 * math.pi * np.sort(modes.frequency)
+            mainly = modes.elastic[list(self.balanced.spans)].argmax(axis=1)
+            highest = (
+                2.0
+                * math.pi
+                * max(float(modes.frequency[mainly].max()), float(self.found.frequency.max()))
+            )
+            self.modes = max(int(np.searchsorted(w, max(MULTIPLE * highest, CHEAP / duration))), 1)
+        return self.modes
+
+    def known(self, built: Built) -> None:
+        """The train of the next motion."""
+        self.is_whole = not built.is_band
+        if self.is_whole:
+            self.change = 0.0
+        self.cost, self.own = 1.0 + (built.train.size / LARGE) ** 2, self.left / ALONE
+
+    def spend(self, what: str, share: float) -> None:
+        """The work of some blocks; raises WorkEnds."""
+        self.left -= NEWS * self.cost
+        self.own -= NEWS * self.cost
+        self.progress(f"exact motion at peaks, {what}", self.share[0] + share / self.share[1])
+        if self.own < 0.0:
+            raise WorkEnds
+
+    def raised(self, torque: FloatArray) -> FloatArray:
+        """By what a wider band may add, for verdicts."""
+        return np.asarray(torque * (1.0 + 2.0 * (self.change or 0.0)))
+
+    @property
+    def words(self) -> str:
+        """For the plan."""
+        if not self.change:
+            return ""
+        return f"; {self.modes} modes of the parts, half as many change torques by {100.0 * self.change:.2g} %"

@@ -1,0 +1,267 @@
+"""Equations of motion of a whole train with its joints at one mean speed, in arrays over time.
+
+With every body's angle a function F of one coordinate q: sum over the bodies of F' R = 0, where
+R = J (F' q'' + F'' q'^2) + damping + springs - torques. Linearised about any motion: mass J F'^2, and so on.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from torsion.analyses.stability.mechanism import Layout, Turning, at_rest, beyond, gathered
+from torsion.analyses.stability.straight_modes import at_bodies, at_coordinates
+from torsion.arrays import ComplexArray, FloatArray, IntArray
+from torsion.kernels.periodic.harmonic_balance import Linearised, Motion
+from torsion.kernels.periodic.hill import Couplings, toeplitz
+
+
+@dataclass(frozen=True)
+class Loading:
+    """What acts at one mean speed, on the bodies and at one speed (torque times speed ratio)."""
+
+    speed: float  # rad/s of the reference station
+    damping: FloatArray  # (bodies,) N m s/rad to the mean motion
+    torque: FloatArray  # (bodies,) N m, known and constant
+    multiple: IntArray  # (lines,) order of each vibratory torque / order of the common period
+    vibratory: ComplexArray  # (bodies, lines) N m
+    drive: FloatArray  # (unknown loads, bodies) N m for a load of 1
+    steady: IntArray  # (unknown loads,) the coordinate whose mean each load keeps
+    order: float  # of the common period, per turn of the reference station
+
+    @property
+    def period(self) -> float:
+        """s."""
+        return 2.0 * np.pi / (self.order * self.speed)
+
+    @property
+    def w0(self) -> float:
+        """Frequency of the common period, rad/s."""
+        return self.order * self.speed
+
+
+@dataclass(frozen=True)
+class State:
+    """A motion of all bodies: (bodies, times), all at one speed."""
+
+    turning: Turning
+    rate: FloatArray  # rad/s of the coordinate of each body
+    gain: FloatArray  # rad/s2 of the coordinate of each body
+    slip: FloatArray  # rad/s of each body, deviation from the mean speed
+    acceleration: FloatArray  # rad/s2 of each body
+    residual: FloatArray  # N m: what each body lacks for equilibrium
+
+
+def turning(layout: Layout, deviation: FloatArray, turned: FloatArray) -> Turning:
+    """Every body's turning, arrays (bodies, times), from the coordinates' deviations (free or more, times).
+
+    turned: (times,) rad, the mean angle of the reference station.
+    """
+    start = at_rest(_of_bodies(layout, deviation))
+    parts = [start.deviation.copy(), start.first, start.second, start.third]
+    for step in layout.steps:
+        inner = Turning(*(part[step.inner] for part in parts))
+        for part, value in zip(
+            parts, vars(beyond(inner, step.joint, turned)).values(), strict=True
+        ):
+            part[step.outer] = value
+    return Turning(*parts)
+
+
+def _of_bodies(layout: Layout, values: FloatArray) -> FloatArray:
+    """(bodies, times) of the coordinate of each body, from those of the free ones (free or more, times)."""
+    full = np.zeros((len(layout.root), values.shape[1]))
+    full[: layout.free] = values[: layout.free]
+    return full[layout.coordinate]
+
+
+def mean_angle(loading: Loading, times: int) -> FloatArray:
+    """(times,) rad of the reference station over the common period."""
+    return np.asarray(2.0 * np.pi / loading.order * np.arange(times) / times)
+
+
+def torques(loading: Loading, turned: FloatArray, load: FloatArray) -> FloatArray:
+    """(bodies, times) N m that act on the bodies."""
+    constant = over_time(loading.torque) + over_time(loading.drive.T @ load)
+    phase = np.exp(1j * np.outer(loading.multiple, loading.order * turned))
+    return np.asarray(constant + (loading.vibratory @ phase).real)
+
+
+def torque_rates(loading: Loading, turned: FloatArray) -> FloatArray:
+    """(bodies, times) N m/s by which the vibratory torques change."""
+    order = loading.order * loading.multiple
+    phase = np.exp(1j * np.outer(order, turned))
+    return np.asarray(((1j * loading.speed * order * loading.vibratory) @ phase).real)
+
+
+def over_time(values: FloatArray) -> FloatArray:
+    """(..., 1) where there is one value for all times; arrays that hold one for every time stay as they are."""
+    return values[:, None] if values.ndim == 1 else values
+
+
+def scaled(part: FloatArray, value: float | FloatArray) -> FloatArray:
+    """A part times a factor, or (..., times) times a factor for every time."""
+    return part[:, None] * value if np.ndim(value) else part * value
+
+
+def state(
+    layout: Layout, loading: Loading, motion: Motion, load: FloatArray, turned: FloatArray
+) -> State:
+    """The motion of all bodies, and what each lacks for equilibrium.
+
+    Behind its coordinates a motion may hold the twists of the layout's dampers, which else follow from it.
+    """
+    where = turning(layout, motion.deviation, turned)
+    slow, gain = _of_bodies(layout, motion.speed), _of_bodies(layout, motion.acceleration)
+    rate = loading.speed + slow
+    slip = slow * where.first + loading.speed * (where.first - 1.0)
+    acceleration = where.first * gain + where.second * rate**2
+    residual = (
+        layout.inertia[:, None] * acceleration
+        + over_time(loading.damping) * slip
+        - torques(loading, turned, load)
+    )
+    force = spring_torques(layout, where.deviation, slip, motion.speed[layout.free :])
+    np.add.at(residual, layout.driving, force)
+    np.subtract.at(residual, layout.driven, force)
+    return State(where, rate, gain, slip, acceleration, residual)
+
+
+def spring_torques(
+    layout: Layout, deviation: FloatArray, slip: FloatArray, dampers: FloatArray | None = None
+) -> FloatArray:
+    """(springs, times) N m, positive when the driving side pushes: elastic, viscous and hysteretic share.
+
+    The hysteretic share is that of a steady vibration over the whole period: i eta k sign(frequency).
+    dampers: (dampers, times) rad/s, rates of their twists where they are known beside the slip.
+    """
+    a, b = layout.driving, layout.driven
+    twist = deviation[a] - deviation[b]
+    force = layout.stiffness[:, None] * twist + over_time(layout.viscous) * (slip[a] - slip[b])
+    lossy = np.flatnonzero(layout.hysteretic)
+    if lossy.size:
+        spectrum = np.fft.rfft(twist[lossy], axis=1)
+        spectrum[:, 0] = 0.0
+        force[lossy] += layout.hysteretic[lossy, None] * np.fft.irfft(
+            1j * spectrum, twist.shape[1], axis=1
+        )
+    acting = layout.dampers
+    if acting.size.size:
+        rate = (
+            dampers if dampers is not None and len(dampers) else acting.onto.T @ (slip[a] - slip[b])
+        )
+        force += acting.onto @ (over_time(acting.size) * rate)
+    return np.asarray(force)
+
+
+def linearised(
+    layout: Layout, loading: Loading, motion: Motion, load: FloatArray, count: int
+) -> Linearised:
+    """The equations at a motion over the common period, with their derivatives.
+
+    Dampers are in them where the motion holds their twists: those are then further unknowns, and the matrix stays
+    sparse. Where it does not, the residual holds the dampers and the derivatives leave them out.
+    """
+    turned = mean_angle(loading, motion.deviation.shape[1])
+    now = state(layout, loading, motion, load, turned)
+    free, first = layout.free, now.turning.first
+    residual = gathered(layout, first * now.residual)
+    force = np.array([-gathered(layout, first * one[:, None]) for one in loading.drive])
+    force = force.reshape(len(loading.drive), *residual.shape)
+    found = Linearised(
+        residual, entries(layout, loading, now), force, _hysteretic(layout, first, count)
+    )
+    if len(motion.deviation) == free:
+        return found
+    return _with_dampers(layout, found, now, motion.deviation[free:], loading.w0)
+
+
+def _with_dampers(
+    layout: Layout, found: Linearised, now: State, twist: FloatArray, w0: float
+) -> Linearised:
+    """The equations with the dampers' twists (dampers, times) as unknowns: size w0 (twist - that of the bodies) = 0."""
+    size, times, free = layout.dampers.size, twist.shape[1], layout.free
+    number = len(size)
+    missing = (size * w0)[:, None] * (twist - at_bodies(layout) @ now.turning.deviation)
+    pull = (size[:, None] * at_coordinates(layout, now.turning.first)).reshape(times, -1).T
+    damper, coordinate = np.repeat(free + np.arange(number), free), np.tile(np.arange(free), number)
+    alone, none = free + np.arange(number), np.zeros((number * free, times))
+    here = found.entries
+    grown = Couplings(
+        np.concatenate([here.row, coordinate, damper, alone]),
+        np.concatenate([here.column, damper, coordinate, alone]),
+        np.concatenate([here.mass, none, none, np.zeros((number, times))]),
+        np.concatenate([here.damping, pull, none, np.zeros((number, times))]),
+        np.concatenate(
+            [here.stiffness, none, -w0 * pull, np.repeat((size * w0)[:, None], times, axis=1)]
+        ),
+    )
+    force = np.pad(found.force, ((0, 0), (0, number), (0, 0)))
+    return Linearised(np.concatenate([found.residual, missing]), grown, force, found.extra)
+
+
+def damper_matrices(
+    layout: Layout, now: State, shape: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Damping and stiffness of the dampers, (times, free, free), or on shapes (free, shapes) of the coordinates."""
+    twist = at_coordinates(layout, now.turning.first)
+    slope = at_coordinates(layout, now.turning.second * now.rate)
+    if shape is not None:
+        twist, slope = twist @ shape, slope @ shape
+    pull = np.swapaxes(over_time(layout.dampers.size).T[:, :, None] * twist, 1, 2)
+    return pull @ twist, pull @ slope
+
+
+def entries(layout: Layout, loading: Loading, now: State) -> Couplings:
+    """Mass, damping and stiffness entries: one for each free coordinate, then up to four for each spring."""
+    f1, f2, f3 = now.turning.first, now.turning.second, now.turning.third
+    inertia, ground = layout.inertia[:, None], over_time(loading.damping)
+    slip_slope = f2 * now.rate  # of a body's speed over its coordinate
+    mass = inertia * f1**2
+    damping = f1 * (2.0 * inertia * slip_slope + ground * f1)
+    stiffness = (
+        f1 * (inertia * (f2 * now.gain + f3 * now.rate**2) + ground * slip_slope)
+        + f2 * now.residual
+    )
+    own = np.arange(layout.free)
+    parts = [(own, own, *(gathered(layout, part) for part in (mass, damping, stiffness)))]
+    ends = (layout.driving, 1.0), (layout.driven, -1.0)
+    for (a, plus), (b, minus) in product(ends, ends):
+        row, column, sign = layout.coordinate[a], layout.coordinate[b], plus * minus
+        inside = (row < layout.free) & (column < layout.free)
+        c, k = sign * over_time(layout.viscous), sign * layout.stiffness[:, None]
+        between = (
+            np.zeros((len(a), f1.shape[1])),
+            c * f1[a] * f1[b],
+            f1[a] * (k * f1[b] + c * slip_slope[b]),
+        )
+        parts.append((row[inside], column[inside], *(part[inside] for part in between)))
+    return Couplings(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+
+
+def _hysteretic(
+    layout: Layout, first: FloatArray, count: int
+) -> list[tuple[int, int, ComplexArray]]:
+    """Blocks of the loss factors: i eta k sign(frequency) between the angles on both sides of a spring."""
+    out = []
+    wide = np.arange(-2 * count, 2 * count + 1)
+    turn, steady = 1j * np.sign(wide), (first == first[:, :1]).all(axis=1)
+    lossy = np.flatnonzero(layout.hysteretic).tolist()
+    bodies = {int(end[spring]) for spring in lossy for end in (layout.driving, layout.driven)}
+    shapes = {body: toeplitz(first[body], count, wide) for body in bodies if not steady[body]}
+    alone = np.diag(
+        turn[count : 3 * count + 1]
+    )  # of two bodies whose angles are their coordinates times a constant
+    for body in bodies & set(np.flatnonzero(steady)):
+        shapes[body] = first[body, 0] * np.eye(len(wide), 2 * count + 1, -count)
+    for spring in lossy:
+        ends = (int(layout.driving[spring]), 1.0), (int(layout.driven[spring]), -1.0)
+        for (a, plus), (b, minus) in product(ends, ends):
+            i, j = int(layout.coordinate[a]), int(layout.coordinate[b])
+            if i < layout.free and j < layout.free:
+                size = plus * minus * layout.hysteretic[spring]
+                if steady[a] and steady[b]:
+                    out.append((i, j, size * first[a, 0] * first[b, 0] * alone))
+                else:
+                    out.append((i, j, size * (shapes[a].conj().T @ (turn[:, None] * shapes[b]))))
+    return out

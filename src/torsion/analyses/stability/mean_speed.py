@@ -1,0 +1,158 @@
+"""The mean speed of a free train: the torque that the vibration of its joints costs, and where the speed drifts.
+
+Averaged over the common period J dΩ/dt = T_drive - T_loads - P/Ω, with the power P lost by the vibration. A deviation
+of the mean speed grows as exp(σt) with σ ≈ -D/J, D = d(P/Ω)/dΩ + slopes of drive and load; both are zero together.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from torsion.analyses.stability.mechanism_loads import Scene, operating
+from torsion.analyses.stability.periodic_orbits import Orbit, orbit
+from torsion.analyses.steady import steady_if_known
+from torsion.arrays import FloatArray
+from torsion.errors import SolveError
+from torsion.model.drive_law import DriveLaw
+from torsion.results import reported, result
+
+SLOW = 1e-3  # 1/s: a slower drift is not reported
+STEP = 1e-5  # relative: of the speed, in a difference quotient of the torque lost
+BOUNDARY = 1e-6  # relative: how closely the ends of a drift are sought
+PEAK = 2e-3  # of the interval in which the greatest drift is sought
+AROUND = 0.05  # relative: how far the speed that lacks the greatest slope moves as the slope damps the vibration
+SMOOTH = 1e-2  # of that: how closely it is sought, as its slope hardly changes there
+SHARP = 1e-4  # relative: how closely the slope that is missing is sought
+MOST_STEPS = 20  # of the secant method
+
+
+@reported
+class MeanSpeedDrift:
+    """Speeds at which the mean speed runs away from its value, and the slope of a drive that holds it."""
+
+    first: float = result(
+        "rad/s", (), "lowest speed that drifts faster than 1e-3 1/s", key="from_rad_per_s"
+    )
+    last: float = result("rad/s", (), "highest one", key="to_rad_per_s")
+    growth: float = result("1/s", (), "fastest drift")
+    at: float = result("rad/s", (), "where")
+    slope: float = result(
+        "N*m*s/rad", (), "slope missing at the machine, at its own speed; null if not found"
+    )
+    machine: str = result("", (), "the machine that drives, at which the slope is missing")
+    given: float = result(
+        "N*m*s/rad",
+        (),
+        "slopes and damping of the file that act on the mean speed, at that machine",
+    )
+    slip: float = result(
+        "N*m*s/rad", (), "slope at 1 % slip of that machine; null without a rated speed"
+    )
+
+
+def lost_torque(there: Orbit) -> float:
+    """Return the mean torque (N m at the reference) that the vibration costs beside that of the loads."""
+    return float(there.found.load[0] - there.now.load[0])
+
+
+def drift_slope(at: Scene, speed: float, near: Orbit) -> tuple[float, Orbit | None]:
+    """Return D (N m s/rad at the reference) at a speed (rad/s), from two motions beside it, and one of them.
+
+    near: a motion to start from. D is NaN where there is none.
+    """
+    try:
+        slower = orbit(at, speed * (1.0 - STEP), near)
+        faster = orbit(at, speed * (1.0 + STEP), slower)
+    except SolveError:
+        return np.nan, None
+    change = (lost_torque(faster) - lost_torque(slower)) / (2.0 * STEP * speed)
+    return change + (mean_speed_damping(slower) + mean_speed_damping(faster)) / 2.0, faster
+
+
+def mean_speed_damping(there: Orbit) -> float:
+    """Return the sum of slopes and dampings to ground (N m s/rad at the reference) that act on the mean speed."""
+    return float(there.now.loading.damping.sum() + there.now.beside)
+
+
+def slip_slope(at: Scene, station: int) -> float:
+    """Return the slope (N m s/rad) that a slip of 1 % has at a station that drives; NaN where no speed is rated."""
+    rated = at.study.operation.rated
+    known = None if rated is None else steady_if_known(at.study, at.system, np.array([rated.speed]))
+    if rated is None or known is None:
+        return np.nan
+    law = DriveLaw(slip=0.01)
+    return law.slope_at_rated(
+        float(known.applied[station, 0]), rated.speed * float(at.system.speed_ratio[station])
+    )
+
+
+def agrees(growth: float, slope: float, inertia: float) -> bool:
+    """The growth (1/s) of a turning of the whole train has the sign that D (N m s/rad) gives it, or both are slow."""
+    return growth * slope < 0 or max(abs(growth), abs(slope) / inertia) < SLOW
+
+
+def missing_slope(at: Scene, start: Orbit, limits: tuple[float, float], station: int) -> float:
+    """Return the slope (N m s/rad at the reference) that the station lacks so that the speed does not drift.
+
+    start: the motion that drifts fastest; limits: lowest and highest speed (rad/s) of all. NaN where none was found.
+    The slope damps the vibration too, so that less is needed than -D without it.
+    """
+    before, worst = start, start.now.loading.speed
+    reach = max(worst * (1.0 - AROUND), limits[0]), min(worst * (1.0 + AROUND), limits[1])
+
+    def lacking(slope: float) -> float:
+        """The largest -D within reach, with a slope at the station."""
+        nonlocal before
+        there = replace(at, slopes=at.slopes + slope * np.eye(len(at.slopes))[station])
+
+        def drift(speed: float) -> float:
+            nonlocal before
+            slope_there, found = drift_slope(there, float(speed), before)
+            before = found or before
+            return float(np.nan_to_num(slope_there, nan=np.inf))
+
+        near = SMOOTH * (reach[1] - reach[0])
+        return -float(
+            minimize_scalar(drift, bounds=reach, method="bounded", options={"xatol": near}).fun
+        )
+
+    # The secant method: what is lacking falls evenly with the slope, but for the vibration that the slope damps.
+    without = lacking(0.0)
+    (lower, above), upper = (0.0, without), max(without, 0.0)
+    for _ in range(MOST_STEPS):
+        below = lacking(upper)
+        if abs(below) <= SHARP * without or not without > 0:
+            return upper
+        if below == above:
+            break
+        lower, above, upper = upper, below, upper - below * (upper - lower) / (below - above)
+    return np.nan
+
+
+def driver(at: Scene, speed: float) -> tuple[int, str]:
+    """Return the station at which the greatest part of the mean torque enters, and the name of what stands there."""
+    drive = operating(at, speed).stations.drive
+    station = int(drive[0].argmax())
+    return station, at.system.stations[station].name
+
+
+def drift_ends(
+    drift: Callable[[float], float], speeds: FloatArray, values: FloatArray
+) -> tuple[float, float]:
+    """Return the lowest and the highest speed (rad/s) at which the drift reaches SLOW; speeds ascend."""
+    fast = np.flatnonzero(np.nan_to_num(values, nan=-np.inf) > SLOW)
+    ends = []
+    for row, beside in ((int(fast[0]), int(fast[0]) - 1), (int(fast[-1]), int(fast[-1]) + 1)):
+        if not 0 <= beside < len(speeds) or not np.isfinite(values[beside]):
+            ends.append(float(speeds[row]))
+            continue
+        inner, outer = float(speeds[row]), float(speeds[beside])
+        try:
+            ends.append(
+                float(brentq(lambda speed: drift(speed) - SLOW, inner, outer, rtol=BOUNDARY))
+            )
+        except ValueError:  # no drift was distinguished between them
+            ends.append(inner)
+    return ends[0], ends[1]

@@ -1,0 +1,282 @@
+"""The exact motion of a train with joints as a study requests it: its response, its stability, and the map of that."""
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, ValidationInfo
+
+from torsion.analyses.response.amplitudes import Response
+from torsion.assembly.system import System
+from torsion.errors import Fault, Path
+from torsion.fields import Declared, Quantity, given, required
+from torsion.findings import Work
+from torsion.model.lowering import JointRecord
+from torsion.study import Range, SpeedRange, Study, mesh_faults
+
+PERIODIC = "exact periodic response"
+SMALL = (
+    "no joint is bent by more than 10 degrees, and the first order estimates its error below 1 %"
+)
+LARGE_ANGLE = np.radians(
+    10.0
+)  # joints beyond it are treated exactly unless the file says otherwise
+LARGE_ERROR = 0.01  # of the first-order model, by its own estimate
+SPEEDS = "`speeds: {from: 300 rpm, to: 1800 rpm}`, here or in `operation`"
+METHODS = {
+    "monodromy": "Floquet multipliers by the monodromy matrix, checked by Hill's matrix",
+    "hill": "Floquet exponents by Hill's matrix, checked by the monodromy matrix",
+}
+Method = Literal["hill", "monodromy"]
+Over = Literal["angle", "damping", "torque"]
+
+
+def _read_value(value: Any, info: ValidationInfo) -> float:
+    """An angle below 90 degrees with its unit, or a factor; which, `over` says."""
+    if info.data.get("over") == "angle":
+        return Quantity("rad", at_least=0, below=np.pi / 2.0).read(value)
+    return Quantity("1", at_least=0).read(value) if "over" in info.data else 0.0
+
+
+Value = Annotated[float, BeforeValidator(_read_value, json_schema_input_type=float | str)]
+
+
+class MapSettings(Range):
+    """Settings of `map` in `stability`."""
+
+    over: Over = required(
+        "angle (of all cross joints), damping or torque (factors on the values of the file)"
+    )
+    first: Value = required("lowest value: an angle with its unit, or a factor", alias="from")
+    last: Value = required("highest value", alias="to")
+    steps: Annotated[int, Field(ge=2, le=2000)] = given("number of values", 101)
+    modes: Annotated[int, Field(ge=1, le=60)] | None = given(
+        "number of elastic modes (default: the modes that matter)"
+    )
+
+
+class StabilitySettings(Declared):
+    """Settings of `stability`."""
+
+    speeds: SpeedRange | None = given("speeds (default: from `operation`)")
+    method: Method = given(
+        "`monodromy` in steps of time, or `hill`: the eigenvalues of Hill's matrix", "monodromy"
+    )
+    modes: Annotated[int, Field(ge=1, le=1000)] | None = given(
+        "reduce to so many elastic modes (default: all of a short train, else those up to three times the highest "
+        "order of a joint)"
+    )
+    map: MapSettings | None = given("growth over speed and one more quantity")
+
+
+def motion_faults(study: Study, path: Path) -> list[Fault]:
+    """Why a train has no exact motion: its model of shafts, or its closed loops; at the place that requests it."""
+    if study.model != "lumped" and study.train.has_shafts:
+        message = (
+            f"the exact motion of joints is built for the model lumped, and this is {study.model}"
+        )
+        return [Fault(path, message, "model: lumped")]
+    if study.train.has_loops:
+        message = "the exact motion of joints does not support closed loops, and `links` closes one"
+        return [Fault(path, message, "leave one out")]
+    return []
+
+
+def requested_motion_faults(study: Study) -> list[Fault]:
+    """Faults of a file that requests the exact response or stability."""
+    found: list[Fault] = []
+    if study.setting("analyses", "response", "method") == "harmonic-balance":
+        found += motion_faults(study, ("analyses", "response", "method"))
+        found += mesh_faults(study, "the exact motion")
+    path = ("analyses", "stability")
+    if study.setting(*path) is None:
+        return found
+    if not study.has_joints:
+        hint = "leave it out; the damped modes show what damps"
+        found.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
+    if study.setting(*path, "speeds") is None and study.operation.speeds is None:
+        found.append(Fault(path, "stability needs speeds", SPEEDS))
+    over = study.setting(*path, "map", "over")
+    if over is not None:
+        found += _map_faults(study, over, (*path, "map", "over"))
+    return [*found, *motion_faults(study, path)]
+
+
+def _map_faults(study: Study, over: Over, path: Path) -> list[Fault]:
+    """Why a map has nothing to vary: a factor on nothing, or the angle of joints that the train does not have."""
+    train, table = study.train, study.operation.load.table
+    if over == "torque":
+        is_flat = bool(table) and not any(torque for _, torque in table)
+        varies = study.has_mean_torque and not is_flat
+        message = "the mean torque, and the train has none"
+        hint = "give it, for example `operation: {rated: {speed: 1500 rpm, power: 100 kW}}`, or a table of `load`"
+    elif over == "damping":
+        lossy = any(one.viscous > 0 or one.loss_factor > 0 for one in train.springs)
+        varies = lossy or bool(train.dampers) or any(bar.loss_factor > 0 for bar in train.bars)
+        message = "the damping, and nothing in the train damps"
+        hint = (
+            "give the train its damping, for example `viscous` of a coupling or `damping` of a disc"
+        )
+    else:
+        joints = [part.joint for part in train.parts if part.joint is not None]
+        varies = any(joint.kind == "cross" and joint.angle > 0 for joint in joints)
+        message = "the angle of cross joints, and none of the train is bent"
+        hint = "bend one, for example `joint: {angle: 5 deg}`; tripods and cv joints keep their angle in a map"
+    return [] if varies else [Fault(path, f"the map varies {message}", hint)]
+
+
+def run_periodic(work: Work) -> None:
+    """The exact periodic response beside the first-order one, where the file or the size of the angles calls for it."""
+    system, log, first_order = work.system, work.log, work.get(Response)
+    method = work.study.setting("analyses", "response", "method")
+    if system.tables:
+        log.without(
+            PERIODIC,
+            "a coupling follows a table, which has no transient response; the results are of the first order",
+        )
+        return
+    joints, requested = exciting_joints(system), method == "harmonic-balance"
+    if not joints:
+        if requested:
+            log.without(
+                PERIODIC, "no joint of the train excites: the response over speed is exact as it is"
+            )
+        return
+    if first_order is None or method == "first-order":
+        if requested or first_order is not None:
+            log.without(
+                PERIODIC,
+                "`method: first-order`" if first_order is not None else "no response over speed",
+            )
+        return
+    is_large = any(joint.angle > LARGE_ANGLE * (1.0 + 1e-12) for joint in joints)
+    if (
+        not requested
+        and not is_large
+        and np.nanmax(first_order.joint_error, initial=0.0) <= LARGE_ERROR
+    ):
+        log.without(PERIODIC, SMALL)
+        return
+    why = (
+        "requested"
+        if requested
+        else "a joint beyond 10 degrees, or a first-order estimate of error beyond 1 %"
+    )
+    _periodic(work, first_order, why, patient=requested)
+
+
+def _periodic(work: Work, first_order: Response, why: str, *, patient: bool) -> None:
+    """patient: it may take long."""
+    from torsion.analyses.stability.periodic_orbits import Found
+    from torsion.analyses.stability.periodic_speeds import periodic_over_speed, too_long
+
+    study, system, log = work.study, work.system.whole, work.log
+    refused = "; ".join(fault.message for fault in motion_faults(study, ()))
+    if not refused and not patient:
+        refused = too_long(study, system)
+    if refused:
+        log.without(PERIODIC, refused)
+        return
+    with log.step(PERIODIC, why) as step:
+        found = periodic_over_speed(study, system, first_order, progress=work.progress)
+        step.method = "harmonic balance, Newton's method with Hill's matrix, continued over speed"
+        harmonics = int(found.harmonics.max(initial=0))
+        kept = (
+            f"up to {harmonics} harmonics of the common period"
+            if harmonics
+            else "no periodic motion found"
+        )
+        step.size = f"{found.speed.size} speeds, {kept}"
+    nothing = found.status == Found.NONE
+    if nothing.any():
+        reasons = "; ".join(dict.fromkeys(one for one in found.why if one))
+        log.without(
+            f"{PERIODIC} at {int(nothing.sum())} of {nothing.size} speeds",
+            f"none was found: {reasons}",
+        )
+    if (found.status == Found.COARSE).any():
+        log.without(
+            f"{PERIODIC}, in part",
+            "at some speeds the omitted harmonics exceed 1e-10 of the largest",
+        )
+    if any(line.order is None for line in first_order.lines):
+        log.without(
+            f"{PERIODIC}, torques of fixed frequency", "they share no common period with the joints"
+        )
+    groups = work.system.groups
+    work.put(periodic=found if groups is None else found.condensed(groups))
+
+
+def exciting_joints(system: System) -> list[JointRecord]:
+    """The joints of the train that turn unevenly."""
+    every = (system.train.parts[span.part].joint for span in system.spans if span.error)
+    return [joint for joint in every if joint is not None]
+
+
+def run_stability(work: Work) -> None:
+    """Stability over speed and its map, where they are requested."""
+    from torsion.analyses.stability.stability_over_speed import stability
+
+    study, system, log = work.study, work.system.whole, work.log
+    settings = work.settings("stability", StabilitySettings)
+    speeds = settings.speeds or study.operation.speeds
+    if not exciting_joints(system) or speeds is None:
+        log.without(
+            "stability",
+            "no joint excites, so that nothing varies with the angle" if speeds else "no speeds",
+        )
+        return
+    with log.step("stability", "requested") as step:
+        found = stability(
+            study,
+            system,
+            speeds.values(),
+            method=settings.method,
+            modes=settings.modes,
+            progress=work.progress,
+        )
+        step.method = METHODS[settings.method]
+        added = int((~found.requested).sum())
+        kept = (
+            "all modes"
+            if found.kept is None
+            else f"{found.kept} of {found.modes.size} elastic modes"
+        )
+        step.size = f"{int(found.requested.sum())} speeds requested, {added} more around zones and boundaries; {kept}"
+    if found.unsolved.size:
+        number = found.unsolved.size
+        log.without(
+            f"stability at {number} speed{'' if number == 1 else 's'}",
+            "no periodic motion was found there",
+        )
+    log.without(
+        "vibratory torques, in the stability",
+        "only joints and mean torque excite the periodic motion there",
+    )
+    work.put(stability=found)
+
+
+def run_map(work: Work) -> None:
+    """Growth over speed and one more quantity, where it is requested."""
+    stability = work.settings("stability", StabilitySettings)
+    settings, speeds = stability.map, stability.speeds or work.study.operation.speeds
+    if settings is None or speeds is None or not exciting_joints(work.system):
+        return
+    from torsion.analyses.stability.stability_map import stability_map
+
+    with work.log.step("stability map", "requested") as step:
+        found = stability_map(
+            work.study,
+            work.system.whole,
+            speeds.values(),
+            settings.over,
+            settings.values(),
+            modes=settings.modes,
+            progress=work.progress,
+        )
+        step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes, all values of a speed together"
+        points = f"{found.speed.size} x {found.value.size} points"
+        step.size = f"{points}, {found.checked} of them checked on the whole train"
+    missing = int(np.isnan(found.growth).sum())
+    if missing:
+        work.log.without(f"stability map at {missing} points", "no periodic motion was found there")
+    work.put(stability_map=found)

@@ -1,0 +1,278 @@
+"""Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from torsion.analyses.stability.floquet_exponents import (
+    Method,
+    Search,
+    growth_search,
+    modes_that_matter,
+)
+from torsion.analyses.stability.mean_speed import (
+    PEAK,
+    SLOW,
+    MeanSpeedDrift,
+    drift_ends,
+    driver,
+    mean_speed_damping,
+    missing_slope,
+    slip_slope,
+)
+from torsion.analyses.stability.periodic_orbits import harmonics_at_least
+from torsion.analyses.stability.unstable_ranges import (
+    UnstableRange,
+    candidates,
+    indicator,
+    unstable_ranges,
+)
+from torsion.arrays import FloatArray
+from torsion.assembly.system import System
+from torsion.errors import SolveError
+from torsion.findings import Progress, silent
+from torsion.results import reported, result
+from torsion.study import Study
+
+MOST_SEEDS = 60  # combination resonances that are looked at between the speeds requested
+LOOK_AROUND = 0.02  # relative: how far from a combination its zone is looked for, and
+UNEVEN_AROUND = 2.0  # times the unevenness of the joints beside that
+LOWEST = -1e9  # 1/s, where no drift is known
+MOST_PEAKS = 3  # of the drift of the mean speed, that are refined
+CHECKED = 3  # speeds at which the other method checks the growth rate
+WHOLE = 20  # coordinates up to which no mode is left out, unless its highest mode
+TURNED = 300.0  # rad: turns through more in a common period at the lowest speed, which makes the steps in time many
+MORE = 2  # times the modes kept: how many the estimate of the error keeps
+MOST_CHECKED = 600  # rows of Hill's matrix for that: beyond, its eigenvalues take far longer than the growth rate
+
+
+@reported
+class Stability:
+    """Growth rates over speed; NaN where there is no periodic motion."""
+
+    speed: FloatArray = result(
+        "rad/s", ("speed",), "reference speeds, more of them in and around unstable ranges"
+    )
+    requested: np.ndarray = result(
+        "", ("speed",), "the speed is one of those requested", key="is_asked"
+    )
+    growth: FloatArray = result(
+        "1/s", ("speed",), "of the fastest growing small deviation; null without a periodic motion"
+    )
+    frequency: FloatArray = result(
+        "rad/s", ("speed",), "of that motion, within half of the common frequency"
+    )
+    amplitude_growth: FloatArray = result(
+        "1", ("speed",), "growth over a revolution of the reference", key="factor_per_turn"
+    )
+    ranges: tuple[UnstableRange, ...] = result("", (), "unstable ranges of speed")
+    modes: FloatArray = result("rad/s", ("mode",), "elastic ones of the train with straight joints")
+    method: str = result("", (), "monodromy or hill")
+    check: float = result("1/s", (), "largest difference to the other method; null if too large")
+    unsolved: FloatArray = result("rad/s", ("unsolved",), "speeds without a periodic motion")
+    loses: bool = result(
+        "", (), "the train is damped; without damping the best growth is 0", key="something_damps"
+    )
+    kept: int | None = result(
+        "",
+        (),
+        "elastic modes that the train is reduced to; null for all",
+        key="modes_kept",
+        default=None,
+    )
+    drift: FloatArray | None = result(
+        "1/s",
+        ("speed",),
+        "growth of a deviation of the mean speed; null if not distinguished",
+        default=None,
+    )
+    drifts: tuple[MeanSpeedDrift, ...] = result(
+        "", (), "where the mean speed drifts, at most one", default=()
+    )
+    doubtful: FloatArray | None = result(
+        "rad/s",
+        ("doubtful",),
+        "speeds at which a drift of the mean speed and an instability were not distinguished",
+        default=None,
+    )
+    left_out: float = result(
+        "1/s",
+        (),
+        "largest change of the growth rate with twice as many, where that was tried",
+        key="reduction_error_per_s",
+        default=0.0,
+    )
+
+    @property
+    def unknown(self) -> tuple[tuple[float, float], ...]:
+        """Ranges of speed (rad/s) between neighbours with a periodic motion in which none was found."""
+        bare = np.concatenate([[False], np.isnan(self.growth), [False]])
+        first = np.maximum(np.flatnonzero(~bare[:-1] & bare[1:]) - 1, 0)
+        last = np.minimum(np.flatnonzero(bare[:-1] & ~bare[1:]), len(self.speed) - 1)
+        return tuple(zip(self.speed[first].tolist(), self.speed[last].tolist(), strict=True))
+
+
+def stability(
+    study: Study,
+    system: System,
+    speeds: FloatArray,
+    *,
+    method: Method = "monodromy",
+    modes: int | None = None,
+    progress: Progress = silent,
+) -> Stability:
+    """Growth rates at reference speeds (speeds,) rad/s and everything unstable between the first and the last.
+
+    Zones narrower than the steps are looked for around every combination of two modes. Vibratory torques are left out:
+    they shift the orbit, not its stability, to first order. A long train is reduced to the modes that matter, and any
+    train to as many elastic modes as `modes` says, where it has more.
+    """
+    search = growth_search(study, system, method=method)
+    harmonics_at_least(search.at)  # raises SolveError before anything is computed
+    elastic = search.shapes.frequency[search.shapes.rigid :]
+    longest = 2.0 * np.pi / (float(search.at.order) * float(np.min(speeds)))
+    if modes is None and (
+        search.at.layout.free > WHOLE or search.shapes.highest * longest > TURNED
+    ):
+        fewer = modes_that_matter(search.at, search.shapes, float(np.max(speeds)))
+        modes = fewer.modes - fewer.rigid
+    modes = None if modes is None or modes >= len(elastic) else modes
+    if modes is not None:
+        search = growth_search(study, system, method=method, modes=modes)
+    requested = np.unique(np.asarray(speeds, dtype=float))
+    for k, speed in enumerate(requested.tolist()):
+        progress("stability", 0.6 * k / len(requested))
+        search(speed)
+    _look_between(search, requested, progress)
+    ranges = unstable_ranges(search, progress)
+    drifts = _drifts(search)
+    speed = np.array(sorted(search.known))
+    solved = [search.known[one] for one in speed.tolist()]
+    growth, frequency = np.array(
+        [(np.nan, np.nan) if one is None else one[1].fastest for one in solved]
+    ).T
+    with np.errstate(over="ignore"):
+        factor = np.exp(growth * 2.0 * np.pi / speed)
+    left_out = (
+        0.0
+        if modes is None
+        else _left_out(study, system, speed, growth, min(MORE * modes, len(elastic)))
+    )
+    return Stability(
+        speed,
+        np.isin(speed, requested),
+        growth,
+        frequency,
+        factor,
+        ranges,
+        elastic,
+        method,
+        _check(search, requested),
+        speed[np.isnan(growth)],
+        search.loses,
+        modes,
+        drift=np.array([search.drift(one) for one in speed.tolist()]),
+        drifts=drifts,
+        doubtful=speed[[one is not None and one[1].is_doubtful for one in solved]],
+        left_out=left_out,
+    )
+
+
+def _look_between(search: Search, requested: FloatArray, report: Progress) -> None:
+    """Search around each combination resonance for zones that fall between the speeds."""
+    uneven = max((step.joint.strength for step in search.at.layout.steps), default=0.0)
+    if uneven == 0.0 or len(requested) < 2:
+        return
+    seeds = candidates(
+        search.shapes, search.at.layout.orders, float(requested[0]), float(requested[-1])
+    )
+    around = LOOK_AROUND * min(1.0, 20.0 * uneven) + UNEVEN_AROUND * uneven**2
+    for k, seed in enumerate(seeds[:MOST_SEEDS].tolist()):
+        report("stability between the speeds", 0.6 + 0.2 * k / len(seeds))
+        low, high = (
+            max(seed * (1.0 - around), float(requested[0])),
+            min(seed * (1.0 + around), float(requested[-1])),
+        )
+        inside = [speed for speed in search.known if low <= speed <= high]
+        if any(search.is_unstable(speed) for speed in [*inside, seed]):
+            continue
+
+        def height(speed: float) -> float:
+            found = search(speed)
+            return np.inf if found is None else -indicator(found[1], loses=search.loses)
+
+        minimize_scalar(
+            height,
+            bounds=(low, high),
+            method="bounded",
+            options={"xatol": around * seed * 1e-2, "maxiter": 10},
+        )
+
+
+def _drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
+    """Return where the mean speed drifts faster than SLOW, with the slope that the machine that drives lacks."""
+    if not any(np.isfinite(search.drift(speed)) for speed in list(search.known)):
+        return ()
+
+    def height(speed: float) -> float:
+        return -float(np.nan_to_num(search.drift(float(speed)), nan=-np.inf))
+
+    # A narrow drift lies between the speeds: each high local maximum is refined.
+    known = np.array(sorted(search.known))
+    rates = np.array([max(-height(speed), LOWEST) for speed in known.tolist()])
+    below, above = rates[1:-1] - rates[:-2], rates[1:-1] - rates[2:]
+    inner = np.flatnonzero((np.minimum(below, above) >= 0) & (np.maximum(below, above) > SLOW)) + 1
+    for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
+        low, high = float(known[row - 1]), float(known[row + 1])
+        minimize_scalar(
+            height, bounds=(low, high), method="bounded", options={"xatol": PEAK * (high - low)}
+        )
+
+    worst = min(search.known, key=height)
+    start = search(worst)
+    if start is None or search.drift(worst) <= SLOW:
+        return ()
+    speeds = np.array(sorted(search.known))
+    first, last = drift_ends(
+        search.drift, speeds, np.array([search.drift(speed) for speed in speeds.tolist()])
+    )
+    station, name = driver(search.at, worst)
+    ratio2 = float(search.at.system.speed_ratio[station]) ** 2
+    slope = (
+        missing_slope(search.at, start[0], (float(known[0]), float(known[-1])), station) / ratio2
+    )
+    given = mean_speed_damping(start[0]) / ratio2
+    slip = slip_slope(search.at, station)
+    return (MeanSpeedDrift(first, last, search.drift(worst), worst, slope, name, given, slip),)
+
+
+def _check(search: Search, requested: FloatArray) -> float:
+    """1/s: largest difference between the growth rates of both methods at a few speeds."""
+    other: Method = "monodromy" if search.method == "hill" else "hill"
+    apart = list[float]()
+    known = [found for speed in requested.tolist() if (found := search(speed)) is not None]
+    known = known or [found for found in search.known.values() if found is not None]
+    for place in np.unique(
+        np.linspace(0, len(known) - 1, min(CHECKED, len(known))).astype(int)
+    ).tolist():
+        found = known[place]
+        try:
+            apart.append(
+                abs(search.exponents(found[0], other, MOST_CHECKED).growth - found[1].growth)
+            )
+        except SolveError:
+            continue
+    return max(apart, default=np.nan)
+
+
+def _left_out(
+    study: Study, system: System, speed: FloatArray, growth: FloatArray, more: int
+) -> float:
+    """1/s: largest change of the growth rate with more modes, at the fastest growth and at both ends."""
+    search = growth_search(study, system, modes=more)
+    known = np.flatnonzero(np.isfinite(growth))
+    if not known.size:
+        return np.nan
+    places = {int(known[0]), int(known[-1]), int(known[np.argmax(growth[known])])}
+    return float(
+        np.nanmax([abs(search.growth(float(speed[k])) - growth[k]) for k in sorted(places)])
+    )

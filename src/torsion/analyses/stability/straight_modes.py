@@ -1,0 +1,166 @@
+"""Modes of the train with its joints straight: the basis in which its stability is computed and its zones are named."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import eigh
+
+from torsion.analyses.stability.mechanism import Dampers, Layout, gathered
+from torsion.arrays import FloatArray
+from torsion.errors import SolveError
+
+SAME = 1e-6  # of the largest: static shapes that are others combined
+NOTHING = 1e-13  # of the largest damper: what is smaller is rounding of the modes
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Undamped modes of the free coordinates with a speed ratio of 1 in every joint, by ascending frequency.
+
+    A reduced basis holds more: static shapes about the joints, and coordinates without inertia as they are.
+    """
+
+    frequency: (
+        FloatArray  # (shapes,) rad/s; 0 of a rigid motion, NaN of a coordinate without inertia
+    )
+    shape: FloatArray  # (coordinates, shapes), generalised inertia 1
+    inertia: FloatArray  # (coordinates,) kg m2
+    loss: FloatArray  # (shapes, shapes) 1/s: viscous damping that loses in and between modes what loss factors lose
+    modes: int  # how many of the shapes, the first ones, are modes
+
+    @property
+    def rigid(self) -> int:
+        """How many rigid motions come first."""
+        return int(np.count_nonzero(self.frequency == 0.0))
+
+    @property
+    def highest(self) -> float:
+        """rad/s of the highest mode; 0 where all are rigid."""
+        return float(self.frequency[: self.modes].max(initial=0.0))
+
+    def share(self, motion: FloatArray) -> FloatArray:
+        """(shapes, ...) of each shape in a motion (coordinates, ...)."""
+        found = np.asarray((self.shape.T * self.inertia) @ motion)
+        light = np.isnan(self.frequency)
+        if light.any():
+            found[light] = (motion - self.shape @ found)[self.inertia == 0]
+        return found
+
+
+def reduced(whole: Layout, shapes: Basis, count: int) -> Basis:
+    """The lowest `count` modes with what the joints excite of the others statically.
+
+    What a joint's varying ratio adds to the equations of the straight train acts at its coordinate and at those that
+    its springs lead to. The deflection of the modes left out under forces there is taken along.
+    """
+    if count >= len(shapes.frequency):
+        return _with_light(shapes)
+    at = [step.outer for step in whole.steps]
+    near = np.isin(whole.driving, at) | np.isin(whole.driven, at)
+    touched = np.concatenate(
+        [
+            whole.coordinate[at],
+            whole.coordinate[whole.driving[near]],
+            whole.coordinate[whole.driven[near]],
+        ]
+    )
+    touched = np.unique(touched[touched < whole.free])
+    beyond = shapes.shape[:, count:]
+    onto = (beyond[touched] / shapes.frequency[count:] ** 2).T
+    left, size, _ = np.linalg.svd(onto / np.linalg.norm(onto, axis=0), full_matrices=False)
+    left = left[:, size > SAME * size[0]]
+    square, turned = eigh(left.T @ (shapes.frequency[count:, None] ** 2 * left))
+    choice = np.zeros((len(shapes.frequency), count + len(square)))
+    choice[:count, :count] = np.eye(count)
+    choice[count:, count:] = left @ turned
+    frequency = np.concatenate([shapes.frequency[:count], np.sqrt(square)])
+    return _with_light(
+        Basis(
+            frequency, shapes.shape @ choice, shapes.inertia, choice.T @ shapes.loss @ choice, count
+        )
+    )
+
+
+def _with_light(some: Basis) -> Basis:
+    """The same with the coordinates without inertia as they are, which turning joints let move by themselves."""
+    light = np.flatnonzero(some.inertia == 0)
+    alone = np.zeros((len(some.inertia), len(light)))
+    alone[light, np.arange(len(light))] = 1.0
+    return Basis(
+        np.append(some.frequency, np.full(len(light), np.nan)),
+        np.column_stack([some.shape, alone]),
+        some.inertia,
+        np.pad(some.loss, (0, len(light))),
+        some.modes,
+    )
+
+
+def basis(whole: Layout) -> Basis:
+    """All modes of finite frequency; coordinates without inertia follow the others statically."""
+    free = whole.free
+    mass = gathered(whole, whole.inertia)
+    stiffness, lossy = (_assembled(whole, part) for part in (whole.stiffness, whole.hysteretic))
+    heavy, light = np.flatnonzero(mass > 0), np.flatnonzero(mass == 0)
+    if not heavy.size:
+        raise SolveError("no component has an inertia; nothing can vibrate")
+    follow = np.zeros((free, len(heavy)))
+    follow[heavy, np.arange(len(heavy))] = 1.0
+    if light.size:
+        pull = stiffness[np.ix_(light, heavy)]
+        follow[light] = -np.linalg.lstsq(stiffness[np.ix_(light, light)], pull, rcond=None)[0]
+    root = np.sqrt(mass[heavy])
+    square, vector = eigh((follow.T @ stiffness @ follow) / np.outer(root, root))
+    frequency = np.sqrt(np.maximum(square, 0.0))
+    frequency[: len(whole.floating)] = 0.0
+    shape = follow @ (vector / root[:, None])
+    slow = np.sqrt(np.divide(1.0, frequency, out=np.zeros_like(frequency), where=frequency > 0))
+    loss = slow[:, None] * (shape.T @ lossy @ shape) * slow
+    return Basis(frequency, shape, mass, loss, len(frequency))
+
+
+def _assembled(whole: Layout, spring: FloatArray) -> FloatArray:
+    """(free, free) sum over the springs."""
+    number = len(whole.root)
+    out = np.zeros((number, number))
+    a, b = whole.coordinate[whole.driving], whole.coordinate[whole.driven]
+    for row, column, sign in ((a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)):
+        np.add.at(out, (row, column), sign * spring)
+    return out[: whole.free, : whole.free]
+
+
+def viscous(whole: Layout, shapes: Basis) -> Layout:
+    """The same with dampers for its loss factors: torque t = Q c Qᵀ (rate of twist), Q = k B φ/w², c = `shapes.loss`.
+
+    Qᵀ takes from the twists B y of the springs the share of each shape φ, since φᵀ K φ = w². Of a reduced basis only
+    the shapes that it has are damped.
+    """
+    if not whole.hysteretic.any():
+        return whole
+    elastic = np.flatnonzero(shapes.frequency > 0)
+    shape = np.zeros((len(whole.root), len(elastic)))
+    shape[: whole.free] = shapes.shape[:, elastic]
+    twist = shape[whole.coordinate[whole.driving]] - shape[whole.coordinate[whole.driven]]
+    value, vector = eigh(shapes.loss[np.ix_(elastic, elastic)])
+    acts = value > NOTHING * value[-1]
+    share = vector[:, acts] * np.sqrt(value[acts])
+    onto = (whole.stiffness[:, None] * twist / shapes.frequency[elastic] ** 2) @ share
+    length = np.linalg.norm(onto, axis=0)
+    return replace(
+        whole, hysteretic=np.zeros_like(whole.hysteretic), dampers=Dampers(onto / length, length**2)
+    )
+
+
+def at_bodies(whole: Layout) -> FloatArray:
+    """(dampers, bodies): twist of each damper = sum over the bodies times their angles."""
+    out = np.zeros((whole.bodies, whole.dampers.onto.shape[1]))
+    np.add.at(out, whole.driving, whole.dampers.onto)
+    np.subtract.at(out, whole.driven, whole.dampers.onto)
+    return out.T
+
+
+def at_coordinates(whole: Layout, slope: FloatArray) -> FloatArray:
+    """(times, dampers, free): twist of each damper over the free coordinates.
+
+    slope: (bodies, times), that of each body over its coordinate.
+    """
+    return gathered(whole, at_bodies(whole).T[:, :, None] * slope[:, None]).transpose(2, 1, 0)

@@ -1,1 +1,0 @@
-"""Motion over time: starts, shocks, short circuits, ice."""

@@ -1,0 +1,1 @@
+"""Universal joints: kinematics of one joint and of chains of joints, on arrays."""

@@ -1,0 +1,222 @@
+"""Torques that follow how their station turns: by parts over its speed, motors, waves of its angle.
+
+Angles and speeds are whole and of the own shaft, torques positive in the sense of rotation.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.motion.collocation import Conditions, Points
+from torsion.kernels.motion.torque_history import History
+
+
+@dataclass(frozen=True)
+class Window:
+    """While a law acts."""
+
+    begin: float = 0.0  # s
+    end: float = math.inf
+
+    @property
+    def cuts(self) -> tuple[float, ...]:
+        """Where it begins and ends."""
+        return self.begin, self.end
+
+    def holds(self, time: FloatArray) -> FloatArray:
+        """1 while it acts, else 0, (times,); times lie inside a step, which ends where it does."""
+        return ((time >= self.begin) & (time < self.end)).astype(float)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """A function of speed by parts, each a polynomial of degree 2."""
+
+    edges: FloatArray  # (parts - 1,) rad/s, ascending
+    polynomial: FloatArray  # (parts, 3): constant, by speed, by its square
+    scale: float  # rad/s
+
+    def part(self, speed: float) -> int:
+        """The part of a speed."""
+        return int(np.searchsorted(self.edges, speed, side="right"))
+
+    def value(self, part: int, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Value and slope, also a little beyond the part."""
+        level, slope, square = self.polynomial[part]
+        return level + speed * (slope + speed * square), slope + 2.0 * square * speed
+
+    def limits(self, part: int, speed: FloatArray) -> list[tuple[FloatArray, int]]:
+        """Margins to both edges, with the part beyond."""
+        found = []
+        if part < len(self.edges):
+            found.append(((self.edges[part] - speed) / self.scale, part + 1))
+        if part > 0:
+            found.append(((speed - self.edges[part - 1]) / self.scale, part - 1))
+        return found
+
+
+def constant(level: float) -> Parts:
+    """The same at every speed."""
+    return Parts(np.empty(0), np.array([[level, 0.0, 0.0]]), 1.0)
+
+
+def quadratic(torque: float, speed: float) -> Parts:
+    """torque (n/speed) |n/speed|."""
+    square = torque / speed**2
+    return Parts(np.zeros(1), np.array([[0.0, 0.0, -square], [0.0, 0.0, square]]), speed)
+
+
+def table(rows: Sequence[tuple[float, float]]) -> Parts:
+    """Straight lines between rows (rad/s, torque), the first and the last of them continued."""
+    speed, torque = np.array(rows, dtype=float).T
+    slope = np.diff(torque) / np.diff(speed)
+    lines = np.stack([torque[:-1] - slope * speed[:-1], slope, np.zeros_like(slope)], axis=1)
+    return Parts(speed[1:-1], lines, float(np.abs(speed).max()))
+
+
+def marked(rows: Sequence[tuple[float, float]], beyond: float) -> list[tuple[float, float]]:
+    """The rows with their last line continued to a share `beyond` their end, where another part of it begins."""
+    (speed, torque), (last, there) = rows[-2:]
+    slope = (there - torque) / (last - speed)
+    return [
+        *rows[:-1],
+        *((one, there + slope * (one - last)) for one in (last * (1.0 + beyond), 2.0 * last)),
+    ]
+
+
+def mirrored(rows: Sequence[tuple[float, float]], *, sign: float) -> list[tuple[float, float]]:
+    """The rows from 0 rad/s up with those of the other sense of rotation, whose torque is `sign` times theirs."""
+    return [*((-speed, sign * torque) for speed, torque in reversed(rows[1:])), *rows]
+
+
+@dataclass(frozen=True)
+class BySpeed:
+    """A torque by the speed of its station: a load, a motor by table."""
+
+    interface: int
+    parts: Parts
+    window: Window = Window()
+
+    @property
+    def at(self) -> tuple[int, ...]:
+        return (self.interface,)
+
+    @property
+    def cuts(self) -> tuple[float, ...]:
+        return self.window.cuts
+
+    def first(self, points: Points) -> int:
+        return self.parts.part(float(points.speed[0, 0]))
+
+    def conditions(self, regime: int, points: Points) -> Conditions:
+        acts = self.window.holds(points.time)
+        torque, slope = self.parts.value(regime, points.speed[0])
+        return Conditions(acts * torque - points.torque, by_speed=(acts * slope)[None, None])
+
+    def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
+        return self.parts.limits(regime, points.speed[0])
+
+    def still(self, regime: int) -> tuple[int, ...]:
+        return ()
+
+
+@dataclass(frozen=True)
+class InductionMotor:
+    """Kloss: 2 pull_out / (s/slip + slip/s), s = 1 - speed/synchronous."""
+
+    interface: int
+    pull_out: float  # N m
+    slip: float  # at which it pulls out
+    synchronous: float  # rad/s
+    window: Window = Window()
+    at = BySpeed.at
+    cuts = BySpeed.cuts
+    still = BySpeed.still
+
+    def first(self, points: Points) -> int:
+        return 0
+
+    def conditions(self, regime: int, points: Points) -> Conditions:
+        acts, s = self.window.holds(points.time), 1.0 - points.speed[0] / self.synchronous
+        whole = s * s + self.slip**2
+        factor = 2.0 * self.pull_out * self.slip * acts
+        slope = -factor * (self.slip**2 - s * s) / whole**2 / self.synchronous
+        return Conditions(factor * s / whole - points.torque, by_speed=slope[None, None])
+
+    def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
+        return []
+
+
+@dataclass
+class Wave:
+    """size(speed) Re exp(i phase + rate (t - begin) + i order (angle - origin)): orders, and pulsations by the slip."""
+
+    interface: int
+    size: Parts
+    order: float  # per rad of the own shaft
+    phase: float = 0.0  # rad
+    rate: complex = 0.0  # 1/s
+    window: Window = Window()
+    from_begin: bool = False  # the angle counts from where the station stands when the wave begins
+    origin: float = field(default=0.0, init=False)  # rad
+
+    at = BySpeed.at
+    cuts = BySpeed.cuts
+    still = BySpeed.still
+
+    def first(self, points: Points) -> int:
+        if self.from_begin and points.time[0] <= self.window.begin:
+            self.origin = float(points.angle[0, 0])
+        return self.size.part(float(points.speed[0, 0]))
+
+    def conditions(self, regime: int, points: Points) -> Conditions:
+        acts, since = self.window.holds(points.time), points.time - self.window.begin
+        size, slope = self.size.value(regime, points.speed[0])
+        turned = self.order * (points.angle[0] - self.origin)
+        wave: ComplexArray = acts * np.exp(1j * (self.phase + turned) + self.rate * since)
+        return Conditions(
+            size * wave.real - points.torque,
+            by_angle=(-size * self.order * wave.imag)[None, None],
+            by_speed=(slope * wave.real)[None, None],
+        )
+
+    def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
+        return self.size.limits(regime, points.speed[0])
+
+
+@dataclass
+class ByAngle:
+    """A torque over the angle since its begin, a history whose time is that angle: blades that mill ice."""
+
+    interface: int
+    history: History
+    window: Window = Window()
+    origin: float = field(default=0.0, init=False)  # rad
+
+    at = BySpeed.at
+    cuts = BySpeed.cuts
+    still = BySpeed.still
+
+    def first(self, points: Points) -> int:
+        if points.time[0] <= self.window.begin:
+            self.origin = float(points.angle[0, 0])
+        since = float(points.angle[0, 0]) - self.origin
+        return max(int(np.searchsorted(self.history.begin, since, side="right")) - 1, 0)
+
+    def conditions(self, regime: int, points: Points) -> Conditions:
+        acts = self.window.holds(points.time)
+        since = points.angle[0] - self.origin - self.history.begin[regime]
+        torque, slope = np.zeros((2, len(since)))
+        for term in self.history.terms[regime]:
+            wave, level = np.exp(term.rate * since), term.level + term.slope * since
+            torque += np.real(level * wave)
+            slope += np.real((term.slope + term.rate * level) * wave)
+        return Conditions(acts * torque - points.torque, by_angle=(acts * slope)[None, None])
+
+    def limits(self, regime: int, points: Points) -> list[tuple[FloatArray, int]]:
+        since, begin = points.angle[0] - self.origin, self.history.begin
+        found = [(begin[regime + 1] - since, regime + 1)] if regime + 1 < len(begin) else []
+        return [*found, (since - begin[regime], regime - 1)] if regime else found

@@ -1,0 +1,31 @@
+"""The kinds of component: one file each; a kind is imported when a scene first names it."""
+
+from pkgutil import resolve_name
+
+from torsion.model.component import Component
+
+KINDS = {
+    "disc": "torsion.model.disc:Disc",
+    "motor": "torsion.model.motor:Motor",
+    "turbine": "torsion.model.motor:Turbine",
+    "generator": "torsion.model.motor:Generator",
+    "pump": "torsion.model.propeller:Pump",
+    "fan": "torsion.model.propeller:Fan",
+    "machine": "torsion.model.machine:GeneralMachine",
+    "propeller": "torsion.model.propeller:Propeller",
+    "damper": "torsion.model.damper:RingDamper",
+    "pendulum": "torsion.model.pendulum:Pendulum",
+    "shaft": "torsion.model.shaft:Shaft",
+    "coupling": "torsion.model.coupling:Coupling",
+    "gear": "torsion.model.gear:Gear",
+    "branch": "torsion.model.branch:Branch",
+    "joint": "torsion.model.joint:Joint",
+    "engine": "torsion.model.engine.engine:Engine",
+    "compressor": "torsion.model.compressor.compressor:Compressor",
+}
+
+
+def component(kind: str) -> type[Component]:
+    """The class of a kind; raises KeyError for a word that is no kind."""
+    found: type[Component] = resolve_name(KINDS[kind])
+    return found

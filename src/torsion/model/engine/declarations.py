@@ -1,0 +1,441 @@
+"""What the file says within an engine: geometry, masses, journals, and the gas torque of a cylinder."""
+
+import cmath
+from collections.abc import Callable
+from fractions import Fraction
+from itertools import pairwise
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from torsion import fields, units
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required, shown
+from torsion.kernels.round_sections import section_modulus
+from torsion.model.lowering import Mass
+
+Length = Annotated[float, Quantity("m", above=0, usual="size of an engine")]
+Pressure = Annotated[float, Quantity("Pa", above=0, usual="pressure of a gas")]
+Pressures = Annotated[tuple[Pressure, ...], OneOrMany]  # one value, or one a load
+Crankcase = Annotated[float, Quantity("Pa", at_least=0, usual="pressure of a gas")]
+Turned = Annotated[float, Quantity("rad", above=0, usual="crank angle of an event")]
+Ratio = Annotated[float, Quantity("1", above=1, usual="compression ratio")]
+Share = Annotated[float, Quantity("1", at_least=0, usual="share of a cylinder")]
+ROW = "[order, amplitude, phase], for example [1.5, 420 N*m, -80 deg], or {order: 1.5, a: 70 N*m, b: 410 N*m}"
+MOST_ORDER = 48  # of the crankshaft
+Found = TypeVar("Found")
+Row = tuple[
+    Fraction, complex, str
+]  # order; amplitude in N m of one cylinder, or Pa; which of the two
+
+
+Number = Annotated[int, Field(ge=1, le=100)]
+Numbers = Annotated[tuple[Number, ...], OneOrMany]
+
+
+def _throw(value: Any) -> Any:
+    return (value,) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _misfire(value: Any) -> Any:
+    """`worst`, or numbers of cylinders."""
+    if value == "worst":
+        return value
+    numbers = value if isinstance(value, list | tuple) else (value,)
+    if not all(isinstance(one, int) and not isinstance(one, bool) and one >= 1 for one in numbers):
+        raise refuse(
+            f"{shown(value)} names no cylinders", "a number from 1 on, a list of them, or worst"
+        )
+    return tuple(numbers)
+
+
+Misfire = Annotated[
+    Any,
+    BeforeValidator(
+        _misfire, json_schema_input_type=Number | tuple[Number, ...] | Literal["worst"]
+    ),
+]
+Phase = Annotated[
+    Any,
+    BeforeValidator(
+        lambda value: value if value == "worst" else Quantity("rad").read(value),
+        json_schema_input_type=fields.Angle | Literal["worst"],
+    ),
+]
+Throws = tuple[
+    Annotated[tuple[Number, ...], BeforeValidator(_throw, Number | tuple[Number, ...])], ...
+]
+
+
+class Geometry(Declared):
+    """The crank mechanism of a cylinder."""
+
+    bore: Length = required("diameter of the cylinder")
+    stroke: Length = required("way of the piston")
+    rod_length: Length = required("connecting rod, between the centres of its eyes")
+    offset: Annotated[float, Quantity("m", usual="offset of a crank")] = given(
+        "offset of the cylinder's axis, positive to the side to which the pin moves first", 0.0
+    )
+
+    def refuse_clashes(self) -> None:
+        if self.rod_length <= self.stroke / 2.0 + abs(self.offset):
+            message = "the rod is not longer than half the stroke and the offset together"
+            raise refuse(message, "the piston could not pass its dead centres", "rod_length")
+
+
+class RodMasses(Declared):
+    """A connecting rod."""
+
+    mass: Mass = required("mass")
+    centre: Length = required("centre of mass, from the centre of the big end")
+    inertia: fields.Inertia = required("about its centre of mass")
+
+
+class Masses(Declared):
+    """Moving masses of one cylinder."""
+
+    reciprocating: Mass | None = given("piston, pin and the rod's share")
+    piston: Mass | None = given(
+        "piston with pin and rings, in place of `reciprocating`, with `rod`"
+    )
+    rod: RodMasses | None = given("{mass, centre, inertia} of the connecting rod")
+
+    def refuse_clashes(self) -> None:
+        if (self.reciprocating is None) == (self.piston is None):
+            raise refuse(
+                "give `reciprocating`, or `piston` and `rod`", "masses: {reciprocating: 2.5 kg}"
+            )
+        if (self.piston is None) != (self.rod is None):
+            raise refuse(
+                "`piston` and `rod` go together", "`reciprocating` holds both shares in one figure"
+            )
+
+
+class Journal(Declared):
+    """A journal or pin of the crankshaft, for its nominal stress."""
+
+    diameter: fields.Across = required("outer diameter")
+    bore: fields.Bore = given("diameter of its bore", 0.0)
+    length: Length | None = given("length, for an estimate of the stiffness of a throw, with `web`")
+
+    def refuse_clashes(self) -> None:
+        if self.bore >= self.diameter:
+            raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
+
+    @property
+    def modulus(self) -> float:
+        """m3, torque over the largest nominal stress."""
+        return float(section_modulus(self.diameter, self.bore))
+
+
+def weakest(*round_: Journal | None) -> Journal | None:
+    """The one with the smallest section modulus; None where none is given."""
+    return min(
+        (one for one in round_ if one is not None), key=lambda one: one.modulus, default=None
+    )
+
+
+class Web(Declared):
+    """A web of a throw, as a rectangle."""
+
+    thickness: Length = required("along the shaft")
+    width: Length = required("across")
+
+
+def _amount(value: object) -> tuple[float, str]:
+    """A torque (N m) or a tangential pressure (Pa), and which."""
+    if isinstance(value, str):
+        try:
+            return units.to_si(value, "N*m"), "N*m"
+        except units.UnitFault:
+            try:
+                return units.to_si(value, "Pa"), "Pa"
+            except units.UnitFault:
+                message = f"{shown(value)} is neither a torque nor a pressure"
+                raise refuse(message, "an amplitude of a cylinder is in N*m or `bar`") from None
+    return Quantity("N*m").read(value), "N*m"
+
+
+def _order(value: object) -> Fraction:
+    order = fields.read_exact(value)
+    if order > MOST_ORDER:
+        raise refuse(
+            f"order {order} is above {MOST_ORDER}", "orders count by revolution of the crankshaft"
+        )
+    return order
+
+
+def _row(value: object) -> Row:
+    """One order of a table."""
+    if isinstance(value, dict):
+        if set(value) != {"order", "a", "b"}:
+            raise refuse("a row by cosine and sine has the keys `order`, `a` and `b`", ROW)
+        (a, unit), (b, other) = _item(value, "a", _amount), _item(value, "b", _amount)
+        if unit != other:
+            raise refuse("`a` and `b` are of one unit", ROW)
+        return _item(value, "order", _order), complex(a, -b), unit
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise refuse(f"{shown(value)} is not a row of harmonics", ROW)
+    size, unit = _item(value, 1, _amount)
+    if size < 0:
+        raise refuse("an amplitude is not negative", "turn its phase by 180 deg", (1,))
+    phase = _item(value, 2, Quantity("rad").read)
+    return _item(value, 0, _order), cmath.rect(size, phase), unit
+
+
+def _item(whole: Any, step: str | int, read: Callable[[Any], Found]) -> Found:
+    """What a reader makes of one item, which is named where it is at fault."""
+    try:
+        return read(whole[step])
+    except PydanticCustomError as error:
+        context = error.context or {}
+        message, hint = str(context.get("message", error)), str(context.get("hint", ROW))
+        raise refuse(message, hint, (step, *(context.get("key") or ()))) from None
+
+
+def _rows(value: Any) -> tuple[Row, ...]:
+    if not isinstance(value, list | tuple) or not value:
+        raise refuse(f"{shown(value)} is not a table of harmonics", f"rows {ROW}")
+    if all(
+        isinstance(row, tuple) and len(row) == 3 and isinstance(row[1], complex) for row in value
+    ):
+        return tuple(value)
+    read = tuple(_item(value, place, _row) for place in range(len(value)))
+    orders = [order for order, _, _ in read]
+    twice = next((place for place, order in enumerate(orders) if order in orders[:place]), None)
+    if twice is not None:
+        raise refuse(f"the table lists order {orders[twice]} twice", "one row an order", (twice,))
+    return read
+
+
+_TABLE = {
+    "anyOf": [
+        {"type": "string", "description": "name of a CSV file"},
+        {
+            "type": "array",
+            "minItems": 1,
+            "items": {
+                "anyOf": [
+                    {"type": "array", "minItems": 3, "maxItems": 3},
+                    {"type": "object", "required": ["order", "a", "b"]},
+                ]
+            },
+        },
+    ]
+}
+Rows = Annotated[tuple[Any, ...], BeforeValidator(_rows), WithJsonSchema(_TABLE)]
+
+
+class Stated(Declared):
+    """The load that a table is for."""
+
+    imep: Pressure | None = given("indicated mean effective pressure; needs `geometry`")
+    torque: Annotated[float, Quantity("N*m", above=0)] | None = given("mean torque of the engine")
+
+    def refuse_clashes(self) -> None:
+        if (self.imep is None) == (self.torque is None):
+            raise refuse("a load is `imep` or `torque`, one of them", "at: {imep: 18 bar}")
+
+
+class TableAt(Declared):
+    """A table of harmonics at a load or speed."""
+
+    imep: Pressure | None = given("indicated mean effective pressure; needs `geometry`")
+    torque: Annotated[float, Quantity("N*m", above=0)] | None = given("mean torque of the engine")
+    speed: fields.Speed | None = given("speed of the engine; the table then includes the load")
+    rows: Rows = required(f"rows {ROW}")
+
+    def refuse_clashes(self) -> None:
+        if [self.imep, self.torque, self.speed].count(None) != 2:
+            raise refuse(
+                "give a table exactly one of `imep`, `torque` and `speed`",
+                "{imep: 5 bar, rows: [...]}",
+            )
+
+    @property
+    def key(self) -> Literal["imep", "torque", "speed"]:
+        """What it stands at."""
+        return "imep" if self.imep is not None else "torque" if self.torque is not None else "speed"
+
+
+class DiagramFile(Declared):
+    """A measured or computed pressure over the crank angle."""
+
+    file: str = required(
+        "text file of two columns, for example `angle [deg], pressure [bar]` in its first line",
+        min_length=1,
+    )
+    speed: fields.Speed | None = given(
+        "speed at which it was taken; needed by every one of several over speed"
+    )
+
+
+def _diagram(value: Any) -> Any:
+    return {"file": value} if isinstance(value, str) else value
+
+
+Diagrams = Annotated[
+    tuple[Annotated[DiagramFile, BeforeValidator(_diagram, str | DiagramFile)], ...], OneOrMany
+]  # one file, or several over load or speed
+
+
+class Gas(Declared):
+    """The gas torque of a cylinder: one of `table`, `tables`, `diagram` and `cycle`."""
+
+    table: Rows | None = given(
+        f"harmonics of one cylinder by order of the crankshaft: rows {ROW}; phases of a cosine "
+        "that counts from firing top dead centre; torques, or tangential pressures"
+    )
+    at: Stated | None = given(
+        "load of the `table`: {imep} or {torque}; without it the same at every load"
+    )
+    motored: Rows | None = given(
+        "rows of a cylinder without fuel, of `table` and `tables`; needed for a misfire"
+    )
+    tables: tuple[TableAt, ...] = given(
+        "list of {imep | torque | speed, rows}, interpolated as complex numbers; or a "
+        "CSV file with a column of that",
+        (),
+    )
+    diagram: Diagrams = given(
+        "file of the pressure over the crank angle, {file, speed}, or a list of them", ()
+    )
+    tdc: fields.Angle | None = given(
+        "angle in the file at which the cylinder is at firing top dead centre"
+    )
+    absolute: bool | None = given(
+        "true: pressures of the file are absolute; false: gauge pressures"
+    )
+    cycle: Literal["wiebe"] | None = given(
+        "closed cycle computed from the figures below, heat by a Wiebe function"
+    )
+    compression_ratio: (
+        Annotated[float, Quantity("1", above=1, usual="compression ratio")] | None
+    ) = given("of the `cycle`")
+    charge: Pressures = given(
+        "absolute pressure when compression begins, and of the intake; one value, or by load", ()
+    )
+    exhaust: Pressures = given(
+        "absolute pressure of the exhaust stroke (four strokes); one value, or by load", ()
+    )
+    imep: Pressures = given(
+        "indicated mean effective pressure of the `cycle`, one or a rising list of loads; with "
+        "a `diagram`, a value to compare with",
+        (),
+    )
+    p_max: Pressures = given("peak pressure, absolute; one value, or by load", ())
+    gamma: Annotated[float, Quantity("1", above=1, usual="ratio of heats")] = given(
+        "ratio of heats", 1.35
+    )
+    shape: Annotated[float, Quantity("1", at_least=0, usual="shape of a heat release")] = given(
+        "m of the Wiebe function: 0.5 to 1.2 of diesel engines, 2 to 3 of spark ignition (to be verified)",
+        1.0,
+    )
+    duration: Turned | None = given(
+        "of the heat release: 50 to 80 deg of diesel engines (to be verified)"
+    )
+    exhaust_opens: Turned | None = given(
+        "after top dead centre (two strokes); it closes as long before it"
+    )
+    scavenge_opens: Turned | None = given("after top dead centre (two strokes)")
+    crankcase: Crankcase = given("absolute pressure under the piston", 101325.0)
+
+    def refuse_clashes(self) -> None:
+        found = [
+            key
+            for key in ("table", "tables", "diagram", "cycle")
+            if getattr(self, key) not in (None, ())
+        ]
+        if len(found) != 1:
+            what = (
+                f"{' and '.join(found)} exclude each other"
+                if found
+                else "the gas torque is missing"
+            )
+            raise refuse(
+                what,
+                "give one of `table`, `tables`, `diagram` and `cycle`",
+                found[1] if found else "",
+            )
+        own = OF_EACH[found[0]]
+        wrong = [key for key in ALL_KEYS if key not in own and key in self.model_fields_set]
+        if wrong:
+            raise refuse(
+                f"`{wrong[0]}` does not go with `{found[0]}`",
+                f"with it go {', '.join(own)}",
+                wrong[0],
+            )
+        lacking = [key for key in NEEDED[found[0]] if getattr(self, key) in (None, ())]
+        if lacking:
+            raise refuse(
+                f"`{lacking[0]}` is missing", type(self).model_fields[lacking[0]].description or ""
+            )
+        if self.tables and (len(self.tables) < 2 or len({one.key for one in self.tables}) > 1):
+            raise refuse(
+                "`tables` are two or more, all by one of `imep`, `torque` and `speed`", "", "tables"
+            )
+        loads = len(self.imep) if self.cycle else 1
+        by_load = [key for key in BY_LOAD if len(getattr(self, key)) > 1]
+        if odd := next((key for key in by_load if len(getattr(self, key)) != loads), None):
+            many = len(getattr(self, odd))
+            raise refuse(
+                f"`{odd}` has {many} values, and `imep` {loads}", "one value, or one a load", odd
+            )
+        if any(before >= after for before, after in pairwise(self.imep)):
+            raise refuse("the loads of `imep` do not rise", "lowest first", "imep")
+        speeds = [one.speed for one in self.diagram]
+        if len(speeds) == 1 and speeds[0] is not None:
+            raise refuse(
+                "one diagram stands for every speed",
+                "leave its `speed` out, or give several",
+                "diagram",
+            )
+        if len(speeds) > 1 and self.imep:
+            raise refuse(
+                "`imep` is compared with the value of one diagram, and there are several",
+                "leave it out",
+                "imep",
+            )
+        if len(speeds) > 1 and None in speeds and any(one is not None for one in speeds):
+            raise refuse(
+                "of several diagrams all have a speed, or none",
+                "over speed, or over load",
+                "diagram",
+            )
+        at = [getattr(one, one.key) for one in self.tables] or [
+            one for one in speeds if one is not None
+        ]
+        if any(before >= after for before, after in pairwise(at)):
+            raise refuse(
+                "list several tables or diagrams in rising order",
+                "",
+                "tables" if self.tables else "diagram",
+            )
+
+
+BY_LOAD = ("charge", "exhaust", "imep", "p_max")
+OF_EACH = {
+    "table": ("at", "motored"),
+    "tables": ("motored",),
+    "diagram": ("tdc", "absolute", "imep", "crankcase"),
+    "cycle": (
+        "compression_ratio",
+        "charge",
+        "exhaust",
+        "imep",
+        "p_max",
+        "gamma",
+        "shape",
+        "duration",
+        "exhaust_opens",
+        "scavenge_opens",
+        "crankcase",
+    ),
+}
+ALL_KEYS = tuple(dict.fromkeys(key for keys in OF_EACH.values() for key in keys))
+NEEDED: dict[str, tuple[str, ...]] = {
+    "table": (),
+    "tables": (),
+    "diagram": ("tdc", "absolute"),
+    "cycle": ("compression_ratio", "charge", "imep", "p_max", "duration"),
+}

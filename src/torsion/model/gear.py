@@ -1,0 +1,274 @@
+"""A gear: a change of speed, with the inertias of its wheels and any further wheels on the same driving gear."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from torsion import fields
+from torsion.fields import Declared, OneOrMany, Quantity, given, refuse
+from torsion.model.component import Component, Line, lower_branch
+from torsion.model.coupling import Pair
+from torsion.model.differential import Differential
+from torsion.model.lowering import Arrival, Lowering, Part
+from torsion.model.planetary import Planetary
+from torsion.primitives import Constraint, Spring, Toothing
+
+Teeth = Annotated[int, Field(ge=1, le=100_000)]
+Helix = Annotated[float, Quantity("rad", at_least=0, below=math.pi / 2)]
+Pressure = Annotated[float, Quantity("rad", above=0, below=math.pi / 2)]
+Module = Annotated[float, Quantity("m", above=0, usual="module")]
+PRESSURE_ANGLE = math.radians(20.0)  # of the basic rack, ISO 53
+BESIDE_NO_PLANETARY = frozenset(
+    (
+        "ratio",
+        "teeth",
+        "inertia",
+        "mesh_stiffness",
+        "sense",
+        "branches",
+        "module",
+        "pitch_diameter",
+        "helix_angle",
+        "pressure_angle",
+    )
+)
+SAME_SIZE = 1e-3  # relative, of two diameters that drawings print to a tenth of a millimetre
+
+
+class GearBranch(Declared):
+    """A further wheel that meshes with the driving gear, and the train behind it."""
+
+    teeth: Annotated[tuple[Teeth, ...], OneOrMany] | None = given(
+        "teeth of the wheel, or [driving, driven]"
+    )
+    ratio: fields.Exact | None = given("speed of the driving gear / speed of the wheel")
+    inertia: fields.Inertia = given("of the wheel", 0.0)
+    mesh_stiffness: fields.Stiffness | None = given(
+        "of this mesh, at the driving gear's speed (default: rigid)"
+    )
+    sense: Literal[-1, 1] = given("-1: turns against the driving gear", -1)
+    train: Line = given("the train behind the wheel", ())
+
+    def refuse_clashes(self) -> None:
+        _one_ratio(self)
+
+
+class Gear(Component, keyword="gear", sort="link"):
+    """A gear stage."""
+
+    ratio: fields.Exact | None = given("speed before / speed after")
+    teeth: Annotated[tuple[Teeth, ...], Field(min_length=2, max_length=2)] | None = given(
+        "[driving, driven]"
+    )
+    planetary: Planetary | None = given("a planetary stage, in place of `ratio` or `teeth`")
+    inertia: Pair | None = given("[driving, driven] wheels")
+    mesh_stiffness: fields.Stiffness | None = given(
+        "torsional, at the driving gear's speed (default: rigid)"
+    )
+    sense: Literal[-1, 1] = given("-1: the driven shaft turns the other way", -1)
+    referred: bool = given(
+        "the data downstream (inertia, stiffness, flexibility, damping) are already referred to the speed of the "
+        "driving side; of several such gears, to the driving side of the first",
+        False,
+    )
+    branches: tuple[GearBranch, ...] = given("further wheels on the same driving gear", ())
+    differential: Differential | None = given(
+        "two equal halves downstream of the driven wheel, which turns at their mean speed"
+    )
+    application_factor: (
+        Annotated[float, Quantity("1", at_least=1, usual="application factor")] | None
+    ) = given("K_A of the gear rating")
+    max_torque: fields.Rating | None = given(
+        "maximum rated torque at the driving gear, for transient analyses"
+    )
+    module: Module | None = given(
+        "normal module m_n; with `teeth` it makes the pitch diameters m_n z/cos(beta)"
+    )
+    pitch_diameter: (
+        Annotated[tuple[fields.Across, ...], Field(min_length=2, max_length=2)] | None
+    ) = given(
+        "pitch (reference) diameters d of the [driving, driven] wheels, for the forces on the teeth"
+    )
+    helix_angle: Helix | None = given("beta (default: 0 deg, spur teeth)")
+    pressure_angle: Pressure | None = given("alpha_n, normal (default: 20 deg)")
+
+    def refuse_clashes(self) -> None:
+        if self.planetary is None:
+            _one_ratio(self)
+        elif clashes := sorted(BESIDE_NO_PLANETARY & self.model_fields_set):
+            hint = (
+                "its own keys say it" if clashes[0] != "branches" else "give them a separate gear"
+            )
+            raise refuse(f"`planetary` and `{clashes[0]}` exclude each other", hint, clashes[0])
+        _refuse_sizes_that_clash(self)
+        for branch in self.branches:
+            if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
+                raise refuse(
+                    "a branch with only the teeth of its wheel needs `teeth` of the gear",
+                    key="branches",
+                )
+
+    @classmethod
+    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
+        return [f"{name} planets"] * isinstance(body.get("planetary"), dict)
+
+    def lower(self, build: Lowering) -> None:
+        build.record(application_factor=self.application_factor, max_torque=self.max_torque)
+        before, part, gear = build.at, build.part, build.parts[-1]
+        referred_to = (
+            before.ratio if self.referred and before.referred_to is None else before.referred_to
+        )
+        stage = self.planetary
+        sense, halves, half = self.sense, self.inertia, "wheel"
+        if stage is not None:
+            sense, halves, half = 1 if stage.speed > 0 else -1, stage.halves, "member"
+        driving, driven = build.link(
+            self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None
+        )
+        mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.at
+        if stage is not None and stage.star is not None:
+            mesh = _with_planets(build, gear, mesh, stage, before)
+        build.add(mesh)
+        build.at = main
+        if self.differential is not None:
+            self.differential.lower(build, gear, driven)
+        for position, branch in enumerate(self.branches):
+            ratio, name = before.ratio * self._speed(branch), f"{gear.name} wheel {position + 2}"
+            build.at = replace(main, ratio=ratio, sense=before.sense * branch.sense)
+            driven = build.station(name, part=part)
+            build.inertia(driven, branch.inertia, f"wheel {position + 2}", part)
+            build.add(self._mesh(branch, name, part, (driving, driven), before))
+            path = (*gear.path, "branches", position, "train")
+            lower_branch(build, replace(build.at, here=driven), branch.train, path)
+        build.at = main
+
+    def _mesh(
+        self, wheel: "Gear | GearBranch", name: str, part: int, ends: tuple[int, int], at: Arrival
+    ) -> Constraint:
+        """The mesh of a wheel with the driving gear, whose figures are those `at` its station."""
+        flexibility = 0.0 if wheel.mesh_stiffness is None else at.scale / wheel.mesh_stiffness
+        if isinstance(wheel, Gear) and (stage := wheel.planetary) is not None:
+            return Constraint(
+                name,
+                part,
+                *ends,
+                abs(stage.speed),
+                at.scale * stage.flexibility,
+                meshings=stage.meshings,
+                wheel=abs(stage.speeds[stage.meshing]),
+            )
+        teeth = () if wheel.teeth is None else (self._driving_teeth(wheel), wheel.teeth[-1])
+        return Constraint(
+            name,
+            part,
+            *ends,
+            self._speed(wheel),
+            flexibility,
+            teeth=teeth,
+            toothing=self._toothing(wheel, teeth),
+            meshings=Fraction(teeth[0] if teeth else 0),
+        )
+
+    def _toothing(self, wheel: "Gear | GearBranch", teeth: tuple[int, ...]) -> Toothing | None:
+        """Of a wheel on the driving gear, or on one of its own beside it, whose size follows from the module alone."""
+        helix = self.helix_angle or 0.0
+        angle = PRESSURE_ANGLE if self.pressure_angle is None else self.pressure_angle
+        on_driving_gear = not teeth or self.teeth is None or teeth[0] == self.teeth[0]
+        if self.pitch_diameter is not None and on_driving_gear:
+            return Toothing(self.pitch_diameter[0], helix, angle, self.module)
+        if self.module is not None and teeth:
+            return Toothing(self.module * teeth[0] / math.cos(helix), helix, angle, self.module)
+        return None
+
+    def _speed(self, wheel: "Gear | GearBranch") -> Fraction:
+        """Speed after / speed before, of a wheel on this gear."""
+        if isinstance(wheel, Gear) and wheel.planetary is not None:
+            return abs(wheel.planetary.speed)
+        if wheel.ratio is not None:
+            return 1 / wheel.ratio
+        return Fraction(self._driving_teeth(wheel), (wheel.teeth or (1,))[-1])
+
+    def _driving_teeth(self, wheel: "Gear | GearBranch") -> int:
+        """Of the driving gear, where it meshes with a wheel that has teeth."""
+        teeth = wheel.teeth or (1,)
+        return teeth[0] if len(teeth) == 2 else (self.teeth or (1, 1))[0]
+
+
+def _with_planets(
+    build: Lowering, gear: Part, mesh: Constraint, stage: Planetary, before: Arrival
+) -> Constraint:
+    """Lower the planets of a stage as a point of their own; the mesh from, or to, where the arms of the star meet."""
+    star, after, carries = stage.star, build.at, mesh.driven
+    if star is None:
+        return mesh
+    arms = star.other * before.scale, star.planets * before.scale
+    if not star.is_mesh_driving:
+        carries, build.at = mesh.driving, replace(build.at, ratio=before.ratio, sense=before.sense)
+    build.member(gear, "planets", "planets", is_point=True)
+    own = build.at.ratio / before.ratio  # speed of the centre over that of the driving member
+    centre = carries
+    if arms[0]:
+        centre = build.station(f"{gear.name} centre")
+        ends = (centre, carries) if star.is_mesh_driving else (carries, centre)
+        build.add(Spring(f"{gear.name} carrier", build.part, *ends, arms[0] * float(own) ** 2))
+    spin = stage.speeds["planet"]
+    build.at = replace(
+        build.at, ratio=before.ratio * abs(spin), sense=before.sense if spin > 0 else -before.sense
+    )
+    planets = build.station(build.name)
+    build.record(stations=(planets,), ratio=build.at.ratio, depth=gear.depth + 1)
+    build.inertia(planets, stage.planets * stage.planet_inertia, f"{stage.planets} planets")
+    name, flexibility = f"{gear.name} planets", arms[1] * float(own) ** 2
+    build.add(Constraint(name, build.part, centre, planets, abs(spin) / own, flexibility))
+    build.at = after
+    ends = (mesh.driving, centre) if star.is_mesh_driving else (centre, mesh.driven)
+    return replace(mesh, driving=ends[0], driven=ends[1], flexibility=star.mesh * before.scale)
+
+
+def _refuse_sizes_that_clash(gear: Gear) -> None:
+    """Refuse a module and diameters that are not those of the teeth, and what says nothing alone."""
+    sizes = gear.pitch_diameter
+    for key in ("helix_angle", "pressure_angle"):
+        if getattr(gear, key) is not None and sizes is None and gear.module is None:
+            raise refuse(f"`{key}` says nothing alone", "give `module`, or `pitch_diameter`", key)
+    if gear.module is not None and gear.teeth is None:
+        raise refuse(
+            "a `module` needs `teeth`", "or give `pitch_diameter: [driving, driven]`", "module"
+        )
+    if sizes is None or (gear.ratio is None and gear.teeth is None):
+        return
+    ratio = (
+        gear.ratio
+        if gear.ratio is not None
+        else Fraction(gear.teeth[1], gear.teeth[0])
+        if gear.teeth
+        else 0
+    )
+    if abs(sizes[1] / sizes[0] - ratio) > SAME_SIZE * ratio:
+        message = f"the pitch diameters are as 1 to {sizes[1] / sizes[0]:.6g}, the speeds as {float(ratio):.6g} to 1"
+        raise refuse(
+            message, "reference diameters d = m_n z/cos(beta), not tip diameters", "pitch_diameter"
+        )
+    for teeth, size in zip(gear.teeth or (), sizes, strict=False):
+        if gear.module is None:
+            return
+        made = gear.module * teeth / math.cos(gear.helix_angle or 0.0)
+        if abs(made - size) > SAME_SIZE * size:
+            message = f"m_n z/cos(beta) is {made * 1e3:.6g} mm for {teeth} teeth, the pitch diameter {size * 1e3:.6g} mm"
+            raise refuse(
+                message, "mend one of module, teeth, helix angle and diameter", "pitch_diameter"
+            )
+
+
+def _one_ratio(gear: Gear | GearBranch) -> None:
+    if (gear.ratio is None) == (gear.teeth is None):
+        what = (
+            "`ratio` or `teeth` is missing"
+            if gear.ratio is None
+            else "`ratio` and `teeth` exclude each other"
+        )
+        raise refuse(what, "`teeth: [driving, driven]`, or `ratio: speed before / speed after`")

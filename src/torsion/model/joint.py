@@ -1,0 +1,122 @@
+"""A universal joint: a link whose speed ratio depends on its angle."""
+
+import math
+from dataclasses import replace
+from typing import Annotated, Literal
+
+import numpy as np
+
+from torsion import fields
+from torsion.errors import SolveError
+from torsion.fields import Quantity, given, refuse, required
+from torsion.kernels.joints import cross, tripod
+from torsion.model.component import Component
+from torsion.model.coupling import Pair
+from torsion.model.lowering import JointRecord, Lowering
+from torsion.primitives import Constraint
+
+OF_A_TRIPOD = ("radius", "arm", "bearing")
+
+
+class Joint(Component, keyword="joint", sort="link"):
+    """A universal joint: a cross (Cardan, Hooke) joint, a tripod joint, or any joint of constant velocity."""
+
+    kind: Literal["cross", "tripod", "cv"] = given(
+        "cross (order 2), tripod (order 3), or cv: constant velocity", "cross"
+    )
+    angle: fields.JointAngle = required("angle between the two shafts")
+    plane: fields.Angle | None = given(
+        "from the plane of the previous joint to this one's, about the shaft between them (default: 0 deg)"
+    )
+    phase: fields.Angle | None = given(
+        "from the previous joint's driven yoke to this driving yoke (first joint: from the plane of its shafts; "
+        "default: 0 deg)"
+    )
+    inertia: Pair | None = given("[driving, driven] yokes")
+    radius: fields.Across | None = given(
+        "of a tripod: from the driving shaft's axis to its three bearings' lines"
+    )
+    arm: Annotated[float, Quantity("m", above=0, usual="distance of bearings")] | None = given(
+        "of a tripod: from the joint to the point about which its driven shaft pivots"
+    )
+    bearing: Literal["single", "twin"] | None = given(
+        "of a tripod: single (default) moves the end of its driven shaft, twin is of constant velocity"
+    )
+
+    def refuse_clashes(self) -> None:
+        if self.kind != "tripod":
+            for key in OF_A_TRIPOD:
+                if getattr(self, key) is not None:
+                    raise refuse(
+                        f"a joint of kind {self.kind} has no `{key}`",
+                        "leave it out, or `kind: tripod`",
+                        key,
+                    )
+            return
+        missing = [key for key in ("radius", "arm") if getattr(self, key) is None]
+        if missing:
+            raise refuse(
+                f"a tripod needs `{missing[0]}`", "for example `radius: 30 mm, arm: 600 mm`"
+            )
+        if self.bearing != "twin":
+            third = np.linspace(0.0, 2.0 * math.pi / 3.0, 25)  # of a revolution; then all repeats
+            try:
+                tripod.exact_motion(third, self.angle, self.radius or 0.0, self.arm or 1.0)
+            except SolveError:
+                hint = "make the angle or the radius smaller, or the arm longer"
+                raise refuse(
+                    "the end of this tripod's driven shaft finds no way around", hint, "angle"
+                ) from None
+
+    @property
+    def order(self) -> int:
+        """Order of its transmission error over its driving shaft; 0 of a joint of constant velocity."""
+        return {"cross": 2, "tripod": 0 if self.bearing == "twin" else 3, "cv": 0}[self.kind]
+
+    def error(self, yoke: float) -> tuple[tuple[int, complex], ...]:
+        """(order, rad) of the transmission error over the driving shaft's angle, to first order."""
+        if self.angle == 0 or self.order == 0:
+            return ()
+        if self.kind == "cross":
+            return ((2, cross.error_amplitude(self.angle, yoke)),)
+        spider = (
+            yoke + math.pi / 2
+        )  # counted from the normal of the plane, as the theory of the tripod does
+        return (
+            (3, tripod.error_amplitude(self.angle, spider, self.radius or 0.0, self.arm or 1.0)),
+        )
+
+    def lower(self, build: Lowering) -> None:
+        before = build.at.yoke
+        if before is None:
+            self._refuse_on_a_first_joint(build)
+        after = None if before is None else build.at.joint
+        plane, phase = self.plane or 0.0, self.phase or 0.0
+        yoke = phase if before is None else before + phase - plane
+        joint = JointRecord(
+            self.kind, self.angle, plane, phase, yoke, self.order, self.radius, self.arm
+        )
+        build.record(joint=joint)
+        driving, driven = build.link(halves=self.inertia)
+        # The yokes of a cross stand square to each other. Behind a tripod or a cv joint the arm (or a mark) that stood
+        # with the driving side's is counted from, so nothing is added.
+        driven_yoke = yoke + math.pi / 2 if self.kind == "cross" else yoke
+        build.at = replace(build.at, yoke=driven_yoke, joint=build.part)
+        build.add(
+            Constraint(build.name, build.part, driving, driven, error=self.error(yoke), after=after)
+        )
+
+    def _refuse_on_a_first_joint(self, build: Lowering) -> None:
+        """No joint stands before this one on its shaft line."""
+        if self.plane is not None:
+            hint = "remove `plane`; the first joint (also after a gear) defines the plane"
+            build.fault(
+                "`plane` counts from a previous joint, and there is none on this shaft",
+                hint,
+                "plane",
+            )
+        if self.phase is not None and build.at.depth > 0:
+            hint = "leave `phase` out; it counts from a joint before this one, or on the main line from the plane"
+            build.fault(
+                "`phase` on a first joint of a branch has nothing to count from", hint, "phase"
+            )

@@ -1,0 +1,248 @@
+"""Machines, which drive or absorb: one set of keys, and by kind the words, the sign and the usual law of load."""
+
+import math
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator
+
+from torsion import fields
+from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.model.disc import Rotor
+from torsion.model.drive_law import DriveLaw
+from torsion.model.harmonic_torques import Harmonic, Ripple
+from torsion.model.load_law import EXPONENTS, Load, LoadLaw
+from torsion.model.lowering import Lowering
+from torsion.model.machine_records import MachineRecord
+from torsion.primitives import Damper, Spring
+from torsion.sources import note
+
+SEA_WATER = 1025.0  # kg/m3
+USUAL_FACTOR = {
+    "archer": "30",
+    "frahm": "3",
+    "quasi-steady": "2 - J K_Q'/K_Q of the open-water curve",
+}
+
+
+class MachineDamping(Declared):
+    """A damping to ground of a machine; the report prints which model was used."""
+
+    model: Literal["viscous", "archer", "schwanecke", "frahm", "quasi-steady", "law"] = required(
+        "the model; `law`: the slope of its law of load acts in vibration"
+    )
+    value: fields.Damping | None = given("of `viscous`: the damping itself")
+    factor: fields.Number | None = given(
+        "of archer (20..40 with n in rpm), frahm (2..4), quasi-steady: the factor"
+    )
+
+    def refuse_clashes(self) -> None:
+        if self.model in USUAL_FACTOR and self.factor is None:
+            raise refuse(
+                f"`factor` is missing for {self.model}", f"usual: {USUAL_FACTOR[self.model]}"
+            )
+        if self.model == "law" and (self.value is not None or self.factor is not None):
+            key = "factor" if self.value is None else "value"
+            raise refuse(
+                f"`damping: law` beside a `{key}`",
+                "the law of load gives the damping; keep one of them",
+                key,
+            )
+        if self.model == "viscous" and self.value is None:
+            raise refuse("`value` is missing", "damping in N*m*s/rad")
+        if self.model == "schwanecke" and self.factor is not None:
+            raise refuse(
+                "schwanecke has no `factor`",
+                "it follows from diameter, pitch_ratio and area_ratio",
+                "factor",
+            )
+        if self.model != "viscous" and self.value is not None:
+            raise refuse(
+                f"{self.model} has no `value`", "give `factor`, or only the value", "value"
+            )
+
+
+def _plain_value(value: Any) -> Any:
+    if value == "law":
+        return {"model": "law"}
+    return (
+        value if isinstance(value, dict | MachineDamping) else {"model": "viscous", "value": value}
+    )
+
+
+class Machine(Rotor):
+    """What every machine has: its inertia, and the power that it takes or gives."""
+
+    drives_train: ClassVar[bool] = False
+    usual_load: ClassVar[str] = ""  # law of load of its kind; empty: as `operation.load` says
+
+    damping: (
+        Annotated[MachineDamping, BeforeValidator(_plain_value, float | str | MachineDamping)]
+        | None
+    ) = given(
+        "N*m*s/rad, or {model: archer | schwanecke | frahm | quasi-steady, factor}, or `law`: slope of its law of load"
+    )
+    power: fields.Power | None = given("power that it absorbs or delivers at `speed`")
+    torque: Annotated[float, Quantity("N*m", above=0)] | None = given(
+        "the torque there, in place of `power`"
+    )
+    speed: fields.Speed | None = given(
+        "its own speed at that power (default: at `operation.rated.speed`)"
+    )
+    load: Load | None = given(
+        "law of load over its own speed: constant, linear, quadratic (or propeller), constant-power, "
+        "{exponent, at_rest}, or [[speed, torque], ...]"
+    )
+
+    drive: DriveLaw | None = given(
+        "law of a machine that drives: {slip: 1 %}, {droop: 4 %}, {law: speed | torque} or {torque: [[speed, torque], "
+        "...]}; `lag` lets its slope act in vibration (default: it delivers what the loads take, at a constant torque)"
+    )
+
+    @property
+    def is_driver(self) -> bool:
+        """It delivers power."""
+        return self.drives_train
+
+    @property
+    def periodic_torques(self) -> tuple[tuple[str, Harmonic], ...]:
+        """The harmonic torques of its own, each with its key."""
+        return ()
+
+    def refuse_clashes(self) -> None:
+        if self.power is not None and self.torque is not None:
+            raise refuse("`power` and `torque` exclude each other", "keep one of them", "torque")
+        if self.held:
+            self._refuse_held()
+        if self.damping is not None and self.damping.model == "schwanecke":
+            self._refuse_schwanecke()
+        if self.is_driver and self.load is not None:
+            raise refuse("`load` of a machine that drives", "give `drive`", "load")
+        if self.drive is not None:
+            self._refuse_drive(self.drive)
+        if self.is_driver and self.damping is not None and self.damping.model == "law":
+            raise refuse("`damping: law` is for a load", "give `drive` with a `lag`", "damping")
+        has_size = self.power is not None or self.torque is not None
+        if self.load is not None and self.load.table and has_size:
+            key = "power" if self.torque is None else "torque"
+            raise refuse(
+                f"`{key}` and a table of `load` exclude each other",
+                "the table states the torque",
+                key,
+            )
+        if self.speed is not None and not has_size:
+            raise refuse(
+                "`speed` belongs to a `power` or `torque`", "give one of them too", "speed"
+            )
+        super().refuse_clashes()
+
+    def _refuse_drive(self, drive: DriveLaw) -> None:
+        if not self.is_driver:
+            raise refuse("`drive` on a machine that absorbs", "give `load`", "drive")
+        if drive.lag is not None and (
+            self.speed is None or (self.power is None and self.torque is None)
+        ):
+            message = "`lag` needs the `power` or `torque` of the machine and its `speed`, from which its slope follows"
+            raise refuse(message, "for example `power: 200 kW, speed: 1500 rpm`", "drive")
+
+    def _refuse_held(self) -> None:
+        for key in ("power", "torque"):
+            if getattr(self, key) is not None and not self.is_driver:
+                raise refuse("a `held` machine takes what is left: leave out its power", "", key)
+        if self.periodic_torques:
+            key = self.periodic_torques[0][0]
+            raise refuse(
+                f"a fixed {self.keyword} cannot be moved by its {key}",
+                "give its `inertia` in place of `held`",
+                key,
+            )
+
+    def _refuse_schwanecke(self) -> None:
+        needed = ("diameter", "pitch_ratio", "area_ratio")
+        if missing := [key for key in needed if getattr(self, key, None) is None]:
+            raise refuse(f"schwanecke needs {', '.join(missing)}", key="damping")
+
+    def place(self, build: Lowering, what: str = "") -> int:
+        model, factor = (
+            ("viscous", None) if self.damping is None else (self.damping.model, self.damping.factor)
+        )
+        build.record(
+            machine=MachineRecord(
+                self.is_driver,
+                self.power,
+                self.torque,
+                self.speed,
+                self.load,
+                LoadLaw(EXPONENTS[self.usual_load]) if self.usual_load else None,
+                self.held,
+                self.drive,
+                model,
+                factor,
+            )
+        )
+        station = super().place(build, what)
+        if self.drive is not None and self.drive.lag is not None:
+            self._add_lagged(self.drive, self.drive.lag, station, build)
+        if self.damping is not None and (self.damping.model != "viscous" or self.damping.value):
+            build.add(self._damper(self.damping, station, build))
+        return station
+
+    def _add_lagged(self, drive: DriveLaw, lag: float, station: int, build: Lowering) -> None:
+        """A slope s with a time constant is a damper s in series with a spring s/lag: s iω/(1 + iω lag)."""
+        assert self.speed is not None
+        torque = self.torque if self.torque is not None else (self.power or 0.0) / self.speed
+        slope = build.own(drive.slope_at_rated(torque, self.speed))
+        field = build.station(f"{build.name} drive")
+        build.add(
+            Spring(f"{build.name} drive", build.part, station, field, lag / slope),
+            Damper(field, slope),
+        )
+
+    def lower(self, build: Lowering) -> None:
+        station, places = self.place(build), dict[str, int]()
+        for key, harmonic in self.periodic_torques:
+            places[key] = places.get(key, -1) + 1
+            path = (*build.parts[-1].path, key, places[key])
+            build.add(harmonic.primitive(build.name, station, path, self.source))
+
+    def _damper(self, damping: MachineDamping, station: int, build: Lowering) -> Damper:
+        """Damping to ground: Archer A Q/n with n in rpm, Frahm and quasi-steady a Q/omega, Schwanecke ~ omega.
+
+        Schwanecke: 0.0231 rho D^5 (P/D)^2 EAR/pi per speed, N m s2/rad2 (to be verified against its source).
+        """
+        if damping.model == "law":
+            return Damper(station, load_factor=1.0)
+        if damping.model == "viscous":
+            return Damper(station, constant=build.own(damping.value or 0.0))
+        if damping.model == "schwanecke":
+            diameter, pitch, area = (
+                getattr(self, key) for key in ("diameter", "pitch_ratio", "area_ratio")
+            )
+            note("Schwanecke")
+            return Damper(
+                station, speed_factor=0.0231 * SEA_WATER * diameter**5 * pitch**2 * area / math.pi
+            )
+        factor = damping.factor or 0.0
+        if damping.model in ("archer", "frahm"):
+            note(damping.model.capitalize())
+        return Damper(
+            station,
+            torque_factor=factor * 2.0 * math.pi / 60.0 if damping.model == "archer" else factor,
+        )
+
+
+class GeneralMachine(Machine, keyword="machine"):
+    """Any other machine that absorbs power: a roll, mill, crusher, winch or test brake; or one that drives."""
+
+    drives: bool = given("true: it drives the train", False)
+    excitation: tuple[Ripple, ...] = given(
+        "its periodic torque: list of {order or frequency, torque, phase}", ()
+    )
+
+    @property
+    def is_driver(self) -> bool:
+        """It delivers power."""
+        return self.drives
+
+    @property
+    def periodic_torques(self) -> tuple[tuple[str, Harmonic], ...]:
+        return tuple(("excitation", harmonic) for harmonic in self.excitation)

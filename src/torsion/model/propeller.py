@@ -1,0 +1,145 @@
+"""Machines with blades in a fluid: pumps, fans, and propellers with what models of damping and ice rules need."""
+
+from fractions import Fraction
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from torsion import fields
+from torsion.fields import Declared, Quantity, given, refuse, required
+from torsion.model.lowering import Lowering
+from torsion.model.machine import Machine
+from torsion.model.machine_records import ImpellerRecord, PropellerRecord
+from torsion.primitives import Torque
+
+Ratio = Annotated[float, Quantity("1", above=0, usual="ratio of a propeller")]
+
+
+class BladeTorque(Declared):
+    """One harmonic component of blade-order excitation."""
+
+    blade_order: Annotated[int, Field(ge=1, le=20)] = required("1 is once per blade passing")
+    torque: fields.TorqueAmount = required("amplitude (zero to peak): % of the mean torque, or N m")
+    phase: fields.Angle = given("phase at angle zero", 0.0)
+
+
+def _read_entrained(value: Any) -> tuple[str, float]:
+    unit = "1" if isinstance(value, str) and value.strip().endswith("%") else "kg*m**2"
+    return unit, Quantity(unit, at_least=0).read(value)
+
+
+class BladedMachine(Machine, usual_load="quadratic"):
+    """A machine with blades or vanes in a fluid."""
+
+    entrained: Annotated[
+        Any, BeforeValidator(_read_entrained, json_schema_input_type=float | str)
+    ] = given("entrained water: % of dry, or kg*m**2")
+    blades: Annotated[int, Field(ge=1, le=20)] | None = given("number of blades or vanes")
+    diameter: Annotated[float, Quantity("m", above=0, usual="diameter of a propeller")] | None = (
+        given("diameter")
+    )
+    excitation: tuple[BladeTorque, ...] = given("list of {blade_order, torque, phase}", ())
+
+    def refuse_clashes(self) -> None:
+        if self.excitation and self.blades is None:
+            raise refuse(
+                "`blades` is missing; blade orders need the number of blades", key="excitation"
+            )
+        if self.held and (self.entrained is not None or self.excitation):
+            key = "excitation" if self.excitation else "entrained"
+            raise refuse(
+                f"a fixed {self.keyword} has no `{key}`",
+                "give its `inertia` in place of `held`",
+                key,
+            )
+        if self.entrained and self.inertia:
+            (unit, amount), whole = self.entrained, 1.0
+            words, hint = (
+                f"the entrained water has {{}} times the inertia of the {self.keyword}",
+                "",
+            )
+            if unit != "1":
+                whole, hint = self.inertia, f"{amount:g} %?"
+            self.refuse_unusual(
+                "entrained water over inertia", amount / whole, words, hint, "entrained"
+            )
+        super().refuse_clashes()
+
+    @property
+    def impeller(self) -> ImpellerRecord:
+        """Its inertia in parts, and its blades."""
+        unit, amount = self.entrained or ("", 0.0)
+        dry = self.inertia or 0.0
+        water = None if self.entrained is None else dry * amount if unit == "1" else amount
+        return ImpellerRecord(dry, water, self.blades, self.diameter)
+
+    def lower(self, build: Lowering) -> None:
+        impeller = self.impeller
+        station = self.place(build, "dry" if impeller.water else "")
+        if not self.held:
+            build.record(impeller=impeller)
+        build.inertia(station, impeller.water or 0.0, "entrained water")
+        for number, blade_torque in enumerate(self.excitation):
+            order, size = (
+                Fraction(blade_torque.blade_order * (self.blades or 0)),
+                blade_torque.torque,
+            )
+            path = (*build.parts[-1].path, "excitation", number)
+            build.add(
+                Torque(
+                    build.name,
+                    station,
+                    order,
+                    None,
+                    size.torque,
+                    size.of_mean,
+                    (),
+                    blade_torque.phase,
+                    path,
+                    self.source,
+                )
+            )
+
+
+class Pump(BladedMachine, keyword="pump"):
+    """A rotodynamic pump with the water in its impeller; it absorbs power, by default with the square of the speed."""
+
+
+class Fan(BladedMachine, keyword="fan"):
+    """A fan or blower; it absorbs power, by default with the square of the speed."""
+
+
+class Propeller(BladedMachine, keyword="propeller"):
+    """A propeller; it absorbs power."""
+
+    inertia: fields.Inertia | None = given("dry polar mass moment of inertia")
+    tolerance: fields.Tolerance | None = given(
+        "tolerance of the inertia and of the entrained water, for example 10 %"
+    )
+    pitch: Literal["fixed", "controllable"] | None = given(
+        "kind of the propeller: with a controllable pitch class rules demand zero pitch too, as a case"
+    )
+    pitch_ratio: Ratio | None = given("pitch / diameter; at 0.7 of the radius where ice is milled")
+    hub_ratio: (
+        Annotated[float, Quantity("1", above=0, below=1, usual="ratio of a propeller")] | None
+    ) = given("diameter of the hub / diameter; for the ice torque of a class")
+    ducted: bool = given("it turns in a duct; for the ice torque of a class", False)
+    area_ratio: Ratio | None = given("expanded blade area / disc area")
+
+    def lower(self, build: Lowering) -> None:
+        super().lower(build)
+        if not self.held:
+            impeller = self.impeller
+            build.record(
+                propeller=PropellerRecord(
+                    impeller.inertia,
+                    impeller.water,
+                    self.blades,
+                    self.diameter,
+                    self.pitch_ratio,
+                    self.area_ratio,
+                    self.hub_ratio,
+                    self.ducted,
+                    self.pitch,
+                )
+            )

@@ -1,0 +1,262 @@
+"""What the file says of a design: what may be chosen, what is aimed at, and what is to be kept."""
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from torsion.errors import Fault
+from torsion.fields import Declared, Quantity, given, refuse, required, shown
+from torsion.study import Study
+from torsion.what_if.variants.laws import Choice
+
+MODE = re.compile(r"mode-([1-9][0-9]{0,2})\.frequency")
+MOST = 10_000_000  # values of a grid
+SUBJECTS = "`mode-2.frequency`, `mass` or `cost`"
+AMOUNT = {"type": ["number", "string"]}
+Bound = Annotated[Any, WithJsonSchema(AMOUNT)]
+Range = Annotated[
+    Any, WithJsonSchema({"type": "array", "items": AMOUNT, "minItems": 2, "maxItems": 2})
+]
+AIM = {
+    "anyOf": [
+        {"const": "margin"},
+        {"type": "object", "additionalProperties": {"type": ["number", "string"]}},
+    ]
+}
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is aimed at or kept: the frequency of a mode (Hz), the mass (kg) or the cost."""
+
+    name: str
+    mode: int = 0  # from 1; 0: none
+
+    @property
+    def unit(self) -> str:
+        """Of its values."""
+        return "Hz" if self.mode else "kg" if self.name == "mass" else "1"
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A condition: the value lies within `low` and `high`, or, where `is_outside`, not between them."""
+
+    subject: Subject
+    low: float
+    high: float
+    is_outside: bool
+    words: str
+
+
+class Condition(Declared):
+    """What a value of a design has to keep."""
+
+    outside: Range | None = given("[from, to]: not between these")
+    below: Bound | None = given("greatest value")
+    above: Bound | None = given("least value")
+
+
+class DesignSettings(Declared):
+    """Settings of `design`."""
+
+    choose: dict[str, Choice] = required(
+        "design variables by `component.key` with their values: `from` and `to`, or `values`; for a component a "
+        "`catalogue`"
+    )
+    aim: Annotated[Any, WithJsonSchema(AIM)] = given(
+        "margin: maximise the smallest margin to the limits of all checks; or {mode-2.frequency: 40 Hz}",
+        "margin",
+    )
+    keep: tuple[dict[str, Condition], ...] = given(
+        f"what the choice has to keep, of {SUBJECTS}: {{outside: [30 Hz, 36 Hz]}}, `below`, `above`",
+        (),
+    )
+    against: Literal["mass", "cost"] | None = given(
+        "what the best of every mass, or cost, is reported for"
+    )
+    robust: bool = given("true: by the worst of samples of `sweep`", False)
+    evaluations: Annotated[int, Field(ge=20, le=MOST)] | None = given(
+        "most trains of the search (default: 2000 that are judged, or all combinations of lists and steps up to 50000 "
+        "choices; 50000 with a frequency as aim)"
+    )
+    seed: Annotated[int, Field(ge=0)] = given(
+        "of the search; the same seed gives the same choice", 1
+    )
+
+    def refuse_clashes(self) -> None:
+        """Words and units of the aim and the conditions."""
+        if not self.choose:
+            raise refuse(
+                "nothing is chosen", "`{shaft-1.diameter: {from: 55 mm, to: 80 mm}}`", "choose"
+            )
+        _ = self.target, self.kept
+
+    @property
+    def varied(self) -> tuple[str, Mapping[str, Choice]]:
+        """The key that names the figures, and what each may be."""
+        return "choose", self.choose
+
+    @property
+    def target(self) -> tuple[Subject, float] | None:
+        """The mode and the frequency (Hz) that are aimed at; None for the margin."""
+        if self.aim == "margin":
+            return None
+        if not isinstance(self.aim, dict) or len(self.aim) != 1:
+            raise refuse(
+                f"{shown(self.aim)} is no aim", "margin, or {mode-2.frequency: 40 Hz}", "aim"
+            )
+        ((words, value),) = self.aim.items()
+        subject = _subject(words, ("aim", words))
+        if not subject.mode:
+            raise refuse(
+                f"`{words}` is no aim",
+                "`against` reports the best for every mass or cost",
+                ("aim", words),
+            )
+        return subject, _read(value, subject, ("aim", words))
+
+    @property
+    def keeps_modes(self) -> bool:
+        """A condition is on the frequency of a mode."""
+        return any(one.subject.mode for one in self.kept)
+
+    @property
+    def kept(self) -> tuple[Kept, ...]:
+        """Every condition."""
+        return tuple(
+            _kept(words, condition, ("keep", place, words))
+            for place, each in enumerate(self.keep)
+            for words, condition in each.items()
+        )
+
+    def refused(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
+        """What the file lacks for them."""
+        if self.target is None and not study.rules:
+            hint = "name `rules`, or aim at {mode-2.frequency: 40 Hz}"
+            yield Fault(("aim",), "`aim: margin` has no limit: the file has no rules", hint)
+        if self.robust and "sweep" not in study.analyses:
+            hint = "`sweep: {vary: {coupling-1.stiffness: {uniform: +-15 %}}}`"
+            yield Fault(
+                ("robust",),
+                "`robust` is at the worst of `sweep`, which the file does not name",
+                hint,
+            )
+        yield from self._varied_in_place(study, figures)
+        places = [one.places for one in figures]
+        if all(places) and math.prod(places) > MOST:
+            words = f"{math.prod(places):,} combinations, more than {MOST:,}"
+            yield Fault(("choose",), words, "longer steps or shorter lists", at_key=True)
+        yield from self._chosen_twice(figures)
+        stated: list[tuple[tuple[str | int, ...], str]] = (
+            [(("against",), self.against)] if self.against else []
+        )
+        stated += [
+            (("keep", k), key)
+            for k, each in enumerate(self.keep)
+            for key in each
+            if not MODE.fullmatch(key)
+        ]
+        for place, key in stated:
+            yield from _unsaid(place, key, figures)
+
+    def _varied_in_place(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
+        """Values that the sweep puts in the place of what is chosen."""
+        varied: Mapping[str, Choice] = {}
+        if self.robust:
+            varied = getattr(study.analyses.get("sweep"), "varied", ("", varied))[1]
+        for name, law in varied.items():
+            pairs = [sorted([f"{name}.", f"{one.name}."]) for one in figures]
+            if not law.is_relative and any(long.startswith(short) for short, long in pairs):
+                words = f"`sweep` puts values in the place of `{name}`, which the design chooses"
+                yield Fault(("robust",), words, "vary it about the chosen value: {uniform: +-15 %}")
+
+    def _chosen_twice(self, figures: Sequence[Any]) -> Iterator[Fault]:
+        known: dict[Any, str] = {}
+        for one in figures:
+            paths = {path for path, _ in one.paths} | {
+                path for row in one.rows for path, _ in row.puts
+            }
+            for path in sorted(paths, key=str):
+                if path in known and known[path] != one.name:
+                    words = f"`{path[-1]}` is chosen by `{known[path]}` already"
+                    yield Fault(("choose", one.name), words, "leave one of them out", at_key=True)
+                    break
+                known[path] = one.name
+
+
+def _unsaid(place: tuple[str | int, ...], key: str, figures: Sequence[Any]) -> Iterator[Fault]:
+    """A mass or cost that a catalogue does not state."""
+    listed = [one for one in figures if one.law.catalogue is not None]
+    lacking = next((one for one in listed if any(key not in row.said for row in one.rows)), None)
+    if lacking is not None:
+        yield Fault(
+            place,
+            f"{lacking.law.catalogue} has no column `{key}`",
+            "every catalogue states it",
+            at_key=True,
+        )
+    elif key == "cost" and not listed:
+        yield Fault(
+            place, "no catalogue states a cost", "a catalogue with a column `cost`", at_key=True
+        )
+
+
+def _subject(words: str, place: tuple[str | int, ...]) -> Subject:
+    found = MODE.fullmatch(words)
+    if found is None and words not in ("mass", "cost"):
+        raise refuse(
+            f"`{words}` is none of {SUBJECTS}",
+            "modes are counted from 1, the lowest elastic one",
+            place,
+        )
+    return Subject(words, int(found[1]) if found else 0)
+
+
+def _read(value: object, subject: Subject, place: tuple[str | int, ...]) -> float:
+    try:
+        return Quantity(subject.unit, above=0).read(value)
+    except PydanticCustomError as error:
+        said = error.context or {}
+        raise refuse(str(said.get("message", error)), str(said.get("hint", "")), place) from None
+
+
+def _kept(words: str, condition: Condition, place: tuple[str | int, ...]) -> Kept:
+    subject = _subject(words, place)
+    if condition.outside is not None:
+        if condition.below is not None or condition.above is not None:
+            raise refuse(
+                "`outside` excludes `below` and `above`", "leave one out", (*place, "outside")
+            )
+        pair = condition.outside
+        if not isinstance(pair, list | tuple) or len(pair) != 2:
+            raise refuse(
+                f"{shown(pair)} is not a pair of values", "[30 Hz, 36 Hz]", (*place, "outside")
+            )
+        low, high = (_read(value, subject, (*place, "outside", k)) for k, value in enumerate(pair))
+        said = f"outside {pair[0]} to {pair[1]}"
+    else:
+        low = 0.0 if condition.above is None else _read(condition.above, subject, (*place, "above"))
+        high = (
+            math.inf
+            if condition.below is None
+            else _read(condition.below, subject, (*place, "below"))
+        )
+        ends = [
+            f"{name} {end}"
+            for name, end in (("above", condition.above), ("below", condition.below))
+            if end is not None
+        ]
+        said = " and ".join(ends)
+    if not said:
+        raise refuse(f"nothing says what `{words}` keeps", "`outside`, `below` or `above`", place)
+    if low >= high:
+        raise refuse(
+            f"the lower end of `{words}` is not below the upper one", "exchange them", place
+        )
+    return Kept(subject, low, high, condition.outside is not None, f"{words} {said}")

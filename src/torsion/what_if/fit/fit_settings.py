@@ -1,0 +1,186 @@
+"""What the file says of a fit: which figures may move, how far, and what was measured."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from torsion import fields
+from torsion.errors import Path
+from torsion.fields import Declared, given, refuse, required
+from torsion.what_if.variants.laws import Choice, Law, Width
+
+FIT: Path = ("analyses", "fit")
+UNITS = {"angle": "rad", "speed": "rad/s", "torque": "N*m"}  # of an amplitude, by what was measured
+SORTS = {  # of a measurement, by the key that only it has: its other keys, and those that it needs
+    "frequency": (("mode",), ()),
+    "torsiogram": (("at", "order", "quantity"), ("at", "order", "quantity")),
+    "signal": (("at", "orders", "pulses", "revolutions"), ("at", "orders")),
+}
+Within = Annotated[
+    float, fields.Quantity("1", above=0, below=1, usual="deviation of a measurement")
+]
+Phase = Annotated[float, fields.Quantity("rad")]
+
+
+class Reading(Declared):
+    """A row of a torsiogram."""
+
+    speed: fields.Speed = required("of the component `at` of `operation`")
+    amplitude: Any = required(
+        "amplitude (zero to peak) of one order: deg or rad, rpm or rad/s, N*m"
+    )
+    phase: Phase | None = given("of a cosine over the angle of the component `at` of `operation`")
+
+
+def _rows(value: Any) -> Any:
+    if isinstance(value, str):
+        raise refuse(f"the torsiogram {fields.shown(value)} was not read", "the name of a CSV file")
+    return value
+
+
+Rows = Annotated[tuple[Reading, ...], BeforeValidator(_rows, str | tuple[Reading, ...])]
+
+
+class Measured(Declared):
+    """One measurement."""
+
+    frequency: fields.Frequency | None = given("a measured natural frequency")
+    mode: Annotated[int, Field(ge=1)] | None = given(
+        "its number, from 1 (default: modes rise with the frequencies, each in its band if possible)"
+    )
+    torsiogram: Rows | None = given(
+        "CSV file of one order over speed: columns `speed`, `amplitude`, `phase`"
+    )
+    signal: str | None = given(
+        "file of a signal over time: two columns, time and speed; or one, the times of pulses, with `pulses`",
+    )
+    at: str | None = given("place of the measurement: a point, or for a torque a coupling or shaft")
+    order: fields.Exact | None = given("per revolution of the component `at` of `operation`")
+    orders: Annotated[tuple[fields.Exact, ...], fields.OneOrMany] = given(
+        "orders of a signal that are fitted", ()
+    )
+    quantity: Literal["angle", "speed", "torque"] | None = given("what a torsiogram is of")
+    pulses: Annotated[int, Field(ge=2)] | None = given(
+        "per revolution of the shaft at which they were taken"
+    )
+    revolutions: Annotated[int, Field(ge=2, le=10_000)] = given(
+        "of that shaft in a window of a signal", 16
+    )
+    within: Within = required("standard deviation of the measurement: 0.5 %")
+
+    def refuse_clashes(self) -> None:
+        """One sort, with its own keys."""
+        there = [
+            key
+            for key in type(self).model_fields
+            if key in self.model_fields_set and key != "within"
+        ]
+        sorts = [key for key in SORTS if key in there]
+        if len(sorts) != 1:
+            found = (
+                f"{' and '.join(sorts)} are two measurements" if sorts else "nothing is measured"
+            )
+            raise refuse(found, f"one of {', '.join(SORTS)}", sorts[1] if sorts else "")
+        own, needed = SORTS[sorts[0]]
+        if wrong := next((key for key in there if key not in (*own, sorts[0])), None):
+            raise refuse(
+                f"`{wrong}` does not go with `{sorts[0]}`",
+                f"with it go {', '.join(own)}, within",
+                wrong,
+            )
+        if lacking := next((key for key in needed if key not in there), None):
+            raise refuse(
+                f"`{lacking}` is missing", type(self).model_fields[lacking].description or ""
+            )
+        if self.signal is not None and not self.orders:
+            raise refuse(
+                "`orders` is an empty list", "the orders that are fitted, such as [1, 2]", "orders"
+            )
+        if len(set(self.orders)) < len(self.orders):
+            raise refuse("an order is named twice", "each order once", "orders")
+        self._refuse_rows()
+
+    def _refuse_rows(self) -> None:
+        """Amplitudes of another quantity, speeds that do not rise, and phases of some rows alone."""
+        rows = self.torsiogram or ()
+        if self.torsiogram == ():
+            raise refuse(
+                "the torsiogram has no rows",
+                "speed and amplitude of at least one speed",
+                "torsiogram",
+            )
+        for place, row in enumerate(rows):
+            try:
+                self.amplitude(row)
+            except ValueError as error:
+                context = getattr(error, "context", None) or {}
+                key = ("torsiogram", place, "amplitude")
+                raise refuse(
+                    f"{self.quantity}: {context['message']}", context["hint"], key
+                ) from None
+            if (row.phase is None) != (rows[0].phase is None):
+                raise refuse(
+                    "some rows have a phase and some have none",
+                    "all of them, or none",
+                    ("torsiogram", place),
+                )
+        for place, (before, row) in enumerate(pairwise(rows), start=1):
+            if row.speed <= before.speed:
+                hint = "a row for each speed, the lowest first"
+                raise refuse("the speed does not rise", hint, ("torsiogram", place, "speed"))
+
+    def amplitude(self, row: Reading) -> float:
+        """In SI of its quantity; raises what `refuse` makes where it is none."""
+        return fields.Quantity(UNITS[self.quantity or "angle"], above=0).read(row.amplitude)
+
+    @property
+    def own_orders(self) -> tuple[Fraction, ...]:
+        """Those that it is of."""
+        return (self.order,) if self.order is not None else self.orders
+
+
+class FitSettings(Declared):
+    """Settings of `fit`."""
+
+    vary: dict[str, Width] = required(
+        "figures by `component.key`, each with its standard deviation (of the logarithm) as known beforehand: 20 %"
+    )
+    measured: tuple[Measured, ...] = required("what was measured, each a mapping")
+
+    def refuse_clashes(self) -> None:
+        """Something varies and something is measured, a mode once."""
+        for key, example in (
+            ("vary", "{coupling-1.stiffness: 20 %}"),
+            ("measured", "{frequency: 20 Hz, within: 1 %}"),
+        ):
+            if not getattr(self, key):
+                raise refuse(f"`{key}` is empty", f"for example {example}", key)
+        seen: dict[int, int] = {}
+        for place, one in enumerate(self.measured):
+            if one.mode is not None and seen.setdefault(one.mode, place) != place:
+                raise refuse(
+                    f"mode {one.mode} is measured twice",
+                    "one frequency a mode",
+                    ("measured", place, "mode"),
+                )
+        for (lower, before), (mode, place) in pairwise(sorted(seen.items())):
+            low, high = (self.measured[at].frequency or 0.0 for at in (before, place))
+            if high < low:
+                message = (
+                    f"mode {mode} is measured at {high:.6g} Hz, below mode {lower} at {low:.6g} Hz"
+                )
+                hint = "modes are numbered as their frequencies rise: exchange the numbers"
+                raise refuse(message, hint, ("measured", place, "mode"))
+
+    @property
+    def together(self) -> tuple[tuple[str, ...], ...]:
+        """No figures vary as one."""
+        return ()
+
+    @property
+    def varied(self) -> tuple[str, Mapping[str, Choice]]:
+        """The key that names the figures, and what is known of each beforehand."""
+        return "vary", {name: Law(lognormal=deviation) for name, deviation in self.vary.items()}

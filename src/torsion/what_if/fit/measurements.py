@@ -1,0 +1,209 @@
+"""What was measured, as curves of amplitudes: torsiograms as they are, signals over time by their orders."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsion.arrays import ComplexArray, FloatArray
+from torsion.errors import Fault, InputError, Path
+from torsion.study import Study
+from torsion.two_columns import Columns, pairs
+from torsion.what_if.fit.fit_settings import FIT, UNITS, Measured
+
+if TYPE_CHECKING:
+    from torsion.kernels.order_tracking import Tracked
+
+MOST_ROWS = 2_000_000  # of a signal
+GAP = 4.0  # times the usual distance of samples, from which some are missing
+SEEN = 10.0  # deviations of what was tracked that an amplitude stands out by: of weaker ones its logarithm is biased
+LEAST_CYCLES = 3.0  # of an order in a window; of fewer the mean rotation takes a part
+APART = 1.0  # cycles by which two orders differ over a window; nearer ones cannot be kept apart
+TIME_AND_SPEED = Columns(
+    ("time", "speed"),
+    ("s", "rad/s"),
+    "time [s], speed [rpm]",
+    "0.5, 1200",
+    "a finite speed at a finite time",
+    most=MOST_ROWS,
+)
+PULSES = Columns(("time",), ("s",), "time [s]", "0.00213", "a finite time", most=MOST_ROWS)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Measured amplitudes of one order."""
+
+    at: str
+    order: Fraction  # per revolution of the reference
+    quantity: str  # angle, speed or torque
+    within: float
+    speed: FloatArray  # (points,) rad/s of the reference
+    amplitude: ComplexArray  # (points,) in SI
+    has_phase: bool
+    origin: str  # what of the file it is
+    error: FloatArray  # (points,) over the amplitude: standard deviation of what was tracked; 0 of a torsiogram
+    unused: int = (
+        0  # windows of a signal outside the speeds, or in which the order does not stand out
+    )
+
+    @property
+    def deviation(self) -> FloatArray:
+        """(points,) of the logarithm of an amplitude, and of a phase in rad."""
+        return np.asarray(np.hypot(self.within, self.error))
+
+
+def curves(study: Study, measured: tuple[Measured, ...]) -> tuple[Curve, ...]:
+    """All amplitudes over speed."""
+    found = list[Curve]()
+    for place, one in enumerate(measured):
+        path = (*FIT, "measured", place)
+        if one.torsiogram is not None:
+            found.append(_of_torsiogram(study, one, path))
+        elif one.signal is not None:
+            found += _of_signal(study, one, path)
+    return tuple(found)
+
+
+def _of_torsiogram(study: Study, one: Measured, path: Path) -> Curve:
+    rows = one.torsiogram or ()
+    amplitude = np.array([one.amplitude(row) for row in rows])
+    phases = [row.phase for row in rows]
+    phase = np.array([0.0 if value is None else value for value in phases])
+    return Curve(
+        one.at or "",
+        one.order or Fraction(1),
+        one.quantity or "",
+        one.within,
+        np.array([row.speed for row in rows]),
+        amplitude * np.exp(1j * phase),
+        phases[0] is not None,
+        f"torsiogram {int(path[-1]) + 1} of `measured`",
+        np.zeros(len(rows)),
+    )
+
+
+def _of_signal(study: Study, one: Measured, path: Path) -> Iterator[Curve]:
+    """A curve for each order, of the windows within the speed range in which it stands out."""
+    ratio = next(float(station.ratio) for station in study.train.stations if station.name == one.at)
+    tracked = _tracked(study, one, path, ratio)
+    speeds, reference = study.operation.speeds, tracked.speed / ratio
+    inside = np.ones(len(reference), dtype=bool)
+    if speeds is not None:
+        inside = (reference >= speeds.first) & (reference <= speeds.last)
+    if not inside.any():
+        least, most = (end * 30.0 / np.pi for end in (reference.min(), reference.max()))
+        message = (
+            f"the signal runs from {least:.6g} to {most:.6g} rpm, outside the speeds of `operation`"
+        )
+        raise InputError([Fault((*path, "signal"), message, "widen `operation.speeds`")])
+    for k, order in enumerate(one.orders):
+        angle, error = tracked.angle[:, k], tracked.error[:, k]
+        used = np.flatnonzero(inside & (np.abs(angle) >= SEEN * error))
+        if not used.size:
+            message = f"order {order} does not exceed the noise in any of {np.count_nonzero(inside)} windows"
+            hint = "longer windows (`revolutions`), or leave it out; are `pulses` right?"
+            raise InputError([Fault((*path, "orders"), message, hint)])
+        used = used[np.argsort(reference[used], kind="stable")]
+        yield Curve(
+            one.at or "",
+            order,
+            "angle",
+            one.within,
+            reference[used],
+            angle[used],
+            False,
+            one.signal or "",
+            error[used] / np.abs(angle[used]),
+            len(reference) - len(used),
+        )
+
+
+def signal_faults(study: Study, one: Measured, path: Path) -> tuple[Fault, ...]:
+    """What is wrong with a signal, where its file is read."""
+    try:
+        tuple(_of_signal(study, one, path))
+    except InputError as error:
+        return error.faults
+    return ()
+
+
+def _tracked(study: Study, one: Measured, path: Path, ratio: float) -> "Tracked":
+    """Orders of a signal; raises InputError located at its name."""
+    from torsion.kernels.order_tracking import of_pulses, of_speeds, uneven
+
+    own, place = np.array([float(order) for order in one.orders]) / ratio, (*path, "signal")
+    file = FilePath(study.file).parent / (one.signal or "")
+    try:
+        values = np.array(pairs(file, PULSES if one.pulses else TIME_AND_SPEED)).T
+    except ValueError as error:
+        raise InputError([Fault(place, *error.args)]) from None
+    time = values[0]
+    if one.pulses is None and (values[1] <= 0.0).any():
+        hint = "cut the signal to where the shaft turns, in its positive sense"
+        raise InputError([Fault(place, "the speed is not above 0 throughout", hint)])
+    if one.pulses and (wrong := uneven(time)) is not None:
+        message = f"at {time[wrong]:.6g} s pulses are missing, or there is one too many"
+        raise InputError(
+            [Fault(place, message, "even marks, each once a revolution: mend the file")]
+        )
+    steps = np.diff(time)
+    gap = int(steps.argmax())
+    if one.pulses is None and steps[gap] > GAP * np.median(steps):
+        message = f"after {time[gap]:.6g} s samples are missing, for {steps[gap]:.3g} s"
+        raise InputError([Fault(place, message, "a signal without gaps: cut it there")])
+    _refuse_orders(one, own, path)
+    highest = one.pulses or _samples(time, values[1])
+    if (own >= highest / 2.0).any():
+        worst = one.orders[int(np.argmax(own))]
+        needed = f"order {worst} needs more than {2.0 * own.max():.6g} samples a revolution"
+        message = f"{needed}, and there are {highest:.6g}"
+        raise InputError([Fault((*path, "orders"), message, "leave it out")])
+    try:
+        found = (
+            of_pulses(time, one.pulses, own, one.revolutions)
+            if one.pulses
+            else of_speeds(time, values[1], own, one.revolutions)
+        )
+    except ValueError as error:
+        raise InputError(
+            [Fault(place, str(error), "more samples, or a longer window: `revolutions`")]
+        ) from None
+    if not found.speed.size:
+        message = f"the signal is shorter than a window of {one.revolutions} revolutions"
+        raise InputError([Fault(place, message, "a lower `revolutions`")])
+    return found
+
+
+def _refuse_orders(one: Measured, own: FloatArray, path: Path) -> None:
+    """Orders that a window is too short for; own: (orders,) per revolution of the shaft."""
+    ascending = np.argsort(own)
+    least, gaps = float(own.min()), np.diff(own[ascending])
+    slow, close = (
+        least * one.revolutions < LEAST_CYCLES,
+        bool((gaps * one.revolutions < APART).any()),
+    )
+    if not slow and not close:
+        return
+    cycles, needed = (least, LEAST_CYCLES) if slow else (float(gaps.min()), APART)
+    words = f"order {one.orders[ascending[0]]} has"
+    if not slow:
+        first, second = (one.orders[k] for k in ascending[gaps.argmin() :][:2])
+        words = f"orders {first} and {second} differ by"
+    message = f"{words} {cycles * one.revolutions:.3g} cycles in a window of {one.revolutions} revolutions"
+    hint = f"{needed:g} are needed: `revolutions: {math.ceil(needed / cycles)}`"
+    raise InputError([Fault((*path, "orders"), message, hint)])
+
+
+def _samples(time: np.ndarray, speed: np.ndarray) -> float:
+    """Fewest samples in a revolution."""
+    return float((2.0 * np.pi / (np.diff(time) * np.maximum(speed[1:], speed[:-1]))).min())
+
+
+def unit(curve: Curve) -> str:
+    """Of its amplitudes."""
+    return UNITS[curve.quantity]

@@ -1,0 +1,88 @@
+"""A sweep: variants of the file in chunks; frequencies side by side where the train allows it, verdicts one by one."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
+from torsion.findings import Work
+from torsion.processes import processors
+from torsion.study import Variation
+from torsion.what_if.sweep.sweep_points import Points
+from torsion.what_if.sweep.sweep_settings import SweepSettings
+from torsion.what_if.sweep.sweep_summary import summed
+from torsion.what_if.variants.chunks import Chunk, Pace, Part, chunks, duration, joined
+from torsion.what_if.variants.one_by_one import Answers, solved
+from torsion.what_if.variants.side_by_side import frequencies, together
+
+JUDGED_AT_ONCE, ALONE_AT_ONCE, TOGETHER_AT_ONCE = 16, 1024, 65536  # variants of a kept chunk
+MOST_CHUNKS = 4096  # of variants that are judged
+
+
+def run(work: Work) -> None:
+    """Where the file was read with figures that vary, and has modes or rules."""
+    settings = work.settings("sweep", SweepSettings)
+    variation, modes = work.study.variations.get("sweep"), work.get(Modes)
+    if variation is None or work.solve is None:
+        work.log.without("sweep", "no parameter of the file varies")
+        return
+    points = _points(work, variation)
+    with work.log.step("sweep", "the file names it") as step:
+        nominal = np.empty(0) if modes is None else modes.frequency
+        each = chunks_of(work, variation)
+        if settings.judges(work.study):
+            seconds = each[-1].end * sum(line.seconds for line in work.log.lines) / processors()
+            work.progress(f"sweep, every variant solved separately: {duration(seconds)}", 0.0)
+        parts = (work.answered or in_turn)(work, variation, each)
+        values, answers = joined(each[-1].end, nominal.size, parts)
+        step.method, step.size = answers.method, points.words
+    work.put(sweep=summed(variation, settings, points, values, nominal, answers))
+
+
+def chunks_of(work: Work, variation: Variation) -> tuple[Chunk, ...]:
+    """The chunks of a sweep, which follow from its file alone; where nobody keeps them one of what fits the memory."""
+    judged = work.settings("sweep", SweepSettings).judges(work.study)
+    points = _points(work, variation)
+    count = points.count
+    if work.answered is None and (judged or count <= TOGETHER_AT_ONCE):
+        return chunks(count, count)
+    if judged:
+        return chunks(count, max(JUDGED_AT_ONCE, count // MOST_CHUNKS))
+    _, alone = together(work, variation, points.values(slice(0, 2)), _modes(work))
+    return chunks(count, ALONE_AT_ONCE if alone.size else TOGETHER_AT_ONCE)
+
+
+def answered(work: Work, variation: Variation, chunk: Chunk) -> Part:
+    """The values of a chunk and what they answer; nothing is put into the work."""
+    values = _points(work, variation).values(slice(chunk.begin, chunk.end))
+    return values, _answers(work, variation, values)
+
+
+def _answers(work: Work, variation: Variation, values: FloatArray) -> Answers:
+    """What variants (variants, figures) answer."""
+    count = _modes(work)
+    if not work.settings("sweep", SweepSettings).judges(work.study):
+        return frequencies(work, variation, values, count)
+    answers = solved(work, variation, values, count, judged=True)
+    answers.method = "every variant solved and judged separately"
+    return answers
+
+
+def in_turn(work: Work, variation: Variation, each: Sequence[Chunk]) -> Iterator[Part]:
+    """The answers of chunks, one after another in this process."""
+    pace = Pace(each[-1].end, work.progress)
+    for chunk in each:
+        yield answered(replace(work, progress=pace.within(chunk)), variation, chunk)
+        pace.finish(chunk)
+
+
+def _points(work: Work, variation: Variation) -> Points:
+    return Points.of(work.study, work.settings("sweep", SweepSettings), variation.figures)
+
+
+def _modes(work: Work) -> int:
+    """How many frequencies every variant has."""
+    found = work.get(Modes)
+    return 0 if found is None else found.frequency.size

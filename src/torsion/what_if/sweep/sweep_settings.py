@@ -1,0 +1,149 @@
+"""What the file says of a sweep: which figures vary, by which law, how many samples."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from torsion.errors import Fault
+from torsion.fields import Declared, Quantity, given, refuse
+from torsion.study import Study
+from torsion.what_if.variants.laws import Choice, Law
+
+FEWEST, MOST = 128, 1 << 22
+MOST_COMBINATIONS = 10_000_000
+CHECKED, UNJUDGED = (
+    512,
+    16384,
+)  # samples where nothing else is said: judged, and of frequencies alone
+Method = Literal["sobol", "latin", "random", "grid"]
+Result = Literal["modes", "checks"]
+
+
+def _of_tolerances(value: Any) -> Any:
+    """`vary: tolerances` is the default."""
+    return {} if value == "tolerances" else value
+
+
+class SweepSettings(Declared):
+    """Settings of `sweep`."""
+
+    vary: Annotated[dict[str, Law], BeforeValidator(_of_tolerances)] = given(
+        "figures by `component.key` and how they vary (default: uniformly within every tolerance of the file)",
+        {},
+    )
+    together: tuple[tuple[str, ...], ...] = given(
+        "figures that vary as one, such as two couplings of one batch", ()
+    )
+    samples: Annotated[int, Field(ge=FEWEST, le=MOST)] | None = given(
+        f"number of variants (default: {CHECKED} with checks, 16384 with only frequencies)"
+    )
+    method: Method | None = given(
+        "sobol: eight scrambled sequences, a power of two of samples; latin hypercube; random; or grid, all "
+        "combinations of lists and steps. Default: grid if every parameter has a list or steps and `samples` is "
+        "missing, else sobol"
+    )
+    seed: Annotated[int, Field(ge=0)] = given(
+        "of the samples; the same seed gives the same variants", 1
+    )
+    indices: bool = given(
+        "with the share of the spread of every frequency and limit that each figure has (Sobol's indices), which takes "
+        "as many variants again for every figure and twice more",
+        False,
+    )
+    fail_at_most: (
+        Annotated[float, Quantity("1", at_least=0, at_most=1, usual="tolerance")] | None
+    ) = given(
+        "share of the variants that may fail a check, for example 1 %; more is FAIL (default: any variant that fails "
+        "restricts the verdict and makes the exit status 1)"
+    )
+    results: tuple[Result, ...] = given(
+        "results of each variant (default: checks if the file has rules)", ()
+    )
+
+    def refuse_clashes(self) -> None:
+        """Sobol's samples are a power of two, a grid has none, and one figure alone does not vary together."""
+        count = self.samples
+        if any(len(group) < 2 for group in self.together):
+            raise refuse(
+                "a figure varies together with another",
+                "two names at least in each list",
+                "together",
+            )
+        if count is not None and self.method == "grid":
+            raise refuse(
+                "a grid has all combinations and no samples", "leave `samples` out", "samples"
+            )
+        if count is not None and self.method in (None, "sobol") and count & (count - 1):
+            above = 1 << count.bit_length()
+            raise refuse(
+                f"{count} samples are not a power of two, which sobol needs",
+                f"{above // 2} or {above}, or `method: random`",
+                "samples",
+            )
+        if self.indices and self.method not in (None, "sobol"):
+            raise refuse(
+                f"indices are of sobol's samples, and the method is {self.method}",
+                "`method: sobol`",
+                "indices",
+            )
+
+    def drawn(self, figures: Sequence[Any]) -> Method:
+        """How the variants of these figures are made."""
+        by_default = (
+            self.samples is None and not self.indices and all(one.places for one in figures)
+        )
+        return self.method or ("grid" if by_default else "sobol")
+
+    def judges(self, study: Study) -> bool:
+        """Every variant is judged by the rules of the file."""
+        return "checks" in self.results or (not self.results and bool(study.rules))
+
+    def samples_of(self, study: Study) -> int:
+        """Those of laws."""
+        return self.samples or (CHECKED if self.judges(study) else UNJUDGED)
+
+    def refused(self, study: Study, figures: Sequence[Any]) -> Iterator[Fault]:
+        """A grid of what has no steps or too many, checks without rules, and more variants than there can be."""
+        if self.fail_at_most is not None and not self.judges(study):
+            hint = "name `rules`" if not study.rules else "`results: [checks]`"
+            yield Fault(("fail_at_most",), "no variant can fail, as none is checked", hint)
+        if "checks" in self.results and not study.rules:
+            yield Fault(
+                ("results",),
+                "no variant can be checked, because the file has no rules",
+                "name `rules`",
+            )
+        shape = {one.column: one.places for one in figures}
+        if self.drawn(figures) != "grid":
+            sets = len(shape) + 2
+            if self.indices and self.samples_of(study) * sets > MOST:
+                hint = f"`samples` of at most {1 << (MOST // sets).bit_length() - 1}"
+                yield Fault(
+                    ("indices",),
+                    f"the indices of {len(shape)} figures take too many variants",
+                    hint,
+                )
+            return
+        for one in figures:
+            if not one.places:
+                message = f"{one.name} varies as {one.law.words}, and a grid takes lists and steps"
+                yield Fault(
+                    ("method",),
+                    message,
+                    "give it `values` or `steps`, or leave `method` out: all are drawn",
+                )
+        if (count := math.prod(shape.values())) > MOST_COMBINATIONS:
+            message = f"{count:,} combinations are more than the {MOST_COMBINATIONS:,} of the largest grid"
+            yield Fault(
+                ("vary",),
+                message,
+                "fewer steps, or `method: sobol`, which draws from them",
+                at_key=True,
+            )
+
+    @property
+    def varied(self) -> tuple[str, Mapping[str, Choice]]:
+        """The key that names the figures, and how each varies."""
+        return "vary", self.vary

@@ -1,0 +1,68 @@
+"""Variants that fail restrict the verdict of a sweep, unless the file says how many may."""
+
+import pytest
+
+import torsion
+from torsion.errors import InputError
+from torsion.output.chapters import closing
+from torsion.output.headline import headline
+from torsion.rules.verdict_line import Checks
+from torsion.what_if.sweep.sweep_results import Sweep
+
+# two discs of 1 kg m2 on 1000 N m/rad have 7.12 Hz; 4e4 N m/rad make 45 Hz, which is 2 x 1200 rpm and more
+SCENE = """name: x
+operation: {speeds: {from: 1000 rpm, to: 1200 rpm}}
+train:
+- disc: {inertia: 1}
+- coupling: {name: rubber, stiffness: 1000}
+- disc: {inertia: 1}
+RULES
+analyses: {sweep: {vary: {rubber.stiffness: {values: [LIST]}}MORE}}
+"""
+
+
+def run(values, more="", rules="rules: [api-684]"):
+    return torsion.run(
+        torsion.parse(SCENE.replace("LIST", values).replace("MORE", more).replace("RULES", rules))
+    )
+
+
+def test_a_sweep_none_of_whose_variants_fails_changes_nothing() -> None:
+    for more in ("", ", fail_at_most: 0 %"):
+        findings = run("900, 1000, 1100, 1200", more)
+        assert findings.need(Sweep).share_failing == 0.0
+        assert findings.exit_status == 0
+        assert headline(findings) == (("✓", "PASS: 2 limits met"), "pass")
+
+
+@pytest.mark.parametrize(
+    ("more", "status", "words", "kind"),
+    [
+        ("", 1, "! PASS with restrictions: 25 % of the variants fail a check", "note"),
+        (
+            ", fail_at_most: 24 %",
+            1,
+            "✗ FAIL: 25 % of the variants fail a check, 24 % are permitted",
+            "fail",
+        ),
+        (", fail_at_most: 25 %", 0, "✓ PASS: 2 limits met", "pass"),
+    ],
+)
+def test_variants_that_fail_make_the_exit_status_one_unless_the_file_permits_them(
+    more, status, words, kind
+) -> None:
+    findings = run("900, 1000, 1100, 8000", more)
+    assert {check.verdict for check in findings.need(Checks).lines} == {"pass"}
+    assert findings.need(Sweep).share_failing == 0.25
+    assert findings.exit_status == status
+    (sign, clause), stands_out = headline(findings)
+    assert (f"{sign} {clause}", stands_out) == (words, kind)
+    conclusion = next(iter(closing.conclusion(findings)))
+    assert conclusion.kind == kind
+    assert ("25 % of the variants fail" in conclusion.text) == (status == 1)
+
+
+def test_a_share_that_nothing_can_fail_is_refused() -> None:
+    with pytest.raises(InputError, match="no variant can fail") as refused:
+        run("900, 1100", ", fail_at_most: 1 %", "")
+    assert refused.value.faults[0].line == 8
