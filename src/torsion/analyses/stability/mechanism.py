@@ -131,7 +131,7 @@ class Dampers:
     """Viscous dampers across several springs at once: torque of the springs = onto (size * ontoᵀ rate of twist)."""
 
     onto: FloatArray  # (springs, dampers) unit columns
-    size: FloatArray  # (dampers,) N m s/rad; or (dampers, times) where it differs
+    size: FloatArray  # (dampers,) N m s/rad
 
 
 @dataclass(frozen=True)

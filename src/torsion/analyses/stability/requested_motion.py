@@ -273,7 +273,7 @@ def run_map(work: Work) -> None:
             modes=settings.modes,
             progress=work.progress,
         )
-        step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes, all values of a speed together"
+        step.method = f"multipliers on {found.modes} of {found.of_modes} elastic modes"
         points = f"{found.speed.size} x {found.value.size} points"
         step.size = f"{points}, {found.checked} of them checked on the whole train"
     missing = int(np.isnan(found.growth).sum())
