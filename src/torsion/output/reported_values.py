@@ -198,12 +198,9 @@ def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
     stability: Stability | None = findings.results.get(
         "stability"
     )  # its class is not loaded where there is none
-    found = () if stability is None else stability.ranges
-    zones = (zone for _, tilting in tilted(findings) for zone in tilting.zones)
-    return (
-        *((one.first * RPM, one.last * RPM) for one in found),
-        *((zone.lower * RPM, zone.upper * RPM) for zone in zones),
-    )
+    ranges = [] if stability is None else [*stability.ranges]
+    ranges += (band for _, tilting in tilted(findings) for band in tilting.zones)
+    return tuple((band.first * RPM, band.last * RPM) for band in ranges)
 
 
 def tilted(findings: Findings) -> "tuple[tuple[str, Tilting], ...]":

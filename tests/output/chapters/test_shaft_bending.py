@@ -19,7 +19,7 @@ from torsion.analyses.lateral.shaft_bending import (
     LateralSettings,
     ShaftFound,
 )
-from torsion.analyses.lateral.tilt_stability import Tilting, Zone
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.lateral.whirl import Critical, Whirl
 from torsion.findings import Findings
 from torsion.kernels.tree_response import Status
@@ -227,7 +227,7 @@ SHAFT = MisalignedShaft(4.0, 0.25, 1.0, (3.0, 5.0), (24.0, 56.0), 1.0, 0.1)
         (STABLE, None, "tube"),
         (None, None, "tube"),
         (STABLE, (), "tube"),
-        (None, (Zone(1.0, 2.0, (False, False), "several", 1.5, 0.1),), "tube (UNSTABLE)"),
+        (None, (TiltRange(1.0, 2.0, (False, False), "several", 1.5, 0.1),), "tube (UNSTABLE)"),
     ],
 )
 def test_a_shaft_that_whirls_or_tilts_by_itself_is_named_unstable(
