@@ -213,7 +213,7 @@ def test_ranges_with_growth_per_revolution_and_what_lies_in_the_operation(
             "910.000000",
             "930.000000",
             KIND,
-            "30.00",
+            "300000",
             "920.0000",
             "outside",
             "continues below 910 rpm (not requested)",
