@@ -32,12 +32,12 @@ class Amplitudes:
     nearest: FloatArray  # (columns,) rad, to an amplitude that is given
     number: IntArray  # (columns,)
 
-    def having(self, others: "Amplitudes", at: IntArray) -> "Amplitudes":
+    def having(self, other_amplitudes: "Amplitudes", columns: IntArray) -> "Amplitudes":
         """The same with others in the columns `at`."""
-        each = {key: values.copy() for key, values in vars(self).items()}
-        for key, values in each.items():
-            values[at] = getattr(others, key)
-        return Amplitudes(**each)
+        copied = {key: values.copy() for key, values in vars(self).items()}
+        for key, values in copied.items():
+            values[columns] = getattr(other_amplitudes, key)
+        return Amplitudes(**copied)
 
 
 def amplitudes(
@@ -66,34 +66,35 @@ def solutions(
     """Column and amplitude of every solution, as of `amplitudes`."""
     columns = np.arange(len(bottom))
     steps = np.linspace(0.0, 1.0, samples)[:, None]
-    at = np.exp(np.log(bottom) * (1.0 - steps) + np.log(top) * steps)
+    sampled = np.exp(np.log(bottom) * (1.0 - steps) + np.log(top) * steps)
     rows = max(VALUES // max(len(bottom), 1), 1)
-    parts = [at[begin : begin + rows] for begin in range(0, samples, rows)]
-    found = np.concatenate(
+    parts = [sampled[begin : begin + rows] for begin in range(0, samples, rows)]
+    ratios = np.concatenate(
         [ratio(part.ravel(), np.tile(columns, len(part))).reshape(part.shape) for part in parts]
     )
-    step, column = np.nonzero((found[:-1] < 1.0) != (found[1:] < 1.0))
-    low, high = at[step, column], at[step + 1, column]
-    first, second, of = _dips(ratio, at, found)
+    step, column = np.nonzero((ratios[:-1] < 1.0) != (ratios[1:] < 1.0))
+    low, high = sampled[step, column], sampled[step + 1, column]
+    first, second, dip_column = _dips(ratio, sampled, ratios)
     column, low, high = (
-        np.concatenate(each) for each in ([column, of, of], [low, *first], [high, *second])
+        np.concatenate(part)
+        for part in ([column, dip_column, dip_column], [low, *first], [high, *second])
     )
     return column, _roots(ratio, column, low, high)
 
 
 def _dips(
-    ratio: Ratio, at: FloatArray, found: FloatArray
+    ratio: Ratio, sampled: FloatArray, ratios: FloatArray
 ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], IntArray]:
     """Brackets of the two solutions in every dip below 1 between samples that all lie above: lows, highs, columns."""
     step, column = np.nonzero(
-        (found[1:-1] >= 1.0) & (found[1:-1] <= found[:-2]) & (found[1:-1] <= found[2:])
+        (ratios[1:-1] >= 1.0) & (ratios[1:-1] <= ratios[:-2]) & (ratios[1:-1] <= ratios[2:])
     )
-    begin, end = at[step, column], at[step + 2, column]
+    begin, end = sampled[step, column], sampled[step + 2, column]
     if not step.size:
         return (begin, begin), (end, end), column
     low, high = np.log(begin), np.log(end)
     left, right = low + GOLDEN * (high - low), high - GOLDEN * (high - low)
-    values = [ratio(np.exp(one), column) for one in (left, right)]
+    values = [ratio(np.exp(inner), column) for inner in (left, right)]
     for _ in range(NARROWED):
         down = values[0] < values[1]
         low, high = np.where(down, low, left), np.where(down, right, high)
@@ -111,8 +112,8 @@ def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) ->
     if not len(low):
         return low
 
-    def height(at: FloatArray) -> FloatArray:
-        return np.asarray(np.log(ratio(low * np.exp(at), column)))
+    def height(log_amplitude: FloatArray) -> FloatArray:
+        return np.asarray(np.log(ratio(low * np.exp(log_amplitude), column)))
 
     with np.errstate(divide="ignore", invalid="ignore"):
         x1, x2, step = np.log(high / low), np.zeros(len(low)), np.full(len(low), 0.5)
@@ -120,12 +121,12 @@ def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) ->
         for _ in range(STEPS):
             x = x1 + step * (x2 - x1)
             f = height(x)
-            same = (f < 0.0) == (f1 < 0.0)
-            x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
-            x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
+            same_side = (f < 0.0) == (f1 < 0.0)
+            x3, f3 = np.where(same_side, x1, x2), np.where(same_side, f1, f2)
+            x2, f2 = np.where(same_side, x2, x1), np.where(same_side, f2, f1)
             x1, f1 = x, f
-            least = TOLERANCE / np.abs(x2 - x1)
-            if ((least > 0.5) | (f == 0.0)).all():
+            smallest_step = TOLERANCE / np.abs(x2 - x1)
+            if ((smallest_step > 0.5) | (f == 0.0)).all():
                 break
             part, rise = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
             smooth = (rise**2 < part) & ((1.0 - rise) ** 2 < 1.0 - part)
@@ -133,7 +134,9 @@ def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) ->
                 f3 - f1
             ) * f2 / (f3 - f2)
             step = np.where(
-                smooth & np.isfinite(inverse), np.clip(inverse, least, 1.0 - least), 0.5
+                smooth & np.isfinite(inverse),
+                np.clip(inverse, smallest_step, 1.0 - smallest_step),
+                0.5,
             )
-            step = np.where((least > 0.5) | (f == 0.0), 0.0, step)
+            step = np.where((smallest_step > 0.5) | (f == 0.0), 0.0, step)
     return low * np.exp(np.where(np.abs(f1) <= np.abs(f2), x1, x2))

@@ -198,9 +198,9 @@ def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
     stability: Stability | None = findings.results.get(
         "stability"
     )  # its class is not loaded where there is none
-    ranges = [] if stability is None else [*stability.ranges]
-    ranges += (band for _, tilting in tilted(findings) for band in tilting.zones)
-    return tuple((band.first * RPM, band.last * RPM) for band in ranges)
+    ranges = () if stability is None else stability.ranges
+    tilts = (band for _, tilting in tilted(findings) for band in tilting.zones)
+    return tuple((band.first * RPM, band.last * RPM) for band in (*ranges, *tilts))
 
 
 def tilted(findings: Findings) -> "tuple[tuple[str, Tilting], ...]":

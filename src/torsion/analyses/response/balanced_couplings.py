@@ -208,7 +208,7 @@ class _Rows:
 
     def _trials(self, span: int, others: Mapping[int, Secant]) -> Trials:
         coupling, own = self.couplings[span], self._own(span)
-        step, columns = coupling.whole * (0.5 + 0.5j), len(self.w[0])
+        step, columns = coupling.total_stiffness * (0.5 + 0.5j), len(self.w[0])
         twists = list[ComplexArray]()
         for extra in (coupling.stuck, coupling.stuck + step):
             one = Secant(np.ones(columns), np.full(columns, extra, dtype=complex))
