@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsion.arrays import FloatArray, IntArray
+from torsion.kernels.bracketed_search import find_root
 
 SAMPLES = 240  # of a whole range
 VALUES = 2**18  # of samples computed at once
-STEPS = 100
 TOLERANCE = 2e-16  # of the logarithm of an amplitude
 GOLDEN = 0.3819660112501051  # (3 - sqrt 5)/2
 NARROWED = 45  # times by 0.618: to 4e-10 of two samples, where a minimum is flat to rounding
@@ -108,35 +108,14 @@ def _dips(
 
 
 def _roots(ratio: Ratio, column: IntArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(brackets,) rad, by Chandrupatla's method in log(A / low) (Adv. Eng. Softw. 28 (1997) 145)."""
+    """(brackets,) rad, in the logarithm of the amplitude over the lower bound."""
     if not len(low):
         return low
+    end = np.log(high / low)
 
-    def height(log_amplitude: FloatArray) -> FloatArray:
-        return np.asarray(np.log(ratio(low * np.exp(log_amplitude), column)))
+    def height(growth: FloatArray) -> FloatArray:
+        # At its end exactly the upper bound, where the sign is known.
+        return np.asarray(np.log(ratio(np.where(growth < end, low * np.exp(growth), high), column)))
 
-    with np.errstate(divide="ignore", invalid="ignore"):
-        x1, x2, step = np.log(high / low), np.zeros(len(low)), np.full(len(low), 0.5)
-        f1, f2 = height(x1), height(x2)
-        for _ in range(STEPS):
-            x = x1 + step * (x2 - x1)
-            f = height(x)
-            same_side = (f < 0.0) == (f1 < 0.0)
-            x3, f3 = np.where(same_side, x1, x2), np.where(same_side, f1, f2)
-            x2, f2 = np.where(same_side, x2, x1), np.where(same_side, f2, f1)
-            x1, f1 = x, f
-            smallest_step = TOLERANCE / np.abs(x2 - x1)
-            if ((smallest_step > 0.5) | (f == 0.0)).all():
-                break
-            part, rise = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
-            smooth = (rise**2 < part) & ((1.0 - rise) ** 2 < 1.0 - part)
-            inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (
-                f3 - f1
-            ) * f2 / (f3 - f2)
-            step = np.where(
-                smooth & np.isfinite(inverse),
-                np.clip(inverse, smallest_step, 1.0 - smallest_step),
-                0.5,
-            )
-            step = np.where((smallest_step > 0.5) | (f == 0.0), 0.0, step)
-    return low * np.exp(np.where(np.abs(f1) <= np.abs(f2), x1, x2))
+    growth = find_root(height, np.zeros(len(low)), end, tolerance=TOLERANCE)
+    return np.asarray(low * np.exp(growth))
