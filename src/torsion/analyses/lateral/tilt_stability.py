@@ -25,6 +25,7 @@ from torsion.analyses.lateral.misaligned_shaft import (
     small_angle_part,
 )
 from torsion.arrays import FloatArray
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.results import derived, reported, result
 
 Torques = Callable[
@@ -287,28 +288,25 @@ def _greatest(
     shaft: MisalignedShaft, model: Model, start: float, low: float, up: float
 ) -> tuple[float, float]:
     """Speed and rate of the fastest growth between two speeds; `start` where nothing better is found."""
-    from scipy.optimize import minimize_scalar
 
     def down(at: float) -> float:
         return -float(growth(shaft, np.array([at]), model).rate[0])
 
-    found = minimize_scalar(
-        down, bounds=(low, up), method="bounded", options={"xatol": 1e-9 * up, "maxiter": 40}
-    )
-    best = max((-down(start), float(start)), (-float(found.fun), float(found.x)))
+    fastest, least = find_minimum(down, low, up, tolerance=1e-9 * up, most=40)
+    best = max((-down(start), float(start)), (-float(least), float(fastest)))
     return best[1], best[0]
 
 
 def _boundary(shaft: MisalignedShaft, model: Model, speed: FloatArray, rate: FloatArray) -> float:
     """Speed of no growth between two speeds; beside a range without growth or decay, of growth beyond rounding."""
-    from scipy.optimize import brentq
-
     level = 0.0 if rate.min() < -NEUTRAL * speed.max() else NEUTRAL
 
     def above(at: float) -> float:
         return float(growth(shaft, np.array([at]), model).rate[0] - level * at)
 
-    return float(brentq(above, speed[0], speed[1], xtol=EXACTLY * speed[1], rtol=4 * EXACTLY))
+    return float(
+        find_root(above, speed[0], speed[1], tolerance=EXACTLY * speed[1], relative=4 * EXACTLY)
+    )
 
 
 def _kind(shaft: MisalignedShaft, at: Growth, low: float, up: float) -> str:

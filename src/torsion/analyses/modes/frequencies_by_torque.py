@@ -22,6 +22,7 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import refuse_beyond, taken_under
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.primitives import tabled_spring
 from torsion.results import reported, result
 from torsion.study import Study
@@ -78,8 +79,6 @@ def _roots(
 
     once: there is one at most.
     """
-    from scipy.optimize import brentq, minimize_scalar
-
     values = [distance(point) for point in points]
     marks = list(zip(points, values, strict=True))
     for k in range(1, 0 if once else len(points) - 1):
@@ -87,20 +86,16 @@ def _roots(
         same = min(before * here, here * after) > 0.0
         if same and abs(here) <= abs(before) and abs(here) <= abs(after):
             sign = math.copysign(1.0, here)
-            least = minimize_scalar(
-                lambda x, s=sign: s * distance(x),
-                bounds=(points[k - 1], points[k + 1]),
-                method="bounded",
+            nearest, least = find_minimum(
+                lambda x, s=sign: s * distance(x), points[k - 1], points[k + 1]
             )
-            marks.append((float(least.x), sign * float(least.fun)))
+            marks.append((float(nearest), sign * float(least)))
     marks.sort()
     for (left, first), (right, second) in pairwise(marks):
         if first == 0.0:
             yield left
         elif first * second < 0.0:
-            yield float(
-                brentq(distance, left, right, xtol=ROUNDING * right, rtol=4.0 * np.finfo(float).eps)
-            )
+            yield float(find_root(distance, left, right, tolerance=ROUNDING * right))
     if marks[-1][1] == 0.0:
         yield marks[-1][0]
 

@@ -1,7 +1,6 @@
 """Stability of a train with joints over speed: growth rates, unstable ranges with their boundaries, and their names."""
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from torsion.analyses.stability.floquet_exponents import (
     Method,
@@ -30,6 +29,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import SolveError
 from torsion.findings import Progress, silent
+from torsion.kernels.bracketed_search import find_minimum
 from torsion.results import reported, result
 from torsion.study import Study
 
@@ -202,12 +202,7 @@ def _look_between(search: Search, requested: FloatArray, report: Progress) -> No
         low, high = max(seed * (1.0 - around), first), min(seed * (1.0 + around), last)
         inside = [speed for speed in search.known if low <= speed <= high]
         if not any(search.is_unstable(speed) for speed in [*inside, seed]):
-            minimize_scalar(
-                height,
-                bounds=(low, high),
-                method="bounded",
-                options={"xatol": around * seed * 1e-2, "maxiter": 10},
-            )
+            find_minimum(height, low, high, tolerance=around * seed * 1e-2, most=10)
 
 
 def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
@@ -225,9 +220,7 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     inner = np.flatnonzero((np.minimum(below, above) >= 0) & (np.maximum(below, above) > SLOW)) + 1
     for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
         low, high = float(known[row - 1]), float(known[row + 1])
-        minimize_scalar(
-            height, bounds=(low, high), method="bounded", options={"xatol": PEAK * (high - low)}
-        )
+        find_minimum(height, low, high, tolerance=PEAK * (high - low))
 
     worst = min(search.known, key=height)
     start = search(worst)

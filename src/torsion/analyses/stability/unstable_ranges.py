@@ -7,13 +7,13 @@ from itertools import combinations, pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from torsion.analyses.stability.floquet_exponents import UNSTABLE, Multipliers, Search
 from torsion.analyses.stability.straight_modes import Basis
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
 from torsion.findings import Progress
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.results import derived, reported, result
 
 TAKES_PART = 0.02  # of the largest modal energy
@@ -241,7 +241,7 @@ def _boundary(search: Search, inner: float, outer: float) -> float:
         return indicator(_multipliers(search, speed), meeting, loses=search.loses)
 
     try:
-        return float(brentq(height, inner, outer, xtol=WITHIN * inner, rtol=8.9e-16))
+        return float(find_root(height, inner, outer, tolerance=WITHIN * inner))
     except ValueError:
         return (inner + outer) / 2.0
 
@@ -289,10 +289,5 @@ def _fastest(search: Search, lower: float, upper: float) -> float:
     best = int(np.argmax([growth(speed) for speed in speeds]))
     low, high = speeds[max(best - 1, 0)], speeds[min(best + 1, len(speeds) - 1)]
     if high > low:
-        minimize_scalar(
-            lambda speed: -growth(float(speed)),
-            bounds=(low, high),
-            method="bounded",
-            options={"xatol": PEAK * (high - low)},
-        )
+        find_minimum(lambda speed: -growth(float(speed)), low, high, tolerance=PEAK * (high - low))
     return max(inside(), key=growth)
