@@ -66,6 +66,22 @@ class HolzerTable:
         return (2.0 * math.pi * self.frequency) ** 2
 
     @property
+    def without_rounding(self) -> list[list[float]]:
+        """Angle, inertia torque, torque in and out, and twist of every row, 0 where they may be rounding.
+
+        A heavy station may hardly move and yet carry a torque: an angle and its torque are 0 together, likewise a
+        torque and its twist.
+        """
+        station = np.array([self.angle, self.inertia_torque])
+        link = np.array([self.torque_in, self.torque_out, self.twist])
+        angle, torque = np.abs(self.angle).max(), np.abs(link[:2]).max()
+        largest = np.array([[angle], [max(torque, np.abs(self.inertia_torque).max())]])
+        station[:, (np.abs(station) < TINY * largest).all(axis=0)] = 0.0
+        link[:, (np.abs(link) < TINY * np.array([[torque], [torque], [angle]])).all(axis=0)] = 0.0
+        rows: list[list[float]] = np.transpose([*station, *link]).tolist()
+        return rows
+
+    @property
     def residual(self) -> float:
         """N m: the largest torque at any station that moves which nothing balances."""
         left = self.torque_out + np.where(self.is_chord, 0.0, self.inertia_torque)

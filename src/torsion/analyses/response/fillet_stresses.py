@@ -16,7 +16,7 @@ from torsion.kernels.round_sections import section_modulus
 from torsion.kernels.tree_response import Status
 from torsion.model.shaft_details import Keyway, Notch
 from torsion.primitives import Bar
-from torsion.results import reported, result
+from torsion.results import derived, reported, result
 from torsion.sources import source
 from torsion.train import Train
 
@@ -61,9 +61,9 @@ class Fillet:
     form: str = result("", (), "fillet, keyway, splines or hole")
     spans: tuple[int, ...] = ()
 
-    @property
-    def words(self) -> str:
-        """What it is, for a reader."""
+    @derived("", (), "the form, and the shaft that follows a fillet")
+    def label(self) -> str:
+        """Label for tables and messages."""
         return self.form if self.following is None else f"fillet to {self.following}"
 
     def torque(self, half_range: FloatArray) -> FloatArray:
