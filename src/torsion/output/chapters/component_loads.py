@@ -154,8 +154,8 @@ def _weakest_sections(findings: Findings, curves: dict[str, Curves]) -> Iterator
         if highest(curves[name].stress):
             stress, speed = worst(curves[name].stress, curves[name].speed)
             value = stress if isinstance(stress, str) else number(stress)
-            yield f"{name} has the highest stress of the {len(bars)} sections of {shaft}: "
-            yield f"{value} N/mm² at {rpm(speed)} rpm."
+            words = f"{name} has the highest stress of the {len(bars)} sections of {shaft}"
+            yield f"{words}: {value} N/mm² at {rpm(speed)} rpm."
 
 
 def _by_order(findings: Findings, curves: dict[str, Curves]) -> Table:
