@@ -99,7 +99,8 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "sharp steps": Analysis(
         "steps between shafts",
-        "torsion.analyses.modes.sharp_steps",
+        "torsion.analyses.modes.steps_and_hubs",
+        "run_steps",
         needs=("modes",),
         results={"sharp_steps": "SharpSteps"},
         chapters=("natural_frequencies",),
@@ -108,7 +109,8 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "hubs": Analysis(
         "hubs on shafts",
-        "torsion.analyses.modes.hub_moves",
+        "torsion.analyses.modes.steps_and_hubs",
+        "run_hubs",
         needs=("modes",),
         results={"hubs": "HubMoves"},
         chapters=("natural_frequencies",),
@@ -323,9 +325,9 @@ ANALYSES: dict[str, Analysis] = {
     ),
     "compressor": Analysis(
         "compressors",
-        "torsion.analyses.compressor.compressor_analysis",
+        "torsion.analyses.compressor.compressors",
         needs=("response", "damped"),
-        results={"compressors": "torsion.analyses.compressor.compressor_results:Compressors"},
+        results={"compressors": "Compressors"},
         wanted=lambda study: any(part.compressor is not None for part in study.train.parts),
         chapters=("crank_machines:compressors",),
         place=("train",),

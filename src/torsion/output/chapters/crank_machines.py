@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from torsion.analyses.compressor.compressor_results import CompressorFound, Compressors
+from torsion.analyses.compressor.compressors import CompressorFound, Compressors
 from torsion.analyses.engine.engine_results import EngineFound, Engines
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings

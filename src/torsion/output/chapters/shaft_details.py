@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from torsion.analyses.modes.hub_moves import HubMoves
-from torsion.analyses.modes.sharp_steps import SharpSteps
+from torsion.analyses.modes.steps_and_hubs import HubMoves, SharpSteps
 from torsion.analyses.response.fillet_stresses import Fillets
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, Paragraph, Points, table
