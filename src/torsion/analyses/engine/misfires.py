@@ -97,8 +97,9 @@ def _half_ranges(
             changed = replace(law, state=state, share=1.0)
             change = changed.amplitude(own, mean) - law.amplitude(own, mean)
             torque[:, line] += change[:, None] * unit_torque[source.station, line]
-        rows = {"mean": response.mean[speeds], "status": response.status[speeds]}
-        half_ranges.append(synthesis(replace(response, torque=torque, **rows)).half_range)
+        mean_torque, status = response.mean[speeds], response.status[speeds]
+        changed_response = replace(response, torque=torque, mean=mean_torque, status=status)
+        half_ranges.append(synthesis(changed_response).half_range)
     return np.array(half_ranges)
 
 

@@ -93,8 +93,8 @@ def _roots(
         if before == 0.0:
             yield left
         elif before * after < 0.0:
-            limits = {"xtol": ROUNDING * right, "rtol": 4.0 * np.finfo(float).eps}
-            yield float(brentq(distance, left, right, **limits))
+            eps = np.finfo(float).eps
+            yield float(brentq(distance, left, right, xtol=ROUNDING * right, rtol=4.0 * eps))
     if marks[-1][1] == 0.0:
         yield marks[-1][0]
 

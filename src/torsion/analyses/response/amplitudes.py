@@ -326,11 +326,11 @@ def merged(first: Result, second: Result, points: FloatArray, added: FloatArray)
     if isinstance(first, Response) and isinstance(second, Response):
         # Of fewer solutions the last stands for all.
         last = [(result.others or (result,))[-1] for result in (first, second)]
-        pairs = (
-            [replace(solution or last[k], others=()) for k, solution in enumerate(pair)]
-            for pair in zip_longest(first.others, second.others)
+        alone = [replace(result, others=()) for result in last]
+        pairs = zip_longest(first.others, second.others)
+        changed["others"] = tuple(
+            merged(a or alone[0], b or alone[1], points, added) for a, b in pairs
         )
-        changed["others"] = tuple(merged(*pair, points, added) for pair in pairs)
     return replace(first, **changed)
 
 

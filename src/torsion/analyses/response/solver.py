@@ -43,21 +43,19 @@ def solve_components(
     rank: of the solutions of couplings by table over vibratory torque, the largest first. Answers come one by one, and
     are singular where no balance was found. Raises what `answer` does.
     """
-    w, ground, points = components.w, components.ground, {"mean": components.mean}
+    w, ground, mean, speed = components.w, components.ground, components.mean, components.speed
     balance: Balanced | None = None
     following: Following | None = None
     settled = np.ones(ground.shape[1], dtype=bool)
-    if components.speed is not None:
-        points["speed"] = components.speed
     if system.train.has_nonlinear_couplings:
         from torsion.analyses.response.balanced_couplings import balanced
 
         forces = [sources[0] for sources in components.apart]
 
         def solve(tried: "Mapping[int, Secant]") -> list[Answer]:
-            return list(answers(system, w, forces, ground, tried, **points))
+            return list(answers(system, w, forces, ground, tried, mean=mean, speed=speed))
 
-        if (balance := balanced(system, w, components.mean, solve)) is not None:
+        if (balance := balanced(system, w, mean, solve)) is not None:
             settled &= balance.settled
     if system.train.has_tables_over("vibratory torque"):
         from torsion.analyses.response.vibratory_couplings import settled as settled_couplings
@@ -72,7 +70,8 @@ def solve_components(
         ground,
         NOTHING if balance is None else balance.added,
         vibratory=None if following is None else following.by_span,
-        **points,
+        mean=mean,
+        speed=speed,
     )
 
     def combined() -> Iterator[Answer]:
@@ -282,7 +281,7 @@ def _chords(system: System, chords: IntArray, w: FloatArray, sources: Sources) -
     flexibility, viscous = system.flexibility[chords] / ratio**2, system.viscous[chords] * ratio**2
     compliance = complex_compliance(flexibility, viscous, system.loss_factor[chords], w)
     ends = condensed.node[system.driving[chords]], condensed.node[system.driven[chords]]
-    twist = np.zeros(len(chords))
+    twist = np.zeros(len(chords), dtype=np.complex128)
     if sources.loop_twist is not None:
         twist = sources.loop_twist[np.isin(condensed.extra, chords)]
     return Chords(*ends, compliance, twist=twist)
