@@ -195,12 +195,12 @@ def _notch(system: System, bar: Bar, notch: Notch) -> Fillet:
         (outer, float(section_modulus(outer, bore)), _concentration(notch, outer, bore))
         for outer, bore in sorted(set(zip(bar.outer, bar.bore, strict=True)))
     ]
-    outer, modulus, (radius, *factors) = max(ends, key=lambda end: end[2][1] / end[1])
+    outer, modulus, concentration = max(ends, key=lambda end: end[2][1] / end[1])
+    radius, factor, error, fit = concentration
     strength = system.train.shaft(bar).endurance
     spans = tuple(np.flatnonzero(system.span_part == bar.part).tolist())
-    return Fillet(
-        bar.name, None, radius, outer, None, modulus, *factors, strength, notch.form, spans
-    )
+    sizes = radius, outer, None, modulus
+    return Fillet(bar.name, None, *sizes, factor, error, fit, strength, notch.form, spans)
 
 
 def _concentration(

@@ -99,12 +99,12 @@ def shafts(findings: Findings) -> Iterator[Block]:
 def stress_curves(findings: Findings, bar: Bar) -> Curves:
     """Return stress and limits of a shaft: those of the first rule that judges it, if there is one."""
     response, total = findings.need(Response), findings.need(Synthesis)
-    spans, modulus, *limits = _section(findings, bar)
+    spans, modulus, continuous, transient, rule = _section(findings, bar)
     stress = (total.half_range[:, spans] / modulus).max(axis=1) * PA
     orders = (np.abs(response.torque[:, :, spans]) / modulus).max(axis=2) * PA
     orders = np.where(response.status == Status.OK, orders, np.nan)
     stress = np.where(unreliable(findings), np.nan, stress)
-    return Curves(response.speed, stress, orders, *limits)
+    return Curves(response.speed, stress, orders, continuous, transient, rule)
 
 
 def _section(
