@@ -68,7 +68,7 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
             yield Clause(
                 "endurance",
                 fillet.shaft,
-                f"Shear stress amplitude in the {fillet.words}",
+                f"Shear stress amplitude in the {fillet.label}",
                 "setting",
                 curve_of(response, stress, PA * fillet.endurance),
                 use,
