@@ -1,6 +1,6 @@
 """Harmonic torques that act at a component: a motor's ripple and the file's own excitations."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, ConfigDict, Field, field_validator
 
@@ -9,6 +9,7 @@ from torsion.errors import Path
 from torsion.fields import (
     Amount,
     Declared,
+    Exclusive,
     Quantity,
     Rows,
     Sized,
@@ -41,7 +42,7 @@ TransmissionError = Annotated[Any, BeforeValidator(_read_error, json_schema_inpu
 class Harmonic(Declared):
     """A torque by order of the component's own speed, or at a fixed frequency."""
 
-    clashes = (exclusive("order", "frequency"),)
+    clashes: ClassVar[tuple[Exclusive, ...]] = (exclusive("order", "frequency"),)
 
     order: fields.Exact | None = given("cycles per revolution of the component's own shaft")
     frequency: fields.Frequency | None = given("a fixed frequency, in place of `order`")

@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from torsion import fields, units
 from torsion.fields import Declared, OneOrMany, Quantity, given, refuse, required, shown
 from torsion.kernels.round_sections import section_modulus
+from torsion.model.engine.crankshaft import check_rod
 from torsion.model.lowering import Mass
 
 Length = Annotated[float, Quantity("m", above=0, usual="size of an engine")]
@@ -78,9 +79,7 @@ class Geometry(Declared):
     )
 
     def refuse_clashes(self) -> None:
-        if self.rod_length <= self.stroke / 2.0 + abs(self.offset):
-            message = "the rod is not longer than half the stroke and the offset together"
-            raise refuse(message, "the piston could not pass its dead centres", "rod_length")
+        check_rod(self.rod_length, self.stroke, self.offset)
 
 
 class RodMasses(Declared):
