@@ -226,7 +226,7 @@ class Coupling(Component, keyword="coupling", sort="link"):
         build.record(ratings=ratings, damping=damping)
         driving, driven = build.link(halves=self.inertia)
 
-        scale = build.at.scale
+        scale = build.arrival.scale
         law = self.table or self.prony or self.fractional
         if law is not None:
             table = law.lowered(scale).times(factor)

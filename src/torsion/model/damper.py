@@ -84,7 +84,7 @@ class RingDamper(Component, keyword="damper", sort="point"):
         build.inertia(housing, self.housing, "housing")
         build.inertia(ring, self.ring, "ring")
         if law is not None:
-            table = law.lowered(build.at.scale)
+            table = law.lowered(build.arrival.scale)
             build.add(tabled_spring(name, build.part, (housing, ring), table, NOMINAL_FREQUENCY))
             return
         flexibility = math.inf if self.stiffness is None else 1.0 / build.own(self.stiffness)

@@ -46,7 +46,11 @@ class Differential(Declared):
         and stiffness, one of angles s and one of angles a. The case turns with s alone (its speed is the mean of
         both halves'), so that nothing joins the second train to anything.
         """
-        path, main, number = (*gear.path, "differential", "train"), build.at, build.number.copy()
+        path, main, number = (
+            (*gear.path, "differential", "train"),
+            build.arrival,
+            build.number.copy(),
+        )
         build.inertia(case, 2.0 * self.side_gear, "side gears")
         self._halves(build, gear, case, path)
         build.number, faults = number, len(build.faults)
@@ -60,12 +64,14 @@ class Differential(Declared):
         self._halves(build, gear, free, path)
         del build.faults[faults:]
         _oppose(build, begin, gear.name)
-        build.at = main
+        build.arrival = main
 
     def _halves(self, build: Lowering, gear: Part, station: int, path: Path) -> None:
         """Lower the train of both halves together from a station."""
         parts, first = len(build.parts), len(build.primitives)
-        lower_branch(build, replace(build.at, here=station, is_open=False), self.train, path)
+        lower_branch(
+            build, replace(build.arrival, station=station, is_open=False), self.train, path
+        )
         for k, part in enumerate(build.parts[parts:], parts):
             _refuse(build, part, _unsupported(part))
             build.parts[k] = replace(

@@ -130,7 +130,7 @@ class Gear(Component, keyword="gear", sort="link"):
 
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)
-        before, part, gear, stage = build.at, build.part, build.parts[-1], self.planetary
+        before, part, gear, stage = build.arrival, build.part, build.parts[-1], self.planetary
         referred_to = before.referred_to
         if self.referred and referred_to is None:
             referred_to = before.ratio
@@ -140,22 +140,22 @@ class Gear(Component, keyword="gear", sort="link"):
         driving, driven = build.link(
             self._speed(self), sense, halves, half, referred_to=referred_to, yoke=None
         )
-        mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.at
+        mesh, main = self._mesh(self, gear.name, part, (driving, driven), before), build.arrival
         if stage is not None and stage.star is not None:
             mesh = _with_planets(build, gear, mesh, stage, before)
         build.add(mesh)
-        build.at = main
+        build.arrival = main
         if self.differential is not None:
             self.differential.lower(build, gear, driven)
         for position, branch in enumerate(self.branches):
             ratio, name = before.ratio * self._speed(branch), f"{gear.name} wheel {position + 2}"
-            build.at = replace(main, ratio=ratio, sense=before.sense * branch.sense)
+            build.arrival = replace(main, ratio=ratio, sense=before.sense * branch.sense)
             driven = build.station(name, part=part)
             build.inertia(driven, branch.inertia, f"wheel {position + 2}", part)
             build.add(self._mesh(branch, name, part, (driving, driven), before))
             path = (*gear.path, "branches", position, "train")
-            lower_branch(build, replace(build.at, here=driven), branch.train, path)
-        build.at = main
+            lower_branch(build, replace(build.arrival, station=driven), branch.train, path)
+        build.arrival = main
 
     def _mesh(
         self,
@@ -218,13 +218,16 @@ def _with_planets(
     build: Lowering, gear: Part, mesh: Constraint, stage: Planetary, before: Arrival
 ) -> Constraint:
     """Lower the planets of a stage as a point of their own; the mesh from, or to, where the arms of the star meet."""
-    star, after, carrier = stage.star, build.at, mesh.driven
+    star, after, carrier = stage.star, build.arrival, mesh.driven
     if star is None:
         return mesh
     if not star.is_mesh_driving:
-        carrier, build.at = mesh.driving, replace(build.at, ratio=before.ratio, sense=before.sense)
+        carrier, build.arrival = (
+            mesh.driving,
+            replace(build.arrival, ratio=before.ratio, sense=before.sense),
+        )
     build.member(gear, "planets", "planets", is_point=True)
-    speed = build.at.ratio / before.ratio  # of the centre over that of the driving member
+    speed = build.arrival.ratio / before.ratio  # of the centre over that of the driving member
     to_centre, centre = before.scale * float(speed) ** 2, carrier
     if star.other:
         centre = build.station(f"{gear.name} centre")
@@ -232,13 +235,13 @@ def _with_planets(
         build.add(Spring(f"{gear.name} carrier", build.part, *ends, star.other * to_centre))
     spin = stage.speeds["planet"]
     sense = before.sense if spin > 0 else -before.sense
-    build.at = replace(build.at, ratio=before.ratio * abs(spin), sense=sense)
+    build.arrival = replace(build.arrival, ratio=before.ratio * abs(spin), sense=sense)
     planets, name = build.station(build.name), f"{gear.name} planets"
-    build.record(stations=(planets,), ratio=build.at.ratio, depth=gear.depth + 1)
+    build.record(stations=(planets,), ratio=build.arrival.ratio, depth=gear.depth + 1)
     build.inertia(planets, stage.planets * stage.planet_inertia, f"{stage.planets} planets")
     flexibility = star.planets * to_centre
     build.add(Constraint(name, build.part, centre, planets, abs(spin) / speed, flexibility))
-    build.at = after
+    build.arrival = after
     ends = (mesh.driving, centre) if star.is_mesh_driving else (centre, mesh.driven)
     return replace(mesh, driving=ends[0], driven=ends[1], flexibility=star.mesh * before.scale)
 
