@@ -55,7 +55,6 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
     name = "gear-hammer"
     edition = "application factor of ISO 6336-1"
     settings_class = GearHammerSettings
-    is_pointwise = True
 
     def faults(self, study: Study) -> list[Fault]:
         """What the file lacks for this rule."""

@@ -103,9 +103,7 @@ class LimitedShaft:
     keyways: tuple[str, ...] = ()  # features that do not go with a barred range
     restrictions: tuple[str, ...] = ()  # conditions of its limits that the file does not answer
     doubts: tuple[str, ...] = ()  # conditions of its limits that are known to be broken
-    near_limit: tuple[
-        str, ...
-    ] = ()  # conditions that hold for a stress near the limit of continuous use
+    near_limit: tuple[str, ...] = ()  # conditions of a stress near the limit of continuous use
 
 
 def may_be_barred(speed_ratio: ArrayLike) -> BoolArray:

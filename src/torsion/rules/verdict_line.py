@@ -342,9 +342,6 @@ class Rule(Generic[Settings]):
     edition: str = ""  # of the text that its limits follow
     needs: tuple[str, ...] = ()  # analyses that it reads
     scope: float = 1.0  # speed ratio up to which it is to be judged
-    is_pointwise = (
-        False  # its clauses judge each speed by itself, and it says nothing else of what keeps them
-    )
 
     def __init__(self, settings: Settings, name: str = "") -> None:
         """name: the name in the file, of a class that serves several rules."""
