@@ -9,8 +9,9 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Findings
+from torsion.output.blocks import Paragraph
 from torsion.output.figures.figure import Grade, Use
-from torsion.output.numbers import NONE, given, given_rpm, number, order, symbols
+from torsion.output.numbers import NONE, counted, given, given_rpm, number, order, symbols
 from torsion.output.reported_values import reference
 from torsion.results import listed
 from torsion.rules.reached_speeds import BEGINS, reach_words
@@ -32,7 +33,6 @@ GRADES: tuple[tuple[float, Grade], ...] = (  # of a pass, below
 NEAR = (0.99, 1.01)  # shares of a limit that have more digits, so that none over it reads 100 %
 LEAST_LISTED = 0.1  # utilisation of the listed checks that pass
 FEWEST_ROWS = 5  # are listed anyway
-SMALL = f"{100 * LEAST_LISTED:g} % of the limit"
 NOT_JUDGED = Use("not judged", "", (3.0, 0.0))
 
 
@@ -52,6 +52,13 @@ def is_listed(check: Check, row: int) -> bool:
     """Return whether it stands in the table of checks, in this row of the ranked checks."""
     is_small = check.utilisation is not None and check.utilisation < LEAST_LISTED
     return row < FEWEST_ROWS or check.verdict != "pass" or not is_small
+
+
+def omitted(count: int) -> Paragraph:
+    """Return the sentence about checks that a table leaves out."""
+    return Paragraph(
+        f"{counted(count, 'more check')} below {100 * LEAST_LISTED:g} % of the limit in results.json."
+    )
 
 
 def quoted(name: str) -> str:

@@ -17,7 +17,7 @@ from torsion.output.reported_values import (
     band_words,
     barred,
     barred_rpm,
-    mode_near,
+    mode_of,
     tilted,
     unreliable,
 )
@@ -277,8 +277,8 @@ def _barred_words(findings: Findings) -> str:
     for band in barred(findings):
         words = [band_words((band.lower * RPM, band.upper * RPM)), band.shaft]
         if band.order is not None:
-            mode = mode_near(findings, float(band.order) * band.critical / (2.0 * np.pi))
-            words += [f"order {check_words.contributing(findings, band.order)}", f"mode {mode}"]
+            order = check_words.contributing(findings, band.order)
+            words += [f"order {order}", f"mode {mode_of(findings, band)}"]
         ranges.append(", ".join(words))
     return listed(ranges, "; ", most=MOST_RANGES)
 
