@@ -11,7 +11,7 @@ from torsion.output.chapters.case_verdict import Row, side_by_side
 from torsion.output.figures import case_curves
 from torsion.output.figures.figure import Figure
 from torsion.output.headline import Cases
-from torsion.output.numbers import NONE, RPM, exact, number, rpm, symbols
+from torsion.output.numbers import NONE, RPM, exact, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
 from torsion.output.selection import elements, highest, torques
 from torsion.rules import RULES
@@ -106,12 +106,12 @@ def _cells(cases: Cases, row: Row, shown: Sequence[str]) -> tuple[str, ...]:
 def _barred(cases: Cases) -> Iterator[Table]:
     """Yield the barred ranges of every case; nothing where there is none."""
     rows = [
-        (name, rpm(low / RPM), rpm(high / RPM))
+        (name, *band)
         for name, case in cases.items()
-        for low, high in (barred_rpm(case) if case.is_answered else ())
+        for band in (barred_rpm(case) if case.is_answered else ())
     ]
     if rows:
-        titles = "< Case -> | From [rpm] -> from rpm | To [rpm] -> to rpm"
+        titles = "< Case -> | From [=rpm] -> from rpm | To [=rpm] -> to rpm"
         caption = "Cases: barred ranges"
         yield table(titles, rows, caption, short=caption)
 
@@ -124,10 +124,9 @@ def _frequencies(cases: Cases) -> Iterator[Table]:
         if case.get(Modes) is not None
     }
     if count := max(map(len, frequencies.values()), default=0):
-        columns = (texts("Case"), *(Column(f"Mode {k + 1}", "Hz") for k in range(count)))
+        columns = (texts("Case"), *(Column(f"Mode {k + 1}", "Hz", digits=7) for k in range(count)))
         rows = [
-            (name, *(number(f, 7) for f in values), *[NONE] * (count - len(values)))
-            for name, values in frequencies.items()
+            (name, *values, *[None] * (count - len(values))) for name, values in frequencies.items()
         ]
         yield table(columns, rows, "Natural frequencies of the cases")
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from torsion.output import check_words
 from torsion.output.blocks import Table, head, table
 from torsion.output.headline import Cases, case_verdict, lines_of, omitted_rules
-from torsion.output.numbers import NONE, number, symbols
+from torsion.output.numbers import NONE, symbols
 from torsion.results import listed
 from torsion.rules.verdict_line import WORDS, Check
 
@@ -26,15 +26,14 @@ def overview(cases: Cases) -> Table:
         elif case is not None:
             report = f"{case.folder}/report.html"
         text += omitted.get(name, "") if findings.is_judged else " (information)"
-        used, where = NONE, NONE
+        used, where = None, NONE
         if highest is not None:
-            used = number(100.0 * (highest.utilisation or 0.0), 4)
-            where = f"{highest.where}: {symbols(highest.clause)}"
+            used, where = highest.utilisation, f"{highest.where}: {symbols(highest.clause)}"
         failed = sum(check.fails for check in checks)
         rows.append((name, report, len(checks), failed, used, where, text))
         marks.append(word if findings.is_judged else "")
     columns = head(
-        "< Case -> | < Report | Checks | Failed -> failed | Highest utilisation [%] -> util., % | "
+        "< Case -> | < Report | Checks | Failed -> failed | Highest utilisation [%]:4 -> util., % | "
         "< Component and clause -> component | < Verdict ->"
     )
     return table(

@@ -11,7 +11,7 @@ from torsion.output.chapters import first_page
 from torsion.output.chapters.case_verdict import overview
 from torsion.output.check_words import STRESS, contributing, quoted
 from torsion.output.headline import box, case_name
-from torsion.output.numbers import NONE, counted, number, rpm, symbols
+from torsion.output.numbers import counted, rpm, symbols
 from torsion.output.reported_values import band_words, barred, barred_rpm, mode_of, rated
 from torsion.results import listed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks
@@ -52,7 +52,7 @@ def _details(findings: Findings, *heading: Block) -> Iterator[Block]:
     yield from heading
     listed_checks = [check for row, check in enumerate(checks) if check_words.is_listed(check, row)]
     yield table(
-        "< Check -> | < Component -> | Value -> | Limit -> | < Unit -> | Utilisation [%] -> util., % | "
+        "< Check -> | < Component -> | Value -> | Limit -> | < Unit -> | Utilisation [%]:4 -> util., % | "
         "Speed [rpm] | < Order | < Rule, clause and basis | < Verdict ->",
         [_row(findings, check) for check in listed_checks],
         "Checks, each at its worst point, worst first. Order: the main contribution",
@@ -146,20 +146,20 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
     rows = [
         (
             band.shaft,
-            rpm(band.lower),
-            rpm(band.upper),
+            band.lower,
+            band.upper,
             contributing(findings, band.order),
             mode_of(findings, band),
-            rpm(band.critical),
-            number(band.critical / speed, 4) if speed else NONE,
-            rpm(band.formula_lower),
-            rpm(band.formula_upper),
-            *(rpm(band.tolerance_lower), rpm(band.tolerance_upper)) * has_tolerances,
+            band.critical,
+            band.critical / speed if speed else None,
+            band.formula_lower,
+            band.formula_upper,
+            *(band.tolerance_lower, band.tolerance_upper) * has_tolerances,
         )
         for band in ranges
     ]
     yield table(
-        "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ | "
+        "< Shaft -> | From [rpm] -> from rpm | To [rpm] -> to rpm | < Order -> | Mode -> | Critical speed [rpm] | λ:4 | "
         "From by formula [rpm] | To by formula [rpm]"
         + " | From, tolerances [rpm] | To, tolerances [rpm]"
         * has_tolerances,
@@ -168,34 +168,32 @@ def barred_ranges(findings: Findings) -> Iterator[Block]:
         short="Barred ranges",
     )
     if times := dict.fromkeys(time for check in checks for time in check.times):
-        cells = [
-            (
-                passage.motion or "the only",
-                rpm(passage.lower),
-                rpm(passage.upper),
-                number(passage.seconds, 3),
-                NONE if passage.share is None else number(100.0 * passage.share, 3),
-                "ends within" if passage.stays else "passes",
-            )
-            for passage in times
-        ]
         yield table(
-            "< Transient | From [rpm] | To [rpm] | Time in the range [s] | Peak / steady resonance [%] | <",
-            cells,
+            "< Transient | From [rpm] | To [rpm] | Time in the range [s]:3 | Peak / steady resonance [%]:3 | <",
+            [
+                (
+                    time.motion or "the only",
+                    time.lower,
+                    time.upper,
+                    time.seconds,
+                    time.share,
+                    "ends within" if time.stays else "passes",
+                )
+                for time in times
+            ],
             "Transients in barred ranges (the rule has no limit of the time)",
         )
 
 
-def _row(findings: Findings, check: Check) -> tuple[str, ...]:
-    used = NONE if check.utilisation is None else number(100.0 * check.utilisation, 4)
+def _row(findings: Findings, check: Check) -> tuple[object, ...]:
     return (
         check.what,
         check.where,
         check_words.value(check),
         check_words.limit(check),
         check_words.unit(check),
-        used,
-        rpm(check.speed),
+        check.utilisation,
+        check.speed,
         contributing(findings, check.order),
         f"{check.rule}: {symbols(check.clause)} ({check_words.basis(check)})",
         f"{check_words.SIGNS[check.verdict]} {WORDS[check.verdict]}",
