@@ -249,6 +249,13 @@ def joint_model(findings: Findings) -> str:
     return f"The first-order joint model estimates its own relative error as at most {number(100 * error, 2)} %."
 
 
+def mode_of(findings: Findings, barred: BarredRange) -> str:
+    """The mode that the order of a barred range excites at its critical speed."""
+    if barred.order is None:
+        return NONE
+    return mode_near(findings, float(barred.order) * barred.critical / (2.0 * math.pi))
+
+
 def mode_near(findings: Findings, frequency: float) -> str:
     """The mode whose frequency is nearest, if it is near."""
     damped, undamped = findings.get(DampedModes), findings.get(Modes)

@@ -9,7 +9,7 @@ from torsion.output.drawing.grades import BOLD, marked
 from torsion.output.drawing.pens import BAD, INK
 from torsion.output.drawing.sheet import Sheet, height
 from torsion.output.drawing.text import HALO, shown, words
-from torsion.output.drawing.words import GROWTH, SIZE, Box, Room, Word, fitted, width
+from torsion.output.drawing.words import GROWTH, SIZE, Box, Room, Word, width
 from torsion.output.figures.figure import Link, Sketch, Use
 from torsion.output.figures.mode_shape import thinned
 from torsion.output.numbers import counted
@@ -81,11 +81,6 @@ def by_rank(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
         said = f"Not labelled for want of room: {counted(left_out, 'component')}"
         said += f" (of these {bad} fail)." if bad else "."
         texts.append(words(4.0, low - 3.0, said, f' fill="{SOFT}"'))
-    for said in sketch.beside:
-        low += 1.3 * SIZE
-        texts.append(
-            words(4.0, low - 3.0, fitted(said, WIDTH / (GROWTH * WIDER)), f'{BOLD} fill="{BAD}"')
-        )
     return (high, low), lines + _marks(sheet, sketch) + texts
 
 
