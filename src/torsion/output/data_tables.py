@@ -1,7 +1,7 @@
 """Tables in files: results as plain values for CSV and spreadsheets, and the tables of the report, all digits.
 
-Columns of results are keys of results.json. Lists of records become a table by their key (`checks`, `critical_speeds`), arrays over one axis a table by their result
-(`modes`). Arrays over two axes stay in results.json.
+Columns of results are keys of results.json. Lists of records become a table by their key (`checks`,
+`critical_speeds`), arrays over one axis a table by their result (`modes`). Arrays over two axes stay in results.json.
 """
 
 import io

@@ -11,8 +11,7 @@ from torsion.output.drawing.text import shown
 from torsion.output.drawing.words import SIZE
 from torsion.output.figures.figure import Disc, Link, Sketch
 
-MANY = 60  # points and links from which lines are drawn thinner, and only some have words
-MOST_LABELS = 24  # of points, and of links, where there are many
+MANY = 60  # points and links from which lines are drawn thinner
 WIDEST = 95.0  # px of a unit across, at most
 WEB, PIN = (
     0.42,
@@ -46,13 +45,7 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
         DRAWINGS[link.kind](sheet, link)
     for disc in sketch.discs:
         _disc(sheet, disc)
-    if sketch.is_graded:
-        spread, texts = sketch_words.by_rank(sheet, sketch)
-    else:
-        number = len(sketch.discs) + len(sketch.links)
-        spread, texts = sketch_words.in_steps(
-            sheet, sketch, MOST_LABELS if number > MANY else number
-        )
+    spread, texts = sketch_words.place_words(sheet, sketch)
     upper, lower = spread[0] - 3.0, spread[1] + 3.0
     below, legend = key(
         [link.use for link in sketch.links if link.use is not None], lower - upper + top

@@ -214,11 +214,6 @@ class Sketch:
     height: float | None = None  # px from the lowest to the highest axis, at most
     beside: tuple[str, ...] = ()  # what fails in parts that are not drawn, in words below it
 
-    @property
-    def is_graded(self) -> bool:
-        """Its links are coloured by their use."""
-        return any(link.use is not None for link in self.links)
-
 
 @dataclass(frozen=True)
 class Share:
