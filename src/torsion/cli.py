@@ -116,10 +116,10 @@ def solve(
             "-o": out,
         },
     )
-    also = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
+    requested = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
     solved = partial(commands.solved, file, case=case, memory=memory)
     shown = {"is_full": full, "is_verbose": verbose}
-    print_report("solve", file, out, solved, also, as_json=json, matrices=matrices, **shown)
+    print_report("solve", file, out, solved, requested, as_json=json, matrices=matrices, **shown)
 
 
 @app.command()
@@ -164,20 +164,20 @@ def sweep(
     from torsion.sweeping import swept
     from torsion.sweeping.cluster import Scheduler
 
-    place = Scheduler(workers, scheduler, scheduler_file, tls_ca, tls_cert, tls_key)
+    cluster = Scheduler(workers, scheduler, scheduler_file, tls_ca, tls_cert, tls_key)
     solved = partial(
         swept.swept,
         file,
         out,
-        scheduler=place,
+        scheduler=cluster,
         fresh=fresh,
         csv=csv,
         case=case,
         notice=partial(say, err=True),
     )
     try:
-        also = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
-        print_report("solve", file, out, solved, also, as_json=False, is_verbose=verbose)
+        requested = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
+        print_report("solve", file, out, solved, requested, as_json=False, is_verbose=verbose)
     except (KeyboardInterrupt, SystemExit) as ended:
         typer.echo(
             "ended; the finished parts stay, and the same command continues from there", err=True
@@ -306,12 +306,12 @@ def plan(file: File, case: Case = None) -> None:
 
     with refusals(file):
         planned = commands.plan(file, case=case)
-        for name, one in {"": planned, **planned.cases}.items():
+        for name, part in {"": planned, **planned.cases}.items():
             if name:
                 typer.echo(f"\ncase {name}")
-            for what, size, why in one.steps:
+            for what, size, why in part.steps:
                 typer.echo(f"{what}: {size} ({why})" if size else f"{what} ({why})")
-            for what, why in one.left_out:
+            for what, why in part.left_out:
                 typer.echo(f"left out: {what}, because {why}")
 
 

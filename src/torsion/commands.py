@@ -97,8 +97,10 @@ def one_case(study: Study, case: str | None) -> Study:
     if case in study.cases:
         return study.cases[case]
     near = nearest(case, study.cases)
-    known = f"did you mean '{near}'?" if near else f"there is {', '.join((NORMAL, *study.cases))}"
-    hint = known if study.cases else "a file states them under `cases: {...}`"
+    known_names = (
+        f"did you mean '{near}'?" if near else f"there is {', '.join((NORMAL, *study.cases))}"
+    )
+    hint = known_names if study.cases else "a file states them under `cases: {...}`"
     fault = Fault(("cases",), f"no case is called '{printable(case)}'", hint, at_key=True)
     raise located(InputError([fault]), study)
 
@@ -155,27 +157,27 @@ def report(
     from torsion.output.stored_report import file_at, opened
     from torsion.output.write import redraw
 
-    place = Path(results)
+    source = Path(results)
     made, folder = (
-        opened(place),
-        Path(out) if out is not None else place if place.is_dir() else place.parent,
+        opened(source),
+        Path(out) if out is not None else source if source.is_dir() else source.parent,
     )
     with _writing(None, "the report", folder, OTHER_FOLDER):
-        redraw(made, folder, also=also, results=file_at(place))
+        redraw(made, folder, also=also, results=file_at(source))
     return made, folder
 
 
 @contextmanager
-def _writing(study: Study | None, what: str, place: Path, remedy: str = "") -> Iterator[None]:
+def _writing(study: Study | None, what: str, target: Path, remedy: str = "") -> Iterator[None]:
     """Raise InputError where something cannot be written to its place, or that is a file of the scene itself; locate
     other faults in the file."""
     from torsion.output.write import inputs, refuse_inputs
 
     try:
-        refuse_inputs([place], [] if study is None else inputs(study))
+        refuse_inputs([target], [] if study is None else inputs(study))
         yield
     except OSError as error:
-        message = f"{what} cannot be written to {place}: {error.strerror or error}"
+        message = f"{what} cannot be written to {target}: {error.strerror or error}"
         raise InputError([Fault((), message)], message + remedy) from None
     except InputError as error:
         raise error if study is None else located(error, study) from None
@@ -232,11 +234,11 @@ def check(file: str | Path, *, case: str | None = None, progress: Progress = sil
     scene = read(file)
     study = one_case(scene, case)
     findings = run(replace(study, rules=()), only=("check",), progress=progress)
-    rest = (
+    remainder = (
         "everything else",
         "`torsion check` only compares the models; `torsion solve` does the rest",
     )
-    left_out = _beside(scene, (*findings.plan.left_out, rest), "check")
+    left_out = _beside(scene, (*findings.plan.left_out, remainder), "check")
     return replace(findings, study=study, plan=replace(findings.plan, left_out=left_out))
 
 
@@ -358,11 +360,13 @@ def plan(file: str | Path, *, case: str | None = None) -> Planned:
     Raises InputError as `solve` does.
     """
     study = read(file)
-    found = _planned(one_case(study, case))
+    planned = _planned(one_case(study, case))
     return (
-        found
+        planned
         if case is not None
-        else replace(found, cases={key: _planned(one) for key, one in study.cases.items()})
+        else replace(
+            planned, cases={key: _planned(case_study) for key, case_study in study.cases.items()}
+        )
     )
 
 
@@ -419,10 +423,10 @@ def _sizes(study: Study, system: System, ruled: frozenset[str]) -> dict[str, str
         from torsion.analyses.motion.transient_settings import cases
 
         sizes["transient"] = " ".join(
-            f"{one.name}: {acting_torques(study, one).words}{expected_steps(study, system, one)}".removeprefix(
+            f"{motion.name}: {acting_torques(study, motion).words}{expected_steps(study, system, motion)}".removeprefix(
                 ": "
             )
-            for one, _ in cases(study)
+            for motion, _ in cases(study)
         )
     if speeds is not None:
         sizes["response"] = (
@@ -459,11 +463,13 @@ def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None 
     from torsion.output.figures.figure import Figure
 
     findings = run(replace(one_case(read(file), case), rules=()), only=("assembly",))
-    place = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
+    target = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
     drawn, joining = plant.sketch(findings)
     figure = Figure(
         "plant", f"Train, numbered from its driving end (not to scale){joining}", (drawn,)
     )
-    with _writing(findings.study, "the sketch", place):
-        place.write_text(f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8")
-    return place
+    with _writing(findings.study, "the sketch", target):
+        target.write_text(
+            f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8"
+        )
+    return target

@@ -69,21 +69,21 @@ def run(
     if not study.cases:
         return _misfires(study, only, progress, answered)
     total = 1 + len(study.cases)
-    found = _misfires(study, only, _part_of(progress, f"case {NORMAL}", (0, total)), answered)
+    findings = _misfires(study, only, _part_of(progress, f"case {NORMAL}", (0, total)), answered)
     cases = {}
-    for place, (name, case) in enumerate(study.cases.items(), start=1):
-        part = _part_of(progress, f"case {name}", (place, total))
+    for position, (name, case) in enumerate(study.cases.items(), start=1):
+        part = _part_of(progress, f"case {name}", (position, total))
         part("", 0.0)
-        others = {
-            key: one for key, one in case.variations.items() if key != "design"
+        variations = {
+            key: variation for key, variation in case.variations.items() if key != "design"
         }  # which is over all cases
         try:
             cases[name] = _misfires(
-                replace(case, memory=study.memory, variations=others), only, part, answered
+                replace(case, memory=study.memory, variations=variations), only, part, answered
             )
         except (InputError, SolveError) as error:
             cases[name] = _without_answer(case, error)
-    return replace(found, cases=cases)
+    return replace(findings, cases=cases)
 
 
 def _misfires(
@@ -99,23 +99,23 @@ def _misfires(
         return _one(study, only, progress, answered)
     from torsion.model.engine.misfire_cases import misfire_cases
 
-    each = list(misfire_cases(study.train.parts, study.train.torques))
+    misfires = list(misfire_cases(study.train.parts, study.train.torques))
     return _worst(
         {
             words: _one(
                 replace(study, train=replace(study.train, parts=parts, torques=torques)),
                 only,
-                _part_of(progress, words, (place, len(each))),
+                _part_of(progress, words, (position, len(misfires))),
                 answered,
             )
-            for place, (words, parts, torques) in enumerate(each)
+            for position, (words, parts, torques) in enumerate(misfires)
         }
     )
 
 
 def _worst(cases: Mapping[str, Findings]) -> Findings:
     """The findings of the case with the worst check, its checks replaced by the worst of all cases, each named."""
-    lines = worst_checks({words: found.need(Checks).lines for words, found in cases.items()})
+    lines = worst_checks({words: findings.need(Checks).lines for words, findings in cases.items()})
     named = [
         replace(
             check,
@@ -126,51 +126,59 @@ def _worst(cases: Mapping[str, Findings]) -> Findings:
         for words, check in lines.values()
     ]
     worst = max(lines.values(), key=lambda line: rank(line[1]))[0] if lines else next(iter(cases))
-    found = cases[worst]
-    unanswered = {one.analysis: one for case in cases.values() for one in case.plan.unanswered}
+    findings = cases[worst]
+    unanswered = {
+        answer.analysis: answer for case in cases.values() for answer in case.plan.unanswered
+    }
     left_out = dict.fromkeys(
-        (*found.plan.left_out, *((one.what, one.words) for one in unanswered.values()))
+        (*findings.plan.left_out, *((answer.what, answer.words) for answer in unanswered.values()))
     )
-    plan = replace(found.plan, unanswered=tuple(unanswered.values()), left_out=tuple(left_out))
-    whole = replace(found, plan=plan).having(checks=Checks(tuple(named)))
+    plan = replace(findings.plan, unanswered=tuple(unanswered.values()), left_out=tuple(left_out))
+    united = replace(findings, plan=plan).having(checks=Checks(tuple(named)))
     first = next(iter(cases.values())).results.get("engines")  # that which has the misfires
     if first is None:
-        return whole
-    pairs = zip(found.results["engines"].each, first.each, strict=True)
-    return whole.having(
+        return united
+    pairs = zip(findings.results["engines"].each, first.each, strict=True)
+    return united.having(
         engines=replace(
-            first, each=tuple(replace(own, superposed=one.superposed) for own, one in pairs)
+            first,
+            each=tuple(
+                replace(engine, superposed=first_engine.superposed)
+                for engine, first_engine in pairs
+            ),
         )
     )
 
 
 def _united(bands: Iterable[BarredRange]) -> tuple[BarredRange, ...]:
     """Barred ranges of a shaft, those of one order that overlap as one, from the lowest to the highest speed."""
-    found: list[BarredRange] = []
+    merged: list[BarredRange] = []
     for band in sorted(bands, key=lambda one: (one.shaft, one.order or 0, one.lower)):
-        last = found[-1] if found else None
+        last = merged[-1] if merged else None
         if (
             last is None
             or (last.shaft, last.order) != (band.shaft, band.order)
             or band.lower > last.upper
         ):
-            found.append(band)
+            merged.append(band)
             continue
         ends = [min(last.lower, band.lower), max(last.upper, band.upper)]
         formula = [
             min(last.formula_lower, band.formula_lower),
             max(last.formula_upper, band.formula_upper),
         ]
-        found[-1] = replace(
+        merged[-1] = replace(
             last, lower=ends[0], upper=ends[1], formula_lower=formula[0], formula_upper=formula[1]
         )
-    return tuple(found)
+    return tuple(merged)
 
 
-def _part_of(progress: Progress, name: str, place: tuple[int, int]) -> Progress:
+def _part_of(progress: Progress, name: str, share_of: tuple[int, int]) -> Progress:
     """The progress of one of several runs as a share of that of all."""
-    at, total = place
-    return lambda what, share: progress(f"{name}{': ' if what else ''}{what}", (at + share) / total)
+    position, total = share_of
+    return lambda what, share: progress(
+        f"{name}{': ' if what else ''}{what}", (position + share) / total
+    )
 
 
 def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
@@ -181,10 +189,10 @@ def _without_answer(case: Study, error: InputError | SolveError) -> Findings:
         remedy, text = "; ".join(fault.hint for fault in error.faults if fault.hint), str(error)
     else:
         why, remedy, text = error.message, error.hint, error.located or str(error)
-    one = Unanswered(
+    unanswered = Unanswered(
         "", f"case '{name}'", why, remedy, None, True, isinstance(error, InputError), text
     )
-    return Findings(case, {}, Plan((), ((one.what, one.words),), {}, (one,)))
+    return Findings(case, {}, Plan((), ((unanswered.what, unanswered.words),), {}, (unanswered,)))
 
 
 def _message(fault: Fault, study: Study) -> str:
@@ -232,8 +240,10 @@ def _one(
                         if name in work.ruled or name in ESSENTIAL:
                             raise
                         errors.append(error)
-                        work.log.unanswered.append(one := _unanswered(study, name, analysis, error))
-                        work.log.without(one.what, one.words)
+                        work.log.unanswered.append(
+                            answer := _unanswered(study, name, analysis, error)
+                        )
+                        work.log.without(answer.what, answer.words)
             if errors and not any(work.results.get(key) is not None for key in ANSWERS):
                 raise errors[0]
             _judge(work)
@@ -246,8 +256,8 @@ def _one(
             )
         raise
     plan = replace(work.log.plan(), sources=used_sources(study, citations, work.need(Checks)))
-    found = Findings(study, work.results, plan)
-    return _with_demanded_speeds(found, judged, progress)
+    findings = Findings(study, work.results, plan)
+    return _with_demanded_speeds(findings, judged, progress)
 
 
 def used_sources(study: Study, citations: Citations, checks: Checks) -> tuple[UsedSource, ...]:
@@ -273,21 +283,24 @@ def used_sources(study: Study, citations: Citations, checks: Checks) -> tuple[Us
     return (*literature, *editions)
 
 
-def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> Findings:
+def _with_demanded_speeds(findings: Findings, study: Study, progress: Progress) -> Findings:
     """The findings with the worst of each check up to the speeds that its rule demands above those of the operation.
 
     They are computed for the rules alone. Where they have no answer, the checks of those rules are not judged there.
     """
     above = demanded_study(study)
     if above is None or above.operation.speeds is None:
-        return found
+        return findings
     end, names = in_rpm(above.operation.speeds.last), [name for name, _ in above.rules]
-    mine = [check for check in found.need(Checks).lines if check.rule in names]
+    mine = [check for check in findings.need(Checks).lines if check.rule in names]
     start = time.perf_counter()
     try:
         analyses = rules.needed(above) | _beside_response(above)
         above = replace(
-            above, analyses={name: one for name, one in study.analyses.items() if name in analyses}
+            above,
+            analyses={
+                name: settings for name, settings in study.analyses.items() if name in analyses
+            },
         )
         if faults := study_faults(above):
             raise InputError(faults)
@@ -296,9 +309,9 @@ def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> 
         why = error.faults[0].message if isinstance(error, InputError) else error.message
         rows = {(check.rule, check.where): _not_computed(check, end, why) for check in mine}
         further = tuple(rows.values())
-    own = f"above `operation.speeds`, computed up to {end} for the rule"
+    origin = f"above `operation.speeds`, computed up to {end} for the rule"
     worst = worst_checks(
-        {"": tuple(mine), own: tuple(check for check in further if check.rule in names)}
+        {"": tuple(mine), origin: tuple(check for check in further if check.rule in names)}
     )
     merged = tuple(
         replace(check, note="; ".join(filter(None, (words, check.note))))
@@ -306,7 +319,7 @@ def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> 
         else check
         for words, check in worst.values()
     )
-    others = tuple(check for check in found.need(Checks).lines if check.rule not in names)
+    unchanged = tuple(check for check in findings.need(Checks).lines if check.rule not in names)
     line = PlanLine(
         f"speeds up to {end}",
         "the same model",
@@ -314,13 +327,15 @@ def _with_demanded_speeds(found: Findings, study: Study, progress: Progress) -> 
         time.perf_counter() - start,
         f"{', '.join(names)}: demanded above `operation.speeds`",
     )
-    plan = replace(found.plan, done=(*found.plan.done, line))
-    return replace(found, plan=plan).having(checks=Checks(_in_order(study, (*others, *merged))))
+    plan = replace(findings.plan, done=(*findings.plan.done, line))
+    return replace(findings, plan=plan).having(
+        checks=Checks(_in_order(study, (*unchanged, *merged)))
+    )
 
 
 def _in_order(study: Study, checks: Iterable[Check]) -> tuple[Check, ...]:
     """The checks in the order of the rules of the study, those of rules that need no name first."""
-    order = {name: place for place, (name, _) in enumerate(study.rules)}
+    order = {name: position for position, (name, _) in enumerate(study.rules)}
     return tuple(sorted(checks, key=lambda check: order.get(check.rule, -1)))
 
 
@@ -345,42 +360,49 @@ def _unanswered(
     study: Study, name: str, analysis: Analysis, error: InputError | SolveError
 ) -> Unanswered:
     """The error, located in the file where it says its place or the file names the analysis."""
-    place = analysis.place or ("analyses", name)
+    path = analysis.place or ("analyses", name)
     by_default = name == "steady" or (not study.analyses and name in DEFAULT)
-    named = by_default or study.setting(*place) is not None
+    named = by_default or study.setting(*path) is not None
     if isinstance(error, InputError):
         faults = list(error.faults)
     else:
         faults = [
             Fault(
-                error.path or (place if named and study.analyses else ()), error.message, error.hint
+                error.path or (path if named and study.analyses else ()), error.message, error.hint
             )
         ]
-    known = (
+    located_error = (
         located(InputError(faults), study)
         if all(fault.path for fault in faults)
         else InputError(faults, str(error))
     )
     why = "; ".join(
-        _message(fault, study).removeprefix(f"{analysis.title}: ") for fault in known.faults
+        _message(fault, study).removeprefix(f"{analysis.title}: ") for fault in located_error.faults
     )
-    remedy = "; ".join(fault.hint for fault in known.faults if fault.hint)
-    line = next((fault.line for fault in known.faults if not fault.file), None)
+    remedy = "; ".join(fault.hint for fault in located_error.faults if fault.hint)
+    line = next((fault.line for fault in located_error.faults if not fault.file), None)
     return Unanswered(
-        name, analysis.title, why, remedy, line, named, isinstance(error, InputError), str(known)
+        name,
+        analysis.title,
+        why,
+        remedy,
+        line,
+        named,
+        isinstance(error, InputError),
+        str(located_error),
     )
 
 
 def _with_needs(only: Collection[str]) -> list[str]:
     """The names, each behind those that it needs."""
-    found: dict[str, None] = {}
+    names: dict[str, None] = {}
     for name in only:
         if name not in ANALYSES:
             raise InputError(
                 [Fault(("only",), f"no analysis is called '{name}'", ", ".join(ANALYSES))]
             )
-        found |= dict.fromkeys([*_with_needs(ANALYSES[name].needs), name])
-    return list(found)
+        names |= dict.fromkeys([*_with_needs(ANALYSES[name].needs), name])
+    return list(names)
 
 
 def _judge(work: Work) -> None:
@@ -390,12 +412,17 @@ def _judge(work: Work) -> None:
         work.log.without("rules", "the file names none")
     else:
         with work.log.step("rules", "the file names them") as step:
-            found = rules.verdicts(work)
+            checks_found = rules.verdicts(work)
             step.method = ", ".join(name for name, _ in work.study.rules)
-            step.size = f"{len(found)} checks"
-        checks += (*found, *(with_basis(check, "") for check in unjudged_variants(work.study)))
+            step.size = f"{len(checks_found)} checks"
+        checks += (
+            *checks_found,
+            *(with_basis(check, "") for check in unjudged_variants(work.study)),
+        )
         for rule in rules.of_study(work.study):
-            clauses = dict.fromkeys(check.clause for check in found if check.rule == rule.name)
+            clauses = dict.fromkeys(
+                check.clause for check in checks_found if check.rule == rule.name
+            )
             verified = rule.settings.verified
             for clause in (verified.clauses or ()) if verified else ():
                 if clause not in clauses:

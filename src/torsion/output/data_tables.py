@@ -76,8 +76,8 @@ def _of_arrays(name: str, result: Any, selection: Selection) -> Iterator[DataTab
             parts = {"_real": array.real, "_imag": array.imag} if is_complex else {"": array}
             columns |= {f"{quantity.key}{part}": half.tolist() for part, half in parts.items()}
 
-    for place, ((axis, count), columns) in enumerate(by_axis.items()):
-        table_name = name if place == 0 else f"{name}_by_{axis.replace(' ', '_')}"
+    for position, ((axis, count), columns) in enumerate(by_axis.items()):
+        table_name = name if position == 0 else f"{name}_by_{axis.replace(' ', '_')}"
         yield from _table(table_name, {axis: list(range(1, count + 1)), **columns})
 
 

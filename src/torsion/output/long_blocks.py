@@ -58,9 +58,9 @@ def _shorten_table(table: Table, name: str) -> Table:
 
 def _largest_rows(table: Table) -> Iterator[int]:
     """Yield the rows with the largest values of each column of figures, unless all of them are the same."""
-    for place, column in enumerate(table.columns):
+    for position, column in enumerate(table.columns):
         if column.align == "right":
-            sizes = [_magnitude(row[place]) for row in table.values]
+            sizes = [_magnitude(row[position]) for row in table.values]
             first, *_, last = top = sorted(range(len(sizes)), key=lambda row: -sizes[row])[
                 : LARGEST + 1
             ]

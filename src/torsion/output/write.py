@@ -179,9 +179,9 @@ def redraw(
 
 def _name_files(results: Path, target: Path) -> list[Path]:
     """Write the results with the names of the finished files next to the target, unless they name them already."""
-    known = named(results)
-    names = known.union(os.listdir(target.parent))
-    if names == known:
+    known_names = named(results)
+    names = known_names.union(os.listdir(target.parent))
+    if names == known_names:
         return []
     target.write_bytes(naming(results.read_bytes().decode(), names).encode())
     return [target]

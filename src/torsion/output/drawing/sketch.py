@@ -58,8 +58,8 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
 
 def _sheet(sketch: Sketch) -> Sheet:
     """As wide as the figure, or less where the train is short."""
-    places = [(one.x, one.row) for one in sketch.discs] + [
-        end for one in sketch.links for end in (one.start, one.end)
+    places = [(disc.x, disc.row) for disc in sketch.discs] + [
+        end for link in sketch.links for end in (link.start, link.end)
     ]
     x, rows = [x for x, _ in places] or [0.0, 1.0], [row for _, row in places] or [0.0]
     number, wide = len(sketch.discs) + len(sketch.links), max(x) - min(x) + 1.0
@@ -85,7 +85,7 @@ def _disc(sheet: Sheet, disc: Disc) -> None:
 
 def _box(
     sheet: Sheet,
-    place: tuple[float, float],
+    middle: tuple[float, float],
     width: float,
     half: float,
     fill: str,
@@ -93,8 +93,8 @@ def _box(
     dash: str = "",
     near: float = 3.0,
 ) -> None:
-    """A rectangle around a place."""
-    left, right, y = place[0] - width / 2, place[0] + width / 2, place[1]
+    """Draw a rectangle around a place, as wide and half as high as given."""
+    left, right, y = middle[0] - width / 2, middle[0] + width / 2, middle[1]
     sheet.area(_corners(left, right, y, half), fill, 1.1, dash, near)
 
 
@@ -113,7 +113,7 @@ def _ground(sheet: Sheet, x: float, y: float, half: float, *, vertical: bool) ->
 def _zigzag(
     sheet: Sheet, start: tuple[float, float], end: tuple[float, float], size: float = 0.16
 ) -> None:
-    """A spring between two places."""
+    """Draw a spring as a zigzag between two places."""
     along = np.array([0.0, 0.2, 0.26, 0.38, 0.5, 0.62, 0.74, 0.8, 1.0])
     across = np.array([0.0, 0.0, 1.0, -1.0, 1.0, -1.0, 1.0, 0.0, 0.0]) * size
     span = np.subtract(end, start)
@@ -207,7 +207,7 @@ def _gear(sheet: Sheet, link: Link) -> None:
 
 
 def _wheel(sheet: Sheet, x: float, y: float, half: float) -> None:
-    """A wheel with its teeth."""
+    """Draw a wheel with its teeth around a place."""
     _box(sheet, (x, y), 0.14, half, "#fbe3c8")
     for tooth in np.arange(-half + 0.08, half - 0.04, 0.08).tolist():
         sheet.line([(x - 0.07, y + tooth), (x + 0.07, y + tooth)], 0.7, near=3.1)

@@ -121,7 +121,7 @@ def _spread(sheet: Sheet, sketch: Sketch, boxes: Sequence[Box]) -> Spread:
 def _label(
     sheet: Sheet,
     room: Room,
-    place: Place,
+    position: Place,
     texts: Iterable[str],
     sides: Sequence[int],
     lines: list[str],
@@ -130,21 +130,21 @@ def _label(
     """Place the first text that has room above (side 1) or below the axis, with a line to it; return whether any has."""
     for text in texts:
         for side in sides:
-            across, tip = sheet.at(place[0], height(place[1]) + side * LETTERS)
+            across, tip = sheet.at(position[0], height(position[1]) + side * LETTERS)
             half = GROWTH * max(map(width, text.split("\n"))) / 2 + 2
             across = min(max(across, half), max(WIDTH - half, half))
             foot = np.array([[across, tip]])
             word = room.place(text, foot, gap=0.0, ways=WAYS[side], reach=REACH[side])
             if word is not None:
-                lines.append(_leader(sheet, place, word, side))
+                lines.append(_leader(sheet, position, word, side))
                 elements += _rows(word)
                 return True
     return False
 
 
-def _leader(sheet: Sheet, place: Place, word: Word, side: int) -> str:
+def _leader(sheet: Sheet, position: Place, word: Word, side: int) -> str:
     """Return a thin line from a component to its words."""
-    start, foot = sheet.at(place[0], height(place[1]) + 0.3 * side)
+    start, foot = sheet.at(position[0], height(position[1]) + 0.3 * side)
     left, upper, right, lower = word.box
     end, across = lower if side > 0 else upper, min(max(start, left + 4.0), right - 4.0)
     path = f"M{shown(start)} {shown(foot)}L{shown(across)} {shown(end)}"
@@ -164,10 +164,10 @@ def _rows(word: Word) -> list[str]:
     return elements
 
 
-def _pointer(sheet: Sheet, room: Room, place: Place, use: Use) -> list[str]:
+def _pointer(sheet: Sheet, room: Room, position: Place, use: Use) -> list[str]:
     """Return a triangle above a place, with words."""
     text, colour = use.words, BAD if use.is_bad else INK
-    x, tip = sheet.at(place[0], height(place[1]) + LETTERS)
+    x, tip = sheet.at(position[0], height(position[1]) + LETTERS)
     half, top = WIDER * GROWTH * width(text) / 2 + 1, tip - 9.0 - GROWTH * SIZE
     middle = min(max(x, half), WIDTH - half)
     room.taken += [
