@@ -150,7 +150,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
             faults_of(self)
         words, hint = (
             "the length is {} times the diameter",
-            f"{self.length:g} mm?" * (self.length > 1.0),
+            str(self.length).removesuffix(".0") + " mm?" if self.length > 1.0 else "",
         )
         self.refuse_unusual(
             "length over diameter", self.length / min(self.diameter), words, hint, "length"

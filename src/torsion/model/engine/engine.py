@@ -273,7 +273,7 @@ class Engine(Component, keyword="engine", sort="line"):
     @property
     def _turned(self) -> float:
         """rad, by which it stands behind the reference; 0 where that is not known."""
-        return self.phase if isinstance(self.phase, float) else 0.0
+        return 0.0 if self.phase is None or isinstance(self.phase, str) else self.phase
 
     @property
     def _cycles(self) -> tuple[Fraction, ...]:
