@@ -151,7 +151,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
         refuse_details(self)
         words, hint = "the length is {} times the diameter", ""
         if self.length > 1.0:
-            hint = f"{self.length:g} mm?"
+            hint = f"{str(self.length).removesuffix('.0')} mm?"
         slenderness = self.length / min(self.diameter)
         self.refuse_unusual("length over diameter", slenderness, words, hint, "length")
 
