@@ -148,7 +148,8 @@ class Shaft(Component, keyword="shaft", sort="link"):
         pairs = zip(both_ends(self.diameter), both_ends(self.bore), strict=True)
         if any(bore >= outer for outer, bore in pairs):
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
-        refuse_details(self)
+        if self.notches or self.hub:
+            refuse_details(self)
         words, hint = "the length is {} times the diameter", ""
         if self.length > 1.0:
             hint = f"{str(self.length).removesuffix('.0')} mm?"
