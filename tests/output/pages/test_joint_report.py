@@ -16,7 +16,7 @@ from torsion.analyses.joints.joint_results import Joints
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Points, Table
 from torsion.output.chapters.joint_motion import chapter
-from torsion.output.csv_table import csv_text
+from torsion.output.data_tables import report_columns
 from torsion.output.document import Document, document
 from torsion.output.html import html
 from torsion.output.numbers import number
@@ -103,7 +103,7 @@ def terminal(findings: Findings, width: int = 80) -> str:
 
 def table_of_numbers(findings: Findings) -> tuple[list[str], list[str], np.ndarray]:
     """Comments, titles and values of the CSV."""
-    lines = csv_text(joint_document(findings), findings).splitlines()
+    lines = report_columns(joint_document(findings), findings).splitlines()
     comments = [line for line in lines if line.startswith("#")]
     head, *rows = csv.reader(lines[len(comments) :])
     return comments, head, np.array(rows, dtype=float)
