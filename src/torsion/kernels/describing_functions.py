@@ -114,7 +114,7 @@ class PiecewiseCoupling:
 
     @property
     def total_stiffness(self) -> float:
-        """N m/rad of all together."""
+        """Stiffness of all springs and sliders together, N m/rad."""
         return sum(stiffness for _, stiffness in self.springs) + sum(
             dry.stiffness for dry in self.sliders
         )

@@ -3,16 +3,18 @@
 What was not looked at of the operation is not passed.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
 
 from torsion.analyses.lateral.shaft_bending import Lateral
-from torsion.analyses.lateral.tilt_stability import Tilting
+from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.law_slopes import mean_speed_slopes
 from torsion.analyses.stability.mean_speed import SLOW
 from torsion.analyses.stability.stability_over_speed import Stability
+from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.model.drive_law import DriveLaw
@@ -37,7 +39,7 @@ class StableMotion(Rule[RuleSettings]):
     """The rule on whatever stability was computed."""
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Of the whole train."""
+        """Return the checks on the torsion of the whole train."""
         stability = evidence.need(Stability)
         line = stability_check(stability, evidence.study.operation)
         times = barred_times(
@@ -133,22 +135,12 @@ def stability_check(stability: Stability, operation: Operation) -> Check:
     It fails also where a speed has no periodic motion to be stable about, or part of the operation was not looked at.
     """
     first, last, is_whole = _operated(stability.speed, operation)
-    inside = within(operation.speeds, stability.speed)
-    rates = np.where(inside & np.isfinite(stability.growth), stability.growth, -np.inf)
-    row = int(rates.argmax())
-    growth, speed = float(rates[row]), float(stability.speed[row])
     unstable = [band for band in stability.ranges if band.meets(first, last)]
-    for band in unstable:
-        if band.growth > growth and (first <= band.at <= last or growth <= 0):
-            growth, speed = band.growth, min(max(band.at, first), last)
+    growth, speed = _fastest(stability.speed, stability.growth, unstable, operation)
     bare = _bare(stability, first, last)
-    if not unstable:
-        growth = min(growth, 0.0)
-        if bare or not inside.any():
-            missing = stability.unsolved[
-                (stability.unsolved >= first) & (stability.unsolved <= last)
-            ]
-            growth, speed = np.inf, float(np.append(missing, first)[0])
+    if not unstable and (bare or growth == -np.inf):
+        missing = stability.unsolved[(stability.unsolved >= first) & (stability.unsolved <= last)]
+        growth, speed = np.inf, float(np.append(missing, first)[0])
     notes = [
         *_bare_words(stability, bare),
         *([] if is_whole else ["stability was not requested at all speeds of the operation"]),
@@ -219,7 +211,7 @@ def _bare(stability: Stability, first: float, last: float) -> list[SpeedRange]:
 
 
 def _bare_words(stability: Stability, bare: list[SpeedRange]) -> list[str]:
-    """Where nothing is known."""
+    """The speeds at which nothing is known, in words."""
     if not bare:
         return []
     if np.isnan(stability.growth).all():
@@ -252,7 +244,7 @@ class StableBending(Rule[RuleSettings]):
     """The rule on whatever bending was computed."""
 
     def judge(self, evidence: Results) -> tuple[Check, ...]:
-        """Of every shaft that bends."""
+        """Return the checks on every shaft that bends."""
         checks = bending_checks(evidence.need(Lateral), evidence.study.operation)
         return distinct(row for line in checks for row in with_reach(line, evidence.study))
 
@@ -309,18 +301,31 @@ def _whirl(name: str, speed: FloatArray, decrement: FloatArray, operation: Opera
 
 def _tilting(name: str, tilting: Tilting, operation: Operation) -> Check:
     """The fastest growth of the tilt within the operation against 0."""
-    speed, what = tilting.speed, f"Growth of the tilt by the couple of {tilting.joint}"
-    first, last, is_whole = _operated(speed, operation)
-    grows = np.where(within(operation.speeds, speed), tilting.growth, -np.inf)
-    row = int(np.argmax(grows))
-    growth, where = float(grows[row]), float(speed[row])
+    first, last, is_whole = _operated(tilting.speed, operation)
     unstable = [zone for zone in tilting.zones if zone.meets(first, last)]
-    if not unstable:
-        growth = min(growth, 0.0)
-    elif growth <= 0:  # it lies between the speeds, or its worst beyond the operation
-        worst = max(unstable, key=attrgetter("growth"))
-        growth, where = worst.growth, min(max(worst.at, first), last)
+    growth, speed = _fastest(tilting.speed, tilting.growth, unstable, operation)
     notes = [] if tilting.is_damped else ["its supports do not damp it in both directions"]
     notes += [] if is_whole else [PART]
-    kept = is_whole and not unstable and bool(np.isfinite(growth))
-    return _check("tilting", name, what, growth, "1/s", where, notes, kept=kept)
+    kept = is_whole and not unstable and bool(np.isfinite([growth, *tilting.growth]).all())
+    what = f"Growth of the tilt by the couple of {tilting.joint}"
+    return _check("tilting", name, what, growth, "1/s", speed, notes, kept=kept)
+
+
+def _fastest(
+    speed: FloatArray,
+    growth: FloatArray,
+    unstable: Sequence[UnstableRange | TiltRange],
+    operation: Operation,
+) -> tuple[float, float]:
+    """The fastest growth within the operation and its speed; at most 0 without an unstable range.
+
+    A range may lie between the speeds, or grow fastest beyond the operation.
+    """
+    first, last, _ = _operated(speed, operation)
+    rates = np.where(within(operation.speeds, speed) & np.isfinite(growth), growth, -np.inf)
+    row = int(rates.argmax())
+    fastest, at_speed = float(rates[row]), float(speed[row])
+    for band in sorted(unstable, key=attrgetter("growth"), reverse=True):
+        if band.growth > fastest and (first <= band.at <= last or fastest <= 0):
+            fastest, at_speed = band.growth, min(max(band.at, first), last)
+    return fastest if unstable else min(fastest, 0.0), at_speed

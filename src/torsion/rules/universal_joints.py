@@ -229,17 +229,14 @@ class UniversalJoints(Rule[JointRuleSettings]):
 
 
 def _of_line(
-    found: Joints, line: LineFound, settings: JointRuleSettings, speed: float
+    all_joints: Joints, line: LineFound, settings: JointRuleSettings, speed: float
 ) -> Iterator[Check]:
     """Non-uniformity of the whole line, and what it does to the driven inertia."""
-    joints = [found.joints[k] for k in line.joints]
+    joints = [all_joints.joints[k] for k in line.joints]
     where = ", ".join(joint.name for joint in joints)
     bend = f"resulting angle of the cross joints {math.degrees(line.resultant):.4g} deg"
-    limit, by_unevenness = (
-        _published(settings, "unevenness"),
-        sorted(joints, key=lambda joint: -joint.unevenness),
-    )
-    parts = tuple(joint.part for joint in by_unevenness)
+    limit = _published(settings, "unevenness")
+    parts = tuple(joint.part for joint in sorted(joints, key=lambda joint: -joint.unevenness))
     yield _verdict(
         "U", where, "Non-uniformity of the line", line.index, "1", limit, None, parts, before=bend
     )

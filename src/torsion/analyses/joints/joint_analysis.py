@@ -100,13 +100,13 @@ def _joint(
     return JointFound(
         name=joint.name,
         part=joint.part,
-        kind=joint.joint.kind,
-        angle=joint.joint.angle,
-        plane=joint.joint.plane,
-        phase=joint.joint.phase,
-        yoke=joint.joint.yoke,
+        kind=joint.record.kind,
+        angle=joint.record.angle,
+        plane=joint.record.plane,
+        phase=joint.record.phase,
+        yoke=joint.record.yoke,
         ratio=joint.ratio,
-        order=joint.joint.order,
+        order=joint.record.order,
         amplitude=joint.error[0][1] if joint.error else 0j,
         unevenness=_unevenness(joint),
         speed=None if speed is None else speed * float(joint.ratio),
@@ -123,9 +123,9 @@ def _joint(
 
 def _unevenness(joint: Placed) -> float:
     """(Greatest - least)/mean driven speed of one joint at constant driving speed."""
-    if joint.joint.order == 2:
-        return float(fluctuation(joint.joint.angle))
-    ratio = joint_lines.turning(joint.joint, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
+    if joint.record.order == 2:
+        return float(fluctuation(joint.record.angle))
+    ratio = joint_lines.turning(joint.record, 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES).ratio
     return float(ratio.max() - ratio.min())
 
 
@@ -192,7 +192,7 @@ def _freedom(joint: Placed, requested: JointsSettings) -> list[Fault]:
     if requested.optimise is None:
         message = "`joint` lists joints that may change, and nothing is optimised"
         return [Fault(where, message, "add `optimise: phase`")]
-    if joint.joint.kind != "cross":
+    if joint.record.kind != "cross":
         return [
             Fault(
                 where,

@@ -26,10 +26,10 @@ def joint_couples(
     bearings, m.
     """
     force = 0.0
-    if joint.joint.kind == "cross":
+    if joint.record.kind == "cross":
         pair = _of_cross(joint, yoke, torque, carrier)
-    elif joint.joint.order == 0 or joint.joint.angle == 0:
-        pair = _of_constant_velocity(joint.joint.angle, yoke, torque)
+    elif joint.record.order == 0 or joint.record.angle == 0:
+        pair = _of_constant_velocity(joint.record.angle, yoke, torque)
     else:
         pair, force = _of_tripod(joint, yoke, torque, carrier)
     if distance is not None:
@@ -39,7 +39,7 @@ def joint_couples(
 
 def _of_cross(joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier) -> Pair:
     """Mean and second harmonic in closed form, counted over the carrier's own angle."""
-    angle, start = joint.joint.angle, joint.joint.yoke
+    angle, start = joint.record.angle, joint.record.yoke
     curves = couples(yoke, angle, torque, carrier)
     if carrier == "driven":
         start += float(transfer(start, angle).error)
@@ -76,12 +76,12 @@ def _of_constant_velocity(angle: float, yoke: FloatArray, torque: float) -> Pair
 
 
 def _of_tripod(
-    place: Placed, yoke: FloatArray, torque: float, carrier: Carrier
+    joint: Placed, yoke: FloatArray, torque: float, carrier: Carrier
 ) -> tuple[Pair, float]:
     """Exact couples of a single bearing; mean and third harmonic over the carrier's own angle from one revolution."""
-    joint, start = place.joint, place.joint.yoke + math.pi / 2
+    record, start = joint.record, joint.record.yoke + math.pi / 2
     arms = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
-    data = joint.angle, joint.radius or 0.0, joint.arm or 1.0
+    data = record.angle, record.radius or 0.0, record.arm or 1.0
     x, share = (
         arms - start,
         np.ones_like(arms),

@@ -32,7 +32,7 @@ class Placed:
 
     name: str
     part: int
-    joint: JointRecord
+    record: JointRecord
     ratio: Fraction  # speed of its driving shaft / reference speed
     before: int | None  # position of the joint before it on its shaft line
     error: tuple[tuple[int, complex], ...]  # (order, rad) to first order, as the response takes it
@@ -85,8 +85,8 @@ def motions(joints: Sequence[Placed], turned: FloatArray) -> tuple[Behind, ...]:
             if joint.before is None
             else behind_joints[joint.before].transfer
         )
-        yoke = turned + (before.error + joint.joint.yoke)
-        of_joint = turning(joint.joint, yoke)
+        yoke = turned + (before.error + joint.record.yoke)
+        of_joint = turning(joint.record, yoke)
         behind_joints.append(Behind(behind(before, of_joint), yoke, of_joint.ratio))
     return tuple(behind_joints)
 
@@ -124,7 +124,7 @@ def crosses(joints: Sequence[Placed], path: Sequence[int]) -> tuple[tuple[int, .
     rows: dict[int, tuple[float, float, float]] = {}
     carried = 0.0
     for position in path:
-        joint = joints[position].joint
+        joint = joints[position].record
         if joint.kind != "cross":
             carried += joint.phase - joint.plane
             continue
@@ -160,7 +160,7 @@ def line_found(
 
 def has_third_order(joints: Sequence[Placed], path: Sequence[int]) -> bool:
     """A tripod on the path moves the end of its shaft: no single cross joint turns as the line does."""
-    return any(joints[k].joint.order == 3 and joints[k].joint.angle > 0 for k in path)
+    return any(joints[k].record.order == 3 and joints[k].record.angle > 0 for k in path)
 
 
 def _extreme(joints: Sequence[Placed], path: tuple[int, ...], sense: float) -> Extreme:
@@ -214,7 +214,7 @@ def optimum_found(
     if len(chosen) < 2 or not ranks:
         return None
     best = optimise(line, variable, ranks)
-    before = [float(getattr(joints[chosen[rank]].joint, variable)) for rank in ranks]
+    before = [float(getattr(joints[chosen[rank]].record, variable)) for rank in ranks]
     changes = [
         float(getattr(best.line, variable)[rank] - getattr(line, variable)[rank]) for rank in ranks
     ]

@@ -47,7 +47,7 @@ class Segment:
         return replace(self, length=end - start, outer=(o1, o2), bore=(b1, b2))
 
     def area(self, share: FloatArray) -> FloatArray:
-        """m2."""
+        """Area of the section at shares of the length, m2."""
         outer, bore = self.diameters(share)
         return np.asarray(math.pi / 4.0 * (outer - bore) * (outer + bore))
 

@@ -54,7 +54,7 @@ class Beam:
 
     @property
     def length(self) -> float:
-        """m."""
+        """Length of all segments together, m."""
         return math.fsum(segment.length for segment in self.segments)
 
     @property

@@ -21,7 +21,7 @@ class Plane:
 
     @property
     def frequency(self) -> FloatArray:
-        """(modes with inertia,) rad/s, ascending."""
+        """(modes,) frequencies of the modes with inertia, rad/s, ascending."""
         return np.asarray(1.0 / np.sqrt(self.square[self.square > 0]))
 
 
@@ -44,12 +44,12 @@ class Planes:
 
     @property
     def is_isotropic(self) -> bool:
-        """Both planes are one."""
+        """The supports are alike in both planes, which are then one."""
         return self.y is self.z
 
     @property
     def is_damped(self) -> bool:
-        """A support has a damper."""
+        """A support of the shaft has a damper."""
         return any(any(point.damping) for point in self.system.beam.points)
 
 

@@ -83,7 +83,7 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     parts = tuple(bar.part for bar in row)
     stations = [node[row[0].driving], *(node[bar.driven] for bar in row)]
     straight = all(
-        node[bar.driving] == joints_at for bar, joints_at in zip(row, stations, strict=False)
+        node[bar.driving] == station for bar, station in zip(row, stations, strict=False)
     )
     if not straight or len(set(stations)) < len(stations):
         return BendingShaft(
@@ -96,7 +96,7 @@ def _shaft(train: Train, row: list[Bar], node: list[int], faults: list[Fault]) -
     points += _supports(train, row, bool(joints) and joints[0][2] > 0, faults)
     beam = Beam(tuple(segments), tuple(points), names)
     lacks, path = "", Path()
-    if any(joints_at not in (0, len(row)) for _, _, joints_at in joints):
+    if any(position not in (0, len(row)) for _, _, position in joints):
         lacks = "a joint lies between its ends"
     elif len(faults) == before:
         lacks, path = next(_lacking(train, row, beam), (lacks, path))
@@ -236,7 +236,7 @@ def _not_held(train: Train, row: list[Bar], beam: Beam) -> Iterator[tuple[str, P
         hold, bent = min(beam.hold(0), beam.hold(1)), f"{beam.bending_stiffness:.3g} N/m, E I/L^3"
         why = f"its supports hold it with {hold:.2g} of its bending stiffness ({bent}), which is too soft"
         if hold < SOFTEST:
-            _, path = min(given, key=lambda one: min(one[0].stiffness_of_planes))
+            _, path = min(given, key=lambda pair: min(pair[0].stiffness_of_planes))
             yield f"{why} to compute; at least {SOFTEST:g} of it is needed", (*path, "stiffness")
     elif free[0] != free[1]:
         plane = free.index(max(free))

@@ -59,12 +59,12 @@ class Answer:
         key="moment_Nm",
     )
     def largest_moment(self) -> FloatArray:
-        """(speeds, places)."""
+        """Half the long axis of the ellipse of the moment, (speeds, places) N m."""
         return extent(self.moment)
 
     @derived("", ("speed",), "ok, near-singular or singular", key="status")
     def status_words(self) -> np.ndarray:
-        """(speeds,)."""
+        """How far the values can be relied on, in words, (speeds,)."""
         return words(self.status, Status)
 
     @property
@@ -203,7 +203,7 @@ def orders(joints: Sequence[Placed], shaft: BendingShaft) -> tuple[int, ...]:
     """0, and the orders of all joints up to this shaft and at its end."""
     position = {joint.part: k for k, joint in enumerate(joints)}
     found_orders = {
-        joints[k].joint.order for end in shaft.joints for k in path_to(joints, position[end.part])
+        joints[k].record.order for end in shaft.joints for k in path_to(joints, position[end.part])
     }
     return tuple(sorted({0} | found_orders))
 
@@ -229,7 +229,7 @@ def couples_at(
         couple = pair[0] if end.shaft == "driving" else pair[1]
         curve = (couple.normal + 1j * couple.inplane) * _carried(joints, position, moved, carrier)
         if end is not shaft.joints[0] and end.shaft == "driving":
-            curve = curve * np.exp(1j * joint.joint.plane)
+            curve = curve * np.exp(1j * joint.record.plane)
         for order, amplitude in result.items():
             turn = (1.0 if order == 0 else 2.0) / SAMPLES * np.exp(-1j * order * turned)
             pair_of_planes = np.array([curve.real @ turn, curve.imag @ turn])

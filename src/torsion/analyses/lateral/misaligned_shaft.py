@@ -53,7 +53,7 @@ class MisalignedShaft:
 
     @property
     def pull(self) -> float:
-        """Torque / inertia, rad/s2."""
+        """Torque / transverse inertia of the shaft, rad/s2."""
         return self.torque / self.inertia
 
     def pull_at(self, speeds: FloatArray) -> FloatArray:

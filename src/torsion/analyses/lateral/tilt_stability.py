@@ -90,12 +90,12 @@ class Tilting:
 
     @derived("kg*m**2", (), "about the centre of the joint")
     def transverse_inertia(self) -> float:
-        """Of the shaft."""
+        """Transverse inertia of the rigid shaft, kg m2."""
         return self.shaft.inertia
 
     @derived("kg*m**2", (), "of the same body")
     def polar_inertia(self) -> float:
-        """Of the shaft."""
+        """Polar inertia of the rigid shaft, kg m2."""
         return self.shaft.polar * self.shaft.inertia
 
     @property
@@ -125,13 +125,13 @@ def tilting(
     number, joint = next(
         (k, joint_at) for k, joint_at in enumerate(placed) if joint_at.part == shaft.joints[0].part
     )
-    if joint.joint.kind != "cross":
+    if joint.record.kind != "cross":
         return None, "the parametric terms of its tilt are built for cross joints"
     ratio = float(joint.ratio)
     last = float(speeds[-1]) * ratio
     first = max(float(speeds[0]) * ratio, last / POINTS)
     rigid = _rigid(
-        shaft.beam, shaft.joints[0], joint.joint.angle, lambda own: torque(own / ratio)[number]
+        shaft.beam, shaft.joints[0], joint.record.angle, lambda own: torque(own / ratio)[number]
     )
     z, y = (
         np.sqrt(rigid.square) / (2.0 * np.pi)
@@ -296,8 +296,8 @@ def _greatest(
     def down(speed: float) -> float:
         return -float(growth(shaft, np.array([speed]), model).rate[0])
 
-    fastest, least = find_minimum(down, low, up, tolerance=1e-9 * up, most=40)
-    return max((start, -down(start)), (float(fastest), -float(least)), key=lambda pair: pair[1])
+    place, negative = find_minimum(down, low, up, tolerance=1e-9 * up, most=40)
+    return max((start, -down(start)), (float(place), -float(negative)), key=lambda pair: pair[1])
 
 
 def _boundary(shaft: MisalignedShaft, model: Model, speed: FloatArray, rate: FloatArray) -> float:

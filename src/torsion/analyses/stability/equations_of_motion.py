@@ -31,7 +31,7 @@ class Loading:
 
     @property
     def period(self) -> float:
-        """s."""
+        """Length of the common period, s."""
         return 2.0 * np.pi / (self.order * self.speed)
 
     @property

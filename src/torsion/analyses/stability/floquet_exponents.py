@@ -58,7 +58,7 @@ class Variation:
 
     @property
     def size(self) -> int:
-        """Number of coordinates or modes."""
+        """Number of the coordinates, or of the modes."""
         return int(self.mass.shape[1])
 
     @property

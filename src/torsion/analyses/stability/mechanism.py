@@ -159,7 +159,7 @@ class Layout:
 
     @property
     def bodies(self) -> int:
-        """Number of bodies."""
+        """Number of bodies of the whole train."""
         return len(self.inertia)
 
     @property

@@ -219,8 +219,8 @@ def rigid_deviation(
         bodies.update({turned_body: turning.deviation for turned_body, turning in met.items()})
 
     coordinates = [*range(layout.free, len(layout.root)), *steady.tolist()]
-    for own in coordinates:
-        reach(own, int(layout.root[own]), np.zeros(len(turned)))
+    for prescribed in coordinates:
+        reach(prescribed, int(layout.root[prescribed]), np.zeros(len(turned)))
     ends = list(zip(layout.driving.tolist(), layout.driven.tolist(), strict=True))
     while True:
         torques = [

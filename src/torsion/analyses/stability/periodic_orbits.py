@@ -132,7 +132,7 @@ class PeriodicResponse:
         key="status",
     )
     def status_words(self) -> np.ndarray:
-        """Words of the status, (speeds,)."""
+        """What was found at every speed, in words, (speeds,)."""
         return words(self.status, Found)
 
     @derived("", ("speed",), "small deviations grow: the train does not settle in this motion")

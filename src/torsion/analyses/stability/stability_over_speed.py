@@ -218,12 +218,12 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
         return -float(np.nan_to_num(search.drift(float(speed)), nan=-np.inf))
 
     # A narrow drift lies between the speeds: each high local maximum is refined.
-    known = np.array(sorted(search.known))
-    rates = np.array([max(-height(speed), LOWEST) for speed in known.tolist()])
+    tried = np.array(sorted(search.known))
+    rates = np.array([max(-height(speed), LOWEST) for speed in tried.tolist()])
     below, above = rates[1:-1] - rates[:-2], rates[1:-1] - rates[2:]
     inner = np.flatnonzero((np.minimum(below, above) >= 0) & (np.maximum(below, above) > SLOW)) + 1
     for row in inner[np.argsort(-rates[inner])][:MOST_PEAKS].tolist():
-        low, high = float(known[row - 1]), float(known[row + 1])
+        low, high = float(tried[row - 1]), float(tried[row + 1])
         find_minimum(height, low, high, tolerance=PEAK * (high - low))
 
     worst = min(search.known, key=height)
@@ -235,7 +235,7 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
     first, last = drift_ends(search.drift, speeds, drifts)
     station, name = driver(search.mechanism, worst)
     ratio2 = float(search.mechanism.system.speed_ratio[station]) ** 2
-    limits = float(known[0]), float(known[-1])
+    limits = float(tried[0]), float(tried[-1])
     slope = missing_slope(search.mechanism, start[0], limits, station) / ratio2
     given = mean_speed_damping(start[0]) / ratio2
     slip = slip_slope(search.mechanism, station)
@@ -245,7 +245,7 @@ def _find_drifts(search: Search) -> tuple[MeanSpeedDrift, ...]:
 def _compare_methods(search: Search, requested: FloatArray) -> float:
     """Return the largest difference (1/s) between the growth rates of both methods at a few speeds."""
     second_method: Method = "monodromy" if search.method == "hill" else "hill"
-    solved = [found for speed in requested.tolist() if (found := search(speed)) is not None]
+    solved = [pair for speed in requested.tolist() if (pair := search(speed)) is not None]
     solved = solved or [pair for pair in search.known.values() if pair is not None]
     differences = list[float]()
     for row in set(np.linspace(0, len(solved) - 1, min(CHECKED, len(solved))).astype(int)):

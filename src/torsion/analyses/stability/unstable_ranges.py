@@ -48,7 +48,7 @@ class Zone:
 
     @derived("", (), "its type in words")
     def name(self) -> str:
-        """As the report prints it."""
+        """The name of the resonance as the report prints it."""
         if self.kind == "unexplained":
             return f"unstable in mode {self.modes[0]}" if self.modes else "unstable"
         if self.kind == "principal":

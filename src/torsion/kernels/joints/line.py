@@ -60,12 +60,12 @@ class Resultant:
 
     @property
     def greatest(self) -> FloatArray:
-        """Greatest speed ratio."""
+        """Greatest speed of the last shaft / speed of the first."""
         return np.exp(self.rapidity)
 
     @property
     def least(self) -> FloatArray:
-        """Least speed ratio."""
+        """Least speed of the last shaft / speed of the first."""
         return np.exp(-self.rapidity)
 
     @property
@@ -170,7 +170,9 @@ def optimise(
 
 def index_over(line: Line, variable: Variable, joint: int, values: FloatArray) -> FloatArray:
     """Index of fluctuation of the line, shape (values,), as one joint's phase, plane or angle takes the values, rad."""
-    many = Line(*(np.tile(each, (values.size, 1)) for each in (line.angle, line.plane, line.phase)))
+    many = Line(
+        *(np.tile(angles, (values.size, 1)) for angles in (line.angle, line.plane, line.phase))
+    )
     getattr(many, variable)[:, joint] = values
     return resultant(many).index
 

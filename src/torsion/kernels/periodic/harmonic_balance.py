@@ -62,7 +62,7 @@ class Balance:
 
     @property
     def count(self) -> int:
-        """Highest harmonic kept."""
+        """Highest harmonic that is kept."""
         return int(self.harmonic.shape[1] - 1) // 2
 
 

@@ -182,7 +182,6 @@ def still(value: float) -> float:
 
 
 def _gained(best_choice: OptimumFound) -> str:
-    """The gain in a sentence."""
     before, best = _percent(best_choice.index_before), _percent(best_choice.index_best)
     if best_choice.index_before <= STILL:
         return "The line already rotates uniformly."

@@ -39,7 +39,7 @@ def unanswered(
 
 
 def barred_bands(barred: Bands, unstable: Bands = ()) -> tuple[Band, ...]:
-    """Ranges of speed, rpm."""
+    """Bands of the barred and the unstable ranges of speed, rpm."""
     return (
         *(Band("barred range", low, high, "barred") for low, high in barred),
         *(Band("unstable range", low, high, "unstable") for low, high in unstable),
