@@ -12,12 +12,12 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from torsion.arrays import ComplexArray, FloatArray
+from torsion.kernels.bracketed_search import find_root
 from torsion.sources import source
 
-STEPS = 80  # of Newton's method between bounds that are halved at least
 SMALL = 1.0  # rad, below which sin(theta) - theta cos(theta) is a series; ten terms err by 21/23! = 8e-22
 SERIES = [(-1.0) ** (n + 1) * 2 * n / math.factorial(2 * n + 1) for n in range(1, 11)]
-UNKNOWN = 2.2e-16  # share of a torque that rounding of the twist leaves open: nearer to the mean there is nothing
+BEYOND_ROUNDING = 1.0 + 1e-12  # times a bound that may be the solution itself
 OPEN = 1e-12  # share of its stiffness that stands for a spring without contact: any smaller changes nothing
 
 
@@ -154,38 +154,19 @@ class PiecewiseCoupling:
     def bias(self, amplitude: FloatArray, mean: FloatArray) -> FloatArray:
         """(columns,) rad, the mean twist at which the mean torque (columns,) N m >= 0 is carried; 0 for none."""
         total = sum(stiffness for _, stiffness in self.springs)
-        twist = (mean + sum(begin * stiffness for begin, stiffness in self.springs)) / total
-        widest = max(begin for begin, _ in self.springs)
-        low, high = np.zeros(len(mean)), np.maximum(twist, amplitude + widest)
         if not (self.half or self.stages):
             return np.asarray(mean / total)
-        mean_twist = np.where(
-            mean > 0.0,
-            np.where(amplitude < mean / self.stiffness, self.half + mean / self.stiffness, twist),
-            0.0,
+        # No spring carries more than without its begin, nor less than while it is in contact all the time.
+        lost = sum(begin * stiffness for begin, stiffness in self.springs)
+        loaded = np.flatnonzero(mean > 0.0)
+        torque = mean[loaded]
+        twist = np.zeros(len(mean))
+        twist[loaded] = find_root(
+            lambda trial: self._carried(trial, amplitude[loaded]) - torque,
+            torque / total / BEYOND_ROUNDING,
+            (torque + lost) / total * BEYOND_ROUNDING,
         )
-        mean_twist = np.clip(mean_twist, low, high)
-        todo = np.flatnonzero(mean > 0.0)
-        for _ in range(STEPS):
-            carried, slope = self._carried(mean_twist[todo], amplitude[todo])
-            over = carried - mean[todo]
-            low[todo], high[todo] = (
-                np.where(over <= 0, mean_twist[todo], low[todo]),
-                np.where(over > 0, mean_twist[todo], high[todo]),
-            )
-            with np.errstate(divide="ignore", invalid="ignore"):
-                step = mean_twist[todo] - over / slope
-            inside = (step > low[todo]) & (step < high[todo])
-            new = np.where(inside, step, 0.5 * (low[todo] + high[todo]))
-            moved = np.abs(new - mean_twist[todo]) > 4e-16 * (np.abs(new) + amplitude[todo])
-            held = np.abs(over) <= UNKNOWN * total * (
-                np.abs(mean_twist[todo]) + amplitude[todo] + widest
-            )
-            mean_twist[todo] = np.where(held, mean_twist[todo], new)
-            todo = todo[moved & ~held]
-            if not todo.size:
-                break
-        return mean_twist
+        return twist
 
     def secant(self, amplitude: FloatArray, mean: FloatArray) -> Secant:
         """Of amplitudes (columns,) rad > 0 and mean torques (columns,) N m >= 0."""
@@ -202,27 +183,16 @@ class PiecewiseCoupling:
             extra += slider(amplitude, dry.torque, dry.stiffness, dry.half)
         return Secant(share, extra)
 
-    def _carried(
-        self, mean_twist: FloatArray, amplitude: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Mean torque N m and its slope N m/rad over the mean twist."""
-        carried, slope = np.zeros((2, len(mean_twist)))
-        later = [spring for spring in self.springs if spring[0]]
-        means, _, times = ramp(
-            np.array([_sides(mean_twist, begin) for begin, _ in later]).reshape(
-                len(later), 2, len(mean_twist)
-            ),
-            amplitude,
-        )
+    def _carried(self, mean_twist: FloatArray, amplitude: FloatArray) -> FloatArray:
+        """Mean torque (columns,) N m about a mean twist (columns,) rad."""
+        carried = np.zeros(len(mean_twist))
         for begin, stiffness in self.springs:
-            if not begin:
-                carried, slope = carried + stiffness * mean_twist, slope + stiffness
-        for (_, stiffness), mean, time in zip(later, means, times, strict=True):
-            carried, slope = (
-                carried + stiffness * (mean[0] - mean[1]),
-                slope + stiffness * (time[0] + time[1]),
-            )
-        return carried, slope
+            if begin:
+                above, below = ramp(_sides(mean_twist, begin), amplitude)[0]
+                carried += stiffness * (above - below)
+            else:
+                carried += stiffness * mean_twist
+        return carried
 
 
 def _both(mean_twist: FloatArray, begin: float, amplitude: FloatArray) -> FloatArray:
