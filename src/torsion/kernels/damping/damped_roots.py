@@ -12,9 +12,9 @@ import numpy as np
 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
+from torsion.kernels.elimination import EPS, Layout, layout
 from torsion.kernels.reduction import rigidity
 from torsion.kernels.spanning_forest import connected
-from torsion.kernels.sweeps import EPS, Layout, layout
 from torsion.kernels.tree import Tree
 from torsion.sources import source
 

@@ -5,7 +5,7 @@ Shapes and torques follow from the dynamic stiffness of both sides of every span
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +17,8 @@ from torsion.kernels.damping.damped_roots import (
     number_of_roots,
     polish_together,
 )
-from torsion.kernels.layers import share
+from torsion.kernels.elimination import EPS, Elimination, Layout, eliminate
 from torsion.kernels.spanning_forest import connected
-from torsion.kernels.sweeps import EPS, Layout, Rows, branches, guarded_sum
 from torsion.kernels.tree import Tree
 
 if TYPE_CHECKING:
@@ -50,12 +49,11 @@ class DampedTreeModes:
 
 @dataclass(frozen=True)
 class BothSides:
-    """Dynamic stiffness at each root; rows over roots, None where infinite."""
+    """Dynamic stiffness of the train at each root, (stations, roots)."""
 
-    compliance: ComplexArray  # (stations, roots) hc, rad/(N m)
-    branch: Rows  # z, N m/rad: of a station and all beyond it
-    rest: Rows  # zd: of all but that branch, at the parent
-    whole: ComplexArray  # (stations, roots) Z, N m/rad, of the whole train at a station; infinite where prescribed
+    compliance: ComplexArray  # hc, rad/(N m)
+    sides: Elimination
+    whole: ComplexArray  # Z, N m/rad, of the whole train at a station; infinite where prescribed
 
 
 def damped_modes(
@@ -201,54 +199,43 @@ def both_sides(train: DampedTree, root: ComplexArray) -> BothSides:
     hc[soft] = 1 / (stiffness[:, None] + train.viscous[soft, None] * root)
     for station, law in train.laws.items():
         hc[station] = 1 / law.at_root(root)[0]
-    found = branches(plan, list(own), list(hc), [0.0] * size, guard=True)
-    rest: Rows = [None] * size
+    sides = eliminate(plan, own, hc, guard=True)
     whole = np.full((size, len(root)), np.inf, dtype=np.complex128)
     for station in range(size):
-        parent, z = plan.parent[station], found.stiffness[station]
-        if plan.prescribed[station]:
-            continue
-        through: Any = 0.0
-        if parent >= 0 and plan.prescribed[parent]:
-            through = 1 / hc[station]
-        elif parent >= 0:
-            through = rest[station] / guarded_sum(hc[station] * rest[station], guard=True)
-        whole[station] = z + through
-        share(plan.children[station], found.stiffness_through, rest, own[station] + through)
-    return BothSides(hc, found.stiffness, rest, whole)
+        if not plan.prescribed[station]:
+            through = sides.rest[station] / sides.divisor[station]
+            whole[station] = sides.branch[station] + through
+    return BothSides(hc, sides, whole)
 
 
 def shapes_from(plan: Layout, at: BothSides, pushed: IntArray) -> tuple[ComplexArray, ComplexArray]:
     """Angles and torques, both (stations, roots), when station `pushed` (roots,) turns by 1."""
-    size, count = plan.size, len(pushed)
-    angle, torque = (np.zeros((size, count), dtype=np.complex128) for _ in range(2))
+    size, count, sides = plan.size, len(pushed), at.sides
+    angle, torque = np.zeros((2, size, count), dtype=np.complex128)
     reached = np.zeros((size, count), dtype=bool)
     angle[pushed, np.arange(count)] = 1
     reached[pushed, np.arange(count)] = True
+
+    # Toward the root the rest of the train turns each parent, toward the leaves each parent its branch.
     for i in range(size - 1, -1, -1):
         parent, on = plan.parent[i], reached[i]
         if parent < 0 or plan.prescribed[i] or not on.any():
             continue
-        hc = at.compliance[i][on]
-        if plan.prescribed[parent]:
-            torque[i, on] = -angle[i, on] / hc
-            continue
-        zd = at.rest[i][on]
-        turned = angle[i, on] / guarded_sum(hc * zd, guard=True)
-        angle[parent, on] = turned
-        reached[parent] |= on
-        torque[i, on] = -zd * turned
+        turned = angle[i, on] / sides.divisor[i][on]
+        torque[i, on] = -sides.rest[i][on] * turned
+        if not plan.prescribed[parent]:
+            angle[parent, on] = turned
+            reached[parent] |= on
     for i in range(size):
         parent = plan.parent[i]
         if parent < 0 or plan.prescribed[parent]:
             continue
-        hc, x = at.compliance[i], angle[parent]
         if plan.held[i]:
-            torque[i] = x / hc
+            torque[i] = angle[parent] / at.compliance[i]
             continue
-        turned = x / guarded_sum(hc * at.branch[i], guard=True)
+        turned = angle[parent] * sides.transfer[i]
         angle[i] = np.where(reached[i], angle[i], turned)
-        torque[i] = np.where(reached[i], torque[i], at.branch[i] * turned)
+        torque[i] = np.where(reached[i], torque[i], sides.branch[i] * turned)
     for i in range(
         size - 1, -1, -1
     ):  # a rigid span to a fixed station carries what the spans beyond it carry
