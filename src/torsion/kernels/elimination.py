@@ -104,13 +104,13 @@ def eliminate(plan: Layout, own: Values, compliance: Values, *, guard: bool = Fa
 
     size, kind = plan.size, np.result_type(own, compliance)
     hc, z = list(compliance), [row.astype(kind) for row in own]
-    one = np.ones(own.shape[1], dtype=kind)
-    through, transfer, divisor, meeting = ([one] * size for _ in range(4))
-    rest = [np.zeros_like(one)] * size
+    ones_row = np.ones(own.shape[1], dtype=kind)
+    through, transfer, divisor, meeting = ([ones_row] * size for _ in range(4))
+    rest = [np.zeros_like(ones_row)] * size
     for station in range(size - 1, -1, -1):
         if (parent := plan.parent[station]) >= 0:
             if plan.held[station]:
-                through[station] = one / hc[station]
+                through[station] = ones_row / hc[station]
             else:
                 transfer[station] = np.reciprocal(one_plus(hc[station] * z[station]))
                 through[station] = z[station] * transfer[station]
@@ -119,13 +119,13 @@ def eliminate(plan: Layout, own: Values, compliance: Values, *, guard: bool = Fa
     for station, children in enumerate(plan.children):
         if plan.prescribed[station]:
             for child in children:
-                rest[child], divisor[child] = one, hc[child] * one
+                rest[child], divisor[child] = ones_row, hc[child] * ones_row
         elif children:
             share(children, through, rest, own[station] + rest[station] / divisor[station])
             for child in children:
                 divisor[child] = one_plus(hc[child] * rest[child])
         if plan.held[station] and plan.parent[station] >= 0:
-            z[station], meeting[station] = one, 1.0 / divisor[station]
+            z[station], meeting[station] = ones_row, 1.0 / divisor[station]
         else:
             total = z[station] * divisor[station]
             total += rest[station]

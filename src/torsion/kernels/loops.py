@@ -46,12 +46,12 @@ class LoopedTrain(Rerooted):
     second: IntArray
     flexibility: FloatArray  # (chords,) rad/(N m)
 
-    def given(self, found: TreeModes) -> TreeModes:
+    def given(self, modes: TreeModes) -> TreeModes:
         """Modes with torques in stations and chords, at the given stations, spans and chords."""
-        torque, size = self.torques(found.torque), len(self.station)
-        angle, rigid_angle = self.angles(found.angle), self.angles(found.rigid_angle)
+        torque, size = self.torques(modes.torque), len(self.station)
+        angle, rigid_angle = self.angles(modes.angle), self.angles(modes.rigid_angle)
         return replace(
-            found,
+            modes,
             angle=angle,
             rigid_angle=rigid_angle,
             torque=torque[:size],
@@ -89,18 +89,18 @@ def graph_modes(
     train = stiffest_tree(tree, first, second, flexibility)
     if not len(train.first):  # the loops go only through fixed stations
         return train.given(tree_modes(train.tree, count))
-    known = rigidity(train.tree)
-    solved = cut(train.tree, known)
-    wanted = known.elastic if count is None else min(count, known.elastic)
+    bodies = rigidity(train.tree)
+    solved = cut(train.tree, bodies)
+    wanted = bodies.elastic if count is None else min(count, bodies.elastic)
     if wanted == 0:
         return replace(tree_modes(tree, 0), loop_torque=np.empty((len(first), 0)))
-    frequency, start = _jacobi_modes(train, known)
+    frequency, start = _jacobi_modes(train, bodies)
     angle, torque = _shapes(solved, train, frequency, start)
     sign = shape_sign(angle)
     angle, torque = (angle * sign)[:, :wanted], (torque * sign)[:, :wanted]
-    torque = _with_all_reactions(train, solved, known, torque)
+    torque = _with_all_reactions(train, solved, bodies, torque)
     frequency = frequency[:wanted]
-    margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(known.elastic, 1))
+    margin = frequency * (_ROUNDING_PER_BODY * _ROUNDING * max(bodies.elastic, 1))
     return train.given(
         TreeModes(
             frequency=frequency,
@@ -108,21 +108,21 @@ def graph_modes(
             upper=frequency + margin,
             angle=angle,
             torque=torque,
-            rigid=len(known.free_roots),
-            rigid_angle=rigid_shapes(train.tree, known),
+            rigid=len(bodies.free_roots),
+            rigid_angle=rigid_shapes(train.tree, bodies),
             certified=False,
         )
     )
 
 
-def _jacobi_modes(train: LoopedTrain, known: Rigidity) -> tuple[FloatArray, FloatArray]:
+def _jacobi_modes(train: LoopedTrain, bodies: Rigidity) -> tuple[FloatArray, FloatArray]:
     """All elastic frequencies, ascending, and the angles (stations, modes) of the stations with inertia."""
-    reduced = reduce_tree(train.tree, known, (train.first, train.second, train.flexibility))
-    factor = star_mesh_factor(reduced)[:, : known.elastic]
+    reduced = reduce_tree(train.tree, bodies, (train.first, train.second, train.flexibility))
+    factor = star_mesh_factor(reduced)[:, : bodies.elastic]
     left, values, _ = jacobi_svd(factor, "U")
     angle = np.zeros((train.tree.size, len(values)))
     angle[reduced.head] = left[:, ::-1] / np.sqrt(reduced.inertia)[:, None]
-    return values[::-1], angle[known.body]
+    return values[::-1], angle[bodies.body]
 
 
 def _shapes(
@@ -146,11 +146,11 @@ def _shapes(
 def _beside(frequency: FloatArray) -> FloatArray:
     """For each of `frequency` (m,) one as far from it as can be, but no nearer to another one by more than half."""
     candidates = frequency * np.concatenate([1.0 - _SHIFTS, 1.0 + _SHIFTS])[:, None]
-    own = np.abs(candidates - frequency)
+    distance = np.abs(candidates - frequency)
     nearest = np.min(np.abs(candidates[:, :, None] - frequency), axis=2)
-    allowed = np.where(nearest >= 0.5 * own, own, -1.0)
-    beside: FloatArray = candidates[np.argmax(allowed, axis=0), np.arange(len(frequency))]
-    return beside
+    allowed = np.where(nearest >= 0.5 * distance, distance, -1.0)
+    shifted: FloatArray = candidates[np.argmax(allowed, axis=0), np.arange(len(frequency))]
+    return shifted
 
 
 def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
@@ -177,14 +177,14 @@ def _torn_response(tree: Tree, train: LoopedTrain, w: FloatArray) -> Response:
 
 
 def _with_all_reactions(
-    train: LoopedTrain, solved: Tree, known: Rigidity, torque: FloatArray
+    train: LoopedTrain, solved: Tree, bodies: Rigidity, torque: FloatArray
 ) -> FloatArray:
     """Torques (stations + chords, m) with those of rigid spans between fixed stations."""
     if solved is train.tree:
         return torque
     size = train.tree.size
     load = pairs(size, train.first, train.second).T @ torque[size:]
-    return np.vstack([with_reactions(train.tree, known, torque[:size], load), torque[size:]])
+    return np.vstack([with_reactions(train.tree, bodies, torque[:size], load), torque[size:]])
 
 
 def looped_response(
@@ -240,27 +240,27 @@ def _loop_torques(
     twist: NDArray[Any] | None,
 ) -> tuple[ComplexArray, FloatArray]:
     """Torques (chords, frequencies), and the loss of digits (frequencies,) of the equations they solve."""
-    own = np.broadcast_to(_rows(chords.compliance), (len(sign), opened[0].torque.shape[1]))
+    compliance = np.broadcast_to(_rows(chords.compliance), (len(sign), opened[0].torque.shape[1]))
     open_twist = _rows(chords.twist) + sign @ (hc * opened[0].torque)
     if twist is not None:
         open_twist = open_twist - sign @ _rows(twist)
     matrix = np.stack(
         [-(sign @ (hc * part.torque)).T for part in opened[1:]], axis=-1
     )  # (frequencies, chords, chords)
-    terms = sum(np.abs(sign) @ np.abs(hc * part.torque) for part in opened[1:]) + np.abs(own)
-    chord, one = np.arange(len(sign)), np.eye(len(sign))
-    matrix[:, chord, chord] += own.T
+    terms = sum(np.abs(sign) @ np.abs(hc * part.torque) for part in opened[1:]) + np.abs(compliance)
+    chord, identity = np.arange(len(sign)), np.eye(len(sign))
+    matrix[:, chord, chord] += compliance.T
     scaled, right = matrix / terms.T[:, :, None], open_twist.T / terms.T
     lost = ~np.isfinite(scaled).all(axis=(1, 2))
-    scaled[lost] = one
-    least = np.linalg.svd(scaled, compute_uv=False)[:, -1]
-    lost |= least == 0
-    scaled[lost] = one
+    scaled[lost] = identity
+    smallest = np.linalg.svd(scaled, compute_uv=False)[:, -1]
+    lost |= smallest == 0
+    scaled[lost] = identity
     torque: ComplexArray = np.linalg.solve(scaled, right[:, :, None])[:, :, 0].T.astype(
         np.complex128
     )
     torque[:, lost] = np.nan
-    return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / least))
+    return torque, np.where(lost, np.inf, np.maximum(1.0, 1 / smallest))
 
 
 def _chord_residual(chords: Chords, answer: TreeResponse) -> FloatArray:
@@ -310,12 +310,12 @@ def around(tree: Tree, first: IntArray, second: IntArray) -> FloatArray:
     """
     sign = np.zeros((len(first), tree.size))
     for chord, ends in enumerate(zip(second.tolist(), first.tolist(), strict=True)):
-        here = list(ends)
+        ends_reached = list(ends)
         for side, direction in ((0, 1.0), (1, -1.0)):
-            while tree.parents[here[side]] >= 0:
-                sign[chord, here[side]] += direction
-                here[side] = tree.parents[here[side]]
-        if here[0] != here[1] and not tree.held[here].all():
+            while tree.parents[ends_reached[side]] >= 0:
+                sign[chord, ends_reached[side]] += direction
+                ends_reached[side] = tree.parents[ends_reached[side]]
+        if ends_reached[0] != ends_reached[1] and not tree.held[ends_reached].all():
             raise ValueError(
                 f"chord {chord} is the only connection of two parts; expected it in the tree"
             )

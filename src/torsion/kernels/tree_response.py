@@ -168,25 +168,25 @@ class Problem:
     def equations(self, part: Part) -> Equations:
         """Return the equations at the frequencies of `part`."""
         w, tree, shafts = self.w[part], self.tree, self.tree.shafts
-        own: NDArray[Any] = _columns(tree.inertia_columns, part) * -(w * w)
+        stiffness: NDArray[Any] = _columns(tree.inertia_columns, part) * -(w * w)
         if self.damping.any():
-            own = own + 1j * (w * _columns(self.damping, part))
+            stiffness = stiffness + 1j * (w * _columns(self.damping, part))
         compliance, force = _columns(self.compliance, part), _columns(self.force, part)
         twist = None if self.twist is None else _columns(self.twist, part)
         if shafts is None:
-            return Equations(own, compliance, force, twist)
+            return Equations(stiffness, compliance, force, twist)
 
         square, lossy = w * w, self.shaft_loss.any()
         flexibility, inner, outer = (
             shafts.lossy(square, self.shaft_loss) if lossy else shafts.at(square)
         )
         pi = flexibility, inner * -square, outer * -square
-        own = own.astype(np.result_type(own, inner), copy=False)
-        tree.add_ends(own, *pi[1:])
+        stiffness = stiffness.astype(np.result_type(stiffness, inner), copy=False)
+        tree.add_ends(stiffness, *pi[1:])
         rows = np.empty((tree.size, len(w)), dtype=np.result_type(compliance, flexibility))
         rows[:] = compliance
         rows[shafts.node] = flexibility
-        return Equations(own, rows, force, twist, pi)
+        return Equations(stiffness, rows, force, twist, pi)
 
 
 def pose(
@@ -295,12 +295,12 @@ def residual_of(problem: Problem, response: TreeResponse) -> FloatArray:
         return equilibrium_residual(problem.plan, given, response.angle, torque)
 
 
-def _sensitivity(plan: Layout, own: NDArray[Any], sides: Elimination) -> FloatArray:
+def _sensitivity(plan: Layout, station_stiffness: NDArray[Any], sides: Elimination) -> FloatArray:
     """Return the sum (columns,) of |own receptance| over the stations that are free to move."""
-    total = np.zeros(own.shape[1])
+    total = np.zeros(station_stiffness.shape[1])
     for station in range(plan.size):
         if not plan.prescribed[station]:
-            loss = own[station] * sides.divisor[station]
+            loss = station_stiffness[station] * sides.divisor[station]
             loss *= sides.meeting[station]
             total += np.abs(loss.real)
             total += np.abs(loss.imag)
@@ -320,8 +320,8 @@ def equilibrium_residual(
     least_angle, least_torque = CANCELLED * turned.max(axis=0), CANCELLED * carried.max(axis=0)
     worst = np.zeros(angle.shape[1])
 
-    def add_equation(error: NDArray[Any], scale: FloatArray, least: FloatArray) -> None:
-        np.fmax(worst, np.abs(error) / np.maximum(scale, least), out=worst)
+    def add_equation(error: NDArray[Any], scale: FloatArray, floor: FloatArray) -> None:
+        np.fmax(worst, np.abs(error) / np.maximum(scale, floor), out=worst)
 
     for station, parent in enumerate(plan.parent):
         # Of a station: own angle = force + torque of its span - those of the spans to its children.
