@@ -33,7 +33,7 @@ class Source:
 
     @property
     def bibtex(self) -> str:
-        """The entry of a bibliography."""
+        """The entry of a bibliography in BibTeX."""
         fields = {
             "author": self.authors.replace(", ", " and "),
             "year": self.year,
