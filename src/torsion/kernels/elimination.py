@@ -71,7 +71,7 @@ def layout(tree: Tree, compliance: Values) -> Layout:
 
 
 @dataclass(frozen=True)
-class Elimination:
+class SpanSides:
     """What both sides of every span show: lists with a row (columns,) a station, which stay in a processor's cache.
 
     Angle and torque of a station follow from z, f of its branch and zd, e of the rest: (f d + e)/D and
@@ -88,7 +88,7 @@ class Elimination:
     meeting: Rows  # 1/D
 
 
-def eliminate(plan: Layout, own: Values, compliance: Values, *, guard: bool = False) -> Elimination:
+def eliminate(plan: Layout, own: Values, compliance: Values, *, guard: bool = False) -> SpanSides:
     """Return both sides of every span from the stiffness `own` (stations, columns) of each station by itself, N m/rad.
 
     compliance: (stations, 1) or (stations, columns) rad/(N m). `guard` replaces a denominator that is exactly zero (a
@@ -130,11 +130,11 @@ def eliminate(plan: Layout, own: Values, compliance: Values, *, guard: bool = Fa
             total = z[station] * divisor[station]
             total += rest[station]
             meeting[station] = np.reciprocal(total, out=total)
-    return Elimination(hc, z, through, transfer, rest, divisor, meeting)
+    return SpanSides(hc, z, through, transfer, rest, divisor, meeting)
 
 
 def forced(
-    plan: Layout, sides: Elimination, force: Values, twist: Values | None = None
+    plan: Layout, sides: SpanSides, force: Values, twist: Values | None = None
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return angles (rad) and torques of the spans on their stations (N m), both (stations, columns).
 
@@ -170,7 +170,7 @@ def forced(
 
 
 def _add_sources_of_branches(
-    plan: Layout, sides: Elimination, source: Rows, twist: Values | None
+    plan: Layout, sides: SpanSides, source: Rows, twist: Values | None
 ) -> Rows:
     """Add to the `source` of every station those of its branch, in place; return what each span passes on."""
     passed: Rows = [np.zeros(len(source[0]))] * plan.size

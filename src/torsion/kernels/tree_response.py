@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
 from torsion.kernels.distributed.span_laws import Pi
-from torsion.kernels.elimination import EPS, Elimination, Layout, eliminate, forced, layout
+from torsion.kernels.elimination import EPS, Layout, SpanSides, eliminate, forced, layout
 from torsion.kernels.tree import Tree
 
 CANCELLED = 1e-6  # of the largest: rounding of it, 1e-14, is then what NEAR_SINGULAR_LOSS allows of a smaller one
@@ -258,12 +258,7 @@ def _columns(values: NDArray[Any], part: Part) -> NDArray[Any]:
 
 
 def solve_part(problem: Problem, part: Part, *, check: bool, guard: bool = False) -> TreeResponse:
-    """Return the response at the frequencies of `part`.
-
-    Amplification is 1 + 2 sum |own receptance| over the stations: twice the relative change of the determinant of the
-    dynamic stiffness under relative changes of every inertia and damper to ground. In a mode the springs hold as much
-    energy as the inertias, hence twice; |z| is taken as |real| + |imaginary|.
-    """
+    """Return the response at the frequencies of `part`."""
     given, plan = problem.equations(part), problem.plan
     with np.errstate(all="ignore"):
         sides = eliminate(plan, given.own, given.compliance, guard=guard)
@@ -273,7 +268,7 @@ def solve_part(problem: Problem, part: Part, *, check: bool, guard: bool = False
         lost = ~np.isfinite(angle.sum(axis=0) + torque.sum(axis=0))
         if check:
             residual = equilibrium_residual(plan, given, angle, torque)
-            amplification = 1 + 2 * _sensitivity(plan, given.own, sides)
+            amplification = amplification_of(plan, given.own, sides)
             lost |= ~np.isfinite(amplification)
         amplification[lost] = np.inf
         outer = torque
@@ -295,8 +290,13 @@ def residual_of(problem: Problem, response: TreeResponse) -> FloatArray:
         return equilibrium_residual(problem.plan, given, response.angle, torque)
 
 
-def _sensitivity(plan: Layout, station_stiffness: NDArray[Any], sides: Elimination) -> FloatArray:
-    """Return the sum (columns,) of |own receptance| over the stations that are free to move."""
+def amplification_of(plan: Layout, station_stiffness: NDArray[Any], sides: SpanSides) -> FloatArray:
+    """Return the growth (columns,) of relative errors of the data: 1 + 2 sum |own receptance| over the free stations.
+
+    Twice the relative change of the determinant of the dynamic stiffness under relative changes of every inertia and
+    damper to ground. In a mode the springs hold as much energy as the inertias, hence twice; |z| is taken as
+    |real| + |imaginary|.
+    """
     total = np.zeros(station_stiffness.shape[1])
     for station in range(plan.size):
         if not plan.prescribed[station]:
@@ -304,7 +304,7 @@ def _sensitivity(plan: Layout, station_stiffness: NDArray[Any], sides: Eliminati
             loss *= sides.meeting[station]
             total += np.abs(loss.real)
             total += np.abs(loss.imag)
-    return total
+    return 1 + 2 * total
 
 
 def equilibrium_residual(

@@ -17,7 +17,7 @@ from torsion.kernels.damping.damped_roots import (
     number_of_roots,
     polish_together,
 )
-from torsion.kernels.elimination import EPS, Elimination, Layout, eliminate
+from torsion.kernels.elimination import EPS, Layout, SpanSides, eliminate
 from torsion.kernels.spanning_forest import connected
 from torsion.kernels.tree import Tree
 
@@ -52,7 +52,7 @@ class BothSides:
     """Dynamic stiffness of the train at each root, (stations, roots)."""
 
     compliance: ComplexArray  # hc, rad/(N m)
-    sides: Elimination
+    sides: SpanSides
     whole: ComplexArray  # Z, N m/rad, of the whole train at a station; infinite where prescribed
 
 
