@@ -18,7 +18,7 @@ DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of 
 
 
 def element(degree: int) -> Any:
-    """The element of a degree."""
+    """Return scikit-fem's element of polynomials of a degree on a line."""
     if degree == 1:
         return skfem.ElementLineP1()
     return skfem.ElementLineP2() if degree == 2 else skfem.ElementLinePp(degree)

@@ -21,7 +21,7 @@ def phase(bar: Bar, frequency: float) -> float:
 
 
 def is_uniform(bar: Bar) -> bool:
-    """The same section all along."""
+    """Whether a shaft has the same diameters all along."""
     return bar.outer[0] == bar.outer[1] and bar.bore[0] == bar.bore[1]
 
 
@@ -48,7 +48,6 @@ class Piece:
 
     @property
     def length(self) -> float:
-        """m."""
         return self.bar.length / self.number
 
     def polar_area_moment(self, x: FloatArray) -> FloatArray:

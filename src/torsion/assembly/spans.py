@@ -43,7 +43,6 @@ class Row:
         )
 
     def span(self, k: int) -> Span:
-        """Segment, or group, k."""
         first, last = (self.edges[k] + 1, self.edges[k + 1]) if self.edges else (k + 1, k + 1)
         label = f"{first}" if first == last else f"{first}..{last}"
         name = self.bar.name if self.number == 1 else f"{self.bar.name} [{label}]"
@@ -57,7 +56,6 @@ class Row:
 
     @property
     def inner_stations(self) -> list[Station]:
-        """Stations between the segments."""
         return [self.station(k) for k in range(self.number - 1)]
 
     @property
@@ -106,7 +104,7 @@ class SegmentGroups:
 
     @property
     def is_whole(self) -> bool:
-        """Nothing is left out."""
+        """Whether no segments are joined to groups."""
         return self.longest == 1
 
     def names(self) -> list[str]:

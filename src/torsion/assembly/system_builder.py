@@ -57,7 +57,6 @@ class Collected:
     def add(
         self, span: Span, flexibility: float, viscous: float = 0.0, loss_factor: float = 0.0
     ) -> None:
-        """Add a span."""
         self.spans.append(span)
         self.elastic.append((flexibility, viscous, loss_factor))
 

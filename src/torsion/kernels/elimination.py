@@ -34,12 +34,10 @@ class Layout:
 
     @property
     def size(self) -> int:
-        """Number of stations."""
         return len(self.parent)
 
     @property
     def roots(self) -> list[int]:
-        """Stations without a parent."""
         return [station for station, parent in enumerate(self.parent) if parent < 0]
 
 
@@ -88,8 +86,10 @@ class SpanSides:
     meeting: Rows  # 1/D
 
 
-def eliminate(plan: Layout, own: Values, compliance: Values, *, guard: bool = False) -> SpanSides:
-    """Return both sides of every span from the stiffness `own` (stations, columns) of each station by itself, N m/rad.
+def eliminate(
+    plan: Layout, station_stiffness: Values, compliance: Values, *, guard: bool = False
+) -> SpanSides:
+    """Return both sides of every span from `station_stiffness` (stations, columns) N m/rad, of each by itself.
 
     compliance: (stations, 1) or (stations, columns) rad/(N m). `guard` replaces a denominator that is exactly zero (a
     branch in resonance with its root end fixed, such as a vibration absorber in tune) by eps, which is a relative change
@@ -102,9 +102,9 @@ def eliminate(plan: Layout, own: Values, compliance: Values, *, guard: bool = Fa
             product[product == 0] = EPS
         return product
 
-    size, kind = plan.size, np.result_type(own, compliance)
-    hc, z = list(compliance), [row.astype(kind) for row in own]
-    ones_row = np.ones(own.shape[1], dtype=kind)
+    size, kind = plan.size, np.result_type(station_stiffness, compliance)
+    hc, z = list(compliance), [row.astype(kind) for row in station_stiffness]
+    ones_row = np.ones(station_stiffness.shape[1], dtype=kind)
     through, transfer, divisor, meeting = ([ones_row] * size for _ in range(4))
     rest = [np.zeros_like(ones_row)] * size
     for station in range(size - 1, -1, -1):
@@ -121,7 +121,12 @@ def eliminate(plan: Layout, own: Values, compliance: Values, *, guard: bool = Fa
             for child in children:
                 rest[child], divisor[child] = ones_row, hc[child] * ones_row
         elif children:
-            share(children, through, rest, own[station] + rest[station] / divisor[station])
+            share(
+                children,
+                through,
+                rest,
+                station_stiffness[station] + rest[station] / divisor[station],
+            )
             for child in children:
                 divisor[child] = one_plus(hc[child] * rest[child])
         if plan.held[station] and plan.parent[station] >= 0:

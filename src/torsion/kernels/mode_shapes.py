@@ -60,7 +60,6 @@ class Shapes:
             getattr(self, name)[..., columns] = getattr(shapes, name)
 
     def take(self, columns: IntArray) -> "Shapes":
-        """The shapes in `columns`."""
         return Shapes(*(getattr(self, name)[..., columns] for name in (*_OF_STATIONS, *_OF_MODES)))
 
     def scale(self, factor: FloatArray) -> None:

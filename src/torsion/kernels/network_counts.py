@@ -40,7 +40,7 @@ class Network:
     chord: FloatArray  # (chords, trains) rad/(N m)
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Network":
-        """Some of the trains."""
+        """Return the network of some trains, by position or mask."""
         tree, shafts = self.tree, self.tree.shafts
         if shafts is not None:
             position = np.arange(tree.flexibility.shape[1])[trains]
@@ -73,7 +73,7 @@ class Way:
     )
 
     def chosen(self, trains: IntArray | BoolArray | slice) -> "Way":
-        """For some of the trains."""
+        """Return the way of some trains, by position or mask."""
         if self.basis is None or self.terms is None:
             return self
         rows = {
@@ -306,7 +306,7 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
     with np.errstate(all="ignore"):
         seen = Elimination(trains, square, way)
         stiffness, load = seen.at_root
-        chord_torque = _least(seen.matrix + product(load, load) / stiffness)
+        chord_torque = _least_chord_torques(seen.matrix + product(load, load) / stiffness)
         f = np.einsum("kt,kst->st", chord_torque, seen.load)
         q = np.einsum("kt,kst->st", chord_torque, seen.q)
         torque = np.einsum(
@@ -343,7 +343,7 @@ def modal_way(trains: Network, square: FloatArray, way: Way) -> tuple[Way, Float
     )
 
 
-def _least(matrix: FloatArray) -> FloatArray:
+def _least_chord_torques(matrix: FloatArray) -> FloatArray:
     """Chord torques (chords, trains) for which M (chords, chords, trains) is least beside its diagonal."""
     number = len(matrix)
     if number == 1:

@@ -148,7 +148,7 @@ def _window(
     slopes = np.zeros_like(powers)
     slopes[:, 1:] = powers[:, :-1] * np.arange(1, DEGREE + 1) / half
     rows = slopes[:, 1:] if derived else powers
-    smooth = _least(rows, values, weight)
+    smooth = _weighted_least_squares(rows, values, weight)
     mean = np.concatenate([[0.0], smooth]) if derived else smooth
     for _ in range(ROUNDS):
         turned, before = powers @ mean, mean
@@ -156,7 +156,9 @@ def _window(
         if derived:
             carrier = carrier * (1j * np.append(orders, nearby) * (slopes @ mean)[:, None])
         carrier, neighbours = carrier[:, : len(orders)], carrier[:, len(orders) :]
-        solution = _least(np.hstack([rows, carrier.real, -carrier.imag]), values, weight)
+        solution = _weighted_least_squares(
+            np.hstack([rows, carrier.real, -carrier.imag]), values, weight
+        )
         mean = np.concatenate([[0.0], solution[:DEGREE]]) if derived else solution[: DEGREE + 1]
         if np.abs(powers @ (mean - before)).max() < SETTLED:
             break
@@ -169,7 +171,7 @@ def _window(
     return float(mean[1] / half), parts[: len(orders)] + 1j * parts[len(orders) :], error
 
 
-def _least(rows: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:
+def _weighted_least_squares(rows: FloatArray, values: FloatArray, weight: FloatArray) -> FloatArray:
     """Weighted least squares, the columns scaled alike."""
     size = np.sqrt(np.square(rows).sum(axis=0))
     solution, *_ = np.linalg.lstsq(rows / size * weight[:, None], values * weight, rcond=None)

@@ -43,7 +43,7 @@ class PowerLaw(StiffnessTable):
 
     @property
     def words(self) -> str:
-        """The law with its figures."""
+        """The law as a formula with its numbers."""
         return self.formula
 
     @property

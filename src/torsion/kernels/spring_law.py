@@ -109,7 +109,7 @@ class SpringLaw(StiffnessTable):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """rad/s: it says something everywhere."""
+        """Lowest and highest frequency (rad/s) of any use: the law holds everywhere."""
         times = [tau for _, tau in self.terms]
         return 1.0 / (FAR * max(times)), FAR / min(times)
 

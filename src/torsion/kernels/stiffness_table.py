@@ -95,7 +95,7 @@ class StiffnessTable:
 
     @property
     def damps(self) -> bool:
-        """It takes energy out somewhere."""
+        """Whether the table has a loss factor or viscous damping anywhere."""
         return any(self.loss_factor) or any(self.viscous)
 
     @property

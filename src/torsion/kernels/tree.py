@@ -54,7 +54,6 @@ class Tree:
 
     @cached_property
     def roots(self) -> list[int]:
-        """The stations without a parent."""
         return [station for station, parent in enumerate(self.parents) if parent < 0]
 
     @cached_property
@@ -94,7 +93,7 @@ class Tree:
 
     @cached_property
     def holds(self) -> bool:
-        """Any station is fixed."""
+        """Whether any station is fixed."""
         return bool(self.held.any())
 
     def own_stiffness(self, square: FloatArray) -> FloatArray:

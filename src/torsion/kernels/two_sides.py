@@ -208,7 +208,7 @@ def spread(tree: Tree, sides: Sides | TwoSides, start: IntArray) -> Spread:
 
 
 def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
-    """Layer by layer."""
+    """Spread the angle at the start layer by layer, as `spread` returns it."""
     to_root, to_leaves, passed = sides.to_root, sides.to_leaves, sides.passed
     angle, torque, product = np.zeros_like(to_root), np.zeros_like(to_root), np.zeros_like(passed)
     angle[start, np.arange(len(start))] = 1.0
@@ -233,7 +233,7 @@ def _spread_by_layers(tree: Tree, sides: Sides, start: IntArray) -> Spread:
 
 
 def _spread_by_stations(tree: Tree, sides: TwoSides, start: IntArray) -> Spread:
-    """One station after another."""
+    """Spread the angle at the start station by station, as `spread` returns it."""
     angle, product = np.zeros(sides.to_leaves.shape), np.empty(len(start))
     angle[start, np.arange(len(start))] = 1.0
     rows, factor = list(angle), list(sides.to_root)
@@ -331,7 +331,7 @@ def _sides_of_chain(tree: Tree, station_stiffness: FloatArray) -> Sides:
 
 
 def _spread_along_chain(tree: Tree, sides: Sides, start: IntArray) -> Spread:
-    """Both ways at once."""
+    """Spread the angle at the start along a chain, both ways at once, as `spread` returns it."""
     columns, is_toward_root = len(start), np.arange(tree.size - 1)[:, None] < start
     factor = np.ones((tree.size - 1, 2 * columns))
     np.copyto(factor[:, :columns], sides.to_root[:0:-1], where=is_toward_root[::-1])

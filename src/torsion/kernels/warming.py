@@ -27,7 +27,7 @@ class Warming:
     by_magnifier: bool = False  # it is the magnifier that is linear between the points
 
     def loss_factor(self, temperature: FloatArray) -> FloatArray:
-        """At temperatures (degC)."""
+        """Return the loss factor at temperatures (degC)."""
         values = _linear(self.lost, temperature)
         return 1.0 / values if self.by_magnifier else values
 

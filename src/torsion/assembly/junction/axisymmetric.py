@@ -71,12 +71,11 @@ class Solved:
 
     @property
     def excess_length(self) -> float:
-        """The middle of the bounds."""
         return sum(self.excess) / 2.0
 
     @property
     def error(self) -> float:
-        """Half their gap."""
+        """Half the gap between the bounds of the excess length."""
         return (self.excess[1] - self.excess[0]) / 2.0
 
 
@@ -103,7 +102,7 @@ def solved(profile: Profile, fine: float = FINE) -> Solved:
 
 
 def on_mesh(profile: Profile, mesh: Meridian) -> tuple[Bounds, Fields]:
-    """Both problems on one mesh."""
+    """Return the bounds and the fields of both problems on one mesh."""
     basis, values, slopes, r, modulus = functions_of(profile, mesh)
     weight = modulus * r**3
     twist = energy_matrix(basis, slopes, weight * basis.dx)
@@ -119,7 +118,7 @@ def on_mesh(profile: Profile, mesh: Meridian) -> tuple[Bounds, Fields]:
     chi = _solution(flow, basis.N, {0.0: inner, 1.0: outer})
     flexibility = float(chi @ (flow @ chi))
     by_angle, by_function = (
-        _at(basis, parts, field) for parts, field in ((slopes, psi / stiffness), (flows, chi))
+        _gradient(basis, parts, field) for parts, field in ((slopes, psi / stiffness), (flows, chi))
     )
     difference = np.array(
         [weight * by_angle[0] - by_function[1], weight * by_angle[1] + by_function[0]]
@@ -168,7 +167,7 @@ def energy_matrix(basis: Any, slopes: FloatArray, weight: FloatArray) -> csc_arr
     )
 
 
-def _at(basis: Any, slopes: FloatArray, field: FloatArray) -> FloatArray:
+def _gradient(basis: Any, slopes: FloatArray, field: FloatArray) -> FloatArray:
     """The gradient (2, triangles, places) of a field."""
     return np.asarray(np.einsum("udtp,ut->dtp", slopes, field[basis.element_dofs]))
 

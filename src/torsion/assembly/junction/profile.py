@@ -116,7 +116,6 @@ class Profile:
 
     @property
     def thinnest(self) -> float:
-        """The smallest outer diameter."""
         return min(min(length.outer) for length in self.lengths)
 
     @property

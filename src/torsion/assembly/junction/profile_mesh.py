@@ -124,12 +124,11 @@ class _Fill:
 
     @property
     def below(self) -> float:
-        """r where the patch begins."""
         return self.r - self.depth
 
     @property
     def span(self) -> tuple[float, float]:
-        """z of the patch, ascending."""
+        """Ends of the patch along the axis, ascending."""
         return min(self.begin, self.behind), max(self.begin, self.behind)
 
     @property

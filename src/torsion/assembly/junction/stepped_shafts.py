@@ -69,7 +69,7 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         if train.steps is None and record.step is not None:
             continue
         step = record.step or Step(
-            form=next((known for known in get_args(StepForm) if known == form), "none")
+            form=next((name for name in get_args(StepForm) if name == form), "none")
         )
         if step.form == "none":
             continue

@@ -42,7 +42,7 @@ class SectionResult:
 
     @property
     def torsion_constant(self) -> float:
-        """m4."""
+        """Middle of the bounds on the finest level, m4."""
         return (self.levels[-1].lower + self.levels[-1].upper) / 2.0
 
     @property

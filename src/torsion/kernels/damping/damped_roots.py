@@ -216,7 +216,7 @@ def polish_together(
 
     mirrored: the conjugates are roots as well and are kept away from. Raises SolveError if some do not settle.
     """
-    root = _apart(start)
+    root = _separate(start)
     active = np.ones(len(root), dtype=bool)
     step = np.full(len(root), np.inf, dtype=np.complex128)
     for _ in range(SWEEPS):
@@ -248,7 +248,7 @@ def _steps(
     return step
 
 
-def _apart(start: ComplexArray) -> ComplexArray:
+def _separate(start: ComplexArray) -> ComplexArray:
     """Starts of which no two are equal, none is zero: equal ones are moved by some 1e-7 of themselves."""
     root = np.array(start, dtype=np.complex128)
     root[root == 0] = 1e-3 * np.abs(root[root != 0]).min() if root.any() else 1.0

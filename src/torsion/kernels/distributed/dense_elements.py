@@ -43,7 +43,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
 
     `lower` and `upper` are the frequencies themselves and `certified` is False. Raises ValueError for other shafts.
     """
-    shafts = _of(tree)
+    shafts = _shafts_of(tree)
     (element,) = shafts.laws if len(shafts.laws) == 1 else (None,)
     if not isinstance(element, CondensedElements):
         raise ValueError(
@@ -87,7 +87,7 @@ def dense_modes(tree: Tree, count: int) -> TreeModes:
     )
 
 
-def _of(tree: Tree) -> Shafts:
+def _shafts_of(tree: Tree) -> Shafts:
     if tree.shafts is None:
         raise ValueError("the dense way is for a tree with distributed shafts")
     return tree.shafts
@@ -149,19 +149,19 @@ def _fill_rigid(
 def static_bends(train: Tree, shafts: Shafts, element: CondensedElements) -> Bends:
     """The coordinates of the tree `train`, whose shafts `shafts` are `element`."""
     tree = train.static
-    known = rigidity(tree)
+    rigid_bodies = rigidity(tree)
     spring = np.flatnonzero((tree.parent >= 0) & (tree.flexibility > 0.0))
     root = np.sqrt(tree.flexibility[spring])
-    bodies = np.unique(known.body[known.fixed])
-    first = np.unique(known.component[bodies], return_index=True)[1]
-    angle = _angles(tree, known.component, spring, bodies[first]) * root
+    bodies = np.unique(rigid_bodies.body[rigid_bodies.fixed])
+    first = np.unique(rigid_bodies.component[bodies], return_index=True)[1]
+    angle = _angles(tree, rigid_bodies.component, spring, bodies[first]) * root
     bend, ties = np.eye(len(spring)), angle[np.delete(bodies, first)]
     if len(ties):
         ties = ties / np.linalg.norm(ties, axis=1, keepdims=True)
         bend = np.linalg.qr(ties.T, mode="complete")[0][:, len(ties) :]
         angle = angle @ bend
-    angle = np.concatenate((angle, _balance(tree, known, shafts, element)), axis=1)
-    angle[known.fixed] = 0.0
+    angle = np.concatenate((angle, _balance(tree, rigid_bodies, shafts, element)), axis=1)
+    angle[rigid_bodies.fixed] = 0.0
     inside = bend.shape[1] + np.arange(element.modes.size).reshape(element.modes.shape)
     bend = np.concatenate((bend, np.zeros((len(spring), element.modes.size))), axis=1)
     return Bends(spring, root, bend, angle, inside)

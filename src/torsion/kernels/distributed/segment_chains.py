@@ -50,7 +50,7 @@ class SegmentChains(Law):
         return self._from_inside(h, inner, outer)
 
     def rounding(self, square: FloatArray) -> FloatArray:
-        """What cancels in every h."""
+        """As of a `Law`: by how much every flexibility is less than the sum of its springs."""
         total = self.flexibility.sum(axis=1).max(initial=0.0)
         h = self.at(square)[0]
         growth = total / np.maximum(np.abs(h).min(axis=0, initial=total), UNIT_ROUNDOFF * total)

@@ -49,7 +49,6 @@ class Law(ABC):
 
     @property
     def size(self) -> int:
-        """Number of shafts."""
         return len(next(iter(vars(self).values())))
 
     @property
@@ -154,7 +153,7 @@ class Columns(Law):
         return self.rows.reach
 
     def chosen(self, trains: NDArray[Any]) -> "Columns":
-        """Those of some trains."""
+        """Return the shafts of some trains, by their positions."""
         position = np.arange(self.rows.size).reshape(-1, self.trains)[:, trains]
         rows = replace(
             self.rows,
@@ -183,7 +182,6 @@ class Shafts:
 
     @property
     def size(self) -> int:
-        """Number of shafts."""
         return len(self.node)
 
     @cached_property
@@ -198,7 +196,7 @@ class Shafts:
 
     @cached_property
     def parts(self) -> tuple[slice, ...]:
-        """The shafts of each law."""
+        """Where the shafts of each law stand among all shafts."""
         edges = np.cumsum([0, *(law.size for law in self.laws)]).tolist()
         if edges[-1] != self.size:
             raise ValueError(f"the laws are for {edges[-1]} shafts; expected {self.size}")
@@ -226,7 +224,7 @@ class Shafts:
         return flexibility, inner, outer
 
     def slopes(self, square: FloatArray) -> Slopes:
-        """As of a `Law`."""
+        """Return what `Law.slopes` does, for the shafts of all laws."""
         slopes = [list(vars(law.slopes(square)).values())[1:] for law in self.laws]
         return Slopes(square, *map(np.concatenate, zip(*slopes, strict=True)))
 
@@ -235,7 +233,7 @@ class Shafts:
         return np.asarray(np.max([law.rounding(square) for law in self.laws], axis=0))
 
     def turned(self, which: BoolArray) -> "Shafts":
-        """As of a `Law`."""
+        """Return what `Law.turned` does, for the shafts of all laws."""
         laws = tuple(
             law.turned(which[part]) for law, part in zip(self.laws, self.parts, strict=True)
         )

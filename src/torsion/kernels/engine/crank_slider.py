@@ -56,7 +56,6 @@ class CrankSlider:
 
     @cached_property
     def stroke(self) -> float:
-        """Way of the piston, m."""
         return float(self.piston(0.0)[0] - self.piston(self.bottom)[0])
 
     def piston(self, angle: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -35,7 +35,6 @@ class Cylinder:
 
     @property
     def swept(self) -> float:
-        """Volume of a stroke, m3."""
         return self.area * self.crank.stroke
 
     @property
@@ -120,7 +119,7 @@ class Diagram:
         )
 
     def at(self, angle: FloatArray, period: float) -> FloatArray:
-        """Pa at any crank angles."""
+        """Return the pressure (Pa) at crank angles (rad) of any shape."""
         first = self.angle[0]
         return np.asarray(np.interp((angle - first) % period + first, self.angle, self.pressure))
 

@@ -52,7 +52,6 @@ class Cycle:
 
     @property
     def is_two_stroke(self) -> bool:
-        """A cycle is one revolution."""
         return self.cylinder.revolutions == 1
 
     @property
@@ -136,12 +135,11 @@ class Cycle:
 
     @property
     def motored(self) -> "Cycle":
-        """The same without heat."""
         return replace(self, heat=0.0)
 
     @property
     def peak(self) -> float:
-        """Largest pressure, Pa."""
+        """Largest pressure of the cycle (Pa), refined between samples."""
         angle = np.linspace(min(self.start, -0.1), min(self.start + self.duration, self.opens), 241)
         highest = int(np.argmax(self.closed(angle)))
         ends = angle[max(highest - 1, 0)], angle[min(highest + 1, len(angle) - 1)]
@@ -166,7 +164,7 @@ def timed(cycle: Cycle, imep: float, start: float) -> Cycle:
 
 @lru_cache(maxsize=8)
 def _mean(cycle: Cycle) -> float:
-    """N m, mean gas torque."""
+    """Return the mean gas torque (N m) of a cycle."""
     return float(cycle.torque(0)[0].real)
 
 
