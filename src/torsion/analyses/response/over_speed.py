@@ -26,6 +26,7 @@ from torsion.analyses.response.amplitudes import (
     refuse_too_large,
     with_balance,
 )
+from torsion.analyses.response.component_answers import solve_components
 from torsion.analyses.response.harmonic_components import (
     Excitation,
     excitations,
@@ -33,7 +34,7 @@ from torsion.analyses.response.harmonic_components import (
     lines,
     sources,
 )
-from torsion.analyses.response.solver import ground_damping, solve_components
+from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.response.synthesis import synthesis
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import Modes
