@@ -142,7 +142,7 @@ class Modes(Displayed, Keyed):
 
     @derived("", ("mode",), "sign changes of the shape over elastic spans")
     def nodes(self) -> IntArray:
-        """Number of nodes (modes,)."""
+        """Number of nodes (modes,) of each shape."""
         tree, chords = undamped_tree(self.system), chord_spans(self.system)
         square = np.square(2.0 * math.pi * self.frequency)
         return nodes(self.system, tree, chords, self.shape, square)
@@ -313,17 +313,17 @@ def modes_as_discretised(
     )
 
 
-def condensed_modes(whole: Modes, system: System) -> Modes:
+def condensed_modes(full: Modes, system: System) -> Modes:
     """Return modes of a whole system at the stations and spans of it condensed; shares are sums over groups."""
     groups = system.groups
     if groups is None:
-        return whole
-    shape, torque = whole.shape[groups.stations], whole.torque[groups.spans]
-    result = replace(whole, shape=shape, torque=torque, system=system)
+        return full
+    shape, torque = full.shape[groups.stations], full.torque[groups.spans]
+    result = replace(full, shape=shape, torque=torque, system=system)
     vars(result).update(
-        kinetic=groups.over_stations(whole.kinetic),
-        elastic=groups.over_spans(whole.elastic),
-        nodes=whole.nodes,
+        kinetic=groups.over_stations(full.kinetic),
+        elastic=groups.over_spans(full.elastic),
+        nodes=full.nodes,
     )
     return result
 

@@ -92,7 +92,7 @@ class Following:
 
     @property
     def by_span(self) -> dict[int, FloatArray]:
-        """(points,) N m of each span."""
+        """Torque (points,) N m of each span."""
         return {span: self.torque[:, k] for k, span in enumerate(self.spans)}
 
 
@@ -384,15 +384,15 @@ def merged(first: Result, second: Result, points: FloatArray, added: FloatArray)
 
     `first` stands where both have a point.
     """
-    place = np.unique(np.concatenate([points, added]), return_index=True)[1]
-    of_first = place < len(points)
-    kept = slice(None) if np.count_nonzero(of_first) == len(points) else place[of_first]
+    order = np.unique(np.concatenate([points, added]), return_index=True)[1]
+    of_first = order < len(points)
+    kept = slice(None) if np.count_nonzero(of_first) == len(points) else order[of_first]
     changed: dict[str, Any] = {}
     for key, value in vars(first).items():
         if isinstance(value, np.ndarray):
-            changed[key] = np.empty((len(place), *value.shape[1:]), dtype=value.dtype)
+            changed[key] = np.empty((len(order), *value.shape[1:]), dtype=value.dtype)
             changed[key][of_first] = value[kept]
-            changed[key][~of_first] = getattr(second, key)[place[~of_first] - len(points)]
+            changed[key][~of_first] = getattr(second, key)[order[~of_first] - len(points)]
         elif isinstance(value, Balanced | Following):
             changed[key] = merged(value, getattr(second, key), points, added)
     if isinstance(first, Response) and isinstance(second, Response):

@@ -48,7 +48,11 @@ def solve_components(
 
     separate = answers(
         system,
-        [own for own, sources in zip(w, components.apart, strict=True) for _ in sources],
+        [
+            frequencies
+            for frequencies, sources in zip(w, components.apart, strict=True)
+            for _ in sources
+        ],
         [source for sources in components.apart for source in sources],
         ground,
         NOTHING if balance is None else balance.added,

@@ -46,9 +46,11 @@ class Line:
         if self.order is None:
             return f"{self.frequency:g} Hz ({in_runs(dict.fromkeys(self.sources))})"
         names_of: dict[Fraction, dict[str, None]] = {}
-        for name, own in zip_longest(self.sources, self.own_orders, fillvalue=self.order):
-            names_of.setdefault(Fraction(own), {})[str(name)] = None
-        sources = [f"{_decimal(own)} × {in_runs(names)}" for own, names in names_of.items()]
+        for name, own_order in zip_longest(self.sources, self.own_orders, fillvalue=self.order):
+            names_of.setdefault(Fraction(own_order), {})[str(name)] = None
+        sources = [
+            f"{_decimal(own_order)} × {in_runs(names)}" for own_order, names in names_of.items()
+        ]
         words, order = listed(sources, most=MOST_SOURCES), _decimal(self.order)
         if set(names_of) == {self.order}:
             return words
@@ -218,10 +220,10 @@ def sweeping(system: System) -> Excitation:
 def _excitation(
     sources: Sequence[Torque | JointError], order: Fraction | None, frequency: float | None
 ) -> Excitation:
-    own = {source.name: source.order for source in sources}
-    orders = tuple(Fraction(order) for order in own.values() if order is not None)
+    order_of = {source.name: source.order for source in sources}
+    orders = tuple(Fraction(order) for order in order_of.values() if order is not None)
     return Excitation(
-        Line(order, frequency, tuple(own), orders),
+        Line(order, frequency, tuple(order_of), orders),
         tuple(source for source in sources if isinstance(source, Torque)),
         tuple(source for source in sources if isinstance(source, JointError)),
     )
@@ -295,13 +297,13 @@ def amplitude(
     system: System, torque: Torque, speed: FloatArray, steady: Steady | None
 ) -> ComplexArray:
     """Return the complex amplitude (speeds,) N m of a torque at its own station."""
-    own = speed * system.speed_ratio[torque.station]
+    own_speed = speed * system.speed_ratio[torque.station]
     if (law := torque.cylinder) is not None:
-        return law.amplitude(own, None if steady is None else steady.applied[law.station])
+        return law.amplitude(own_speed, None if steady is None else steady.applied[law.station])
     size = np.full(len(speed), torque.torque)
     if torque.table:
         about = Fault(("excitations",), f"the table of the torque at '{torque.name}'", "")
-        size = size + interpolated(torque.table, own, about)
+        size = size + interpolated(torque.table, own_speed, about)
     if torque.of_mean:
         size = size + torque.of_mean * _mean_torque(system, torque, steady)
     return np.asarray(size * np.exp(1j * torque.phase))

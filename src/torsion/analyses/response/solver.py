@@ -202,11 +202,16 @@ def _changed_compliance(
             raise ValueError(f"'{system.spans[span].name}' closes a loop")
     changed = np.empty((len(compliance), frequencies), dtype=complex)
     changed[:] = compliance.reshape(len(compliance), -1)
-    for span, own in stiffness.items():
-        changed[system.condensed.span[span]] = 1.0 / (own * system.span_ratio[span] ** 2)
+    for span, stiffness_of in stiffness.items():
+        changed[system.condensed.span[span]] = 1.0 / (stiffness_of * system.span_ratio[span] ** 2)
     for span, secant in added.items():
-        extra, own = secant.extra * system.span_ratio[span] ** 2, system.condensed.span[span]
-        changed[own] = changed[own] / (secant.share + changed[own] * extra)
+        extra, stiffness_of = (
+            secant.extra * system.span_ratio[span] ** 2,
+            system.condensed.span[span],
+        )
+        changed[stiffness_of] = changed[stiffness_of] / (
+            secant.share + changed[stiffness_of] * extra
+        )
     return changed
 
 
