@@ -1,7 +1,6 @@
 """Natural frequencies and mode shapes of the undamped train, and where the energy of a mode sits."""
 
 import math
-from collections.abc import Callable
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Annotated
 
@@ -28,7 +27,6 @@ ROUNDS = 6  # of refining the shafts until the highest frequency of the modes st
 REACHING = 40  # times that shafts are refined until the modes lie in reach of their counts
 NONE = np.empty(0, dtype=np.int64)  # no spans
 Ruled = frozenset[str]  # analyses that the rules of a study read
-Progress = Callable[[int, int], None]  # (modes computed, of how many)
 
 
 class ModesSettings(Declared):
@@ -153,15 +151,12 @@ class Modes(Displayed, Keyed):
         return np.stack([self.lower, self.upper], axis=1)
 
 
-def modes(
-    system: System, count: int | None = 6, *, refine: bool = True, progress: Progress | None = None
-) -> Modes:
+def modes(system: System, count: int | None = 6, *, refine: bool = True) -> Modes:
     """Return the lowest `count` elastic modes (None: as many as the system has), of a system that resolves them.
 
     Where the shafts of `system` do not resolve the last mode they are refined, and `Modes.system` is the system of
     the results. Raises InputError for a count below 1 or above 100 000; SolveError where shafts cannot be refined,
-    where that is needed and `refine` is False, and for a frequency that cannot be proven. progress: called where modes
-    are computed one by one (few of a long row of stations).
+    where that is needed and `refine` is False, and for a frequency that cannot be proven.
     """
     if count is not None and not 1 <= count <= MOST_MODES:
         message, hint = f"{count} modes cannot be computed", f"give 1 to {MOST_MODES}"
@@ -170,11 +165,11 @@ def modes(
     if has_end:  # no mode above the end of a table is sought
         system = resolving(system, _table_end(system), refine=refine)
     if has_end or not refine or (system.bars is None and math.isinf(system.resolved_to)):
-        result = modes_as_discretised(system, count, progress=progress)
+        result = modes_as_discretised(system, count)
     else:
         if count is None:
             count = modes_as_discretised(system, None).frequency.size
-        result = _refined(system, count, progress)
+        result = _refined(system, count)
     if count is not None and result.frequency.size < count and not has_end:
         demand_resolution(result.system, math.inf)
     demand_resolution(result.system, float(result.frequency.max(initial=0.0)))
@@ -209,11 +204,11 @@ def _table_end(system: System) -> float:
     return reach(system)[1] / (2.0 * math.pi)
 
 
-def _refined(system: System, count: int, progress: Progress | None) -> Modes:
+def _refined(system: System, count: int) -> Modes:
     """Return the lowest `count` modes of the train, discretised for the last of them and for what `system` was."""
     highest = system.requested.frequency
     system = _in_reach(system, highest, count)
-    result = _in_more_segments(modes_as_discretised(system, count, progress=progress), count)
+    result = _in_more_segments(modes_as_discretised(system, count), count)
     for _ in range(ROUNDS):
         system = result.system
         finer = rediscretised(system, max(highest, float(result.frequency.max(initial=0.0))))
@@ -221,7 +216,7 @@ def _refined(system: System, count: int, progress: Progress | None) -> Modes:
             return result if system.bars is None else replace(result, system=finer)
         if system.bars is not None and is_as_fine(system, finer):
             break
-        result = modes_as_discretised(finer, count, progress=progress)
+        result = modes_as_discretised(finer, count)
     return result
 
 
@@ -266,9 +261,7 @@ def _discretisation(system: System) -> tuple[dict[str, int], int]:
     return system.segments, 0 if system.bars is None else system.bars.degree
 
 
-def modes_as_discretised(
-    system: System, count: int | None = 6, *, progress: Progress | None = None
-) -> Modes:
+def modes_as_discretised(system: System, count: int | None = 6) -> Modes:
     """Return the lowest `count` elastic modes (None: all) of the system itself, whether it resolves them or not."""
     if system.tables_over("frequency"):
         from torsion.analyses.modes.tabled_modes import tabled_modes
@@ -276,7 +269,7 @@ def modes_as_discretised(
         result: Modes = tabled_modes(system, count, modes_as_discretised)
         return result
     if system.groups is not None:
-        return condensed_modes(modes_as_discretised(system.whole, count, progress=progress), system)
+        return condensed_modes(modes_as_discretised(system.whole, count), system)
     tree, node, chords = undamped_tree(system), system.condensed.node, chord_spans(system)
     if system.bars is not None and system.condensed_shafts is not None:
         from torsion.analyses.modes.bars import referred_modes
@@ -295,7 +288,7 @@ def modes_as_discretised(
         else:
             from torsion.kernels.natural_modes import tree_modes
 
-            referred = tree_modes(tree, count, progress=progress)
+            referred = tree_modes(tree, count)
         torque = span_torques(system, referred.torque, chords, referred.loop_torque)
     shape, hertz, ratio = _rows(referred.angle, node), 1.0 / (2.0 * math.pi), system.speed_ratio
     if not (ratio == 1.0).all():

@@ -218,12 +218,9 @@ def unstable_rpm(findings: Findings) -> tuple[Band, ...]:
     stability: Stability | None = findings.results.get(
         "stability"
     )  # its class is not loaded where there is none
-    ranges = () if stability is None else stability.ranges
-    zones = (zone for _, tilting in tilted(findings) for zone in tilting.zones)
-    return (
-        *((unstable.first * RPM, unstable.last * RPM) for unstable in ranges),
-        *((zone.lower * RPM, zone.upper * RPM) for zone in zones),
-    )
+    ranges: Sequence[Any] = () if stability is None else stability.ranges
+    tilts = (band for _, tilting in tilted(findings) for band in tilting.zones)
+    return tuple((band.first * RPM, band.last * RPM) for band in (*ranges, *tilts))
 
 
 def tilted(findings: Findings) -> "tuple[tuple[str, Tilting], ...]":
@@ -254,6 +251,13 @@ def joint_model(findings: Findings) -> str:
             "peaks are not valid."
         )
     return f"The first-order joint model estimates its own relative error as at most {number(100 * error, 2)} %."
+
+
+def mode_of(findings: Findings, barred: BarredRange) -> str:
+    """Return the mode that the order of a barred range excites at its critical speed."""
+    if barred.order is None:
+        return NONE
+    return mode_near(findings, float(barred.order) * barred.critical / (2.0 * math.pi))
 
 
 def mode_near(findings: Findings, frequency: float) -> str:

@@ -22,6 +22,7 @@ from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import refuse_beyond, taken_under
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
+from torsion.kernels.bracketed_search import find_minimum, find_root
 from torsion.primitives import tabled_spring
 from torsion.results import reported, result
 from torsion.study import Study
@@ -76,25 +77,24 @@ def _roots(
     distance: Callable[[float], float], points: list[float], *, has_minima: bool
 ) -> Iterator[float]:
     """Yield every root that changes of sign between the points show, or between a point and a minimum next to it."""
-    from scipy.optimize import brentq, minimize_scalar
-
     marks = [(point, distance(point)) for point in points]
     triples = zip(marks, marks[1:], marks[2:], strict=False) if has_minima else ()
     for (left, before), (_, middle), (right, after) in list(triples):
         has_one_sign = min(before * middle, middle * after) > 0.0
         if has_one_sign and abs(middle) <= min(abs(before), abs(after)):
             sign = math.copysign(1.0, middle)
-            minimum = minimize_scalar(
-                lambda x, sign=sign: sign * distance(x), bounds=(left, right), method="bounded"
-            )
-            marks.append((float(minimum.x), sign * float(minimum.fun)))
+
+            def size(speed: float, sign: float = sign) -> float:
+                return sign * distance(speed)
+
+            lowest, value = find_minimum(size, left, right)
+            marks.append((float(lowest), sign * float(value)))
     marks.sort()
     for (left, before), (right, after) in pairwise(marks):
         if before == 0.0:
             yield left
         elif before * after < 0.0:
-            eps = np.finfo(float).eps
-            yield float(brentq(distance, left, right, xtol=ROUNDING * right, rtol=4.0 * eps))
+            yield float(find_root(distance, left, right, tolerance=ROUNDING * right))
     if marks[-1][1] == 0.0:
         yield marks[-1][0]
 
