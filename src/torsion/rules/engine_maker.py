@@ -41,8 +41,8 @@ class EngineMaker(RuleOverSpeed[EngineMakerSettings]):
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
         """Return what the rule does not judge, and why."""
-        other = "the rule limits the torsional stress only"
-        return ((f"{self.name}: damper, front end and bearings of the engine", other),)
+        reason = "the rule limits the torsional stress only"
+        return ((f"{self.name}: damper, front end and bearings of the engine", reason),)
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
         """Return the orders that the synthesis lacks."""

@@ -28,7 +28,7 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
     settings_class = FilletEnduranceSettings
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
+        """Return what the file lacks for this rule."""
         if not has_judged(study.train):
             hint = "for example `step: {fillet: 4 mm}` and `endurance: 120 MPa` of a shaft"
             message = f"{self.name} finds no fillet or notch with an `endurance`"

@@ -57,7 +57,7 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
     settings_class = GearHammerSettings
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
+        """Return what the file lacks for this rule."""
         if not any(study.train.of_kind("gear")):
             message = f"{self.name} finds no gear in the train"
             return [Fault(self.path(study), message, "leave the rule out")]
@@ -104,7 +104,7 @@ class GearHammer(RuleOverSpeed[GearHammerSettings]):
 
 
 def meshes(evidence: Results) -> Iterator[Mesh]:
-    """Every gear mesh of the train; raises ValueError where the torque at the rated speed is not known."""
+    """Yield every gear mesh of the train; raises ValueError where the torque at the rated speed is not known."""
     response, synthesis = evidence.need(Response), evidence.need(Synthesis)
     torque = judgement.rated_torque(evidence)
     if torque is None:
@@ -125,7 +125,7 @@ def meshes(evidence: Results) -> Iterator[Mesh]:
 
 
 def _share(part: Part, settings: GearHammerSettings) -> tuple[float, str, Standing]:
-    """Permissible vibratory share of the rated torque, where it comes from and how that stands."""
+    """Return the permissible vibratory share of the rated torque, its origin and its standing."""
     if settings.limit is not None:
         return settings.limit, "setting `limit`", "setting"
     if (factor := part.application_factor) is not None:

@@ -44,7 +44,7 @@ class MilStd167(RuleOverSpeed[MilSettings]):
     has_limits_outside_use = True
 
     def faults(self, study: Study) -> list[Fault]:
-        """What the file lacks for this rule."""
+        """Return what the file lacks for this rule."""
         faults = self.vibration_faults(study)
         if not any(with_role(study.train, *ROLES)) and not any(study.train.of_kind("gear")):
             hint = f"role: {', '.join(ROLES[:-1])} or {ROLES[-1]}"
@@ -53,20 +53,20 @@ class MilStd167(RuleOverSpeed[MilSettings]):
         return faults + unknown_strengths(study, self, *ROLES)
 
     def left_out(self, study: Study) -> tuple[tuple[str, str], ...]:
-        """What was not judged, and why."""
+        """Return what was not judged, and why."""
         judged = {number for number, _, _ in with_role(study.train, *ROLES)}
-        found = [
+        rows = [
             (f"{self.name} for {part.name}", "the shaft has no `role`, or its section is a mesh")
             for number, part in enumerate(study.train.parts)
             if part.shaft is not None and number not in judged
         ]
         return (
-            *found,
+            *rows,
             (f"{self.name}: propulsion shafts of other metals", "the limit is for steel"),
         )
 
     def demanded_rows(self, study: Study) -> tuple[Check, ...]:
-        """Gears of unknown torque."""
+        """Return a row for each gear of unknown torque."""
         return tuple(unknown_gears(self.name, study, TO_BE_VERIFIED))
 
     def clauses(self, evidence: Results) -> Iterator[Clause]:

@@ -105,8 +105,8 @@ class SocietyRule(M68):
 
     def edition_of(self, check: Check, study: Study) -> str:
         """Return the text of the society that limits line shafts, or that of crankshafts and generator shafts."""
-        others = {part.name for _, part, _ in with_role(study.train, *OTHER_ROLES)}
-        is_other = check.where in others or check.clause == MAJOR
+        names = {part.name for _, part, _ in with_role(study.train, *OTHER_ROLES)}
+        is_other = check.where in names or check.clause == MAJOR
         return (is_other and self.society.crank_edition) or self.society.edition
 
     def shafts(self, study: Study) -> Iterator[LimitedShaft]:

@@ -24,7 +24,7 @@ def _is_judged(case: Any) -> bool:
 
 
 def _states_of(name: str, cases: dict[str, Any]) -> tuple[frozenset[str], tuple[str, ...] | None]:
-    """States of a case with those of the case that it is based on, and the rules that it names in place of others."""
+    """Return the states of a case and of the case that it is based on, and the rules that it names in place of others."""
     case = cases[name]
     if not isinstance(case, dict):  # `from: tolerances`
         return frozenset({"other stiffness"} if case == "tolerances" else ()), None
@@ -57,6 +57,6 @@ def _own_states(case: dict[str, Any]) -> Iterator[str]:
 
 
 def _names(rules: Any) -> Iterator[str]:
-    """Names of the rules of a list, each with or without settings."""
+    """Yield the names of the rules of a list, each with or without settings."""
     for rule in rules if isinstance(rules, list) else [rules]:
         yield from rule if isinstance(rule, dict) else [str(rule)]
