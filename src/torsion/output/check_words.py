@@ -14,7 +14,6 @@ from torsion.output.figures.figure import Grade, Use
 from torsion.output.numbers import NONE, counted, given, given_rpm, number, order, symbols
 from torsion.output.reported_values import reference
 from torsion.results import listed
-from torsion.rules.reached_speeds import BEGINS, reach_words
 from torsion.rules.verdict_line import KINDS, WORDS, Basis, Check, Checks, Verdict
 
 SIGNS: Mapping[Verdict, str] = {
@@ -120,13 +119,12 @@ def percent(used: float) -> str:
 
 def unreached(findings: Findings) -> str:
     """Return the speeds that rules demand and that were not judged, as a sentence; empty where there are none."""
-    rated, demanded = findings.study.operation.rated, dict[str, dict[str, None]]()
+    demanded = dict[str, dict[str, None]]()
     for check in findings.need(Checks).lines:
-        if check.reach is not None and rated is not None and check.verdict == "not judged":
+        if check.reach is not None and check.verdict == "not judged":
             ends = (check.reach.first, check.reach.last, check.reach.demanded)
             first, last, end = map(given_rpm, ends)
-            is_below = reach_words(check.reach, rated.speed).startswith(BEGINS)
-            words = f"below {first}" if is_below else f"{last} to {end}"
+            words = f"below {first}" if check.reach.lacks_begin else f"{last} to {end}"
             demanded.setdefault(words, {})[check.rule] = None
     ranges = (f"{ends} rpm, required by {listed(rules)}" for ends, rules in demanded.items())
     return f"Not checked: {'; '.join(ranges)}. Extend operation.speeds." if demanded else ""

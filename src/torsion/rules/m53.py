@@ -16,9 +16,8 @@ from torsion.errors import Fault
 from torsion.findings import Results
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.lowering import Part
-from torsion.results import listed
 from torsion.rules import m53_factors as factors
-from torsion.rules.demanded_states import LAST_ORDER, MOST_ORDERS, misfire_row, unjudged
+from torsion.rules.demanded_states import lacking_orders, misfire_row, orders_words, unjudged
 from torsion.rules.judgement import Clause, RuleOverSpeed, spans_of
 from torsion.rules.m53_factors import RANGES
 from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
@@ -124,8 +123,8 @@ class M53(RuleOverSpeed[M53Settings]):
                 what = "Shrink fits of the crankshaft"
                 rows.append(("shrink fits", part.name, what, UNJUDGED_FITS))
             if lacking := _lacking(study, settings, number, part):
-                note = f"orders {listed(map(str, lacking), most=MOST_ORDERS)} do not excite"
-                rows.append(("orders", part.name, "Orders of the synthesis", note))
+                what = "Orders of the synthesis"
+                rows.append(("orders", part.name, what, orders_words(lacking)))
         return (
             *(unjudged(self.name, *row) for row in rows),
             *misfire_row(self.name, study, "KR A5-3 2(2)(A)(b)"),
@@ -199,15 +198,13 @@ def _lacking(study: Study, settings: M53Settings, crank: int, part: Part) -> lis
     """
     if settings.strokes is None:
         return []
-    step = Fraction(2, settings.strokes)  # an order a cycle of the engine
-    orders = [step * k for k in range(1, int(LAST_ORDER[settings.strokes] / step) + 1)]
-    engines = (component.engine for component in study.train.parts if component.engine is not None)
+    engines = (other.engine for other in study.train.parts if other.engine is not None)
     engine = next((record for record in engines if crank in record.cranks), None)
     if engine is None:
         excited = {order / abs(part.ratio) for order in excited_orders(study.train)}
     else:
         excited = set() if engine.gas is None else set(engine.gas_orders)
-    return [order for order in orders if order not in excited]
+    return lacking_orders(settings.strokes, excited)
 
 
 def _places(

@@ -122,6 +122,11 @@ class Reach:
         "rad/s", (), "speed up to which the rule is to be judged; 0: lower speeds lack"
     )
 
+    @property
+    def lacks_begin(self) -> bool:
+        """The rule demands speeds below those that were judged."""
+        return self.demanded < self.first
+
 
 class Verified(Declared):
     """The statement of a user that limits were compared with an edition of their rule."""
