@@ -15,10 +15,10 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Figure, Paragraph, Table, Verbatim, table
 from torsion.output.chapters import first_page, plant
 from torsion.output.chapters.natural_frequencies import all_modes, appendix, chapter
+from torsion.output.data_tables import report_tables as archive
 from torsion.output.document import document
 from torsion.output.html import html
 from torsion.output.long_blocks import FIRST, GAP, LARGEST, LAST, MOST_LINES, MOST_ROWS, shortened
-from torsion.output.table_files import archive
 from torsion.output.write import write
 from torsion.results import listed
 

@@ -265,7 +265,7 @@ def _design_line(findings: Findings) -> Iterator[tuple[str, str]]:
 def _engine_line(findings: Findings) -> Iterator[tuple[str, str]]:
     """Yield the state of the engines unless all cylinders fire alike."""
     if any(part.engine is not None for part in findings.study.train.parts):
-        from torsion.output.chapters.engine import states
+        from torsion.output.chapters.crank_machines import states
 
         if words := listed(states(findings), "; "):
             yield "Engine state", words

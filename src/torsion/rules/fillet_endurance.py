@@ -55,7 +55,7 @@ class FilletEndurance(RuleOverSpeed[FilletEnduranceSettings]):
                 source = "by formula (IACS UR M53)"
             yield self.compare(
                 response,
-                ("endurance", fillet.shaft, f"Shear stress amplitude in the {fillet.words}"),
+                ("endurance", fillet.shaft, f"Shear stress amplitude in the {fillet.label}"),
                 "setting",
                 factor * fillet.torque(torque) / fillet.modulus * PA,
                 PA * fillet.endurance,
