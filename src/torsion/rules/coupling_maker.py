@@ -16,7 +16,7 @@ from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.lowering import CouplingRatings, Part
 from torsion.rules.demanded_states import MISFIRE, unjudged
-from torsion.rules.judgement import (
+from torsion.rules.rule_over_speed import (
     MOSTLY,
     Clause,
     Continuous,

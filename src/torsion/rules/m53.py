@@ -18,10 +18,10 @@ from torsion.kernels.round_sections import section_modulus
 from torsion.model.lowering import Part
 from torsion.rules import m53_factors as factors
 from torsion.rules.demanded_states import lacking_orders, misfire_row, orders_words, unjudged
-from torsion.rules.judgement import Clause, RuleOverSpeed, spans_of
 from torsion.rules.m53_factors import RANGES
 from torsion.rules.m53_settings import CAST, SAME_SIZE, SIZES, M53Settings, contradictions
 from torsion.rules.reached_speeds import START, restricted
+from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, spans_of
 from torsion.rules.shaft_limits import (
     MM,
     PA,

@@ -9,8 +9,8 @@ from pydantic import BeforeValidator
 from torsion import fields
 from torsion.errors import Fault, Path
 from torsion.fields import Quantity, given, refuse
-from torsion.rules.judgement import Continuous, UseSettings
 from torsion.rules.m53_factors import Throw
+from torsion.rules.rule_over_speed import Continuous, UseSettings
 from torsion.rules.shaft_limits import MM, PA
 from torsion.study import Study
 

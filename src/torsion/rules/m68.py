@@ -9,9 +9,8 @@ import numpy as np
 from torsion.errors import Fault, Path
 from torsion.findings import Results
 from torsion.model.lowering import ShaftRecord
-from torsion.rules import judgement, m68_shafts
+from torsion.rules import m68_shafts, rule_over_speed
 from torsion.rules.demanded_states import misfire_row, order_rows, unjudged, zero_pitch_rows
-from torsion.rules.judgement import rated_speed
 from torsion.rules.m68_shafts import (
     LAST_CONTINUOUS,
     LEAST_STRENGTH,
@@ -20,6 +19,7 @@ from torsion.rules.m68_shafts import (
     ClassedShaft,
     M68Settings,
 )
+from torsion.rules.rule_over_speed import rated_speed
 from torsion.rules.shaft_limits import ROUNDING, LimitedShaft, unknown_strengths
 from torsion.rules.shaft_stress import SUBJECT, ShaftStress
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, Verdict, verdict_of
@@ -126,14 +126,14 @@ class M68(ShaftStress):
 
     def _diameter(self, evidence: Results, shaft: ClassedShaft) -> Check | None:
         """Return the less favourable end against its least diameter, for the rated mean torque; None if unknown."""
-        torque, study = judgement.full_torque(evidence), evidence.study
+        torque, study = rule_over_speed.full_torque(evidence), evidence.study
         if torque is None:
             return None
         drive = self.settings.drive
         factor = m68_shafts.drive_factor(shaft.role, smooth=drive != "other")
         engines = [part.engine for part in study.train.parts if part.engine is not None]
         firing = [sum(share for _, share in engine.drives) for engine in engines if engine.drives]
-        mean = float(np.max(torque[judgement.spans_of(evidence.system, shaft.part)]))
+        mean = float(np.max(torque[rule_over_speed.spans_of(evidence.system, shaft.part)]))
         load = mean / min([*firing, 1.0]) * KW_PER_RPM  # rated power is that of all cylinders
         ends = [
             (outer, m68_shafts.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))

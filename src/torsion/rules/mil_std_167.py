@@ -13,12 +13,12 @@ from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.lowering import ROLES
-from torsion.rules import judgement
+from torsion.rules import rule_over_speed
 from torsion.rules.demanded_states import unknown_gears
 from torsion.rules.gear_hammer import VIBRATORY, meshes
-from torsion.rules.judgement import Clause, Continuous, RuleOverSpeed, UseSettings
 from torsion.rules.m68_shafts import LEAST_STRENGTH
 from torsion.rules.reached_speeds import START, in_rpm
+from torsion.rules.rule_over_speed import Clause, Continuous, RuleOverSpeed, UseSettings
 from torsion.rules.shaft_limits import PA, nominal_stress, unknown_strengths, with_role
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
@@ -98,7 +98,7 @@ class MilStd167(RuleOverSpeed[MilSettings]):
                     notes=(words, f"sigma_B {strength:.4g} N/mm2{assumed}"),
                     within=judged,
                 )
-        if judgement.rated_torque(evidence) is None:
+        if rule_over_speed.rated_torque(evidence) is None:
             return
         for mesh in meshes(evidence):
             text = f"the smaller of {MESH_OF_MEAN:g} of the mean torque and {MESH_OF_RATED:g} x {mesh.rated:.5g} N m"

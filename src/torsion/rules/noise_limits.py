@@ -16,7 +16,13 @@ from torsion.analyses.response.synthesis import half_range
 from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
-from torsion.rules.judgement import Clause, Continuous, RuleOverSpeed, UseSettings, exact_share
+from torsion.rules.rule_over_speed import (
+    Clause,
+    Continuous,
+    RuleOverSpeed,
+    UseSettings,
+    exact_share,
+)
 from torsion.study import Study
 from torsion.train import name_fault
 

@@ -16,8 +16,8 @@ from torsion.errors import Fault
 from torsion.kernels.round_sections import section_modulus
 from torsion.model.lowering import Part, ShaftRecord
 from torsion.model.material import STEEL, Material
-from torsion.rules.judgement import spans_of
 from torsion.rules.reached_speeds import BARRED_BELOW
+from torsion.rules.rule_over_speed import spans_of
 from torsion.rules.verdict_line import Rule
 from torsion.study import Study
 from torsion.train import Train

@@ -14,8 +14,18 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.arrays import BoolArray, FloatArray, IntArray
 from torsion.errors import Fault
 from torsion.findings import Results
-from torsion.rules import barred_time, judgement, of_study
-from torsion.rules.judgement import (
+from torsion.rules import barred_time, of_study, rule_over_speed
+from torsion.rules.m68_shafts import M68Settings
+from torsion.rules.over_tolerances import over_tolerances
+from torsion.rules.reached_speeds import (
+    BARRED_BELOW,
+    START,
+    distinct,
+    in_rpm,
+    restricted,
+    with_reach,
+)
+from torsion.rules.rule_over_speed import (
     MOSTLY,
     RATED,
     Clause,
@@ -27,16 +37,6 @@ from torsion.rules.judgement import (
     rated_speed,
     spans_of,
     worst_of,
-)
-from torsion.rules.m68_shafts import M68Settings
-from torsion.rules.over_tolerances import over_tolerances
-from torsion.rules.reached_speeds import (
-    BARRED_BELOW,
-    START,
-    distinct,
-    in_rpm,
-    restricted,
-    with_reach,
 )
 from torsion.rules.shaft_limits import (
     NEAR_LIMIT,
@@ -122,7 +122,7 @@ class ShaftStress(RuleOverSpeed[M68Settings]):
             curve, is_ruled, barred = stressed.curve, stressed.is_ruled, stressed.barred
             curves += [(curve, is_ruled), (curve, is_ruled & ~barred.passed)]
             ends += [end for band in barred.permitted for end in (band.lower, band.upper)]
-        speeds = np.union1d(judgement.between(curves), ends)
+        speeds = np.union1d(rule_over_speed.between(curves), ends)
         return np.union1d(speeds, super().speeds_between(evidence))
 
     def stressed(self, evidence: Results) -> Iterator[Stressed]:
@@ -273,7 +273,7 @@ def judging(evidence: Results, shaft: str) -> tuple[ShaftStress, LimitedShaft]:
 def _with_order(evidence: Results, barred: BarredRange, spans: IntArray) -> BarredRange:
     """Return a range with the order that has the greatest torque in the shaft at the critical speed."""
     row = int(np.argmin(np.abs(evidence.need(Response).speed - barred.critical)))
-    main = judgement.main_component(evidence, row, spans)
+    main = rule_over_speed.main_component(evidence, row, spans)
     return replace(barred, order=None if main is None else main.order)
 
 

@@ -12,10 +12,10 @@ from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.shaft_details import Hub
 from torsion.primitives import Bar
-from torsion.rules import judgement
+from torsion.rules import rule_over_speed
 from torsion.rules.demanded_states import unjudged
-from torsion.rules.judgement import Clause, RuleOverSpeed
 from torsion.rules.reached_speeds import restricted
+from torsion.rules.rule_over_speed import Clause, RuleOverSpeed
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
 from torsion.study import Study
 from torsion.train import Train
@@ -72,7 +72,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
         response, peak = evidence.need(Response), evidence.need(Synthesis).peak
         safety = self.settings.safety or USUAL_SAFETY
         for bar, hub, capacity in fits(evidence.study.train):
-            spans = judgement.spans_of(evidence.system, bar.part)
+            spans = rule_over_speed.spans_of(evidence.system, bar.part)
             torque, length = np.max(peak[:, spans], axis=1), 1e3 * hub.length
             reach = length * float(np.nan_to_num(torque, nan=np.inf).max()) / capacity
             yield self.compare(
