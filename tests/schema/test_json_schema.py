@@ -16,9 +16,9 @@ from torsion.rules import RULES, settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of
 from torsion.schema.json_schema import json_schema
-from torsion.schema.kind_texts import SETTINGS
 from torsion.schema.manual import declarations
 from torsion.schema.scene_reader import parse
+from torsion.schema.setting_examples import SETTINGS
 from torsion.schema.yaml_source import parse_source
 
 jsonschema = pytest.importorskip("jsonschema")

@@ -25,9 +25,10 @@ class Component(Sized):
 
     keyword: ClassVar[str]  # its kind, the key of its entry in the train
     sort: ClassVar[Literal["point", "link", "line", "none"]]  # line: points and links in a row
-    unbuilt: ClassVar[
-        tuple[str, ...]
-    ] = ()  # keys of the format that are refused because they are not built yet
+    unbuilt: ClassVar[tuple[str, ...]] = ()  # keys of the format that are not built yet
+    title: ClassVar[str]  # of its page in the manual
+    example: ClassVar[str] = ""  # entries of a train
+    groups: ClassVar[tuple[tuple[str, str], ...]] = ()  # of its keys in the manual: heading, keys
 
     name: str | None = given(
         "name by which excitations, links and results call it (default: kind and number)"

@@ -59,7 +59,20 @@ class GearBranch(Declared):
 
 
 class Gear(Component, keyword="gear", sort="link"):
-    """A gear stage."""
+    """A gear joins two or more shafts at a ratio."""
+
+    title = "gear stage, planetary stage and differential"
+    example = """\
+- gear: {ratio: 3}
+- gear: {teeth: [31, 93], inertia: [0.25, 14], branches: [{teeth: 62, train: [disc: {inertia: 2}]}]}
+- gear: {teeth: [19, 57], module: 8 mm, helix_angle: 12 deg, pressure_angle: 20 deg}"""
+    groups = (
+        ("Ratio", "ratio teeth planetary sense referred"),
+        ("Inertia and stiffness", "inertia mesh_stiffness"),
+        ("Further wheels", "branches differential"),
+        ("Ratings", "application_factor max_torque"),
+        ("Tooth geometry", "module pitch_diameter helix_angle pressure_angle"),
+    )
 
     clashes = (
         excludes("planetary", "branches", hint="give them a separate gear"),

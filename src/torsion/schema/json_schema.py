@@ -16,9 +16,9 @@ from torsion.rules import RULES
 from torsion.schema.aliases import KINDS_BY_ALIAS, SECTIONS_BY_ALIAS, aliases_of
 from torsion.schema.cases import FROM, TOLERANCES
 from torsion.schema.declaration_reader import keys_of, mappings_of
-from torsion.schema.kind_texts import EXAMPLES, SETTINGS
-from torsion.schema.manual import declarations
+from torsion.schema.manual import declarations, first_line
 from torsion.schema.scene_reader import LINKS, Scene
+from torsion.schema.setting_examples import SETTINGS
 from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.unit_patterns import definition
 from torsion.schema.yaml_source import parse_source
@@ -171,14 +171,10 @@ def _add_tables(models: Schema) -> None:
 
 def _kind(kind: str, body: Schema) -> Schema:
     """A kind of component with what it is, and examples of it."""
-    words = (
-        (component(kind).__doc__ or "").strip().partition("\n")[0]
-    )  # no docstring with PYTHONOPTIMIZE=2
-    given = parse_source(EXAMPLES[kind], kind).data
-    return body | {
-        "description": words,
-        "examples": [entry[kind] for entry in given if kind in entry],
-    }
+    declared = component(kind)
+    entries = parse_source(declared.example or "[]", kind).data
+    examples = [entry[kind] for entry in entries if kind in entry]
+    return body | {"description": first_line(declared), "examples": examples}
 
 
 def _rule(name: str, body: Schema) -> Schema:

@@ -1,141 +1,39 @@
-"""Words that are no kind of the format, and what the format has for them."""
+"""Words that are no kind or key of the format, and what the format has for them: templates/other_words.txt."""
 
 import re
+from functools import cache
 
-KIND_FOR = {
-    "alternator": "`generator: {inertia: ...}`",
-    "exciter": "`generator: {inertia: ...}`",
-    "blower": "`fan: {inertia: ...}`",
-    "table": "`- table: line.csv` contains only a file",
-    "inertia": "`disc: {inertia: ...}`",
-    "mass": "`disc: {inertia: ...}`",
-    "wheel": "`disc: {inertia: ...}`",
-    "flange": "`disc: {inertia: ...}`",
-    "brake": "`machine: {inertia: ..., power: ...}`",
-    "mill": "`machine: {inertia: ..., power: ...}`",
-    "compressor_rotor": "`fan: {inertia: ...}`",
-    "hardy_spicer": "`joint: {angle: ...}`",
-    "hooke_joint": "`joint: {angle: ...}`",
-    "planetary": "`gear: {planetary: {...}}`",
-    "rotor": "`motor: {inertia: ...}` or `disc: {inertia: ...}`",
-}
+from torsion.schema import template
+
+
+@cache
+def other_words() -> tuple[tuple[str, str, str], ...]:
+    """Return the rows of the file: a word, the key that may be meant (empty for a kind), and its meaning."""
+    lines = template("other_words.txt").splitlines()
+    rows = (line.split(" | ") for line in lines if not line.startswith("#"))
+    return tuple((word, key.strip(), meaning) for word, key, meaning in rows)
+
+
+def kind_for(written: str, otherwise: str) -> str:
+    """Return what to write for a word that is no kind; `otherwise` for a word that means none."""
+    words = {word: meaning for word, key, meaning in other_words() if not key}
+    return words.get(written.casefold(), otherwise)
+
+
+def key_for(written: str, keys: list[str]) -> str:
+    """Return what to write for a word of the trade among these keys; empty for a word that means none of them."""
+    spelled = re.sub("[ -]", "_", written.casefold())
+    possible = [
+        f"`{key}` ({meaning})"
+        for word, key, meaning in other_words()
+        if word == spelled and key in keys
+    ]
+    return f"write {' or '.join(possible)}" if possible else ""
 
 
 def of_its_number(word: str, candidates: list[str]) -> list[str]:
-    """The candidates with the figures of the word, in any order: iacs-m86 is a slip for iacs-m68, iacs-m54 is none."""
-    figures = sorted(re.findall(r"\d", word))
+    """Return the candidates with the digits of the word, in any order: iacs-m86 is a slip for iacs-m68, iacs-m54 is none."""
+    digits = sorted(re.findall(r"\d", word))
     return [
-        one for one in candidates if not figures or sorted(re.findall(r"\d", one)) in ([], figures)
+        name for name in candidates if not digits or sorted(re.findall(r"\d", name)) in ([], digits)
     ]
-
-
-KEY_FOR = {  # words of the trade in small letters: keys that may be meant, the likeliest first, each with its meaning
-    "moment_of_inertia": {"inertia": "polar mass moment of inertia"},
-    "j": {"inertia": "polar mass moment of inertia"},
-    "polar_inertia": {"inertia": "polar mass moment of inertia"},
-    "gd2": {"inertia": "GD²/4"},
-    "wr2": {"inertia": "polar mass moment of inertia"},
-    "moi": {"inertia": "polar mass moment of inertia"},
-    "k": {"stiffness": "torsional stiffness"},
-    "ct": {"stiffness": "torsional stiffness"},
-    "torsional_stiffness": {"stiffness": "torsional stiffness"},
-    "ctdyn": {"stiffness": "dynamic torsional stiffness"},
-    "spring_rate": {"stiffness": "torsional stiffness"},
-    "spring_constant": {"stiffness": "torsional stiffness"},
-    "compliance": {"flexibility": "1/stiffness"},
-    "l": {"length": "length"},
-    "len": {"length": "length"},
-    "d": {"diameter": "outer diameter"},
-    "dia": {"diameter": "outer diameter"},
-    "od": {"diameter": "outer diameter"},
-    "do": {"diameter": "outer diameter"},
-    "di": {"bore": "inner diameter"},
-    "id": {"bore": "inner diameter"},
-    "wall_thickness": {"bore": "inner diameter"},
-    "g": {"material": "name of a material", "shear_modulus": "modulus"},
-    "shear_modulus": {"material": "name of a material"},
-    "density": {"material": "name of a material"},
-    "damping_ratio": {"loss_factor": "eta, about 2 zeta", "psi": "2 pi eta"},
-    "zeta": {"loss_factor": "eta, about 2 zeta", "psi": "2 pi eta"},
-    "damping": {"viscous": "N*m*s/rad", "psi": "relative damping", "loss_factor": "eta"},
-    "c": {"viscous": "N*m*s/rad", "damping": "N*m*s/rad"},
-    "eta": {"loss_factor": "eta"},
-    "kappa": {"loss_factor": "eta"},
-    "m": {"magnifier": "dynamic magnifier"},
-    "nominal_torque": {"rated_torque": "T_KN"},
-    "tkn": {"rated_torque": "T_KN"},
-    "tkw": {"vibratory_torque": "T_KW"},
-    "tkmax": {"max_torque": "T_Kmax"},
-    "t_kmax1": {"max_torque": "T_Kmax1"},
-    "pkw": {"heat_limit": "P_KW"},
-    "t_kmax2": {"max_torque_rare": "T_Kmax2"},
-    "permissible_heat": {"heat_limit": "P_KW"},
-    "power_loss": {"heat_limit": "P_KW"},
-    "backlash": {"clearance": "backlash"},
-    "play": {"clearance": "backlash"},
-    "gap": {"clearance": "backlash"},
-    "friction": {"hysteresis_torque": "dry friction"},
-    "i": {"ratio": "speed before / speed after"},
-    "reduction": {"ratio": "speed before / speed after"},
-    "gear_ratio": {"ratio": "speed before / speed after"},
-    "number_of_teeth": {"teeth": "[driving, driven]"},
-    "z": {"teeth": "number of teeth", "blades": "number of blades"},
-    "n_blades": {"blades": "number of blades"},
-    "number_of_blades": {"blades": "number of blades"},
-    "added_mass": {"entrained": "entrained water"},
-    "added_inertia": {"entrained": "entrained water"},
-    "added_water": {"entrained": "entrained water"},
-    "water": {"entrained": "entrained water"},
-    "grounded": {"held": "a fixed end"},
-    "clamped": {"held": "a fixed end"},
-    "deflection": {"angle": "angle between the shafts"},
-    "bend": {"angle": "angle between the shafts"},
-    "inclination": {"angle": "angle between the shafts"},
-    "beta": {"angle": "angle between the shafts"},
-    "stroke_cycle": {"strokes": "2 or 4"},
-    "cycles": {"strokes": "2 or 4"},
-    "cylinder_number": {"cylinders": "number"},
-    "firing_sequence": {"firing_order": "cylinders as they fire"},
-    "bank_angle": {"firing_angles": "include it"},
-    "ignition_order": {"firing_order": "cylinders as they fire"},
-    "conrod": {"rod_length": "length of the rod"},
-    "connecting_rod": {"rod_length": "length of the rod"},
-    "bmep": {"imep": "indicated mean effective pressure"},
-    "rpm": {"speed": "with the unit rpm", "speeds": "{from, to}", "rated": "{speed, power}"},
-    "mcr": {"rated": "{speed, power}"},
-    "rated_speed": {"rated": "{speed, power}"},
-    "rated_power": {"rated": "{speed, power}", "power": "rated power"},
-    "kw": {"power": "with the unit kW"},
-    "speed_range": {"speeds": "{from, to}"},
-    "range": {"speeds": "{from, to}"},
-    "minimum": {"from": "first value"},
-    "min": {"from": "first value"},
-    "max": {"to": "last value"},
-    "maximum": {"to": "last value"},
-    "amplitude": {"torque": "amplitude (zero to peak)"},
-    "harmonic": {"order": "cycles per revolution"},
-    "freq": {"frequency": "with a unit"},
-    "number_of_modes": {"count": "number of modes"},
-    "n": {"count": "number"},
-    "uts": {"tensile_strength": "tensile strength"},
-    "yield": {"yield_strength": "yield strength"},
-    "e": {"youngs_modulus": "Young's modulus"},
-    "rho": {"density": "density"},
-    "fillet": {"step": "corner to the next shaft", "notches": "details of the shaft"},
-    "title": {"name": "title"},
-    "keyway": {"features": "features: keyway"},
-    "units": {"unit": "unit"},
-    "components": {"train": "components"},
-    "elements": {"train": "components", "segments": "number"},
-    "system": {"train": "components"},
-    "scenarios": {"cases": "variants"},
-    "load_cases": {"cases": "variants"},
-    "output": {"analyses": "results"},
-}
-
-
-def key_for(word: str, keys: list[str]) -> str:
-    """Return what to write for a word of the trade among these keys; empty for a word that means none of them."""
-    meant = KEY_FOR.get(word.casefold().replace("-", "_").replace(" ", "_"), {})
-    possible = [f"`{key}` ({meaning})" for key, meaning in meant.items() if key in keys]
-    return f"write {' or '.join(possible)}" if possible else ""
