@@ -206,7 +206,7 @@ def _one(
     names = _with_needs(only) if only else list(ANALYSES)
     judged = replace(
         study,
-        rules=tuple(pair for pair in study.rules if set(rules.rule(pair[0]).needs) <= set(names)),
+        rules=tuple(pair for pair in study.rules if set(rules.rule(*pair).needs) <= set(names)),
     )
     work = Work(
         judged,

@@ -45,7 +45,11 @@ def left_out(study: Study) -> tuple[str, ...]:
         for name in LEFT_OUT
         if _is_wanted(study, name)
     ]
-    rules = [f"rule {name}" for name, _ in study.rules if set(rule(name).needs) & set(LEFT_OUT)]
+    rules = [
+        f"rule {name}"
+        for name, settings in study.rules
+        if set(rule(name, settings).needs) & set(LEFT_OUT)
+    ]
     return (*names, *rules, *([f"cases {', '.join(study.cases)}"] if study.cases else []))
 
 

@@ -1,33 +1,45 @@
-"""Words that are no kind or key of the format, and what the format has for them: templates/other_words.txt."""
+"""Words that the format writes otherwise, and what it has for them: templates/other_words.txt."""
 
 import re
 from functools import cache
+from typing import Literal
 
 from torsion.schema import template
 
 
 @cache
-def other_words() -> tuple[tuple[str, str, str], ...]:
-    """Return the rows of the file: a word, the key that may be meant (empty for a kind), and its meaning."""
+def other_words() -> tuple[tuple[str, ...], ...]:
+    """Return the rows of the file: word, key that may be meant or `<component>` or `<analysis>`, meaning."""
     lines = template("other_words.txt").splitlines()
-    rows = (line.split(" | ") for line in lines if not line.startswith("#"))
-    return tuple((word, key.strip(), meaning) for word, key, meaning in rows)
+    return tuple(tuple(line.split(" | ")) for line in lines if not line.startswith("#"))
 
 
-def kind_for(written: str, otherwise: str) -> str:
-    """Return what to write for a word that is no kind; `otherwise` for a word that means none."""
-    words = {word: meaning for word, key, meaning in other_words() if not key}
-    return words.get(written.casefold(), otherwise)
+def _meanings(written: str) -> dict[str, str]:
+    spelled = _spelled(written)
+    return {key: meaning for word, key, meaning in other_words() if word == spelled}
+
+
+def _spelled(written: str) -> str:
+    return re.sub("[ -]", "_", written.casefold())
+
+
+def word_for(subject: Literal["component", "analysis"], written: str, otherwise: str) -> str:
+    """Return what to write for a word that is no component or analysis; `otherwise` for an unknown word."""
+    return _meanings(written).get(f"<{subject}>", otherwise)
 
 
 def key_for(written: str, keys: list[str]) -> str:
-    """Return what to write for a word of the trade among these keys; empty for a word that means none of them."""
-    spelled = re.sub("[ -]", "_", written.casefold())
-    possible = [
-        f"`{key}` ({meaning})"
-        for word, key, meaning in other_words()
-        if word == spelled and key in keys
-    ]
+    """Return what to write for a word of the trade among these keys; empty for a word that means none of them.
+
+    A word without an entry means the last key that is a part of it.
+
+    >>> key_for("gear_teeth", ["teeth", "ratio"])
+    'write `teeth`'
+    """
+    meanings = _meanings(written)
+    possible = [f"`{key}` ({meanings[key]})" for key in meanings if key in keys]
+    if not possible:
+        possible = [f"`{part}`" for part in _spelled(written).split("_") if part in keys][-1:]
     return f"write {' or '.join(possible)}" if possible else ""
 
 
