@@ -170,9 +170,9 @@ def test_aliases_and_hints_lead_to_keys_that_exist_and_hide_none() -> None:
     assert set(KEYS_BY_ALIAS.values()) <= keys
     assert not set(KEYS_BY_ALIAS) & keys
     assert set(KINDS_BY_ALIAS.values()) <= set(KINDS)
-    assert not (set(KINDS_BY_ALIAS) | {word for word, key, _ in other_words() if key == "<component>"}) & set(
-        KINDS
-    )
+    assert not (
+        set(KINDS_BY_ALIAS) | {word for word, key, _ in other_words() if key == "<component>"}
+    ) & set(KINDS)
     assert all(word == word.casefold() for word, _, _ in other_words())
 
 
