@@ -1,6 +1,6 @@
 """What every component is: a frozen declaration of its fields, and how it lowers to primitives."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -40,11 +40,6 @@ class Component(Sized):
         super().__init_subclass__()
         for name, fact in facts.items():
             setattr(cls, name, fact)
-
-    @classmethod
-    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
-        """Names of the points that it brings, by its own name and what the file says of it, faulty or not."""
-        return ()
 
     def lower(self, build: Lowering) -> None:
         """Add this component's stations and primitives where the train has arrived."""

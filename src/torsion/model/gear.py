@@ -1,10 +1,9 @@
 """A gear: a change of speed, with the inertias of its wheels and any further wheels on the same driving gear."""
 
 import math
-from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -136,10 +135,6 @@ class Gear(Component, keyword="gear", sort="link"):
             if branch.teeth is not None and len(branch.teeth) == 1 and self.teeth is None:
                 message = "a branch with only the teeth of its wheel needs `teeth` of the gear"
                 raise refuse(message, key="branches")
-
-    @classmethod
-    def points_within(cls, name: str, body: Mapping[str, Any]) -> Iterable[str]:
-        return [f"{name} planets"] * isinstance(body.get("planetary"), dict)
 
     def lower(self, build: Lowering) -> None:
         build.record(application_factor=self.application_factor, max_torque=self.max_torque)
