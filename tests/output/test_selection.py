@@ -56,8 +56,8 @@ def test_the_largest_is_unknown_where_one_value_is() -> None:
 
 
 def test_the_worst_value_stands_with_its_speed() -> None:
-    speed = np.array([10.0, 20.0]) * math.pi / 30.0
-    assert worst(np.array([2000.0, 3000.0]), speed) == (3000.0, speed[1])
+    speed = np.array([10.0, 20.0])
+    assert worst(np.array([2000.0, 3000.0]), speed) == (3000.0, 20.0)
     assert worst(np.array([2000.0, math.nan]), speed) == (NO_VALUE, None)
 
 

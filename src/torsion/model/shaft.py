@@ -97,7 +97,7 @@ class Shaft(Component, keyword="shaft", sort="link"):
         "cross-section by mesh, in place of `diameter` and `bore`", validate_default=True
     )
     material: str = given("name of one of `materials`", "steel")
-    segments: Annotated[int, Field(ge=1, le=1_000_000)] | None = given(
+    segments: Annotated[int, Field(ge=1, le=20_000)] | None = given(
         "lumped segments (default: as many as needed)"
     )
     loss_factor: fields.LossFactor | None = given("loss factor (default: the material's)")
@@ -159,10 +159,11 @@ class Shaft(Component, keyword="shaft", sort="link"):
         pairs = zip(both_ends(self.diameter), both_ends(self.bore), strict=True)
         if any(bore >= outer for outer, bore in pairs):
             raise refuse("the bore is not smaller than the diameter", "both are diameters", "bore")
-        refuse_details(self)
+        if self.notches or self.hub:
+            refuse_details(self)
         words, hint = "the length is {} times the diameter", ""
         if self.length > 1.0:
-            hint = f"{self.length:g} mm?"
+            hint = f"{str(self.length).removesuffix('.0')} mm?"
         slenderness = self.length / min(self.diameter)
         self.refuse_unusual("length over diameter", slenderness, words, hint, "length")
 

@@ -304,12 +304,13 @@ def filled(made: Table) -> Table:
 
 
 def texts(title: str, short: str = "") -> Column:
-    """A column of words."""
+    """Return a column of words, which stand to the left."""
     return Column(title, align="left", short=short)
 
 
 def on_terminal(blocks: Iterable[Block]) -> list[Block]:
     """The same blocks, sentences among them on the terminal too."""
     return [
-        replace(one, brief=True) if isinstance(one, Paragraph | Points) else one for one in blocks
+        replace(block, brief=True) if isinstance(block, Paragraph | Points) else block
+        for block in blocks
     ]

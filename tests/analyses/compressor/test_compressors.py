@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import torsion
-from torsion.analyses.compressor.compressor_results import CompressorFound, Compressors
+from torsion.analyses.compressor.compressors import CompressorFound, Compressors
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes

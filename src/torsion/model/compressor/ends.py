@@ -52,14 +52,14 @@ class Pressures:
 def end_of(end: End, given: str | float, cylinder: Cylinder, pressures: Pressures) -> EndRecord:
     """An end with its diagram and harmonics; raises GasFault."""
     clearance: float | None = None
-    if isinstance(given, float):
+    if not isinstance(given, str):
         ends = np.full(2, given + (0.0 if pressures.is_absolute else pressures.around))
         diagram = Diagram(np.array([0.0, 2.0 * math.pi]), ends)
     else:
         diagram, clearance = _of_file(end, given, cylinder, pressures)
     sense = 1.0 if end == "head end" else -1.0
     torque = sense * diagram.torque(cylinder, pressures.count, pressures.around)
-    if isinstance(given, float):
+    if not isinstance(given, str):
         torque[0] = 0.0  # what it takes it gives back
     words = given if isinstance(given, str) else f"constant {given / 1e5:g} bar"
     return EndRecord(end, words, isinstance(given, str), cylinder, diagram, clearance, torque)

@@ -224,7 +224,7 @@ class Engine(Crankshaft, keyword="engine"):
     @property
     def _turned(self) -> float:
         """The angle (rad) by which it stands behind the reference; 0 where that is not known."""
-        return 0.0 if isinstance(self.phase, str | None) else float(self.phase)
+        return 0.0 if self.phase is None or isinstance(self.phase, str) else self.phase
 
     @property
     def _cycles(self) -> tuple[Fraction, ...]:
