@@ -223,7 +223,7 @@ class Case:
     @property
     def has_own_speeds(self) -> bool:
         """It changes the range of speeds: it is meant for no others."""
-        return any(one.what.startswith("operation.speeds") for one in self.changes)
+        return any(change.what.startswith("operation.speeds") for change in self.changes)
 
     @property
     def folder(self) -> str:
@@ -352,7 +352,8 @@ class Study(Displayed, StudyActions):
     def varies_tolerances(self) -> bool:
         """It, or a case of it, has the couplings at an end of their tolerances."""
         return any(
-            one.case is not None and one.case.is_corner for one in (self, *self.cases.values())
+            study.case is not None and study.case.is_corner
+            for study in (self, *self.cases.values())
         )
 
     @property
@@ -375,10 +376,10 @@ class Study(Displayed, StudyActions):
 
     def setting(self, *place: str) -> Any:
         """What the file says at a place of `operation` or `analyses`; None where it says nothing."""
-        found: Any = self
+        value: Any = self
         for key in place:
-            found = found.get(key) if isinstance(found, Mapping) else getattr(found, key, None)
-        return found
+            value = value.get(key) if isinstance(value, Mapping) else getattr(value, key, None)
+        return value
 
     @property
     def excites(self) -> bool:
@@ -412,18 +413,18 @@ def mesh_faults(study: Study, what: str) -> list[Fault]:
 
 def bytes_of(memory: str | float) -> float:
     """Bytes of a number of them, or of text such as "4 GB"; raises InputError."""
-    found = (
+    match = (
         re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([kMGT]?B)\s*", memory)
         if isinstance(memory, str)
         else None
     )
-    if isinstance(memory, str) and found is None:
+    if isinstance(memory, str) and match is None:
         message = f"'{memory}' is not an amount of memory"
         raise InputError([Fault((), message)], f"{message} (for example 4GB or 500MB)")
     value = (
         float(memory)
-        if found is None
-        else float(found[1]) * 1000.0 ** " kMGT".index(found[2][:-1] or " ")
+        if match is None
+        else float(match[1]) * 1000.0 ** " kMGT".index(match[2][:-1] or " ")
     )
     if not 0.0 < value < math.inf:
         raise InputError(

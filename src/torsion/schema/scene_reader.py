@@ -23,7 +23,7 @@ from torsion.schema.component_names import kinds_by_name, repeated_names
 from torsion.schema.component_reader import components, empty_lists, one_component
 from torsion.schema.declaration_reader import declared, entries_of, unbuilt, unknown
 from torsion.schema.fault_text import Source, input_error
-from torsion.schema.other_words import of_its_number
+from torsion.schema.other_words import ANALYSIS_FOR, of_its_number
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import (
@@ -296,7 +296,11 @@ def _analyses(data: dict[str, Any], faults: list[Fault]) -> dict[str, Declared]:
             faults.append(unbuilt(path, f"`{name}`"))
         elif name not in ANALYSES or not ANALYSES[name].settings:
             known = [key for key, analysis in ANALYSES.items() if analysis.settings]
-            faults.append(unknown(path, "analysis", name, [*ShaftModel.model_fields, *known]))
+            fault = unknown(path, "analysis", name, [*ShaftModel.model_fields, *known])
+            meant = ANALYSIS_FOR.get(
+                name.casefold().replace("-", "_").replace(" ", "_"), fault.hint
+            )
+            faults.append(replace(fault, hint=meant))
         elif isinstance(body, list) and ANALYSES[name].is_listed:
             each = [
                 declared(ANALYSES[name].settings_class(), one, (*path, k), faults)
