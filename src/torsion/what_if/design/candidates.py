@@ -146,18 +146,20 @@ class Candidates:
             self.standing |= answers.standing
         self.unsolved += len(unsolved)
 
-        score = np.stack([case.score.reshape(count, samples) for case in judged], axis=1)
+        score = np.stack([over_case.score.reshape(count, samples) for over_case in judged], axis=1)
         worst = score.reshape(count, -1).argmin(axis=1)  # of cases and samples
-        allowed = np.all([case.allowed for case in judged], axis=0).reshape(count, samples)
+        allowed = np.all([over_case.allowed for over_case in judged], axis=0).reshape(
+            count, samples
+        )
         for k, row in enumerate(values.tolist()):
             number, sample = divmod(int(worst[k]), samples)
-            place, case = k * samples + sample, judged[number]
+            place, decisive = k * samples + sample, judged[number]
             self.tried[tuple(row)] = Tried(
                 tuple(row),
-                float(case.aim[place]),
-                float(case.score[place]),
+                float(decisive.aim[place]),
+                float(decisive.score[place]),
                 bool(allowed[k].all()),
-                case.decides[place],
+                decisive.decides[place],
                 names[number],
                 sample,
                 float(score[k, :, 0].min()),
@@ -327,5 +329,5 @@ def _excess(condition: Kept, frequency: FloatArray, amounts: FloatArray) -> Floa
         if condition.low:
             below = np.log(value) - np.log(condition.low)
     if condition.is_outside:
-        return np.maximum(np.minimum(below, above), 0.0)
-    return np.maximum(np.maximum(-below, -above), 0.0)
+        return np.asarray(np.maximum(np.minimum(below, above), 0.0))
+    return np.asarray(np.maximum(np.maximum(-below, -above), 0.0))

@@ -49,7 +49,9 @@ def _axes(figures: Sequence[Any], limit: int) -> list[FloatArray]:
     most = CURVE if len(figures) == 1 else MAP
     side = max(min(most, int((0.8 * limit / listed) ** (1.0 / max(ranges, 1)))), 5)
     return [
-        figure.every() if figure.places else np.linspace(*figure.law.ends, side)
+        figure.every()
+        if figure.places
+        else np.linspace(figure.law.ends[0], figure.law.ends[1], side)
         for figure in figures
     ]
 
@@ -92,7 +94,7 @@ def _refine(
     around = np.array(steps)[ranges] / (high - low)
     lowest, highest = np.maximum(middle - around, 0.0), np.minimum(middle + around, 1.0)
     if len(ranges) == 1:
-        options = {"xatol": REFINED, "maxiter": max(min(STEPS, most), FEW)}
+        options: Any = {"xatol": REFINED, "maxiter": max(min(STEPS, most), FEW)}
         ends = (lowest[0], highest[0])
         minimize_scalar(cost, bounds=ends, method="bounded", options=options)
         return
