@@ -53,9 +53,9 @@ def print_report(
             findings = solve(progress=report_progress)
         if as_json:
             from torsion.output.reports import REPORTS
-            from torsion.output.results_json import bounded_text
+            from torsion.output.results_json import text
 
-            typer.echo(bounded_text(findings, REPORTS[report].keys), nl=False)
+            typer.echo(text(findings, REPORTS[report].keys), nl=False)
         else:
             from torsion.output.terminal import show
 

@@ -244,18 +244,18 @@ def results(findings: Findings) -> dict[str, Any]:
     return {key: listed(make()) for key, make in _made(findings).items()}
 
 
-def text(findings: Findings, only: tuple[str, ...] = ()) -> str:
-    """The results as JSON text, one line for each top-level key; `only`: of those keys, and the head."""
-    return "".join(lines((key, make()) for key, make in _made(findings, only).items()))
+def text(findings: Findings, only: tuple[str, ...] = (), largest: int = MOST_TEXT) -> str:
+    """Return the results as JSON text, one line for each top-level key; `only`: of those keys, and the head.
 
-
-def bounded_text(findings: Findings, only: tuple[str, ...] = (), most: int = MOST_TEXT) -> str:
-    """The same text for a stream, which has no file beside it; raises InputError for more than `most` bytes."""
+    It is for a stream, which has no file beside it for long series. Raises InputError for more than `largest` bytes.
+    """
     written, size = list[str](), 0
     for piece in lines((key, make()) for key, make in _made(findings, only).items()):
         size += len(piece)
-        if size > most:
-            message = f"the results are more than {most / 1e6:.6g} MB of JSON, too many for --json"
+        if size > largest:
+            message = (
+                f"the results are more than {largest / 1e6:.6g} MB of JSON, too many for --json"
+            )
             hint = "use -o DIR, which writes long series to series.npz, or request fewer speeds, orders or modes"
             raise InputError([Fault((), message, hint)])
         written.append(piece)

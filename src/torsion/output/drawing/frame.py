@@ -1,6 +1,7 @@
 """The frame of a plot as SVG: scales, grid, numbers and titles."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -46,34 +47,31 @@ class Frame:
         return (1.0 - self.y.share(values)) * self.high
 
     @property
+    def names(self) -> list[tuple[float, float]]:
+        """Of every name below the plot the px from the left edge of the plot, and its width."""
+        places = self.panel.x.places
+        across = self.across(np.array([value for value, _ in places])).tolist()
+        return [(x, GROWTH * width(text)) for x, (_, text) in zip(across, places, strict=True)]
+
+    @property
     def is_slanted(self) -> bool:
-        """Whether names below the plot would meet if they stood level."""
-        texts = [text for _, text in self.panel.x.places]
-        middles = self.across(np.array([value for value, _ in self.panel.x.places])).tolist()
-        half = [GROWTH * width(text) / 2 + 3 for text in texts]
-        ends = any(
-            x - w < -self.left or x + w > self.wide + RIGHT
-            for x, w in zip(middles, half, strict=True)
-        )
-        return ends or any(
-            middles[k] + half[k] > middles[k + 1] - half[k + 1] for k in range(len(middles) - 1)
-        )
+        """Whether names below the plot would meet, or leave the figure, if they stood level."""
+        ends = [(x - wide / 2 - 3, x + wide / 2 + 3) for x, wide in self.names]
+        leaves = any(left < -self.left or right > self.wide + RIGHT for left, right in ends)
+        return leaves or any(before[1] > after[0] for before, after in pairwise(ends))
 
     @property
     def beyond(self) -> float:
         """px by which slanted names run over the left edge of the figure."""
-        middles = self.across(np.array([value for value, _ in self.panel.x.places])).tolist()
-        long = [0.87 * GROWTH * width(text) for _, text in self.panel.x.places]
-        edge = [self.left + x - w for x, w in zip(middles, long, strict=True)]
-        return max(0.0, -min(edge, default=0.0)) if self.is_slanted else 0.0
+        edges = [self.left + x - 0.87 * wide for x, wide in self.names]
+        return max(0.0, -min(edges, default=0.0)) if self.is_slanted else 0.0
 
     @property
     def below(self) -> float:
         """px below a plot for the numbers and the title of its x axis."""
-        slanted = max((0.5 * GROWTH * width(text) for _, text in self.panel.x.places), default=0.0)
-        return (14.0 + slanted if self.is_slanted else NUMBERS) + (
-            TITLE if self.panel.x.title else 0.0
-        )
+        slanted = 14.0 + max((0.5 * wide for _, wide in self.names), default=0.0)
+        title = TITLE if self.panel.x.title else 0.0
+        return (slanted if self.is_slanted else NUMBERS) + title
 
 
 def vertical(panel: Panel) -> Scale:

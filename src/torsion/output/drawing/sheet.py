@@ -50,8 +50,13 @@ class Sheet:
         look = Look(Stroke(INK, width * self.thickness, dash), fill, near)
         self.drawn.setdefault(look, []).append(self._path(points) + "z")
 
-    def graded(self, corners: Points, use: Use, *, near: float) -> None:
-        """A polygon in the colour and the pattern of a grade; its hatching fills the middle of its corners' heights."""
+    def graded(self, corners: Points, use: Use | None, *, near: float) -> None:
+        """Draw a polygon in the colour and the pattern of a grade, if there is one.
+
+        Its hatching fills the middle of its corners' heights.
+        """
+        if use is None:
+            return
         self.area(corners, GRADES[use.grade].fill, 1.1, near=near)
         places = np.array([[10.0 * length for length in self.at(x, y)] for x, y in corners])
         x, y = np.sort(places[:, 0]), np.sort(places[:, 1])

@@ -124,9 +124,8 @@ def _zigzag(
 
 def _coupling(sheet: Sheet, link: Link) -> None:
     (x0, x1), y = (link.start[0], link.end[0]), (height(link.start[1]), height(link.end[1]))
-    if link.use is not None:
-        edge = 0.18 * (x1 - x0)
-        sheet.graded(_corners(x0 + edge, x1 - edge, sum(y) / 2, BED), link.use, near=1.5)
+    edge = 0.18 * (x1 - x0)
+    sheet.graded(_corners(x0 + edge, x1 - edge, sum(y) / 2, BED), link.use, near=1.5)
     _zigzag(sheet, (x0, y[0]), (x1, y[1]))
 
 
@@ -135,8 +134,7 @@ def _crank(sheet: Sheet, link: Link) -> None:
     (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
     middle, top = (x0 + x1) / 2, y + WEB
     webs = (middle - PIN * (x1 - x0), middle + PIN * (x1 - x0))
-    if link.use is not None:
-        sheet.graded(_corners(*webs, y + WEB / 2, BED), link.use, near=1.5)
+    sheet.graded(_corners(*webs, y + WEB / 2, BED), link.use, near=1.5)
     for first, last in ((x0, webs[0]), (webs[1], x1)):
         sheet.line([(first, y), (last, y)], 1.4)
     for x in webs:
@@ -166,8 +164,7 @@ def _run(sheet: Sheet, link: Link) -> None:
     (x0, row), (x1, _), y = link.start, link.end, height(link.start[1])
     cut, wide = 0.08 * (x1 - x0), x1 - x0
     middle = (x0 + x1) / 2
-    if link.use is not None:
-        sheet.graded(_corners(x0, x1, y, BED), link.use, near=1.5)
+    sheet.graded(_corners(x0, x1, y, BED), link.use, near=1.5)
     for first, last in ((x0, middle - cut / 2), (middle + cut / 2, x1)):
         sheet.line([(first, y), (last, y)], 1.4)
     for share in (0.12, 0.24, 0.36, 0.64, 0.76, 0.88):
@@ -189,20 +186,15 @@ def _gear(sheet: Sheet, link: Link) -> None:
     )
     if row0 == row1:
         middle = (x0 + x1) / 2
-        if link.use is not None:
-            sheet.graded(
-                _corners(x0, x1, height(row0), max(driving, driven, 0.16) + 0.12),
-                link.use,
-                near=1.5,
-            )
+        half = max(driving, driven, 0.16) + 0.12
+        sheet.graded(_corners(x0, x1, height(row0), half), link.use, near=1.5)
         sheet.line([(x0, height(row0)), (x1, height(row1))], 1.4)
         _wheel(sheet, middle - 0.08, height(row0), max(driving, 0.16))
         _wheel(sheet, middle + 0.08, height(row1), max(driven, 0.16))
     else:
         sheet.line([(x0, height(row0)), (x0, height(row1)), (x1, height(row1))], 0.9, DOTTED)
-        if link.use is not None:
-            half = max(driven, 0.16) + 0.12
-            sheet.graded(_corners(x1 - 0.3, x1 + 0.1, height(row1), half), link.use, near=1.5)
+        half = max(driven, 0.16) + 0.12
+        sheet.graded(_corners(x1 - 0.3, x1 + 0.1, height(row1), half), link.use, near=1.5)
         _wheel(sheet, x1 - 0.1, height(row1), max(driven, 0.16))
 
 
@@ -216,9 +208,9 @@ def _wheel(sheet: Sheet, x: float, y: float, half: float) -> None:
 def _joint(sheet: Sheet, link: Link) -> None:
     (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
     middle, colour = (x0 + x1) / 2, COLOURS[1]
-    if link.use is not None:
-        colour = "#ffffff" if link.use.grade == "over" else colour
-        sheet.graded(_corners(middle - JOINT, middle + JOINT, y, BED + 0.1), link.use, near=1.5)
+    if link.use is not None and link.use.grade == "over":
+        colour = "#ffffff"
+    sheet.graded(_corners(middle - JOINT, middle + JOINT, y, BED + 0.1), link.use, near=1.5)
     for ends in ((x0, middle - 0.14), (middle + 0.14, x1)):
         sheet.line([(x, y) for x in ends], 1.4)
     for sign in (-1, 1):
