@@ -428,10 +428,8 @@ def sketch(file: str | Path, out: str | Path | None = None, *, case: str | None 
 
     findings = run(replace(one_case(read(file), case), rules=()), only=("assembly",))
     target = Path(out) if out is not None else Path(f"{Path(file).stem}.svg")
-    drawn, joining = plant.sketch(findings)
-    figure = Figure(
-        "plant", f"Train, numbered from its driving end (not to scale){joining}", (drawn,)
-    )
+    caption = "Train, numbered from its driving end (not to scale)"
+    figure = Figure("plant", caption, (plant.sketch(findings),))
     with _writing(findings.study, "the sketch", target):
         target.write_text(
             f'<?xml version="1.0" encoding="UTF-8"?>\n{svg(figure)}', encoding="utf-8"

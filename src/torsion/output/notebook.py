@@ -103,14 +103,20 @@ def _findings(findings: Findings) -> Iterator[Block]:
     further = [block for block in first if isinstance(block, Figure)][1:]
     yield from (block for block in first if not any(block is figure for figure in further))
     if not first:
-        yield Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
+        yield from _plant(findings)
+
+
+def _plant(findings: Findings) -> Iterator[Figure]:
+    """Yield the sketch of the train; nothing of a train too long for a page."""
+    if len((sketch := plant.sketch(findings)).links) <= plant.MOST_LINKS:
+        yield Figure("plant", "Train (not to scale)", (sketch,))
 
 
 def _study(study: Study) -> Iterator[Block]:
     """The sketch of the train and its mass-elastic tables, nothing solved."""
     findings = _alone(None, assembled(study), study)
     yield KeyValues((("Study", study.name),))
-    yield Figure("plant", "Train (not to scale)", (plant.sketch(findings)[0],))
+    yield from _plant(findings)
     yield from _mass_elastic(findings)
 
 

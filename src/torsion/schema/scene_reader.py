@@ -137,7 +137,7 @@ def _study(source: Source) -> Study:
         if not faults and any(name in study.analyses for name in VARYING):
             from torsion.schema.variation import with_variations
 
-            study = with_variations(study, source, _study, faults)
+            study = with_variations(study, source, _study, declarations, faults)
     if faults or study is None:
         raise input_error(faults, source)
     if study.train.follows_speed:
@@ -352,6 +352,32 @@ def _rules(data: dict[str, Any], faults: list[Fault]) -> list[tuple[str, Declare
     return read
 
 
+def declarations(source: Source) -> dict[str, Any]:
+    """Return what `lowered` takes of a file without faults: components, links, excitations and materials."""
+    faults = list(source.faults)
+    links, excitations = _links_and_excitations(source.data, faults)
+    declared_train = {
+        "components": components(source.data["train"], ("train",), faults),
+        "links": tuple(links),
+        "excitations": tuple(excitations),
+        "materials": _materials(source.data, faults),
+    }
+    if faults:
+        raise input_error(faults, source)
+    return declared_train
+
+
+def _links_and_excitations(
+    data: dict[str, Any], faults: list[Fault]
+) -> tuple[list[Link | None], list[Excitation | None]]:
+    excitations = [
+        declared(Excitation, body, path, faults)
+        for path, body in _entries(data, "excitations", faults)
+    ]
+    links = [_link(entry, path, faults) for path, entry in _entries(data, "links", faults)]
+    return links, excitations
+
+
 def _train(
     data: dict[str, Any],
     materials: dict[str, Material],
@@ -360,11 +386,7 @@ def _train(
     folder: str,
 ) -> Train | None:
     """The train as a whole, without the links and excitations that are faulty; None where a component is."""
-    excitations = [
-        declared(Excitation, body, path, faults)
-        for path, body in _entries(data, "excitations", faults)
-    ]
-    links = [_link(entry, path, faults) for path, entry in _entries(data, "links", faults)]
+    links, excitations = _links_and_excitations(data, faults)
     before = len(faults)
     parts = components(data["train"], ("train",), faults) if data.get("train") is not None else ()
     reference = None if operation is None else operation.at

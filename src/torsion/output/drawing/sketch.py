@@ -159,22 +159,6 @@ def _shaft(sheet: Sheet, link: Link) -> None:
         sheet.line(ends, 0.7, "3 2", near=3.0)
 
 
-def _run(sheet: Sheet, link: Link) -> None:
-    """Very many components: a row of thin discs with a break in the middle."""
-    (x0, row), (x1, _), y = link.start, link.end, height(link.start[1])
-    cut, wide = 0.08 * (x1 - x0), x1 - x0
-    middle = (x0 + x1) / 2
-    sheet.graded(_corners(x0, x1, y, BED), link.use, near=1.5)
-    for first, last in ((x0, middle - cut / 2), (middle + cut / 2, x1)):
-        sheet.line([(first, y), (last, y)], 1.4)
-    for share in (0.12, 0.24, 0.36, 0.64, 0.76, 0.88):
-        _box(sheet, (x0 + share * wide, height(row)), 0.1, 0.35, FILLS["disc"])
-    for side in (-0.5, 0.5):
-        sheet.line(
-            [(middle + side * cut - 0.05, y - 0.3), (middle + side * cut + 0.05, y + 0.3)], 1.2
-        )
-
-
 def _gear(sheet: Sheet, link: Link) -> None:
     """Two wheels that mesh; their heights follow the ratio."""
     (x0, row0), (x1, row1) = link.start, link.end
@@ -242,5 +226,4 @@ DRAWINGS = {
     "crank": _crank,
     "rigid": _line,
     "tie": _line,
-    "run": _run,
 }

@@ -9,7 +9,7 @@ from torsion.output.drawing.grades import BOLD, marked
 from torsion.output.drawing.pens import BAD, INK
 from torsion.output.drawing.sheet import Sheet, height
 from torsion.output.drawing.text import HALO, shown, words
-from torsion.output.drawing.words import GROWTH, SIZE, Box, Room, Word, fitted, width
+from torsion.output.drawing.words import GROWTH, SIZE, Box, Room, Word, width
 from torsion.output.figures.figure import Link, Sketch, Use
 from torsion.output.numbers import counted
 
@@ -53,10 +53,6 @@ def place_words(sheet: Sheet, sketch: Sketch) -> tuple[Spread, list[str]]:
         sentence = f"Not labelled for want of room: {counted(omitted, 'component')}"
         sentence += f" (of these {failures} fail)." if failures else "."
         texts.append(words(4.0, low - 3.0, sentence, f' fill="{SOFT}"'))
-    for sentence in sketch.beside:
-        low += 1.3 * SIZE
-        short = fitted(sentence, WIDTH / (GROWTH * WIDER))
-        texts.append(words(4.0, low - 3.0, short, f'{BOLD} fill="{BAD}"'))
     return (high, low), lines + _marks(sheet, sketch) + texts
 
 

@@ -193,7 +193,7 @@ class Use:
 class Link:
     """A link of the train in its sketch."""
 
-    kind: str  # shaft, coupling, gear, joint, crank, rigid, tie (down to a branch), run (of very many)
+    kind: str  # shaft, coupling, gear, joint, crank, rigid, tie (down to a branch)
     start: Place  # x, row
     end: Place
     label: str = ""
@@ -212,7 +212,6 @@ class Sketch:
     links: tuple[Link, ...]
     worst: tuple[Place, Use] | None = None  # x and row of what is pointed at
     height: float | None = None  # px from the lowest to the highest axis, at most
-    beside: tuple[str, ...] = ()  # what fails in parts that are not drawn, in words below it
 
 
 @dataclass(frozen=True)
