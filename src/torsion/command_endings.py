@@ -75,7 +75,7 @@ def end(unanswered: Iterable[str], status: int) -> NoReturn:
 
 
 def show_progress() -> "AbstractContextManager[Progress]":
-    """A progress indicator; what draws it is loaded only where the error stream is a terminal."""
+    """Return a progress indicator; what draws it is loaded only where the error stream is a terminal."""
     if not sys.stderr.isatty():
         return nullcontext(lambda what, share: None)
     from torsion.output.terminal import progress

@@ -38,7 +38,7 @@ FEW = 6  # frequencies in a line
 
 
 def bundle(shown: Any) -> dict[str, str]:
-    """Of a study, its train or system, Findings, Modes or Response: one line, and a fragment without scripts."""
+    """Return one line and a fragment without scripts for a study, its train or system, Findings, Modes or Response."""
     content: dict[type, Callable[[Any], Iterator[Block]]] = {
         Study: _study,
         Train: _train,
@@ -97,7 +97,7 @@ def _frequencies(modes: Modes) -> str:
 
 
 def _findings(findings: Findings) -> Iterator[Block]:
-    """The first chapter of the report, and its first figure."""
+    """Yield the first chapter of the report, and its first figure."""
     first = [*verdict.chapter(findings)] if findings.get(Checks) is not None else []
     yield KeyValues((("Scene", findings.study.name),))
     further = [block for block in first if isinstance(block, Figure)][1:]
@@ -113,7 +113,7 @@ def _plant(findings: Findings) -> Iterator[Figure]:
 
 
 def _study(study: Study) -> Iterator[Block]:
-    """The sketch of the train and its mass-elastic tables, nothing solved."""
+    """Yield the sketch of the train and its mass-elastic tables, nothing solved."""
     findings = _alone(None, assembled(study), study)
     yield KeyValues((("Study", study.name),))
     yield from _plant(findings)
@@ -146,7 +146,7 @@ def _first(shown: Table, most: int) -> Table:
 
 
 def _modes(modes: Modes) -> Iterator[Block]:
-    """The frequencies with their bounds, and the first mode over the train."""
+    """Yield the frequencies with their bounds, and the first mode over the train."""
     if modes.frequency.size:
         yield _first(natural_frequencies.frequencies(modes), MOST_MODES)
         yield from natural_frequencies.plots(_alone(modes, modes.system), modes, (0,))

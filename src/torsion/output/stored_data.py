@@ -148,7 +148,7 @@ def plain(value: Any, arrays: Arrays, named: Collection[type]) -> Any:
 
 @cache
 def _stored_fields(kind: Any) -> list[tuple[str, Any]]:
-    """Names and defaults of the fields that are written; MISSING for a field that is always written."""
+    """Return names and defaults of the fields that are written; MISSING for a field that is always written."""
     return [
         (entry.name, _default(entry)) for entry in fields(kind) if entry.metadata.get("kept", True)
     ]

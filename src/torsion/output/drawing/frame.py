@@ -39,11 +39,11 @@ class Frame:
     high: float
 
     def across(self, values: FloatArray | float) -> FloatArray:
-        """px from the left edge of the plot."""
+        """Return px from the left edge of the plot."""
         return self.x.share(values) * self.wide
 
     def down(self, values: FloatArray | float) -> FloatArray:
-        """px from the upper edge of the plot."""
+        """Return px from the upper edge of the plot."""
         return (1.0 - self.y.share(values)) * self.high
 
     @property
@@ -75,7 +75,7 @@ class Frame:
 
 
 def vertical(panel: Panel) -> Scale:
-    """The y axis of a plot."""
+    """Return the y axis of a plot."""
     data = [line.y for line in panel.lines] + [
         line.base for line in panel.lines if line.base is not None
     ]
@@ -87,7 +87,7 @@ def vertical(panel: Panel) -> Scale:
 
 
 def horizontal(panel: Panel, wide: float) -> Scale:
-    """The x axis of a plot."""
+    """Return the x axis of a plot."""
     data = (
         [line.x for line in panel.lines] + [marks.x for marks in panel.marks] + reached(panel, "x")
     )
@@ -101,7 +101,7 @@ def horizontal(panel: Panel, wide: float) -> Scale:
 
 
 def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
-    """The ends of an axis of numbers that leave room for the symbols of lines."""
+    """Return the ends of an axis of numbers that leave room for the symbols of lines."""
     columns = [line.x[np.isfinite(line.x)] for line in panel.lines if line.symbol and line.x.size]
     if (
         not any(x.size for x in columns)
@@ -116,14 +116,14 @@ def _beside_symbols(panel: Panel, wide: float) -> list[FloatArray]:
 
 
 def reached(panel: Panel, axis: str) -> list[FloatArray]:
-    """The levels as far as which an axis goes."""
+    """Return the levels as far as which an axis goes."""
     return [
         np.array([level.value]) for level in panel.levels if level.is_reached and level.axis == axis
     ]
 
 
 def title_rows(panel: Panel) -> list[str]:
-    """What the y axis says, in one row, or in two where the plot is low."""
+    """Return the title of the y axis in one row, or in two if the plot is low."""
     title = panel.y.title
     if width(title) * GROWTH <= panel.height + TOP:
         return [title]
@@ -133,7 +133,7 @@ def title_rows(panel: Panel) -> list[str]:
 
 
 def margin(panel: Panel, y: Scale) -> float:
-    """px that title and numbers need to the left of a plot."""
+    """Return the px that title and numbers need to the left of a plot."""
     numbers = max((width(text) for _, text in y.ticks), default=0.0)
     return ROW * len(title_rows(panel)) + GROWTH * numbers + 9.0
 
@@ -157,7 +157,7 @@ def grid(frame: Frame) -> str:
 
 
 def axes(frame: Frame, *, has_numbers: bool) -> str:
-    """Two edges with numbers and titles; has_numbers: below the plot too."""
+    """Return two edges with numbers and titles; has_numbers: below the plot too."""
     left, foot = frame.left, frame.top + frame.high
     down = frame.down(np.array([value for value, _ in frame.y.ticks])).tolist()
     parts = [_edges(frame), f'<g class="axis" fill="{INK}" font-size="{SIZE:g}">']
@@ -176,7 +176,7 @@ def axes(frame: Frame, *, has_numbers: bool) -> str:
 
 
 def _edges(frame: Frame) -> str:
-    """The left and the lower edge with their small marks."""
+    """Return the left and the lower edge with their small marks."""
     left, top, foot = frame.left, frame.top, shown(frame.top + frame.high)
     small = [
         f"M{shown(left - 3)} {shown(top + y)}h3"
@@ -190,7 +190,7 @@ def _edges(frame: Frame) -> str:
 
 
 def _below(frame: Frame) -> list[str]:
-    """Numbers or names below the plot."""
+    """Return numbers or names below the plot."""
     foot, made = frame.top + frame.high, []
     slanted = frame.is_slanted
     for value, text in frame.x.ticks:

@@ -39,7 +39,7 @@ DOTTED = "1.6 2"
 
 
 def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
-    """Height in px and elements of the sketch below `top`."""
+    """Return height in px and elements of the sketch below `top`."""
     sheet = _sheet(sketch)
     for link in sketch.links:
         DRAWINGS[link.kind](sheet, link)
@@ -57,7 +57,7 @@ def drawn(sketch: Sketch, top: float) -> tuple[float, str]:
 
 
 def _sheet(sketch: Sketch) -> Sheet:
-    """As wide as the figure, or less where the train is short."""
+    """Return a sheet as wide as the figure, or less if the train is short."""
     places = [(disc.x, disc.row) for disc in sketch.discs] + [
         end for link in sketch.links for end in (link.start, link.end)
     ]
@@ -130,7 +130,7 @@ def _coupling(sheet: Sheet, link: Link) -> None:
 
 
 def _crank(sheet: Sheet, link: Link) -> None:
-    """Two webs and the pin between them, off the axis."""
+    """Draw two webs and the pin between them, off the axis."""
     (x0, x1), y = (link.start[0], link.end[0]), height(link.start[1])
     middle, top = (x0 + x1) / 2, y + WEB
     webs = (middle - PIN * (x1 - x0), middle + PIN * (x1 - x0))
@@ -160,7 +160,7 @@ def _shaft(sheet: Sheet, link: Link) -> None:
 
 
 def _gear(sheet: Sheet, link: Link) -> None:
-    """Two wheels that mesh; their heights follow the ratio."""
+    """Draw two wheels that mesh; their heights follow the ratio."""
     (x0, row0), (x1, row1) = link.start, link.end
     small = 0.26
     driving, driven = (small, small / link.ratio) if link.ratio < 1 else (small * link.ratio, small)
